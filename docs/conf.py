@@ -110,6 +110,13 @@ if not RUN_TUTORIALS and (
 ):  # no origin: the folder of the C library, not the package
     exclude_patterns.append("api/python.rst")
     suppress_warnings = ["toc.excluded"]
+else:
+    # Sphinx looks up annotations in the module, which imports these names for type checkers alone.
+    import libcontact.scene
+
+    from libcontact import explain, plan
+
+    libcontact.scene.Cost, libcontact.scene.Explanation = plan.Cost, explain.Explanation
 
 # -- References and tutorials ---------------------------------------------------------------------------------------
 bibtex_bibfiles = ["references.bib"]

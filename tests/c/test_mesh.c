@@ -411,6 +411,50 @@ static void box_refused(double size, int cells, double origin, const char *what)
          "a box with %s is refused: %s", what, e.text);
 }
 
+/* Elements are checked in groups: each of 27 is found alone when its far corner is beyond its near
+ * one, however small the mesh. */
+static void each_is_checked(ct_brick_kind kind, double scale)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, scale, scale, scale, 3, 3, 3);
+  int per = ct_brick_node_count(kind), found = 0;
+  for (int32_t el = 0; el < m->element_count; el++) {
+    int32_t *element = &m->elements[(size_t)per * (size_t)el], first = element[0];
+    ct_error e = {0};
+    // Node 1 takes the place of node 0, and node 0 that of node 1: the corners 0 and 6 that a box
+    // is known by are no sign of it.
+    element[0] = element[1], element[1] = first;
+    found += ct_mesh_check(m, &e) == CT_ERROR_GEOMETRY && e.element == el;
+    element[1] = element[0], element[0] = first;
+    double *x = &m->nodes[3 * (size_t)element[3]], keep = x[2];
+    x[2] += 2.0 * scale;
+    found += ct_mesh_check(m, &e) == CT_ERROR_GEOMETRY && e.element <= el;
+    x[2] = keep;
+  }
+  tap_ok(found == 2 * m->element_count && ct_mesh_check(m, NULL) == CT_OK,
+         "%s of size %g: each of 27 elements is found when it is turned, %d of %d", KIND[kind],
+         scale, found, 2 * (int)m->element_count);
+  ct_mesh_free(m);
+}
+
+/* The shortest of unlike edges, in a group and in the rest of one; an edge without a length is
+ * none. */
+static void unlike_edges(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 11, 0.25, 3, 11, 1, 1);
+  tap_close(ct_mesh_shortest_edge(m), 0.25, 0.0, "%s: the shortest of unlike edges", KIND[kind]);
+  int per = ct_brick_node_count(kind);
+  for (int32_t el = 0; el < 11; el++) {
+    double *a = &m->nodes[3 * (size_t)m->elements[per * el]],
+           *b = &m->nodes[3 * (size_t)m->elements[per * el + 1]], keep = b[0];
+    b[0] = a[0] + 0.125;
+    tap_ok(ct_mesh_shortest_edge(m) == 0.125, "%s: that of element %d", KIND[kind], (int)el);
+    b[0] = a[0];
+    tap_ok(ct_mesh_shortest_edge(m) == 0.25, "%s: a wedge has no edge there", KIND[kind]);
+    b[0] = keep;
+  }
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
   for (int kind = 0; kind < 2; kind++) {
@@ -421,6 +465,9 @@ int main(void)
     refusals((ct_brick_kind)kind);
     corners((ct_brick_kind)kind);
     random_bricks((ct_brick_kind)kind);
+    each_is_checked((ct_brick_kind)kind, 1.0);
+    each_is_checked((ct_brick_kind)kind, 1e-5);
+    unlike_edges((ct_brick_kind)kind);
   }
   turned_faces();
   box_refused(0.0, 1, 0.0, "no height");

@@ -2,6 +2,8 @@
  * readable form, frequencies. */
 #include "blocks.h"
 
+#include "../../libcontact/src/solid/below.h"
+
 static const char *KIND[2] = {"hex8", "hex20"};
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
@@ -445,6 +447,69 @@ static void worst_element(ct_brick_kind kind)
       KIND[kind], wrong);
 }
 
+/* The element matrix without what is held, as a mass that hardly moves. */
+static double held_frequency(const ct_mesh *m, int el, const int held[3])
+{
+  int n = 3 * ct_brick_node_count(m->kind);
+  double *A = numbers(n * n), x[60], mass[20];
+  ct_error e;
+  take_element(m, el, m->nodes, x);
+  need(ct_mass_element(m->kind, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
+  for (int j = 0; j < n; j++) {
+    double u[60] = {0}, f[60];
+    u[j] = 1.0;
+    need(ct_solid_element_force(m->kind, x, u, &STEEL, f, NULL, &e), &e);
+    for (int i = 0; i < n; i++)
+      if (!held[i % 3] && !held[j % 3]) A[i * n + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
+  }
+  double top = jacobi_largest(n, A);
+  free(A);
+  return top;
+}
+
+/* Which elements surely have no eigenvalue above a number, against Jacobi's eigenvalues a little
+ * below and above it; and the bound of the body is the largest of all. Elements grow along x, so
+ * that a stiff one stands first, and last. */
+static void definite(ct_brick_kind kind)
+{
+  static const int HELD[3][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}};
+  static const ct_optimisations NONE = {0, 0, 0, 0};
+  for (int k = 0; k < 3; k++) {
+    ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, kind == CT_HEX8 ? 11 : 5, 1, 1);
+    for (int n = 0; n < m->node_count; n++)
+      m->nodes[3 * n] *= (k == 1 ? 0.3 : 1.0) + 0.2 * m->nodes[3 * n] * (k == 2 ? -1.0 : 1.0);
+    distort(m, kind == CT_HEX8 ? 0.01 : 0.004);
+    ct_solid_part part = {.mesh = m, .material = STEEL};
+    ct_material_lame(&STEEL, &part.lambda, &part.mu);
+    ct_mass_shapes at;
+    ct_error e;
+    need(ct_mass_tabulate(kind, CT_LUMP_DEFAULT, &at, &e), &e);
+    double top = 0.0;
+    int wrong = 0;
+    for (int el = 0; el < m->element_count; el++) {
+      double w = held_frequency(m, el, HELD[k]);
+      int32_t first = el - el % CT_LANES_COUNT;
+      for (int above = 0; above < 2; above++) {
+        double limit = w * (above ? 1.0 + 1e-8 : 1.0 - 1e-8);
+        wrong +=
+            (int)(ct_solid_below(&part, &at, first, HELD[k], limit) >> (el - first) & 1) != above;
+      }
+      top = fmax(top, w);
+    }
+    tap_ok(wrong == 0, "%s: elements are told to be below their frequency %d times wrongly",
+           KIND[kind], wrong);
+    block solid = open_body((ct_solid_body){.mesh = m,
+                                            .material = STEEL,
+                                            .optimisations = &NONE,
+                                            .held = {HELD[k][0], HELD[k][1], HELD[k][2]}});
+    tap_close(block_frequency(&solid) / top, 1.0, 1e-11,
+              "%s: the bound of unlike elements, %d held", KIND[kind],
+              HELD[k][0] + HELD[k][1] + HELD[k][2]);
+    close_block(&solid);
+    ct_mesh_free(m);
+  }
+}
+
 static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   for (int axis = 0; axis < 3; axis++) {
@@ -588,5 +653,7 @@ int main(void)
   rows(CT_HEX8, CT_KERNEL_GENERAL, CT_NEO_HOOKEAN, "hex8 kernel, neo-Hookean");
   rows(CT_HEX20, CT_KERNEL_GENERAL, CT_LINEAR, "hex20 kernel");
   bytes_of_rows();
+  definite(CT_HEX8);
+  definite(CT_HEX20);
   return tap_done();
 }

@@ -1,7 +1,10 @@
 """Scenes: reading, refusing, building, explaining. Nothing here looks at results of a run (see test_run.py)."""
 
 import copy
+import dataclasses
 import math
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -720,4 +723,22 @@ def test_a_scene_of_the_tutorials_is_short_and_explained(path):
     assert (
         f'"{path.stem}"' in (SCENES.parent / "05_scenes.py").read_text(encoding="utf-8")
         or path.stem == "plates_reference"
+    )
+
+
+def test_a_scene_is_read_without_what_computes():
+    code = "import sys, libcontact as ct; ct.Scene.load(ct.example('plates')); print(*sys.modules)"
+    out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    loaded = {"libcontact." + name for name in ("scene", "loop", "explain", "plan", "warned")}
+    assert loaded & set(out.stdout.split()) == {"libcontact.scene"}
+
+
+def test_a_table_that_was_read_stays_as_it_is():
+    body = ct.Scene.load(ct.example("plates"))._parts.body[0]
+    with pytest.raises(dataclasses.FrozenInstanceError, match="name"):
+        body.name = "other"
+    with pytest.raises(dataclasses.FrozenInstanceError, match="name"):
+        del body.name
+    assert body.name == "left" and repr(body).startswith(
+        "Body(name='left', material='steel', box=Box("
     )

@@ -24,6 +24,26 @@ VTK_TYPE = {12: "hex8", 25: "hex20"}
 LAYERS = names("ct_layers")
 
 
+def c_box(box: Any, layers: str) -> Any:
+    """A ``ct_box *`` of a box (with ``origin``, ``size``, ``cells``), numbered in these layers."""
+    return ffi.new("ct_box *", [list(box.origin), list(box.size), list(box.cells), LAYERS[layers]])
+
+
+def c_ring(ring: Any) -> Any:
+    """A ``ct_ring *`` of a ring (with ``centre``, ``radius``, ``width``, ``cells``)."""
+    members = [list(ring.centre), list(ring.radius), ring.width, list(ring.cells)]
+    return ffi.new("ct_ring *", members)
+
+
+def c_mesh(nodes: Floats, elements: Ints) -> Any:
+    """A ``ct_mesh *`` of contiguous arrays, which must live as long."""
+    if nodes.dtype != np.float64 or elements.dtype != np.int32:
+        found = f"nodes of {nodes.dtype} and elements of {elements.dtype}"
+        raise TypeError(f"{found}; float64 and int32 are needed")
+    kind = list(WIDTH.values()).index(elements.shape[1])
+    return ffi.new("ct_mesh *", [kind, len(nodes), len(elements), doubles(nodes), ints(elements)])
+
+
 def row_length(box: Any, layers: str) -> int:
     """Cells along a row of a box (with ``cells``), numbered in these layers."""
     axes, c = ffi.new("int[3]"), {"cells": list(box.cells), "layers": LAYERS[layers]}
@@ -65,12 +85,6 @@ class Mesh:
         self.elements: Ints = view(pointer.elements, shape, np.int32, keep)
 
     @classmethod
-    def _checked(cls, function: Any, *arguments: Any) -> Mesh:
-        mesh = cls(ask("ct_mesh **", function, *arguments))
-        call(lib.ct_mesh_check, mesh.pointer)
-        return mesh
-
-    @classmethod
     def box(cls, element: str, origin: Any, size: Any, cells: Any, layers: str = "z") -> Mesh:
         """
         Mesh a rectangular box, numbered as ``ct_mesh_create_box`` says.
@@ -103,33 +117,10 @@ class Mesh:
         >>> mesh.nodes.shape, mesh.elements[0].tolist(), mesh.face_nodes("x_min").tolist()
         ((12, 3), [0, 1, 4, 3, 6, 7, 10, 9], [0, 3, 6, 9])
         """
-        box = [list(origin), list(size), list(cells), LAYERS[layers]]
-        return cls._checked(lib.ct_mesh_create_box, KINDS[element], ffi.new("ct_box *", box))
-
-    @classmethod
-    def ring(cls, element: str, shape: Any) -> Mesh:
-        """
-        Mesh a ring about an axis along z, numbered as ``ct_mesh_create_ring`` says.
-
-        Parameters
-        ----------
-        element : {"hex8", "hex20"}
-            Kind of the elements.
-        shape : Ring
-            Its ``centre``, ``radius`` (inner and outer), ``width`` and ``cells``.
-
-        Returns
-        -------
-        Mesh
-            The mesh, checked.
-
-        Raises
-        ------
-        ValueError
-            A number is impossible.
-        """
-        ring = [list(shape.centre), list(shape.radius), shape.width, list(shape.cells)]
-        return cls._checked(lib.ct_mesh_create_ring, KINDS[element], ffi.new("ct_ring *", ring))
+        box = ffi.new("ct_box *", [list(origin), list(size), list(cells), LAYERS[layers]])
+        mesh = cls(ask("ct_mesh **", lib.ct_mesh_create_box, KINDS[element], box))
+        call(lib.ct_mesh_check, mesh.pointer)
+        return mesh
 
     @classmethod
     def copy(cls, nodes: Floats, elements: Ints) -> Mesh:
@@ -155,13 +146,7 @@ class Mesh:
         ValueError
             A node number is out of range, a coordinate not finite or an element inverted.
         """
-        if nodes.dtype != np.float64 or elements.dtype != np.int32:
-            found = f"nodes of {nodes.dtype} and elements of {elements.dtype}"
-            raise TypeError(f"{found}; float64 and int32 are needed")
-        kind = list(WIDTH.values()).index(elements.shape[1])
-        source = ffi.new("ct_mesh *", [kind, len(nodes), len(elements)])
-        source.nodes, source.elements = doubles(nodes), ints(elements)
-        return cls(ask("ct_mesh **", lib.ct_mesh_create_copy, source))
+        return cls(ask("ct_mesh **", lib.ct_mesh_create_copy, c_mesh(nodes, elements)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
@@ -169,7 +154,8 @@ class Mesh:
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
         """Smallest and largest coordinates of the nodes [length], shape (3,) each."""
-        return self.nodes.min(axis=0), self.nodes.max(axis=0)
+        columns = self.nodes.T  # one by one numpy is much faster
+        return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])
 
     @cached_property
     def shortest_edge(self) -> float:

@@ -6,15 +6,25 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import ask, call, doubles, names, row
+from .bridge import Floats, Ints, ask, call, doubles, names, row
 from .errors import Error, check, new_error, text_of
-from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
+from .mesh import (
+    KINDS,
+    WIDTH,
+    Mesh,
+    c_box,
+    c_mesh,
+    c_ring,
+    physical_memory,
+    read_vtkhdf,
+    row_length,
+)
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts
 from .probes import locate
@@ -54,6 +64,13 @@ class BuiltBody:
     kernel: str
     flops: float
     bytes: float
+
+
+class Arrays(NamedTuple):
+    """Nodes and elements of a mesh that C copies."""
+
+    nodes: Floats
+    elements: Ints
 
 
 @dataclass(frozen=True)
@@ -248,54 +265,68 @@ class Problem:
             return "z"
         return axis if row_length(body.box, axis) >= SHORTEST_ROW else "z"
 
-    def _mesh(self, i: int, body: Body) -> Mesh:
-        """The mesh of a body, from whichever key says it."""
-        box, ring, element = body.box, body.ring, str(body.bricks)
-        key = next(name for name in Body.one[0] if getattr(body, name) is not None)
-        try:
-            if box is not None:
-                return Mesh.box(element, box.origin, box.size, box.cells, self.layers(body))
-            return Mesh.ring(element, ring) if ring is not None else self._copied(i, body)
-        except SceneError:
-            raise
-        except (Error, ValueError, MemoryError, OverflowError) as error:
-            raise self._error(f'body "{body.name}": {error}', f"body[{i}].{key}") from None
+    def _shape(self, body: Body, key: str) -> tuple[dict[str, Any], Mesh | Arrays | None]:
+        """The members of a ``ct_scene_body`` that say its mesh, and what holds that; a box that does not turn is made by the scene."""
+        if body.box is None and body.ring is None:
+            arrays = self._arrays(body, key)
+            return {"mesh": c_mesh(*arrays)}, arrays
+        kind = KINDS[str(body.bricks)]
+        if body.ring is not None:
+            ring = Mesh(ask("ct_mesh **", lib.ct_mesh_create_ring, kind, c_ring(body.ring)))
+            return {"mesh": ring.pointer}, ring
+        box = c_box(body.box, self.layers(body))
+        made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if body.spin else None
+        return {"kind": kind, "box": box[0]}, made
 
-    def _copied(self, i: int, body: Body) -> Mesh:
-        """The mesh of a body's own nodes and elements, or of those of its file, which may contradict other keys as well."""
+    def _arrays(self, body: Body, key: str) -> Arrays:
+        """A body's own nodes and elements, or those of its file, which may contradict other keys as well."""
         if body.mesh is not None:
             path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
-            at, (nodes, elements) = Place(f"body[{i}].mesh", self.file), read_vtkhdf(path)
+            at, (nodes, elements) = Place(key, self.file), read_vtkhdf(path)
             nodes = Rows(3).read(nodes, at)
             elements = Rows(*WIDTH.values(), whole=True).read(elements, at)
             body = replace(body, mesh=None, nodes=nodes, elements=elements)
-            for key, reason in body.refusals():
-                raise self._error(f'{reason}, in "{path}"', f"body[{i}].{key}")
+            for name, reason in body.refusals():
+                raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
         unused = np.flatnonzero(np.bincount(body.elements.ravel(), minlength=len(body.nodes)) == 0)
         if unused.size:
             raise ValueError(f"node {unused[0]} belongs to no element, so it would have no mass")
-        return Mesh.copy(body.nodes, body.elements)
+        return Arrays(body.nodes, body.elements)
 
     def _add_bodies(self) -> None:
-        self._meshes = {}
+        """Add all bodies and join them, from when on their meshes are those of the scene."""
         for i, body in enumerate(self.parts.bodies.values()):
-            mesh = self._mesh(i, body)
             given = self.parts.materials[body.material]
             c1 = speeds(given)[0]
             if not (math.isfinite(c1) and c1 > 0.0):
                 reason = f'material "{body.material}" has the wave speed {c1:g}'
                 raise self._error(reason, f"body[{i}].material")
-            name = ffi.new("char[]", body.name.encode())
-            members = body.c("ct_scene_body", name=name, mesh=mesh.pointer)
-            members["material"] = given.c("ct_material")
-            if body.integration == "reduced":
-                members["kernel"] = lib.CT_KERNEL_REDUCED
-            if body.spin is not None:
-                members["velocities"] = ffi.from_buffer("double[]", _spinning(body, mesh))
-            new = ffi.new("ct_scene_body *", members)
-            about = f'body "{body.name}": '
-            self._call(f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
-            self._meshes[body.name] = mesh
+            self._add_body(i, body, given)
+        joined = ffi.new("const ct_problem **")
+        self._call("", lib.ct_scene_join, self._scene, joined)
+        self.joined = joined[0]
+        meshes = (self.joined.bodies[i].mesh for i in range(len(self.parts.bodies)))
+        self._meshes = {name: Mesh(m, self._scene) for name, m in zip(self.parts.bodies, meshes)}
+
+    def _add_body(self, i: int, body: Body, given: Material) -> None:
+        """Add a body; what is wrong with its mesh is an error of the key that says it."""
+        key = next(name for name in Body.one[0] if getattr(body, name) is not None)
+        key, about = f"body[{i}].{key}", f'body "{body.name}": '
+        try:
+            shape, held = self._shape(body, key)
+        except SceneError:
+            raise
+        except (Error, ValueError, MemoryError, OverflowError) as error:
+            raise self._error(f"{about}{error}", key) from None
+        name = ffi.new("char[]", body.name.encode())
+        members = body.c("ct_scene_body", name=name, **shape)
+        members["material"] = given.c("ct_material")
+        if body.integration == "reduced":
+            members["kernel"] = lib.CT_KERNEL_REDUCED
+        if held is not None and body.spin is not None:
+            members["velocities"] = ffi.from_buffer("double[]", _spinning(body, held.nodes))
+        new = ffi.new("ct_scene_body *", members)
+        self._call(key, lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
@@ -335,13 +366,9 @@ class Problem:
         calls += [(effect.name, effect.create) for effect in self.own]
         paths = [i for i, support in enumerate(self.parts.support) if support.history]
         calls += [(f"support[{i}]", Maker.motion) for i in paths[:1]]
-        if not calls:
-            return
-        joined = ffi.new("const ct_problem **")
-        self._call("", lib.ct_scene_join, self._scene, joined)
         made = []
         for key, create in calls:
-            new = create(Maker(self, joined[0], key))
+            new = create(Maker(self, self.joined, key))
             for effect in new if isinstance(new, list) else [new]:
                 made.append((key, ffi.gc(effect, lib.ct_effect_free)))
         for key, effect in made:
@@ -369,7 +396,6 @@ class Problem:
             reason = f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken"
             raise self._error(reason, f"time.{name}")
         self.pointer, self.step_count = problem[0], count[0]
-        self._meshes = {}
 
     def _built_body(self, i: int, name: str) -> BuiltBody:
         body = self.pointer.bodies[i]
@@ -377,7 +403,7 @@ class Problem:
         lib.ct_solid_body_plan(self.pointer.effects[0], i, kernel, cost, cost + 1)
         rows = slice(body.first_node, body.first_node + body.mesh.node_count)
         material = self.parts.materials[self.parts.bodies[name].material]
-        mesh = Mesh(body.mesh, self._scene)
+        mesh = self._meshes[name]
         return BuiltBody(name, mesh, material, rows, word(KERNELS, kernel[0]), *cost)
 
     def _built_contact(self, i: int, contact: Contact) -> BuiltContact:
@@ -571,10 +597,13 @@ def new_state(problem: Problem) -> Any:
     return ffi.gc(state, lambda state, free=lib.ct_state_free, problem=problem: free(state))
 
 
-def _spinning(body: Body, mesh: Mesh) -> NDArray[Any]:
+def _spinning(body: Body, nodes: Floats) -> NDArray[Any]:
     """Velocity of each node of a body that flies and turns, v + ω × (X - centre)."""
-    low, high = mesh.bounds
-    centre = 0.5 * (low + high) if body.spin.centre is None else np.array(body.spin.centre)
+    centre = (
+        0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
+        if body.spin.centre is None
+        else np.array(body.spin.centre)
+    )
     axis = np.array(body.spin.axis)
     omega = body.spin.rate / math.hypot(*axis) * axis
-    return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, mesh.nodes - centre))
+    return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, nodes - centre))

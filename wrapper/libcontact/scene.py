@@ -9,22 +9,23 @@ from collections.abc import Callable
 from dataclasses import replace
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, cast
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
-from .explain import Explanation, explain
-from .loop import Loop, record_count, schedule
 from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
-from .plan import Cost, predict, table
 from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run
 from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
-from .warned import known
+
+if TYPE_CHECKING:
+    # What computes is imported when a scene is built or run: a scene is read without it.
+    from .explain import Explanation
+    from .plan import Cost
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
@@ -344,6 +345,9 @@ class Scene:
         Explanation
             A text, with the same facts as a dictionary in its ``data``.
         """
+        from .explain import explain
+        from .loop import record_count, schedule
+
         problem = self._built(None)
         return explain(problem, schedule(problem)[0], record_count(problem))
 
@@ -361,6 +365,9 @@ class Scene:
         list of Cost
             The costs, predicted from a trial of a few steps.
         """
+        from .loop import record_count
+        from .plan import predict
+
         problem = self._built(None)
         if run is None:
             return list(predict(problem, record_count(problem)).costs)
@@ -381,6 +388,8 @@ class Scene:
         str
             The table.
         """
+        from .plan import table
+
         return table(self.costs(run), self._built(None).stable.dt)
 
     def run(
@@ -418,6 +427,9 @@ class Scene:
         Run
             The results. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
         """
+        from .loop import Loop
+        from .warned import known
+
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
                 threads, Place("run.threads", self.file)

@@ -494,7 +494,20 @@ class Table:
     """Keys that have a meaning only where another one has a certain word."""
 
     def __init_subclass__(cls, eq: bool = False) -> None:
-        dataclass(frozen=True, kw_only=True, eq=eq)(cls)
+        # What each dataclass would write for itself, and Python compile at every start, is here once.
+        dataclass(kw_only=True, eq=eq, unsafe_hash=eq, repr=False, match_args=False)(cls)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__dict__:
+            raise dataclasses.FrozenInstanceError(f"cannot assign to {name!r}")
+        super().__setattr__(name, value)
+
+    def __delattr__(self, name: str) -> None:
+        raise dataclasses.FrozenInstanceError(f"cannot delete {name!r}")
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.keys())
+        return f"{type(self).__name__}({given})"
 
     @classmethod
     def keys(cls) -> dict[str, dataclasses.Field[Any]]:

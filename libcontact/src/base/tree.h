@@ -23,21 +23,4 @@ static inline double ct_tree_nodes(int count, const double *t, int s)
   return ((corners + along_xi) + along_eta) + along_zeta;
 }
 
-/* Over a line of 2 or 3 values: ends first, then the middle. */
-static inline double ct_tree_line(int n, const double *t, int stride)
-{
-  return n == 2 ? t[0] + t[stride] : (t[0] + t[2 * stride]) + t[stride];
-}
-
-/* Over the n x n x n Gauss points of a brick (n = 2 or 3), ξ fastest. */
-static inline double ct_tree_points(int n, const double t[27])
-{
-  double plane[3], line[3];
-  for (int k = 0; k < n; k++) {
-    for (int j = 0; j < n; j++) line[j] = ct_tree_line(n, &t[n * (j + n * k)], 1);
-    plane[k] = ct_tree_line(n, line, 1);
-  }
-  return ct_tree_line(n, plane, 1);
-}
-
 #endif

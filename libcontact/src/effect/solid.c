@@ -1,5 +1,5 @@
 /* The solid effect: internal forces of all bodies. */
-#include <libcontact/effect.h>
+#include "solid.h"
 
 #include "../step/effect_internal.h"
 #include "../base/error.h"
@@ -211,7 +211,6 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_erro
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
     ct_status status = ct_material_check(&blocks[i].material, error);
-    if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
     if (status == CT_OK && blocks[i].first_node != next_node)
       status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)blocks[i].first_node,
                          (int)next_node);
@@ -237,6 +236,17 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
                                  ct_effect **effect, ct_error *error)
 {
   (void)problem;
+  int known = def != NULL && def->cookie == CT_DEF_COOKIE && def->blocks != NULL;
+  for (int32_t i = 0; known && i < def->block_count; i++) {
+    ct_status status = ct_mesh_check(def->blocks[i].mesh, error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
+  }
+  return ct_solid_create_checked(def, effect, error);
+}
+
+ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, ct_error *error)
+{
   if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->blocks == NULL ||
       def->block_count < 1)
     return CT_REFUSE(error, "solid: no bodies, or a definition without its default");

@@ -6,15 +6,6 @@
 
 void ct_assembly_free(ct_assembly *assembly) { ct_pool_free(assembly); }
 
-/* The octant around local node `a` in which the element lies: bit 0 is set when it lies on the side
- * of positive ξ. */
-static int octant(ct_brick_kind kind, int a)
-{
-  double xi[3];
-  ct_brick_reference(kind, a, xi);
-  return (xi[0] < 0.0) + 2 * (xi[1] < 0.0) + 4 * (xi[2] < 0.0);
-}
-
 static void add_extra(ct_assembly *assembly, int32_t to, int32_t from)
 {
   if (assembly->extra_to != NULL) {
@@ -30,7 +21,7 @@ static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
 {
   int per = ct_brick_node_count(mesh->kind), slot[20], width = 8 * assembly->components;
   int32_t zero = (int32_t)assembly->element_values, first_cell = zero + width;
-  for (int a = 0; a < per; a++) slot[a] = octant(mesh->kind, a);
+  for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
   for (size_t i = 0; i < 8 * (size_t)mesh->node_count; i++) assembly->place[i] = zero;
   assembly->extra_count = assembly->cell_count = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -58,10 +49,7 @@ ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **
                              ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
-  int32_t number[20];
-  ct_status status = per > 0 ? CT_OK : CT_REFUSE(error, "mesh: unknown kind of element");
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++)
-    status = ct_mesh_element_nodes(mesh, e, number, error);
+  ct_status status = ct_mesh_check_numbers(mesh, error);
   if (status != CT_OK) return status;
   int64_t values = ((int64_t)mesh->element_count + 7) / 8 * 8 * per * components;
   if (values > INT32_MAX / 4)

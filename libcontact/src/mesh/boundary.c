@@ -9,27 +9,13 @@
 typedef struct side {
   int32_t corner[4]; /* ascending, so that both owners of an inner face agree */
   int32_t element;
-  int32_t side;
+  int32_t number; /* of the side of the element; -1: another element has the face, too */
+  int32_t next;   /* the side before with the same hash, or -1 */
 } side;
-
-static int compare_corners(const void *a, const void *b)
-{
-  const side *p = a, *q = b;
-  for (int i = 0; i < 4; i++)
-    if (p->corner[i] != q->corner[i]) return p->corner[i] < q->corner[i] ? -1 : 1;
-  return 0;
-}
-
-static int compare_places(const void *a, const void *b)
-{
-  const side *p = a, *q = b;
-  if (p->element != q->element) return p->element < q->element ? -1 : 1;
-  return (p->side > q->side) - (p->side < q->side);
-}
 
 static side side_of(const int32_t node[8], int32_t element, int number)
 {
-  side s = {{0, 0, 0, 0}, element, number};
+  side s = {{0, 0, 0, 0}, element, number, -1};
   for (int i = 0; i < 4; i++) {
     int j = i;
     for (; j > 0 && s.corner[j - 1] > node[i]; j--) s.corner[j] = s.corner[j - 1];
@@ -38,59 +24,61 @@ static side side_of(const int32_t node[8], int32_t element, int number)
   return s;
 }
 
-/* The faces that are asked for: those within `tolerance` of x[axis] = value; axis -1: all. */
-typedef struct plane {
-  int axis;
-  double value, tolerance;
-} plane;
-
-/* Whether all nodes of a side lie in the plane; writes their numbers, shape (4 or 8). */
-static int is_in(const ct_mesh *mesh, int32_t element, int number, const plane *in, int32_t node[8])
+/* Node numbers of a side of an element, shape (4 or 8). */
+static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, int number,
+                       int32_t node[8])
 {
-  int local[8], inside = 1, per_face = mesh->kind == CT_HEX8 ? 4 : 8;
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
-  ct_brick_face(mesh->kind, number, local);
-  for (int a = 0; a < per_face; a++) {
-    node[a] = mesh->elements[(size_t)element * per + (size_t)local[a]];
-    if (in->axis >= 0)
-      inside &=
-          fabs(mesh->nodes[3 * (size_t)node[a] + (size_t)in->axis] - in->value) <= in->tolerance;
-  }
-  return inside;
+  for (int a = 0; a < (mesh->kind == CT_HEX8 ? 4 : 8); a++)
+    node[a] = mesh->elements[(size_t)element * per + (size_t)local[number][a]];
 }
 
-/* Write the sides in the plane, of inner faces both; answers how many. Null `sides`: only count. */
-static size_t list_sides(const ct_mesh *mesh, const plane *in, side *sides)
+/* Write the sides all of whose nodes are `in`, of inner faces both; answers how many. Null `sides`:
+ * only count. */
+static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, side *sides)
 {
+  int per = ct_brick_node_count(mesh->kind), per_face = mesh->kind == CT_HEX8 ? 4 : 8;
+  const int32_t *n = mesh->elements;
   size_t count = 0;
-  int32_t node[8];
-  for (int32_t e = 0; e < mesh->element_count; e++)
+  for (int32_t e = 0; e < mesh->element_count; e++, n += per) {
+    // Each side has one of two opposite corners.
+    if (!in[n[0]] && !in[n[6]]) continue;
     for (int number = 0; number < 6; number++) {
-      if (!is_in(mesh, e, number, in, node)) continue;
-      if (sides != NULL) sides[count] = side_of(node, e, number);
+      int inside = 1;
+      for (int a = 0; inside && a < per_face; a++) inside = in[n[local[number][a]]];
+      if (!inside) continue;
+      if (sides != NULL) {
+        int32_t node[8];
+        side_nodes(mesh, local, e, number, node);
+        sides[count] = side_of(node, e, number);
+      }
       count++;
     }
+  }
   return count;
 }
 
-/* The sides in the plane that occur once, by element and side; `*count` of them, or null without
- * memory. Both sides of an inner face are in a plane, or none is. */
-static side *outer_sides(const ct_mesh *mesh, const plane *in, int32_t *count)
+/* Mark the sides that occur more than once: each looks for its corners among those before it with
+ * the same hash. */
+static ct_status mark_inner(side *sides, size_t count)
 {
-  size_t total = list_sides(mesh, in, NULL), kept = 0;
-  side *sides = ct_allocate(total + 1, sizeof *sides);
-  if (sides == NULL) return NULL;
-  list_sides(mesh, in, sides);
-  qsort(sides, total, sizeof *sides, compare_corners);
-  for (size_t i = 0; i < total;) {
-    size_t next = i + 1;
-    while (next < total && compare_corners(&sides[i], &sides[next]) == 0) next++;
-    if (next == i + 1) sides[kept++] = sides[i];
-    i = next;
+  size_t room = 1;
+  while (room < count) room *= 2;
+  int32_t *latest = ct_allocate(room, sizeof *latest); // number + 1 of the latest side of a hash
+  if (latest == NULL) return CT_ERROR_MEMORY;
+  for (size_t i = 0; i < count; i++) {
+    uint64_t hash = 0;
+    for (int k = 0; k < 4; k++)
+      hash = (hash + (uint64_t)sides[i].corner[k]) * UINT64_C(0x9e3779b97f4a7c15);
+    int32_t *head = &latest[(hash >> 32) & (room - 1)], k = *head - 1;
+    while (k >= 0 && memcmp(sides[k].corner, sides[i].corner, sizeof sides[i].corner) != 0)
+      k = sides[k].next;
+    sides[i].next = *head - 1;
+    *head = (int32_t)i + 1;
+    if (k >= 0) sides[i].number = sides[k].number = -1;
   }
-  qsort(sides, kept, sizeof *sides, compare_places);
-  *count = (int32_t)kept;
-  return sides;
+  ct_release(latest);
+  return CT_OK;
 }
 
 static double plane_tolerance(const ct_mesh *mesh)
@@ -101,31 +89,47 @@ static double plane_tolerance(const ct_mesh *mesh)
   return 1e-9 * size;
 }
 
-/* Whether there is a mesh and its elements have nodes. */
-static int is_whole(const ct_mesh *mesh)
+/* Copy the outer faces whose nodes are all `in`, by element and side. Both sides of an inner face
+ * are there, or none is. */
+static int32_t collect(const ct_mesh *mesh, const char *in, int32_t *faces, int32_t *owners)
 {
-  int64_t entries = (int64_t)mesh->element_count * ct_brick_node_count(mesh->kind);
-  if (entries < 1 || mesh->nodes == NULL || mesh->elements == NULL) return 0;
-  for (int64_t i = 0; i < entries; i++)
-    if (mesh->elements[i] < 0 || mesh->elements[i] >= mesh->node_count) return 0;
-  return 1;
-}
-
-/* Copy the outer faces in the plane. */
-static int32_t collect(const ct_mesh *mesh, plane in, int32_t *faces, int32_t *owners)
-{
-  int32_t count = 0;
+  int local[6][8];
+  int32_t kept = 0;
   size_t per_face = mesh->kind == CT_HEX8 ? 4 : 8;
-  if (!is_whole(mesh)) return -CT_ERROR_ARGUMENT;
-  side *sides = outer_sides(mesh, &in, &count);
-  if (sides == NULL) return -CT_ERROR_MEMORY;
-  for (int32_t i = 0; i < count; i++) {
+  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
+  size_t count = list_sides(mesh, local, in, NULL);
+  if (count > INT32_MAX) return -CT_ERROR_MEMORY;
+  side *sides = ct_allocate(count, sizeof *sides);
+  if (sides != NULL) list_sides(mesh, local, in, sides);
+  if (sides == NULL || mark_inner(sides, count) != CT_OK) {
+    ct_release(sides);
+    return -CT_ERROR_MEMORY;
+  }
+  for (size_t i = 0; i < count; i++) {
     int32_t node[8];
-    is_in(mesh, sides[i].element, sides[i].side, &in, node);
-    if (faces != NULL) memcpy(&faces[(size_t)i * per_face], node, per_face * sizeof *faces);
-    if (owners != NULL) owners[i] = sides[i].element;
+    if (sides[i].number < 0) continue;
+    side_nodes(mesh, local, sides[i].element, sides[i].number, node);
+    if (faces != NULL) memcpy(&faces[(size_t)kept * per_face], node, per_face * sizeof *faces);
+    if (owners != NULL) owners[kept] = sides[i].element;
+    kept++;
   }
   ct_release(sides);
+  return kept;
+}
+
+/* The outer faces within a tolerance of x[axis] = value; axis -1: all. */
+static int32_t faces_in(const ct_mesh *mesh, int axis, double value, int32_t *faces,
+                        int32_t *owners)
+{
+  if (mesh->nodes == NULL || mesh->elements == NULL || ct_mesh_check_numbers(mesh, NULL) != CT_OK)
+    return -CT_ERROR_ARGUMENT;
+  char *in = ct_allocate((size_t)mesh->node_count, 1);
+  if (in == NULL) return -CT_ERROR_MEMORY;
+  double tolerance = plane_tolerance(mesh);
+  for (size_t i = 0; i < (size_t)mesh->node_count; i++)
+    in[i] = axis < 0 || fabs(mesh->nodes[3 * i + (size_t)axis] - value) <= tolerance;
+  int32_t count = collect(mesh, in, faces, owners);
+  ct_release(in);
   return count;
 }
 
@@ -133,13 +137,12 @@ int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t
                             int32_t *owners)
 {
   if (mesh == NULL || mesh->nodes == NULL) return -CT_ERROR_ARGUMENT;
-  if (axis < 0 || axis > 2) return 0;
-  return collect(mesh, (plane){axis, value, plane_tolerance(mesh)}, faces, owners);
+  return axis < 0 || axis > 2 ? 0 : faces_in(mesh, axis, value, faces, owners);
 }
 
 int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners)
 {
-  return mesh == NULL ? -CT_ERROR_ARGUMENT : collect(mesh, (plane){-1, 0.0, 0.0}, faces, owners);
+  return mesh == NULL ? -CT_ERROR_ARGUMENT : faces_in(mesh, -1, 0.0, faces, owners);
 }
 
 int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes)

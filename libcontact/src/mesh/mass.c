@@ -1,110 +1,148 @@
 #include <libcontact/mesh.h>
 
-#include "assembly.h"
+#include "mass.h"
 #include "mesh_internal.h"
 #include "../base/error.h"
-#include "../shape/jacobian.h"
 #include "../base/memory.h"
 
 #include <string.h>
 
-/* What is the same for all elements: the shape functions and their derivatives at the points of the
- * rule. */
-typedef struct shapes {
-  int per;
-  ct_rule rule;
-  double N[27][20], dN[27][20][3];
-} shapes;
-
-static ct_status tabulate(ct_brick_kind kind, shapes *out)
+ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shapes *out,
+                           ct_error *error)
 {
   out->per = ct_brick_node_count(kind);
-  ct_status status = ct_rule_brick(kind, &out->rule);
-  for (int q = 0; status == CT_OK && q < out->rule.count; q++) {
+  out->hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && out->per == 20);
+  if (ct_rule_brick(kind, &out->rule) != CT_OK)
+    return CT_REFUSE(error, "mass: null argument or unknown element");
+  if (!out->hrz && out->per == 20)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "row-sum lumping gives the corners of hex20 the negative mass -1/8; use HRZ");
+  for (int q = 0; q < out->rule.count; q++) {
     ct_brick_shape(kind, out->rule.xi[q], out->N[q]);
     ct_brick_gradient(kind, out->rule.xi[q], out->dN[q]);
   }
-  return status;
+  return CT_OK;
 }
 
-/* Integrals over one element: `row` of ρ N_a, `diagonal` of ρ N_a² (if not null), both (nodes), and
- * its mass. */
-static double integrate(shapes *at, double nodes[20][3], double density, double row[20],
-                        double *diagonal)
+/* Sum over the n x n x n Gauss points, ξ fastest; on each line the ends first, then the middle. */
+CT_INLINE void sum_points(int count, const ct_lanes *t, ct_lanes *sum)
 {
-  const ct_rule *rule = &at->rule;
-  int per = at->per, n = rule->count == 8 ? 2 : 3;
-  double volume[27] = {0.0}, (*N)[20] = at->N, t[27] = {0.0}, J[3][3], C[3][3];
-  for (int q = 0; q < rule->count; q++) {
-    ct_reference_gradient(per, at->dN[q], nodes, J);
-    volume[q] = density * (rule->weight[q] * ct_cofactors(J, C));
+  ct_lanes line[9], plane[3];
+  int n = count == 8 ? 2 : 3;
+  for (int k = 0; k < n * n; k++)
+    line[k] = n == 2 ? t[2 * k] + t[2 * k + 1] : (t[3 * k] + t[3 * k + 2]) + t[3 * k + 1];
+  for (int k = 0; k < n; k++)
+    plane[k] =
+        n == 2 ? line[2 * k] + line[2 * k + 1] : (line[3 * k] + line[3 * k + 2]) + line[3 * k + 1];
+  *sum = n == 2 ? plane[0] + plane[1] : (plane[0] + plane[2]) + plane[1];
+}
+
+/* Integrals over the elements of a batch with the coordinates x[component][node], which are lost:
+ * `row` of ρ N_a, `diagonal` of ρ N_a² (if there is scaling), both (nodes), and their masses. */
+CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double density,
+                         ct_lanes *row, ct_lanes *diagonal, ct_lanes *total)
+{
+  int points = per == 8 ? 8 : 27;
+  ct_lanes volume[27], t[27], J[3][3], det;
+  ct_lanes_centre(per, x);
+  for (int q = 0; q < points; q++) {
+    ct_lanes_jacobian(per, at->dN[q], x, J, &det);
+    volume[q] = density * (at->rule.weight[q] * det);
   }
   for (int a = 0; a < per; a++) {
-    for (int q = 0; q < rule->count; q++) t[q] = N[q][a] * volume[q];
-    row[a] = ct_tree_points(n, t);
-    if (diagonal == NULL) continue;
-    for (int q = 0; q < rule->count; q++) t[q] = N[q][a] * N[q][a] * volume[q];
-    diagonal[a] = ct_tree_points(n, t);
+    for (int q = 0; q < points; q++) t[q] = at->N[q][a] * volume[q];
+    sum_points(points, t, &row[a]);
+    for (int q = 0; at->hrz && q < points; q++) t[q] = at->N[q][a] * at->N[q][a] * volume[q];
+    if (at->hrz) sum_points(points, t, &diagonal[a]);
   }
-  return ct_tree_points(n, volume);
+  sum_points(points, volume, total);
 }
 
-static ct_status lump(shapes *at, const double *nodes, double density, ct_lumping lumping,
-                      double *mass, ct_error *error)
+CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, double density, ct_lanes *mass,
+                    ct_lanes *total)
 {
-  double x[20][3], row[20], diagonal[20];
-  int hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && at->per == 20);
-  if (!hrz && at->per == 20)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "row-sum lumping gives the corners of hex20 the negative mass -1/8; use HRZ");
-  memcpy(x, nodes, (size_t)at->per * sizeof x[0]);
-  double total = integrate(at, x, density, row, hrz ? diagonal : NULL);
-  if (!(total > 0.0))
-    return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "mass: the element has mass %g", total);
-
+  ct_lanes diagonal[20], trace;
+  integrate(at, per, x, density, mass, diagonal, total);
+  if (!at->hrz) return;
   // -- Scale the diagonal to the element's mass (eq:hrz)
-  double trace = hrz ? ct_tree_nodes(at->per, diagonal, 1) : 1.0;
-  for (int a = 0; a < at->per; a++) mass[a] = hrz ? diagonal[a] * (total / trace) : row[a];
-  return CT_OK;
+  ct_lanes_nodes(per, diagonal, &trace);
+  for (int a = 0; a < per; a++) mass[a] = diagonal[a] * (*total / trace);
+}
+
+CT_CLONES
+void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
+                   ct_lanes *total)
+{
+  if (at->per == 8) lump(at, 8, x, density, mass, total);
+  else lump(at, 20, x, density, mass, total);
+}
+
+static ct_status check_mass(double total, int64_t element, ct_error *error)
+{
+  if (total > 0.0) return CT_OK;
+  return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1},
+                 "mass: the element has mass %g", total);
 }
 
 ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
                           ct_lumping lumping, double *mass, ct_error *error)
 {
-  shapes at;
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL ||
-      tabulate(kind, &at) != CT_OK)
+  ct_mass_shapes at;
+  ct_lanes x[3 * 20], m[20], total;
+  double first;
+  if (nodes == NULL || mass == NULL)
     return CT_REFUSE(error, "mass: null argument or unknown element");
-  return lump(&at, nodes, density, lumping, mass, error);
+  ct_status status = ct_mass_tabulate(kind, lumping, &at, error);
+  if (status != CT_OK) return status;
+  for (int i = 0; i < 3 * at.per; i++)
+    for (size_t l = 0; l < CT_LANES_COUNT; l++)
+      memcpy((double *)(void *)&x[at.per * (i % 3) + i / 3] + l, &nodes[i], sizeof *nodes);
+  ct_mass_lanes(&at, x, density, m, &total);
+  memcpy(&first, &total, sizeof first);
+  status = check_mass(first, -1, error);
+  for (int a = 0; status == CT_OK && a < at.per; a++) memcpy(&mass[a], &m[a], sizeof *mass);
+  return status;
+}
+
+/* Lump all elements, and add the masses of each node up by octant. */
+static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, double density,
+                              double (*octant)[8], ct_error *error)
+{
+  int slot[20], per = at->per;
+  for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
+  for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT) {
+    ct_lanes x[3 * 20], m[20], total;
+    double mass[20][CT_LANES_COUNT], sum[CT_LANES_COUNT];
+    ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
+    ct_mass_lanes(at, x, density, m, &total);
+    memcpy(mass, m, (size_t)per * sizeof *m);
+    memcpy(sum, &total, sizeof sum);
+    for (int32_t l = 0; l < CT_LANES_COUNT && e + l < mesh->element_count; l++) {
+      const int32_t *node = &mesh->elements[(size_t)per * (size_t)(e + l)];
+      ct_status status = check_mass(sum[l], e + l, error);
+      if (status != CT_OK) return status;
+      for (int a = 0; a < per; a++) octant[node[a]][slot[a]] += mass[a][l];
+    }
+  }
+  return CT_OK;
 }
 
 ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping, double *mass,
                          ct_error *error)
 {
-  ct_assembly *assembly = NULL;
+  ct_mass_shapes at;
   if (mesh == NULL || mass == NULL) return CT_REFUSE(error, "mass: null argument");
-  ct_status status = ct_assembly_create(mesh, 1, &assembly, error);
+  ct_status status = ct_mesh_check_numbers(mesh, error);
+  if (status == CT_OK) status = ct_mass_tabulate(mesh->kind, lumping, &at, error);
   if (status != CT_OK) return status;
-  double *values = ct_allocate((size_t)assembly->value_count, sizeof *values);
-  if (values == NULL) status = CT_NO_MEMORY(error, "the masses");
-  shapes at;
-  if (status == CT_OK) status = tabulate(mesh->kind, &at);
-
-  int per = ct_brick_node_count(mesh->kind);
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
-    double x[20][3], m[20];
-    for (int a = 0; a < per; a++)
-      memcpy(x[a], &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * (size_t)per + (size_t)a]],
-             sizeof x[a]);
-    status = lump(&at, &x[0][0], density, lumping, m, error);
-    if (status != CT_OK && error != NULL) error->element = e;
-    for (int a = 0; status == CT_OK && a < per; a++) values[(e / 8 * per + a) * 8 + e % 8] = m[a];
+  double (*octant)[8] = ct_allocate((size_t)mesh->node_count, sizeof *octant);
+  status = octant == NULL ? CT_NO_MEMORY(error, "the masses")
+                          : fill_octants(mesh, &at, density, octant, error);
+  // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
+  for (int32_t n = 0; status == CT_OK && n < mesh->node_count; n++) {
+    const double *m = octant[n];
+    mass[n] = ((m[0] + m[1]) + (m[2] + m[3])) + ((m[4] + m[5]) + (m[6] + m[7]));
   }
-  if (status == CT_OK) {
-    ct_assembly_fold(assembly, values);
-    ct_assembly_gather(assembly, values, 0, mesh->node_count, mass);
-  }
-  ct_release(values);
-  ct_assembly_free(assembly);
+  ct_release(octant);
   return status;
 }

@@ -4,6 +4,7 @@
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"
+#include "batch.h"
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -41,21 +42,30 @@ void ct_mesh_free(ct_mesh *mesh)
 
 /* Nodes of a box stand on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so
  * on. Corners, of which there are so many along each axis, have even coordinates; the mid-side
- * nodes of hex20 have exactly one odd one. */
-static int32_t lattice_node(const int32_t cells[3], const int64_t corners[3], const int32_t at[3])
+ * nodes of hex20 have exactly one odd one. Numbers come in blocks: corners, then mid-sides along x,
+ * y, z; block `odd` + 1 begins at `first` and has `count` nodes along the axes. */
+typedef struct lattice {
+  int64_t points[3]; /* half cells along an axis, until it closes upon itself */
+  int64_t first[4], count[4][3];
+} lattice;
+
+static lattice lattice_of(const int32_t cells[3], const int64_t corners[3])
 {
-  int odd = -1;
-  for (int d = 0; d < 3; d++)
-    if (at[d] % 2) odd = d;
-  int64_t first = 0;
-  int64_t count[3];
-  // Blocks of numbers: corners, then mid-sides along x, y, z.
-  for (int block = -1; block <= odd; block++) {
-    for (int d = 0; d < 3; d++) count[d] = d == block ? cells[d] : corners[d];
-    if (block == odd) break;
-    first += count[0] * count[1] * count[2];
+  lattice l = {.first = {0}};
+  for (int d = 0; d < 3; d++) l.points[d] = 2 * (int64_t)cells[d] + (corners[d] > cells[d]);
+  for (int block = 0; block < 4; block++) {
+    for (int d = 0; d < 3; d++) l.count[block][d] = d == block - 1 ? cells[d] : corners[d];
+    const int64_t *before = l.count[block > 0 ? block - 1 : 0];
+    if (block > 0) l.first[block] = l.first[block - 1] + before[0] * before[1] * before[2];
   }
-  return (int32_t)(first + at[0] / 2 + count[0] * (at[1] / 2 + count[1] * (at[2] / 2)));
+  return l;
+}
+
+static int32_t lattice_node(const lattice *l, const int32_t at[3])
+{
+  int block = at[0] % 2 ? 1 : at[1] % 2 ? 2 : at[2] % 2 ? 3 : 0;
+  const int64_t *count = l->count[block];
+  return (int32_t)(l->first[block] + at[0] / 2 + count[0] * (at[1] / 2 + count[1] * (at[2] / 2)));
 }
 
 static void lattice_coordinates(const void *shape, const int32_t at[3], double x[3])
@@ -87,39 +97,51 @@ static ct_status box_check(const ct_box *box, ct_error *error)
 /* Where a lattice point lies: `shape` is a ct_box or a ct_ring. */
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
+/* Enter the nodes of one cell, and the coordinates of those that no cell before it has; `xi` are
+ * the reference coordinates along the axes of the lattice. */
+static void enter_cell(const lattice *l, const int axes[3], int per, int (*xi)[3],
+                       const int32_t cell[3], place_node *place, const void *shape, double *nodes,
+                       int32_t *element)
+{
+  int32_t at[3], along[3];
+  for (int a = 0; a < per; a++) {
+    int own = 1;
+    for (int d = 0; d < 3; d++) {
+      at[d] = 2 * cell[d] + 1 + xi[a][d];
+      own = own && (at[d] > 2 * cell[d] || cell[d] == 0);
+      if (at[d] == l->points[d]) at[d] = 0;
+      along[axes[d]] = at[d];
+    }
+    element[a] = lattice_node(l, at);
+    if (own) place(shape, along, &nodes[3 * (size_t)element[a]]);
+  }
+}
+
 /* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. Numbers
  * run along axis axes[0] first, along axes[2] last; `cells` and `corners` are in that order. */
 static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int32_t cells[3],
                                 const int64_t corners[3], place_node *place, const void *shape,
                                 ct_mesh **out, ct_error *error)
 {
+  const lattice l = lattice_of(cells, corners);
   int64_t n[3] = {cells[0], cells[1], cells[2]};
   if (n[0] * n[1] > INT32_MAX) return CT_REFUSE(error, "a mesh of too many cells");
-  int64_t nodes = corners[0] * corners[1] * corners[2];
-  if (kind == CT_HEX20)
-    nodes += n[0] * corners[1] * corners[2] + corners[0] * n[1] * corners[2] +
-             corners[0] * corners[1] * n[2];
+  int64_t nodes =
+      kind == CT_HEX20 ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2] : l.first[1];
   ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], out, error);
   if (status != CT_OK) return status;
 
-  size_t next = 0;
-  int per = ct_brick_node_count(kind);
-  int32_t cell[3], at[3], along[3];
+  int per = ct_brick_node_count(kind), xi[20][3];
+  for (int a = 0; a < per; a++) {
+    double reference[3];
+    ct_brick_reference(kind, a, reference);
+    for (int d = 0; d < 3; d++) xi[a][d] = (int)reference[axes[d]];
+  }
+  int32_t cell[3], *element = (*out)->elements;
   for (cell[2] = 0; cell[2] < cells[2]; cell[2]++)
     for (cell[1] = 0; cell[1] < cells[1]; cell[1]++)
-      for (cell[0] = 0; cell[0] < cells[0]; cell[0]++)
-        for (int a = 0; a < per; a++) {
-          double xi[3];
-          ct_brick_reference(kind, a, xi);
-          for (int d = 0; d < 3; d++) {
-            int64_t points = corners[d] == n[d] ? 2 * n[d] : 2 * n[d] + 1;
-            at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[axes[d]]) % points);
-            along[axes[d]] = at[d];
-          }
-          int32_t node = lattice_node(cells, corners, at);
-          (*out)->elements[next++] = node;
-          place(shape, along, &(*out)->nodes[3 * (size_t)node]);
-        }
+      for (cell[0] = 0; cell[0] < cells[0]; cell[0]++, element += per)
+        enter_cell(&l, axes, per, xi, cell, place, shape, (*out)->nodes, element);
   return CT_OK;
 }
 
@@ -229,6 +251,20 @@ ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *n
   return CT_OK;
 }
 
+ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error)
+{
+  int64_t entries = (int64_t)mesh->element_count * ct_brick_node_count(mesh->kind);
+  int32_t number[20];
+  int outside = 0;
+  if (entries < 1) return CT_REFUSE(error, "mesh: empty, or unknown kind of element");
+  for (int64_t i = 0; i < entries; i++)
+    outside |= (uint32_t)mesh->elements[i] >= (uint32_t)mesh->node_count;
+  ct_status status = CT_OK;
+  for (int32_t e = 0; outside && status == CT_OK; e++)
+    status = ct_mesh_element_nodes(mesh, e, number, error);
+  return status;
+}
+
 /* Jacobian of an element at a point, and the squares of its columns: half the edges of the brick
  * that the element looks like from there. Answers its determinant. */
 static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[3],
@@ -239,21 +275,6 @@ static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[
   ct_reference_gradient(ct_brick_node_count(kind), dN, nodes, J);
   for (int d = 0; d < 3; d++) square[d] = J[0][d] * J[0][d] + J[1][d] * J[1][d] + J[2][d] * J[2][d];
   return ct_cofactors(J, C);
-}
-
-/* Whether a hex8 element is a box along x, y, z, the right way round, which needs no other look.
- * Where the square of its volume is no normal number the answer is 0. */
-static int is_upright_box(double nodes[20][3])
-{
-  const double *low = nodes[0], *high = nodes[6];
-  for (int a = 0; a < 8; a++) {
-    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
-    for (int d = 0; d < 3; d++)
-      if (nodes[a][d] != (at[d] ? high[d] : low[d])) return 0;
-  }
-  double edge[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
-  double volume = edge[0] * edge[1] * edge[2];
-  return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(volume * volume);
 }
 
 /* At Gauss points: the determinant over the product of the edges there, which is 1 for a box
@@ -307,9 +328,84 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
   if (status != CT_OK) return status;
   for (int a = 0; a < ct_brick_node_count(mesh->kind); a++)
     memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
-  if (mesh->kind == CT_HEX8 && is_upright_box(nodes)) return CT_OK;
   status = check_gauss(mesh->kind, nodes, rule, element, error);
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
+}
+
+/* Gradients of the shape functions where a batch of elements is looked at: in the centre, at the
+ * Gauss points, at the nodes. */
+typedef struct checks {
+  int per, gauss, count;
+  double dN[48][20][3];
+} checks;
+
+static void tabulate(ct_brick_kind kind, const ct_rule *rule, checks *at)
+{
+  static const double centre[3] = {0.0, 0.0, 0.0};
+  at->per = ct_brick_node_count(kind), at->gauss = rule->count;
+  at->count = 1 + at->gauss + at->per;
+  ct_brick_gradient(kind, centre, at->dN[0]);
+  for (int q = 0; q < at->gauss; q++) ct_brick_gradient(kind, rule->xi[q], at->dN[1 + q]);
+  for (int a = 0; a < at->per; a++) {
+    double xi[3];
+    ct_brick_reference(kind, a, xi);
+    ct_brick_gradient(kind, xi, at->dN[1 + at->gauss + a]);
+  }
+}
+
+/* Whether an element of a batch may fail `check_gauss` or `check_nodes`: the same numbers squared,
+ * with a factor of 2 for round-off. The coordinates x[component][node] are lost. */
+CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
+{
+  ct_lanes J[3][3], det, product, centre = {0};
+  double d[CT_LANES_COUNT], p[CT_LANES_COUNT];
+  int bad = 0;
+  ct_lanes_centre(per, x);
+  for (int q = 0; q < at->count; q++) {
+    ct_lanes_jacobian(per, at->dN[q], x, J, &det);
+    product = (J[0][0] * J[0][0] + J[1][0] * J[1][0]) + J[2][0] * J[2][0];
+    for (int k = 1; k < 3; k++)
+      product *= (J[0][k] * J[0][k] + J[1][k] * J[1][k]) + J[2][k] * J[2][k];
+    if (q == 0) centre = product;
+    memcpy(d, &det, sizeof d);
+    memcpy(p, q <= at->gauss ? &product : &centre, sizeof p);
+    double limit = q <= at->gauss ? 2e-24 : 2e-18;
+    for (int l = 0; l < CT_LANES_COUNT; l++) bad |= !((d[l] > 0.0) & (d[l] * d[l] > limit * p[l]));
+  }
+  return bad;
+}
+
+/* Whether all elements of a batch of hex8 are boxes along x, y, z, the right way round, which need
+ * no other look. Where the square of a volume is no normal number the answer is 0. */
+CT_INLINE int are_upright_boxes(const ct_lanes *x)
+{
+  double v[24][CT_LANES_COUNT], off[CT_LANES_COUNT] = {0.0};
+  int boxes = 1;
+  memcpy(v, x, sizeof v);
+  for (int a = 0; a < 8; a++) {
+    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
+    for (int d = 0; d < 3; d++)
+      for (int l = 0; l < CT_LANES_COUNT; l++)
+        off[l] += fabs(v[8 * d + a][l] - v[8 * d + (at[d] ? 6 : 0)][l]);
+  }
+  for (int l = 0; l < CT_LANES_COUNT; l++) {
+    double edge[3], volume;
+    for (int d = 0; d < 3; d++) edge[d] = v[8 * d + 6][l] - v[8 * d][l];
+    volume = edge[0] * edge[1] * edge[2];
+    boxes = boxes && off[l] == 0.0 && edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 &&
+            isnormal(volume * volume);
+  }
+  return boxes;
+}
+
+/* Whether the elements from `e` on, as many as there are lanes, are all surely good. */
+CT_CLONES
+static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
+{
+  ct_lanes x[3 * 20];
+  ct_load_lanes(mesh, NULL, e / 8, at->per, mesh->nodes, e % 8, x);
+  if (at->per == 20) return !may_fail(at, 20, x);
+  return are_upright_boxes(x) || !may_fail(at, 8, x);
 }
 
 /* After the first bad element: say how many there are, and the numbers of some. */
@@ -338,49 +434,70 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
         return ct_fail(error, CT_INVALID, (ct_place){-1, -1, i},
                        "coordinate %c of node %d is not finite", "xyz"[d], (int)i);
   ct_rule rule;
-  ct_status status = ct_rule_brick(mesh->kind, &rule);
+  checks at;
+  ct_rule_brick(mesh->kind, &rule);
+  tabulate(mesh->kind, &rule, &at);
+  ct_status status = ct_mesh_check_numbers(mesh, error);
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+    if (e % CT_LANES_COUNT == 0 && are_good(mesh, &at, e)) {
+      e += CT_LANES_COUNT - 1;
+      continue;
+    }
     status = element_check(mesh, &rule, e, error);
     if (status == CT_ERROR_GEOMETRY && error != NULL) count_bad(mesh, &rule, e, error);
   }
   return status;
 }
 
-double ct_mesh_shortest_edge(const ct_mesh *mesh)
+/* Square of the shortest edge of the elements from `e` on, as many as there are lanes; edges
+ * without a length do not count. */
+CT_CLONES
+static double shortest_square(const ct_mesh *mesh, int32_t e)
 {
-  if (mesh == NULL) return NAN;
   static const int edge[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
-  double shortest = INFINITY;
-  for (int32_t e = 0; e < mesh->element_count; e++) {
-    double length[12], longest = 0.0;
-    for (int k = 0; k < 12; k++) {
-      const double *a =
-          &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][0]]];
-      const double *b =
-          &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][1]]];
-      double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-      length[k] = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
-      longest = fmax(longest, length[k]);
-    }
-    for (int k = 0; k < 12; k++)
-      if (length[k] > 1e-9 * longest) shortest = fmin(shortest, length[k]);
+  int per = ct_brick_node_count(mesh->kind);
+  ct_lanes x[3 * 20];
+  double square[12][CT_LANES_COUNT], longest[CT_LANES_COUNT] = {0.0}, shortest = INFINITY;
+  ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
+  for (int k = 0; k < 12; k++) {
+    ct_lanes d[3], sum;
+    for (int c = 0; c < 3; c++) d[c] = x[per * c + edge[k][1]] - x[per * c + edge[k][0]];
+    sum = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+    memcpy(square[k], &sum, sizeof sum);
+    for (int l = 0; l < CT_LANES_COUNT; l++)
+      longest[l] = square[k][l] > longest[l] ? square[k][l] : longest[l];
   }
+  for (int k = 0; k < 12; k++)
+    for (int l = 0; l < CT_LANES_COUNT; l++)
+      if (square[k][l] > 1e-18 * longest[l] && square[k][l] < shortest) shortest = square[k][l];
   return shortest;
+}
+
+double ct_mesh_shortest_edge(const ct_mesh *mesh)
+{
+  double shortest = INFINITY;
+  if (mesh == NULL) return NAN;
+  for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT)
+    shortest = fmin(shortest, shortest_square(mesh, e));
+  return sqrt(shortest);
 }
 
 void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3])
 {
-  for (int d = 0; d < 3; d++) {
-    low[d] = INFINITY;
-    high[d] = -INFINITY;
-  }
-  if (mesh == NULL) return;
-  for (int32_t i = 0; i < mesh->node_count; i++)
+  double l[3] = {INFINITY, INFINITY, INFINITY}, h[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (int32_t i = 0; mesh != NULL && i < mesh->node_count; i++)
     for (int d = 0; d < 3; d++) {
       double x = mesh->nodes[3 * (size_t)i + (size_t)d];
-      if (x < low[d]) low[d] = x;
-      if (x > high[d]) high[d] = x;
+      l[d] = x < l[d] ? x : l[d];
+      h[d] = x > h[d] ? x : h[d];
     }
+  for (int d = 0; d < 3; d++) low[d] = l[d], high[d] = h[d];
+}
+
+int ct_brick_octant(ct_brick_kind kind, int a)
+{
+  double xi[3];
+  ct_brick_reference(kind, a, xi);
+  return (xi[0] < 0.0) + 2 * (xi[1] < 0.0) + 4 * (xi[2] < 0.0);
 }

@@ -9,6 +9,14 @@
 ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
                                 ct_error *error);
 
+/* CT_ERROR_ARGUMENT where an element names a node that the mesh does not have, or is of an unknown
+ * kind. */
+ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error);
+
+/* The octant around local node `a` of a brick in which the brick lies: bit 0 is set when it lies on
+ * the side of positive ξ. */
+int ct_brick_octant(ct_brick_kind kind, int a);
+
 /* Lamé's constants Λ and μ [stress], eq:lame. */
 void ct_material_lame(const ct_material *material, double *lambda, double *mu);
 

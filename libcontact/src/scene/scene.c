@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../effect/solid.h"
 #include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
@@ -146,6 +147,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
   ct_status status = def->mesh != NULL
                          ? ct_mesh_create_copy(def->mesh, &part->mesh, error)
                          : ct_mesh_create_box(def->kind, &def->box, &part->mesh, error);
+  if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
   if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
   if (status == CT_OK) {
     if (def->velocities != NULL)
@@ -405,7 +407,7 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
   ct_solid_def def = ct_solid_def_default();
   def.blocks = blocks;
   def.block_count = scene->body_count;
-  ct_status status = ct_solid_create_effect(&def, &scene->problem, &scene->effects[0], error);
+  ct_status status = ct_solid_create_checked(&def, &scene->effects[0], error);
   ct_release(blocks);
   return status;
 }

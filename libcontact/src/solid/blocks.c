@@ -1,5 +1,6 @@
 /* The largest frequency of a body: by its elements, and in a box of equal bricks by blocks of two
  * and three of them a side. */
+#include "below.h"
 #include "blocks.h"
 #include "element.h"
 
@@ -59,25 +60,25 @@ static int64_t cell_at(const box *b, const double low[3], const double *x)
 {
   int64_t i[3];
   for (int d = 0; d < 3; d++)
-    i[d] = (int64_t)floor((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
+    i[d] = (int64_t)((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
 /* Whether a body is a full box, and which. */
-static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
+static ct_status find_box(const ct_solid_part *part, box *b, ct_error *error)
 {
+  const ct_mesh *mesh = part->mesh;
   double low[3], high[3], elements = 1.0, nodes = 1.0;
-  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .aligned = 1};
+  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
   if (mesh->kind != CT_HEX8) return CT_OK;
-  if (!ct_solid_is_box(mesh, b->edge)) {
-    b->aligned = 0;
-    if (!find_edges(mesh, size, b)) return CT_OK;
-  }
+  b->aligned = part->box;
+  memcpy(b->edge, part->edge, sizeof b->edge);
+  if (!part->box && !find_edges(mesh, size, b)) return CT_OK;
   for (int d = 0; d < 3; d++) {
-    low[d] = INFINITY, high[d] = -INFINITY;
-    for (int32_t n = 0; n < mesh->node_count; n++) {
+    if (!b->aligned) low[d] = INFINITY, high[d] = -INFINITY;
+    for (int32_t n = 0; !b->aligned && n < mesh->node_count; n++) {
       double at = ct_vector_dot(b->axis[d], &mesh->nodes[3 * (size_t)n]);
       low[d] = fmin(low[d], at);
       high[d] = fmax(high[d], at);
@@ -246,27 +247,56 @@ static ct_status box_omega2_bound(const ct_solid_part *part, const box *b, const
   return status;
 }
 
-ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
-                                     double *omega_squared, ct_error *error)
+/* Largest ω² of one element. */
+static ct_status element_omega2(const ct_solid_part *part, double x[20][3], const int held[3],
+                                double *omega_squared, ct_error *error)
 {
+  double A[SIZE][SIZE], m[20], spread[SIZE];
+  int per = ct_brick_node_count(part->mesh->kind);
+  ct_status status = element_matrices(part, x, A, m, error);
+  if (status != CT_OK) return status;
+  ct_spread_mass(per, m, held, spread);
+  return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
+}
+
+/* The largest over all elements. That of a stiff one is found first; then those that are surely
+ * below need no eigenvalues. The margin is far above round-off, so the answer is that of all. */
+static ct_status elements_omega2_bound(const ct_solid_part *part, const int held[3],
+                                       double *omega_squared, ct_error *error)
+{
+  static const double SURELY = 1.0 - 1e-9;
   const ct_mesh *mesh = part->mesh;
-  int per = ct_brick_node_count(mesh->kind);
-  double last[20][3] = {{0.0}}, A[SIZE][SIZE], m[20], spread[SIZE];
-  box b = {.cells = {0}};
-  *omega_squared = 0.0;
-  ct_status status = part->energies == NULL ? find_box(mesh, &b, error) : CT_OK;
-  if (status == CT_OK && b.cells[0] > 0)
-    return box_omega2_bound(part, &b, held, omega_squared, error);
+  int per = ct_brick_node_count(mesh->kind), full = part->kernel != CT_KERNEL_REDUCED;
+  double x[20][3], last[20][3] = {{0.0}}, w = 0.0, reached = 0.0;
+  unsigned below = 0;
+  ct_mass_shapes at;
+  ct_status status = ct_mass_tabulate(mesh->kind, part->lumping, &at, error);
+  if (status == CT_OK && full) {
+    ct_solid_load_element(mesh, ct_solid_stiffest(part, &at), mesh->nodes, x);
+    if (element_omega2(part, x, held, &reached, NULL) != CT_OK) reached = 0.0;
+  }
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
-    double x[20][3], w;
+    if (full && e % CT_LANES_COUNT == 0)
+      below = ct_solid_below(part, &at, e, held, SURELY * reached);
     ct_solid_load_element(mesh, e, mesh->nodes, x);
     if (e > 0 && same_shape(per, x, last)) continue;
     memcpy(last, x, sizeof last);
-    status = element_matrices(part, x, A, m, error);
-    ct_spread_mass(per, m, held, spread);
-    if (status == CT_OK) status = ct_largest_eigenvalue(3 * per, spread, A, &w, error);
-    if (status == CT_OK) *omega_squared = fmax(*omega_squared, w);
-    else if (error != NULL) error->element = e;
+    if (below >> e % CT_LANES_COUNT & 1) continue;
+    status = element_omega2(part, x, held, &w, error);
+    if (status != CT_OK && error != NULL) error->element = e;
+    *omega_squared = fmax(*omega_squared, w);
+    reached = fmax(reached, w);
   }
   return status;
+}
+
+ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
+                                     double *omega_squared, ct_error *error)
+{
+  box b = {.cells = {0}};
+  *omega_squared = 0.0;
+  ct_status status = part->energies == NULL ? find_box(part, &b, error) : CT_OK;
+  if (status != CT_OK) return status;
+  return b.cells[0] > 0 ? box_omega2_bound(part, &b, held, omega_squared, error)
+                        : elements_omega2_bound(part, held, omega_squared, error);
 }

@@ -5,6 +5,24 @@
 
 #include <math.h>
 
+/* Whether the nodes of the elements from `e` on, as many as there are lanes, stand where they
+ * should beside the first one of each. */
+CT_CLONES
+static int are_alike(const ct_mesh *mesh, int32_t e, double place[20][3], double tolerance)
+{
+  int per = ct_brick_node_count(mesh->kind), off = 0;
+  ct_lanes x[3 * 20];
+  ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
+  for (int d = 0; d < 3; d++)
+    for (int a = 1; a < per; a++) {
+      ct_lanes beside = (x[per * d + a] - x[per * d]) - place[a][d];
+      double difference[CT_LANES_COUNT];
+      memcpy(difference, &beside, sizeof beside);
+      for (int l = 0; l < CT_LANES_COUNT; l++) off |= !(fabs(difference[l]) <= tolerance);
+    }
+  return !off;
+}
+
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
 {
   double low[3], high[3], place[20][3];
@@ -23,13 +41,8 @@ int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
     for (int d = 0; d < 3; d++) place[a][d] = 0.5 * (place[a][d] + 1.0) * edge[d];
   }
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    for (int a = 0; a < per; a++)
-      for (size_t d = 0; d < 3; d++) {
-        const int32_t *n = &mesh->elements[(size_t)per * (size_t)e];
-        double x = mesh->nodes[3 * (size_t)n[a] + d] - mesh->nodes[3 * (size_t)n[0] + d];
-        if (!(fabs(x - place[a][d]) <= 1e-12 * size)) return 0;
-      }
+  for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT)
+    if (!are_alike(mesh, e, place, 1e-12 * size)) return 0;
   return 1;
 }
 

@@ -4,8 +4,8 @@
 #include <libcontact/solid.h>
 
 #include "../mesh/assembly.h"
+#include "../mesh/batch.h"
 #include "../mesh/mesh_internal.h"
-#include "../base/lanes.h"
 #include "ring.h"
 
 #include <string.h>
@@ -41,7 +41,9 @@ typedef struct ct_solid_part {
   double flops;
   /* Largest ω² of the undeformed elements. */
   double omega_squared;
-  /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
+  /* Whether all elements are boxes of one size (ct_solid_is_box), for the linear law, and the
+   * lengths of their edges. */
+  int box;
   double edge[3];
   /* Through which element forces go; null: they stand in the layout of ct_assembly. */
   ct_force_ring *ring;
@@ -97,47 +99,6 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   for (size_t a = 0; a < per; a++)
     memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
-}
-
-/* Node numbers of the 8 elements of batch `b`, shape (8, per); the last batch repeats its last
- * element, in `room`. */
-CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
-                                        int32_t room[8 * 20])
-{
-  int32_t left = mesh->element_count - 8 * b;
-  const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
-  for (int32_t i = 0; left < 8 && i < 8 * per; i++)
-    room[i] = nodes[i < per * left ? i : per * (left - 1) + i % per];
-  return left < 8 ? room : nodes;
-}
-
-/* x, y, z of the nodes n[0], n[per], ... of 8 elements. */
-CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_lanes *v, int step)
-{
-#if CT_LANES_WIDE
-  const double *p[8];
-  for (int l = 0; l < 8; l++) p[l] = array + 3 * (int64_t)n[per * l];
-  for (int c = 0; c < 3; c++)
-    v[step * c] =
-        (ct_lanes){p[0][c], p[1][c], p[2][c], p[3][c], p[4][c], p[5][c], p[6][c], p[7][c]};
-#else
-  for (int c = 0; c < 3; c++) v[step * c] = array[3 * (int64_t)n[0] + c];
-#endif
-}
-
-/* Read the `per` nodes (8 or 20) of the elements of a batch from an array (nodes, 3) into lanes
- * v[component][node]. `rows`: ct_solid_part's, or null. */
-CT_INLINE void ct_load_lanes(const ct_mesh *mesh, const uint8_t *rows, int32_t b, int per,
-                             const double *array, int lane, ct_lanes *v)
-{
-  int32_t room[8 * 20];
-  const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
-  if (CT_ROWS && rows != NULL && rows[b]) {
-    for (int a = 0; a < per; a++) ct_load_row(array + 3 * (int64_t)nodes[a], &v[a], per);
-    return;
-  }
-  nodes = ct_batch_nodes(mesh, b, per, room);
-  for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
 }
 
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l].

@@ -71,13 +71,13 @@ static ct_status prepare_rows(ct_solid_part *part)
 }
 
 /* What the kernel needs beside the mesh. */
-static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block, int box)
+static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
 {
   ct_status status = CT_OK;
   int threads = block->threads < 1 ? 1 : block->threads, hex8 = part->mesh->kind == CT_HEX8;
   int plane = block->kernel == CT_KERNEL_PLANE ||
               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
-  if (plane && box && hex8) status = choose_plane(part, block, threads);
+  if (plane && part->box && hex8) status = choose_plane(part, block, threads);
   if (status == CT_OK) status = prepare_rows(part);
   if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
   if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
@@ -104,12 +104,12 @@ static void take_row(ct_solid_part *part)
 static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
 {
   ct_solid_kernel asked = block->kernel;
-  int large = part->material.law != CT_LINEAR,
-      box = !large && ct_solid_is_box(part->mesh, part->edge);
+  int large = part->material.law != CT_LINEAR;
+  part->box = !large && ct_solid_is_box(part->mesh, part->edge);
   if (asked == CT_KERNEL_BOX && large)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel is for small strain; large deformation has the general one");
-  if (asked == CT_KERNEL_BOX && !box)
+  if (asked == CT_KERNEL_BOX && !part->box)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel needs rectangular elements of one size, with nodes in the "
                    "middle of straight edges");
@@ -118,9 +118,9 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
                    "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
     return CT_REFUSE(error, "the hourglass coefficient must be positive, not %g", part->hourglass);
-  part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
+  part->kernel = asked == CT_KERNEL_AUTO ? (part->box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
   take_row(part);
-  if (prepare_kernel(part, block, box) != CT_OK) return CT_NO_MEMORY(error, "the elements");
+  if (prepare_kernel(part, block) != CT_OK) return CT_NO_MEMORY(error, "the elements");
   if (asked == CT_KERNEL_PLANE && part->plane == NULL)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the plane kernel needs one layer of hex8 boxes whose nodes are all held along "

@@ -271,11 +271,9 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   }
 }
 
-ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
+ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *error)
 {
-  ct_energy energy;
   ct_state *state = NULL;
-  if (out == NULL) return CT_REFUSE(error, "state: null argument");
   ct_status status = check_problem(problem, error);
   if (status != CT_OK) return status;
   status = ct_state_allocate(problem, &state, error);
@@ -286,6 +284,17 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
     state->workspace->starting = 1;
     status = ct_workspace_forces(problem, state, error);
   }
+  if (status == CT_OK) *out = state;
+  else ct_state_free(state);
+  return status;
+}
+
+ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
+{
+  ct_energy energy;
+  ct_state *state = NULL;
+  if (out == NULL) return CT_REFUSE(error, "state: null argument");
+  ct_status status = ct_state_begin(problem, &state, error);
   if (status == CT_OK) {
     step_back(problem, state);
     status = ct_workspace_forces(problem, state, error);

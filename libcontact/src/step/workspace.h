@@ -44,6 +44,10 @@ ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_erro
  */
 ct_status ct_state_equip(ct_state *state, ct_error *error);
 
+/* A new state with the initial displacement and velocity and the forces of these: the beginning of
+ * ct_state_create, and enough to ask for the stable step. */
+ct_status ct_state_begin(const ct_problem *problem, ct_state **state, ct_error *error);
+
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
 

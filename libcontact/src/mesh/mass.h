@@ -1,0 +1,22 @@
+#ifndef CT_SRC_MESH_MASS_H
+#define CT_SRC_MESH_MASS_H
+
+#include "batch.h"
+
+/* What is the same for all elements: the shape functions and their derivatives at the points of the
+ * rule, and whether the diagonal is scaled (eq:hrz). */
+typedef struct ct_mass_shapes {
+  int per, hrz;
+  ct_rule rule;
+  double N[27][20], dN[27][20][3];
+} ct_mass_shapes;
+
+ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shapes *out,
+                           ct_error *error);
+
+/* Lumped masses at the nodes of a batch of elements, and of each element as a whole, from its
+ * coordinates x[component][node], which are centred by it. */
+void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
+                   ct_lanes *total);
+
+#endif
