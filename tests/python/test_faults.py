@@ -45,23 +45,21 @@ class Twisted:
     def __getattr__(self, name):
         return getattr(lib, name)
 
-    def ct_monitor_steps(self, watch, state, count, error):
-        if state.step < 40:
-            return (
-                lib.ct_monitor_steps(watch, state, min(count, 40 - state.step), error)
-                if count <= 40 - state.step
-                else self.split(watch, state, count, error)
-            )
-        if not self.done:
+    def ct_monitor_steps(self, *arguments):
+        return self.go(lib.ct_monitor_steps, *arguments)
+
+    def ct_monitor_advance(self, *arguments):
+        return self.go(lib.ct_monitor_advance, *arguments)
+
+    def go(self, call, watch, state, count, error):
+        before = 40 - state.step
+        if 0 < before < count:
+            status = lib.ct_monitor_steps(watch, state, before, error)
+            return status or self.go(call, watch, state, count - before, error)
+        if before <= 0 and not self.done:
             self.done = True
             self.twist(state)
-        return lib.ct_monitor_steps(watch, state, count, error)
-
-    def split(self, watch, state, count, error):
-        first = 40 - state.step
-        return lib.ct_monitor_steps(watch, state, first, error) or self.ct_monitor_steps(
-            watch, state, count - first, error
-        )
+        return call(watch, state, count, error)
 
 
 def not_finite(state):
