@@ -119,9 +119,8 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
   return CT_OK;
 }
 
-/* Cauchy's stress of a displacement gradient, P Fᵀ / J (eq:cauchy). */
-static ct_status cauchy(const ct_material *material, double G[3][3], double stress[6],
-                        ct_error *error)
+ct_status ct_element_cauchy(const ct_material *material, double G[3][3], double stress[6],
+                            ct_error *error)
 {
   double P[3][3], s[3][3], J = working_stress(material, G, P);
   ct_status status = check_inside_out(J, -1, error);
@@ -136,59 +135,22 @@ static ct_status cauchy(const ct_material *material, double G[3][3], double stre
   return CT_OK;
 }
 
-/* The same where the shape functions have the derivatives dN. */
-static ct_status stress_with(int per, double (*dN)[3], double x[20][3], double u[20][3],
-                             const ct_material *material, double stress[6], ct_error *error)
-{
-  double J[3][3], C[3][3], H[3][3], G[3][3];
-  ct_reference_gradient(per, dN, x, J);
-  double det = ct_cofactors(J, C);
-  if (!(det > 0.0))
-    return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "the element is inverted or collapsed");
-  // -- The gradient in the reference directions, then in those of the body (eq:jacobian)
-  ct_reference_gradient(per, dN, u, H);
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      G[i][j] = ((H[i][0] * C[j][0] + H[i][1] * C[j][1]) + H[i][2] * C[j][2]) / det;
-  return cauchy(material, G, stress, error);
-}
-
 ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes,
                                   const double *displacement, const ct_material *material,
                                   const double xi[3], double stress[6], ct_error *error)
 {
-  double x[20][3], u[20][3], dN[20][3];
+  double x[20][3], u[20][3], dN[20][3], J[3][3], C[3][3], H[3][3], G[3][3];
   ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
   if (status != CT_OK) return status;
   ct_brick_gradient(kind, xi, dN);
-  return stress_with(ct_brick_node_count(kind), dN, x, u, material, stress, error);
-}
-
-ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material,
-                          const double *displacement, double *stress, ct_error *error)
-{
-  static const double centre[3] = {0.0, 0.0, 0.0};
-  if (mesh == NULL || displacement == NULL || stress == NULL)
-    return CT_REFUSE(error, "solid: null argument");
-  int per = ct_brick_node_count(mesh->kind);
-  double dN[20][3];
-  ct_status status = ct_material_check(material, error);
-  if (status != CT_OK) return status;
-  ct_brick_gradient(mesh->kind, centre, dN);
-  for (int32_t e = 0; e < mesh->element_count; e++) {
-    double x[20][3], u[20][3];
-    int32_t number[20];
-    status = ct_mesh_element_nodes(mesh, e, number, error);
-    for (int a = 0; status == CT_OK && a < per; a++) {
-      memcpy(x[a], &mesh->nodes[3 * (int64_t)number[a]], sizeof x[a]);
-      memcpy(u[a], &displacement[3 * (int64_t)number[a]], sizeof u[a]);
-    }
-    if (status == CT_OK)
-      status = stress_with(per, dN, x, u, material, &stress[6 * (int64_t)e], error);
-    if (status != CT_OK) {
-      if (error != NULL) error->element = e;
-      return status;
-    }
-  }
-  return CT_OK;
+  ct_reference_gradient(ct_brick_node_count(kind), dN, x, J);
+  double det = ct_cofactors(J, C);
+  if (!(det > 0.0))
+    return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "the element is inverted or collapsed");
+  // -- The gradient in the reference directions, then in those of the body (eq:jacobian)
+  ct_reference_gradient(ct_brick_node_count(kind), dN, u, H);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      G[i][j] = ((H[i][0] * C[j][0] + H[i][1] * C[j][1]) + H[i][2] * C[j][2]) / det;
+  return ct_element_cauchy(material, G, stress, error);
 }

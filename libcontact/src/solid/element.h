@@ -57,6 +57,11 @@ ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes,
                                   const double *displacement, const ct_material *material,
                                   const double xi[3], double stress[6], ct_error *error);
 
+/* Cauchy's stress xx yy zz xy yz zx [stress] of a displacement gradient, P Fᵀ / J (eq:cauchy);
+ * CT_ERROR_GEOMETRY when it turns the element inside out. */
+ct_status ct_element_cauchy(const ct_material *material, double G[3][3], double stress[6],
+                            ct_error *error);
+
 /* Force of one hex8 element with one point and hourglass control, the readable form,
  * eq:reduced-force. `nodes`, `displacement` and `force` have shape (8, 3); `hourglass` > 0 is
  * the coefficient κ of eq:hourglass-stiffness. `energy` (may be null) gets the energies of the
