@@ -326,6 +326,28 @@ def test_few_nodes_tell_the_rotation_of_many(cells):
     ] > 0.1 * math.sqrt(len(some))
 
 
+@pytest.mark.parametrize("size", [(1, 1, 1), (40, 1, 1), (9, 6, 0.1)])
+def test_no_body_has_turned_where_the_bound_says_so(size):
+    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is passed over; those by 0.3 about the longest axis are, all."""
+    X = np.array(Mesh.box("hex8", (3, 1, 0), size, (6, 5, 4)).nodes)
+    some, least = warned._spread_of(X)
+    rng, above, asked = np.random.default_rng(7), 0, 0
+    for k in range(300):
+        axis = np.array([1.0, 0.0, 0.0]) if k % 5 == 0 else rng.normal(size=3)
+        K = np.cross(np.eye(3), axis / np.linalg.norm(axis))
+        angle = warned.TURNED * (0.3 if k % 5 == 0 else rng.uniform(0.3, 1.2))
+        R = np.eye(3) + math.sin(angle) * K + (1 - math.cos(angle)) * K @ K
+        noise = 0.0 if k % 5 == 0 else 10.0 ** rng.uniform(-6, -1)
+        u = X @ (R - np.eye(3)).T + noise * rng.normal(size=X.shape) + rng.normal(size=3)
+        spread = u[some] - u[some].mean(axis=0)
+        passed = np.vdot(spread, spread) <= least
+        turned = warned._angle(X[some], u[some]) > warned.TURNED
+        above += turned
+        asked += k % 5 == 0 and not passed
+        assert not (passed and turned)
+    assert above > 20 and asked == 0
+
+
 def swung(law, rate):
     """A cube that a pair of tractions turns about z."""
     scene = empty(law)

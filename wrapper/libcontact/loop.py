@@ -28,7 +28,7 @@ from .problem import Problem, contact_points, contact_pressure, new_state, penet
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import pressing
-from .warned import turned
+from .warned import Turning
 
 # Without a wish of the scene: so many records, at least so many steps apart in a problem of many nodes, and so many values of nodes.
 MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
@@ -83,7 +83,7 @@ class Loop:
         self.last, self.due = last_step(problem, until), schedule(problem)[1]
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
-        self.probes = Histories(problem)
+        self.probes, self.turning = Histories(problem), Turning(problem)
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
@@ -241,22 +241,17 @@ class Loop:
         return self.result()
 
     def _steps(self, progress: Any, stop: list[int]) -> None:
-        from tqdm import tqdm
-
         last, state = self.last, self.state
         if state.step > last:
             reason = f"the restart stands at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
         self.start_guard()
-        # A bar where stderr is a terminal, or "always".
-        hidden = None if progress and progress != "always" else not progress
-        shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True, "disable": hidden}
-        with tqdm(total=last, initial=state.step, **shown) as bar:
+        with _bar(progress, last, state.step) as advanced:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
-                self._advance(min(due, self._next_rest()), due, bar.update, stop)
+                self._advance(min(due, self._next_rest()), due, advanced, stop)
                 if state.step == due:
                     self._record_and_warn()
                 self._warn_of_growth()
@@ -321,10 +316,8 @@ class Loop:
     def _record_and_warn(self) -> None:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
         self.record()
-        for warning in turned(self.problem, self.state):
-            if warning.key not in self.issued:
-                self.issued.add(warning.key)
-                issue(warning)
+        for warning in self.turning.warnings(self.state):
+            issue(warning)
 
     def _residual(self) -> float:
         value = ffi.new("double *")
@@ -427,6 +420,19 @@ class Loop:
             fields = {field: values[body.nodes] for field, values in held.items()}
             bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
+
+
+@contextlib.contextmanager
+def _bar(progress: Any, total: int, initial: int) -> Iterator[Any]:
+    """What is told of steps that are done: a bar where stderr is a terminal, or "always"; tqdm is not imported for none."""
+    if not progress or (progress != "always" and not getattr(sys.stderr, "isatty", bool)()):
+        yield lambda count: None
+        return
+    from tqdm import tqdm
+
+    shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True}
+    with tqdm(total=total, initial=initial, **shown) as bar:
+        yield bar.update
 
 
 @contextlib.contextmanager

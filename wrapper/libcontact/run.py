@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -43,14 +44,20 @@ IN_ENERGY = ("solid", "contact", "support")
 
 def energy_table(energy: Rows, effects: Sequence[str], values: Floats) -> Rows:
     """``Run.energy`` from rows of ENERGY: with a column for the name of each further effect, which sums its ``values`` (rows, effects)."""
-    own = dict.fromkeys(name for name in effects if name not in IN_ENERGY)
-    out = np.zeros(len(energy), ENERGY.descr + [(name, "f8") for name in own])
+    own = tuple(dict.fromkeys(name for name in effects if name not in IN_ENERGY))
+    out = np.zeros(len(energy), _energy_row(own))
     for name in ENERGY.fields or ():
         out[name] = energy[name]
     for name, value in zip(effects, values.T):
         if name in own:
             out[name] += value
     return out
+
+
+@cache
+def _energy_row(own: tuple[str, ...]) -> np.dtype[np.void]:
+    """A row of ENERGY with a column for each further name; numpy makes it slowly, and each record has one."""
+    return np.dtype(ENERGY.descr + [(name, "f8") for name in own])
 
 
 class RunError(Error, RuntimeError):

@@ -73,17 +73,41 @@ def at_start(problem: Problem) -> tuple[list[float | None], list[dict[str, Any]]
     return gaps, [found["points"] for found in penetrations(problem, state)]
 
 
-def turned(problem: Problem, state: Any) -> Iterator[errors.RotationWarning]:
-    """The bodies with the small-strain law that have turned too far in a state (``ct_state *``)."""
-    u = problem.rows(state.displacement)
-    for i, body in enumerate(problem.bodies.values()):
-        some = _spread(len(body.mesh.nodes))
-        angle = _angle(body.mesh.nodes[some], u[body.nodes][some])
-        if body.material.law == "linear" and angle > TURNED:
-            text = f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and '
-            text += f'the law "linear" takes a rotation for a strain, of {0.5 * angle * angle:.2g} here; '
-            text += f'give material "{body.material.name}" the law "st_venant_kirchhoff" or "neo_hookean"'
-            yield errors.RotationWarning(text, f"body[{i}]")
+class Turning:
+    """Which bodies with the small-strain law have turned too far for it; it keeps of each what tells cheaply that it has not (:eq:`turned-bound`)."""
+
+    def __init__(self, problem: Problem):
+        self._problem = problem
+        self._bodies = {
+            i: (body, *_spread_of(body.mesh.nodes))
+            for i, body in enumerate(problem.bodies.values())
+            if body.material.law == "linear"
+        }
+
+    def warnings(self, state: Any) -> Iterator[errors.RotationWarning]:
+        """A warning for each that has in a state (``ct_state *``), once for each body."""
+        u = self._problem.rows(state.displacement)
+        for i, (body, some, least) in list(self._bodies.items()):
+            moved = u[body.nodes][some]
+            spread = moved - moved.mean(axis=0)
+            if float(np.vdot(spread, spread)) <= least:
+                continue
+            angle = _angle(body.mesh.nodes[some], moved)
+            if angle > TURNED:
+                del self._bodies[i]
+                text = f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and '
+                text += f'the law "linear" takes a rotation for a strain, of {0.5 * angle * angle:.2g} here; '
+                text += f'give material "{body.material.name}" the law "st_venant_kirchhoff" or "neo_hookean"'
+                yield errors.RotationWarning(text, f"body[{i}]")
+
+
+def _spread_of(X: NDArray[Any]) -> tuple[NDArray[Any], float]:
+    """Nodes spread over a body, and the sum of squares of their displacements about the mean that every rotation by TURNED exceeds, :eq:`turned-bound`."""
+    some = _spread(len(X))
+    spread = X[some] - X[some].mean(axis=0)
+    inertia = spread.T @ spread
+    across = float(np.trace(inertia) - np.linalg.eigvalsh(inertia)[-1])
+    return some, (1.0 - 1e-9) * math.sin(0.5 * TURNED) ** 2 * across
 
 
 def _spread(count: int) -> NDArray[Any]:
