@@ -10,7 +10,8 @@ import sys
 import threading
 import time as clock
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from . import errors, has
 from ._core import ffi, lib
-from .bridge import Rows, ask, call, copied, doubles
+from .bridge import Floats, Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING, FIELDS
@@ -238,6 +239,7 @@ class Loop:
             self.close()
         finally:
             self.abandon()
+        self.monitor = None  # gives the last good state back
         return self.result()
 
     def _steps(self, progress: Any, stop: list[int]) -> None:
@@ -401,25 +403,39 @@ class Loop:
             given = np.zeros(3)
             self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
             impulse[name] = impulse.get(name, 0.0) + given
-        known = {"state": self._state(state, state), "writer": self, "impulse": impulse}
+        known = {"state": self._state(state, state, at_once=watched), "writer": self, "impulse": impulse}
         known["penetration"] = [] if watched else penetrations(problem, state)
         known["pressure"] = {} if watched else contact_pressure(problem, state)
         return {**known, "contact": contact_points(problem, state)}
 
-    def _state(self, state: Any, owner: Any) -> State:
-        """A state for people; ``owner`` is what keeps its memory alive."""
+    def _state(self, state: Any, owner: Any, at_once: bool = True) -> State:
+        """A state for people; ``owner`` is what keeps its memory alive. Of a state that moves on, all is computed ``at_once``, else when it is asked for."""
         problem = self.problem
-        v = np.empty((problem.pointer.node_count, 3))
-        call(lib.ct_state_velocity, problem.pointer, state, doubles(v))
-        u, bodies = view(state.displacement, v.shape, np.float64, (owner, problem)), {}
-        held = {"displacement": u, "velocity": v}
+        u = view(state.displacement, (state.node_count, 3), np.float64, (owner, problem))
+        made = {"velocity": cache(partial(_made, u.shape, lib.ct_state_velocity, problem, state))}
         if "contact_pressure" in problem.parts.output.fields:
-            held["contact_pressure"] = np.empty(len(v))
-            call(lib.ct_state_pressure, problem.pointer, state, doubles(held["contact_pressure"]))
+            pressure = partial(_made, len(u), lib.ct_state_pressure, problem, state)
+            made["contact_pressure"] = cache(pressure)
+        if at_once:
+            for values in made.values():
+                values()
+        bodies = {}
         for name, body in problem.bodies.items():
-            fields = {field: values[body.nodes] for field, values in held.items()}
-            bodies[name] = BodyState(name, body.mesh, body.material, **fields)
+            fields = {field: partial(_rows, values, body.nodes) for field, values in made.items()}
+            own = (name, body.mesh, body.material)
+            bodies[name] = BodyState(*own, displacement=u[body.nodes], **fields)
         return State(state.time, state.step, bodies)
+
+
+def _made(shape: Any, function: Any, problem: Problem, state: Any) -> Floats:
+    """An array that a function of the library fills from a state."""
+    out = np.empty(shape)
+    call(function, problem.pointer, state, doubles(out))
+    return out
+
+
+def _rows(values: Callable[[], Floats], rows: slice) -> Floats:
+    return values()[rows]
 
 
 @contextlib.contextmanager

@@ -113,8 +113,8 @@ def memory_of(problem: Problem) -> int:
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         width, lattice = WIDTH[body.mesh.element], problem._is_lattice(problem.parts.bodies[name])
         total += memory_estimate(nodes, elements, width, lattice)
-        # What sleeps has the batches of each node.
-        total += nodes * 22 if "quiet" in problem.parts.run.savings else 0
+        # What sleeps has the batches of each node, but of a lattice.
+        total += nodes * 22 if "quiet" in problem.parts.run.savings and not lattice else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)

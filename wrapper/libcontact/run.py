@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -130,8 +130,21 @@ class BodyState:
         Its material.
     """
 
-    def __init__(self, name: str, mesh: Mesh, material: Material | None, **fields: Floats | None):
+    def __init__(
+        self,
+        name: str,
+        mesh: Mesh,
+        material: Material | None,
+        **fields: Floats | Callable[[], Floats] | None,
+    ):
+        """A field is its values, or what makes them when they are asked for first."""
         self.name, self.mesh, self.material, self._fields = name, mesh, material, fields
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A copy or a pickle has the values, whoever would have made them.
+        for field in [name for name, values in self._fields.items() if callable(values)]:
+            self._field(field)
+        return self.__dict__
 
     def holds(self, field: str) -> bool:
         """
@@ -160,6 +173,8 @@ class BodyState:
             values = self._fields[field] = np.empty((len(self.elements), 6))
             u, law = doubles(self.displacement), c_material(self.material)
             call(lib.ct_solid_stress, self.mesh.pointer, law, u, doubles(values))
+        if callable(values):
+            values = self._fields[field] = values()
         values.flags.writeable = False
         return values
 

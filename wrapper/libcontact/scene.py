@@ -440,7 +440,7 @@ class Scene:
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         problem = self._built(threads, dt and dt / parts)
         loop = Loop(problem, self.toml(arrays=False), watch, until)
-        for warning in known(problem, path):
+        for warning in known(problem, path, state=loop.state):
             issue(warning)
         if restart is not None:
             loop.restart(restart, self._built(threads, dt) if parts > 1 else None)

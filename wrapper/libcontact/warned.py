@@ -38,14 +38,17 @@ HARMLESS = ("gravity", "viscosity")
 
 
 def known(
-    problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None = None
+    problem: Problem,
+    output: Any,
+    found: Sequence[dict[str, Any]] | None = None,
+    state: Any = None,
 ) -> list[SceneWarning]:
     """
     All warnings that are known before the first step of a run which writes to ``output`` (None: no file). ``found``: what is inside at
-    the points of each contact at t = 0, if it was asked before.
+    the points of each contact at t = 0, if it was asked before; ``state``: the state (``ct_state *``) at t = 0, if there is one.
     """
     if found is None:
-        _, found = at_start(problem)
+        _, found = at_start(problem, state)
     touches = first_touch(problem)
     away = list(_inside_out(problem, touches))
     follow = [*_overlaps(problem, found), *_never_meet(problem, touches), *_thin(problem, touches)]
@@ -61,11 +64,13 @@ def known(
     ]
 
 
-def at_start(problem: Problem) -> tuple[list[float | None], list[dict[str, Any]]]:
+def at_start(
+    problem: Problem, state: Any = None
+) -> tuple[list[float | None], list[dict[str, Any]]]:
     """Of each contact at t = 0 the smallest gap (None where no point is near the other surface), and what is inside at its points."""
     if not problem.contacts:
         return [], []
-    state = new_state(problem)
+    state = new_state(problem) if state is None else state
     gaps = []
     for points in contact_points(problem, state):
         near = (points["gap"] + points["start_gap"])[points["other"] >= 0]
@@ -205,7 +210,7 @@ def _behind(problem: Problem, given: Any) -> str:
     """Why an obstacle is inside the body before it: its middle is behind a plane, or all of its surface inside a sphere or cylinder by more than an element."""
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
-        behind = given.gaps(mesh.nodes)[0].mean() < 0.0
+        behind = given.gaps(mesh.nodes.mean(axis=0, keepdims=True))[0][0] < 0.0
         return "behind the plane; turn its normal round" if behind else ""
     inside = given.gaps(_surface(problem, given.surface))[0].max() < -mesh.shortest_edge
     return f"inside the {given.shape}; move it, or make the radius smaller" if inside else ""

@@ -63,7 +63,7 @@ typedef struct ct_solid_part {
    * it has, and after how many of them energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
-   * - 1]; null where no element sleeps. */
+   * - 1]; null where no element sleeps, or where the ring knows them. */
   int32_t *batch_begin, *batches_at;
 } ct_solid_part;
 

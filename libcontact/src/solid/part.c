@@ -79,10 +79,11 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
   if (plane && part->box && hex8) status = choose_plane(part, block, threads);
   if (status == CT_OK) status = prepare_rows(part);
-  if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
   if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
   if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
     status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  if (status == CT_OK && part->optimisations.sleep && part->ring == NULL)
+    status = ct_sleep_prepare(part);
   return status;
 }
 

@@ -145,6 +145,17 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
   return status;
 }
 
+const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node)
+{
+  int32_t first = 0, last = ring->run_count - 1;
+  while (first < last) {
+    int32_t middle = first + (last - first + 1) / 2;
+    if (ring->runs[middle].low <= node) first = middle;
+    else last = middle - 1;
+  }
+  return &ring->runs[first];
+}
+
 /* Sum eight runs of element forces that lie side by side; `step`: from one component to the next.
  */
 CT_CLONES

@@ -39,6 +39,9 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
 
 void ct_force_ring_free(ct_force_ring *ring);
 
+/* The run of a node of bricks, or of the lower layer. */
+const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node);
+
 /* Sum at the nodes first ... last - 1 of a run, in the order of ct_assembly_gather (eq:tree-sum).
  */
 void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,

@@ -60,6 +60,23 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
   return status;
 }
 
+/* Batches of the elements of a node of the body, some maybe more than once; answers how many there
+ * are. Where there is a ring its runs know the elements. */
+static int32_t batches_of(const ct_solid_part *part, int32_t node, int32_t own[8],
+                          const int32_t **batches)
+{
+  if (part->ring == NULL) {
+    *batches = &part->batches_at[part->batch_begin[node]];
+    return part->batch_begin[node + 1] - part->batch_begin[node];
+  }
+  const ct_run *run = ct_force_ring_run(part->ring, node);
+  int32_t count = 0;
+  for (int k = 0; k < 8; k++)
+    if (run->element[k] >= 0) own[count++] = (run->element[k] + node - run->low) / 8;
+  *batches = own;
+  return count;
+}
+
 ct_status ct_sleep_create(const ct_solid_part *parts, int32_t part_count, ct_sleep **out)
 {
   ct_sleep *s = ct_allocate(1, sizeof *s);
@@ -110,11 +127,12 @@ static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
   s->batch[part->first_batch + b] = CT_ACTIVE;
   s->bodies[p].computed += (int32_t)((last - first) / ct_brick_node_count(part->mesh->kind));
   for (int64_t i = first; i < last; i++) {
-    int32_t own = part->mesh->elements[i], n = part->first_node + own;
+    int32_t own = part->mesh->elements[i], n = part->first_node + own, around[8];
+    const int32_t *at;
     if (ct_bits_get(s->summed, n)) continue;
     ct_bits_put(s->summed, n, n + 1, 1);
-    for (int32_t k = part->batch_begin[own]; k < part->batch_begin[own + 1]; k++) {
-      uint8_t *neighbour = &s->batch[part->first_batch + part->batches_at[k]];
+    for (int32_t k = batches_of(part, own, around, &at) - 1; k >= 0; k--) {
+      uint8_t *neighbour = &s->batch[part->first_batch + at[k]];
       if (*neighbour == CT_ASLEEP) *neighbour = CT_BORDER;
     }
     if (ct_bits_get(s->active, n)) continue;
@@ -200,11 +218,10 @@ void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *vel
 static void wake_around(ct_sleep *s, int32_t p, int32_t n, double *u)
 {
   const ct_solid_part *part = &s->parts[p];
-  const int32_t *begin = &part->batch_begin[n - part->first_node];
-  for (int32_t k = begin[0]; k < begin[1]; k++) {
-    int32_t b = part->batches_at[k];
-    if (s->batch[part->first_batch + b] != CT_ACTIVE) wake_batch(s, p, b, u);
-  }
+  int32_t around[8];
+  const int32_t *at;
+  for (int32_t k = batches_of(part, n - part->first_node, around, &at) - 1; k >= 0; k--)
+    if (s->batch[part->first_batch + at[k]] != CT_ACTIVE) wake_batch(s, p, at[k], u);
 }
 
 void ct_sleep_wake(ct_sleep *s, double *displacement)
