@@ -261,6 +261,17 @@ def bodies(box, **other):
             },
         ),
         (
+            "obstacle",
+            None,
+            {
+                **ALONE,
+                "body": bodies({**BLOCK, "cells": [2, 80, 80]}),
+                "obstacle": [
+                    {"surface": "block.x_min", "plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}
+                ],
+            },
+        ),
+        (
             "contact",
             None,
             {

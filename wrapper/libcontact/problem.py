@@ -128,6 +128,9 @@ def memory_of(problem: Problem) -> int:
         # The solver keeps the entries of a row at its nodes, where they stand, and 10 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
         total += pressing * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
+        # Points of an obstacle: its rows, or where it has none about four a node.
+        if effect.kind == lib.CT_EFFECT_OBSTACLE:
+            total += POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)
     # Rows of probes, for which there is room for twice as many.
     for probe in problem.probes:
         total += 2 * problem.step_count // probe.given.every * probe.row_bytes
