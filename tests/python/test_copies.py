@@ -203,3 +203,31 @@ def fail(view, after):
 
 def test_the_package_says_that_it_is_typed():
     assert os.path.exists(os.path.join(os.path.dirname(ct.__file__), "py.typed"))
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
+def test_fields_that_nobody_has_asked_for_are_those_of_the_last_step(way):
+    """Made late, by the run or by its copy, after other runs of the same scene: u at rest plus what velocities add, and the momentum of the ledger."""
+    one = scene(own=False)
+    run = one.run(progress=False, output=False)
+    one.run(progress=False, output=False, until=1e-7)
+    made = way(run)
+    del run, one
+    nodes = {"left": 45, "right": 8}
+    for name, count in nodes.items():
+        state = made.state[name]
+        assert state.velocity.shape == (count, 3) and not state.velocity.flags.writeable
+    # Equal bricks: a node has an eighth of the mass of each of its elements.
+    mass = np.zeros(45)
+    np.add.at(mass, made.state["left"].elements.ravel(), 7.8e-9 * 2.0 / 16 / 8)
+    p = mass @ made.state["left"].velocity
+    assert p == pytest.approx(made.body_momentum("left")["p"][-1], rel=1e-12, abs=1e-20)
+
+
+def test_what_a_watch_has_kept_is_of_its_record():
+    kept = []
+    run = scene(own=False).run(
+        progress=False, output=False, watch=lambda one: kept.append(one.state["left"])
+    )
+    first, last = kept[0].velocity[:, 0], run.state["left"].velocity[:, 0]
+    assert np.allclose(first, 1000.0) and np.abs(last - first).max() > 100.0

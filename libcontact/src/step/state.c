@@ -289,9 +289,23 @@ ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *er
   return status;
 }
 
-ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
+/* Kinetic energy at t = 0, as a row of the ledger has it. */
+static ct_status start_kinetic(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_energy energy;
+  double *moving = state->workspace->addends;
+  for (int32_t b = 0; b < problem->body_count; b++) {
+    ct_body_sums sums;
+    ct_sum_body(problem, state, b, &sums);
+    moving[b] = sums.kinetic;
+  }
+  state->kinetic_start = ct_sum(moving, problem->body_count);
+  // Where it is no number the whole row says why.
+  return isfinite(state->kinetic_start) ? CT_OK : ct_energy_of(problem, state, &energy, error);
+}
+
+ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
+{
   ct_state *state = NULL;
   if (out == NULL) return CT_REFUSE(error, "state: null argument");
   ct_status status = ct_state_begin(problem, &state, error);
@@ -301,12 +315,10 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
   }
   if (status == CT_OK) {
     ct_state_start_ledgers(problem, state);
-    status = ct_energy_of(problem, state, &energy, error);
+    status = start_kinetic(problem, state, error);
   }
-  if (status == CT_OK) {
-    state->kinetic_start = energy.kinetic;
-    *out = state;
-  } else ct_state_free(state);
+  if (status == CT_OK) *out = state;
+  else ct_state_free(state);
   return status;
 }
 
