@@ -210,7 +210,7 @@ def test_fields_that_nobody_has_asked_for_are_those_of_the_last_step(way):
     """Made late, by the run or by its copy, after other runs: v_n = (u_{n+1} - u_{n-1}) / 2 Δt."""
     one, dt = scene(own=False), scene(own=False)._built(None).dt
     run, before, after = (
-        one.run(progress=False, output=False, until=(n - 0.5) * dt) for n in (20, 19, 21)
+        one.run(progress=False, output=False, until=(n - 0.5) * dt) for n in (10, 9, 11)
     )
     made = way(run)
     del run, one

@@ -403,7 +403,11 @@ class Loop:
             given = np.zeros(3)
             self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
             impulse[name] = impulse.get(name, 0.0) + given
-        known = {"state": self._state(state, state, at_once=watched), "writer": self, "impulse": impulse}
+        known = {
+            "state": self._state(state, state, at_once=watched),
+            "writer": self,
+            "impulse": impulse,
+        }
         known["penetration"] = [] if watched else penetrations(problem, state)
         known["pressure"] = {} if watched else contact_pressure(problem, state)
         return {**known, "contact": contact_points(problem, state)}
@@ -421,9 +425,9 @@ class Loop:
                 values()
         bodies = {}
         for name, body in problem.bodies.items():
-            fields = {field: partial(_rows, values, body.nodes) for field, values in made.items()}
-            own = (name, body.mesh, body.material)
-            bodies[name] = BodyState(*own, displacement=u[body.nodes], **fields)
+            fields: dict[str, Any] = {"displacement": u[body.nodes]}
+            fields |= {field: partial(_rows, values, body.nodes) for field, values in made.items()}
+            bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
 
 

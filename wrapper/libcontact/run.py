@@ -142,8 +142,8 @@ class BodyState:
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy or a pickle has the values, whoever would have made them.
-        for field in [name for name, values in self._fields.items() if callable(values)]:
-            self._field(field)
+        for name in [name for name, values in self._fields.items() if callable(values)]:
+            self._field(name)
         return self.__dict__
 
     def holds(self, field: str) -> bool:

@@ -38,10 +38,7 @@ HARMLESS = ("gravity", "viscosity")
 
 
 def known(
-    problem: Problem,
-    output: Any,
-    found: Sequence[dict[str, Any]] | None = None,
-    state: Any = None,
+    problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None = None, state: Any = None
 ) -> list[SceneWarning]:
     """
     All warnings that are known before the first step of a run which writes to ``output`` (None: no file). ``found``: what is inside at
