@@ -1,0 +1,157 @@
+"""
+What the campaign runs. A setting is a dict of scene keys, ``{"time.courant": 0.125}``, laid over the plates of ``tutorials/scenes``; so a new method is one line of
+``METHODS``, and a new value of a factor one entry of ``FACTORS``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+Keys = dict[str, Any]
+
+PAPER: Keys = {"time.courant": 0.125, "contact.enforcement": "penalty", "contact.beta": 4.0}
+BEST: Keys = {"time.fraction": 0.98}
+CENTRES = {"paper's setting": PAPER, "default at 0.98": BEST}
+
+# Keys of which a scene has one: the last one laid over it counts.
+RIVALS = ("time.courant", "time.fraction")
+
+DAMPED: Keys = {"viscosity.linear": 0.06}
+ONE_POINT: Keys = {"body.integration": "reduced"}
+HEX20: Keys = {"body.element": "hex20"}
+METHODS: dict[str, Keys] = {
+    "paper's setting": PAPER,
+    "default at 0.98": BEST,
+    "viscosity 0.06": BEST | DAMPED,
+    "one-point hex8": BEST | ONE_POINT,
+    "one-point hex8, viscosity": BEST | ONE_POINT | DAMPED,
+    "Chung–Lee": BEST | {"time.integrator": "chung_lee"},
+    "Noh–Bathe": BEST | {"time.integrator": "noh_bathe"},
+    "Tchamwa–Wielgosz": BEST | {"time.integrator": "tchamwa_wielgosz"},
+    "hex20": BEST | HEX20,
+    "hex20, Noh–Bathe": BEST | HEX20 | {"time.integrator": "noh_bathe"},
+}
+
+COURANT = (0.05, 0.125, 0.25, 0.5)
+FRACTIONS = (0.5, 0.7, 0.9, 0.98)
+SEARCH = ("robust", "newton", "least_squares", "bfgs", "simplex", "certified")
+FACTORS: dict[str, list[Keys]] = {
+    "step": [
+        *({"time.courant": value} for value in COURANT),
+        *({"time.fraction": value} for value in FRACTIONS),
+    ],
+    "element": [ONE_POINT, HEX20],
+    "integrator": [
+        {"time.integrator": name} for name in ("chung_lee", "noh_bathe", "tchamwa_wielgosz")
+    ],
+    "bulk viscosity": [
+        *({"viscosity.linear": value} for value in (0.03, 0.06, 0.12, 0.25)),
+        {"viscosity.linear": 0.06, "viscosity.quadratic": 1.2},
+    ],
+}
+CONTACT_FACTORS: dict[str, list[Keys]] = {
+    "enforcement": [
+        {"contact.enforcement": "penalty", "contact.beta": 1.0},
+        {"contact.enforcement": "bipenalty", "contact.beta": 1.0},
+        {"contact.enforcement": "energy_controlled", "contact.beta": 4.0},
+        {"contact.enforcement": "energy_controlled", "contact.beta": 40.0},
+    ],
+    "rule on the faces": [{"contact.points": "lobatto"}],
+    "search": [{"contact.method": name} for name in SEARCH],
+    "tolerance": [
+        {"contact.method": "simplex", "contact.tolerance": value} for value in (1e-2, 1e-4, 1e-6)
+    ],
+}
+
+# The penalty, with each law, at each share of the stable step that the law has: on a mesh that makes a run short.
+BETAS = (0.5, 1.0, 4.0, 10.0, 40.0, 100.0)
+LAWS = ("penalty", "bipenalty", "energy_controlled")
+LAW_FRACTIONS = (0.3, 0.6, 0.9, 0.98)
+LAW_CELLS = 50
+
+
+class Level(NamedTuple):
+    """How much of the campaign is run: meshes d/n of the methods, the mesh of the factors, and whether every method meets the other plate, too."""
+
+    meshes: tuple[int, ...]
+    factor_cells: int
+    every_method_in_contact: bool
+
+
+LEVELS = {
+    "whole": Level((12, 25, 50, 100, 200, 400), 200, True),
+    "reduced": Level((12, 25, 50, 100), 100, False),
+    "short": Level((12, 25), 12, False),
+}
+
+
+class Case(NamedTuple):
+    """One row: ``reference`` (a wall) or ``contact`` (two plates), elements along d, and what differs from the scene's usual keys."""
+
+    scene: str
+    cells: int
+    keys: Keys
+
+    @property
+    def setting(self) -> str:
+        return "; ".join(f"{name}={value}" for name, value in sorted(self.keys.items()))
+
+    @property
+    def name(self) -> tuple[str, int, str]:
+        """What tells a row from all others."""
+        return self.scene, self.cells, self.setting
+
+
+def over(centre: Keys, change: Keys) -> Keys:
+    """A setting with some keys changed."""
+    stays = {
+        name: value
+        for name, value in centre.items()
+        if not (name in RIVALS and any(key in RIVALS for key in change))
+    }
+    return stays | change
+
+
+def case(scene: str, cells: int, keys: Keys) -> Case:
+    """A case; a plate on a wall has no keys of contact."""
+    own = {
+        name: value
+        for name, value in keys.items()
+        if scene == "contact" or not name.startswith("contact.")
+    }
+    return Case(scene, cells, own)
+
+
+def methods(level: Level) -> Iterator[Case]:
+    for keys in METHODS.values():
+        for cells in level.meshes:
+            yield case("reference", cells, keys)
+            if level.every_method_in_contact or keys in (PAPER, BEST):
+                yield case("contact", cells, keys)
+
+
+def factors(level: Level) -> Iterator[Case]:
+    for centre in CENTRES.values():
+        for changes in FACTORS.values():
+            for change in changes:
+                yield case("reference", level.factor_cells, over(centre, change))
+        for changes in CONTACT_FACTORS.values():
+            for change in changes:
+                yield case("contact", level.factor_cells, over(centre, change))
+
+
+def laws(level: Level) -> Iterator[Case]:
+    short = level is LEVELS["short"]
+    for law in LAWS:
+        for beta in BETAS[2:4] if short else BETAS:
+            for fraction in LAW_FRACTIONS[2:3] if short else LAW_FRACTIONS:
+                keys = {"contact.enforcement": law, "contact.beta": beta, "time.fraction": fraction}
+                yield case("contact", 12 if short else LAW_CELLS, keys)
+
+
+def cases(name: str) -> list[Case]:
+    """All cases of a level, each once, the cheap ones first."""
+    level = LEVELS[name]
+    found = {own.name: own for part in (methods, factors, laws) for own in part(level)}
+    return sorted(found.values(), key=lambda own: own.cells)
