@@ -26,7 +26,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs measured bench stability wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs measured bench stability accuracy wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -64,8 +64,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
-.PHONY: _figures _test _docs _measured _bench _stability _wheel _check-c _fuzz _kill
+.PHONY: help all format count lib install wheel figures test docs measured bench stability accuracy check-c fuzz kill threads memory info clean setup
+.PHONY: _figures _test _docs _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
 help:
@@ -76,6 +76,7 @@ help:
 	@echo "make measured         the numbers that the book quotes, computed anew into docs/measured.json"
 	@echo "make bench            measured tables and pictures, in build/bench"
 	@echo "make stability        hard cases, each with its verdict, in build/stability"
+	@echo "make accuracy         what accuracy costs: errors and time of every method, in build/accuracy; stopped, it goes on (ACCURACY=--reduced: minutes)"
 	@echo "make lib              the C libraries, in build/lib"
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
@@ -170,7 +171,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 
 # As many compilers at a time as there are processors, where the caller says nothing else.
 JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
-figures test docs measured bench stability wheel: setup
+figures test docs measured bench stability accuracy wheel: setup
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
@@ -196,6 +197,11 @@ _bench: $(VENV)/.wrapper $(VENV)/.bench
 _stability: $(VENV)/.wrapper
 	$(VENV)/bin/python stability/run.py $(BUILD)/stability
 	@echo "written: $(BUILD)/stability/"
+
+# A table that was stopped goes on where it was.
+_accuracy: $(VENV)/.wrapper
+	MPLBACKEND=Agg $(VENV)/bin/python accuracy/run.py $(BUILD)/accuracy $(ACCURACY)
+	@echo "written: $(BUILD)/accuracy/"
 
 _wheel: $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel

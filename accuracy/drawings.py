@@ -1,0 +1,253 @@
+"""Pictures of the campaign, drawn from its tables; without a folder from those of the book."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import campaign  # noqa: E402
+import table  # noqa: E402
+from campaign import Case, Keys  # noqa: E402
+
+Rows = dict[tuple[str, int, str], dict[str, Any]]
+NAMES = {"l1_fig4": "L1 error on Fig. 4's line", "l1_fig5": "L1 error on Fig. 5's line"}
+LAWS = {
+    "penalty": "explicit penalty",
+    "bipenalty": "bipenalty",
+    "energy_controlled": "energy-controlled (default)",
+}
+
+
+def load(folder: Path = table.BOOK) -> Rows:
+    """Rows of runs that came to their end, by scene, mesh and setting."""
+    return {
+        (row["scene"], int(row["cells"]), row["setting"]): row
+        for row in table.read(folder / "accuracy.csv")
+        if row["status"] == "done"
+    }
+
+
+def values(rows: Rows, cases: Iterable[Case], *columns: str) -> list[np.ndarray]:
+    """The columns of the cases that the table has."""
+    found = [rows[own.name] for own in cases if own.name in rows]
+    return [np.array([row[name] for row in found], float) for name in columns]
+
+
+def meshes(rows: Rows, scene: str, keys: Keys) -> list[Case]:
+    """A method on all meshes of the table, from coarse to fine."""
+    cells = sorted({name[1] for name in rows})
+    own = (campaign.case(scene, n, keys) for n in cells)
+    return [case for case in own if case.name in rows]
+
+
+def front(cost: Any, error: Any) -> np.ndarray:
+    """Indices of the Pareto front, cheapest first: no other point costs at most as much and is better, or is as good and costs less."""
+    cost, error = np.asarray(cost, float), np.asarray(error, float)
+    order, best, out = np.lexsort((error, cost)), np.inf, []
+    for i in order:
+        if error[i] < best:
+            out.append(int(i))
+            best = error[i]
+    return np.array(out, int)
+
+
+def best_buy(rows: Rows, scene: str = "reference") -> tuple[str, dict[str, Any]]:
+    """The method and row with the least seconds among those whose mean errors on both lines are at most the paper's."""
+    paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
+    good = [
+        (method, rows[own.name])
+        for method, keys in campaign.METHODS.items()
+        for own in meshes(rows, scene, keys)
+        if all(rows[own.name][name] <= paper[name] for name in NAMES)
+    ]
+    return min(good, key=lambda one: one[1]["times_paper"])
+
+
+def tidy(ax: Axes, **labels: Any) -> None:
+    ax.set(**labels)
+    ax.grid(alpha=0.3, which="major")
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "reference") -> Figure:
+    """Error against cost, a curve a method, with the Pareto front, the paper's point and the best buy."""
+    rows = load(folder)
+    figure = Figure(figsize=(10.5, 5.2), layout="constrained")
+    paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
+    name, best = best_buy(rows, scene)
+    for ax, (column, label) in zip(figure.subplots(1, 2), NAMES.items()):
+        points = []
+        for k, (method, keys) in enumerate(campaign.METHODS.items()):
+            x, y = values(rows, meshes(rows, scene, keys), cost, column)
+            points += list(zip(x, y))
+            style = {"marker": "osv^D<>phX"[k % 10], "ms": 5, "lw": 1.3, "color": f"C{k}"}
+            ax.loglog(x, y, label=method, **style)
+        x, y = np.array(points).T
+        edge = front(x, y)
+        ax.step(
+            x[edge],
+            y[edge],
+            where="post",
+            color="0.8",
+            lw=7,
+            zorder=0,
+            label="Pareto front",
+            solid_joinstyle="round",
+        )
+        for row, text, place in (
+            (paper, "the paper, d/100", (0.97, 0.9)),
+            (best, f"best buy:\n{name}, d/{best['cells']:.0f}", (0.03, 0.06)),
+        ):
+            ax.plot(row[cost], row[column], "*", ms=17, mfc="none", mec="k", mew=1.2, zorder=5)
+            ax.annotate(
+                text,
+                (row[cost], row[column]),
+                xytext=place,
+                textcoords="axes fraction",
+                ha="right" if place[0] > 0.5 else "left",
+                fontsize=9,
+                arrowprops={"arrowstyle": "-", "color": "0.3", "lw": 0.8, "shrinkB": 8},
+            )
+        unit = "seconds" if cost == "times_paper" else "element updates"
+        tidy(ax, xlabel=f"cost: {unit} over those of the paper's setting", ylabel=label)
+    figure.legend(
+        *ax.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
+    )
+    return figure
+
+
+def growth(folder: Path = table.BOOK) -> Figure:
+    """Element updates and seconds against 1/h, beside the theoretical power."""
+    rows = load(folder)
+    figure = Figure(figsize=(9, 4.2), layout="constrained")
+    for ax, column, label in zip(
+        figure.subplots(1, 2),
+        ("updates", "seconds"),
+        ("element updates", "seconds of the time loop"),
+    ):
+        for k, method in enumerate(("paper's setting", "default at 0.98")):
+            for scene, style in (("reference", "o-"), ("contact", "s--")):
+                x, y = values(rows, meshes(rows, scene, campaign.METHODS[method]), "cells", column)
+                shown = {"reference": "plate on a wall", "contact": "two plates"}[scene]
+                ax.loglog(x, y, style, color=f"C{k}", ms=5, label=f"{method}, {shown}")
+                if scene == "reference" and k == 0:
+                    ax.loglog(x, y[-1] * (x / x[-1]) ** 3 / 2.5, "k:", label="slope d + 1 = 3")
+        tidy(ax, xlabel="elements over half the thickness, d/h", ylabel=label)
+        ax.set_xticks(x, [f"{n:.0f}" for n in x])
+        ax.minorticks_off()
+    ax.legend(fontsize=8, frameon=False)
+    return figure
+
+
+def contact(folder: Path = table.BOOK) -> Figure:
+    """Penetration and error of the contact against the penalty, for each law and two steps."""
+    rows, cells = load(folder), campaign.LAW_CELLS
+    figure = Figure(figsize=(10.5, 4.6), layout="constrained")
+    axes = figure.subplots(1, 2)
+    for k, (law, label) in enumerate(LAWS.items()):
+        for fraction, style in ((0.3, "o--"), (0.98, "s-")):
+            keys = [
+                {"contact.enforcement": law, "contact.beta": beta, "time.fraction": fraction}
+                for beta in campaign.BETAS
+            ]
+            cases = [campaign.case("contact", cells, own) for own in keys]
+            cases = [own for own in cases if own.name in rows]
+            beta = [own.keys["contact.beta"] for own in cases]
+            for ax, column in zip(axes, ("depth", "contact_l1")):
+                (y,) = values(rows, cases, column)
+                ax.loglog(
+                    beta,
+                    np.maximum(y, 1e-9),
+                    style,
+                    color=f"C{k}",
+                    ms=5,
+                    label=f"{label}, {fraction:g} of its step",
+                )
+    tidy(axes[0], xlabel="penalty factor β", ylabel="deepest contact point / h")
+    tidy(axes[1], xlabel="penalty factor β", ylabel="error of the contact on Fig. 4's line")
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False
+    )
+    return figure
+
+
+def search(folder: Path = table.BOOK) -> Figure:
+    """Error of the closest point against evaluations of f, a curve a method over its tolerances."""
+    rows = table.read(folder / "accuracy_search.csv")
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
+    ax = figure.subplots()
+    for k, name in enumerate(dict.fromkeys(row["method"] for row in rows)):
+        own = [row for row in rows if row["method"] == name]
+        x = np.array([row["evaluations"] for row in own])
+        y = np.maximum([row["xi_error"] for row in own], 1e-17)
+        style = {"marker": "osv^D<>phX*P"[k % 12], "ms": 4, "lw": 1.2, "color": f"C{k % 10}"}
+        ax.loglog(x, y, label=name.replace("_", " "), **style)
+    tidy(ax, xlabel="evaluations of f a point", ylabel="error of the closest point in ξ, median")
+    ax.legend(fontsize=8, frameon=False, bbox_to_anchor=(1.0, 1.0), loc="upper left")
+    return figure
+
+
+def label(change: Keys) -> str:
+    """What a change of one factor is called in a picture."""
+    words = [
+        f"{name.split('.')[1]} {value:g}"
+        if isinstance(value, float)
+        else str(value).replace("_", " ")
+        for name, value in change.items()
+    ]
+    return ", ".join(words).replace("reduced", "one-point hex8")
+
+
+def factors(folder: Path = table.BOOK) -> Figure:
+    """What one changed factor does to cost and errors, over its centre, for both centres."""
+    rows = load(folder)
+    sizes = [n for n in (200, 100, 12) if any(name[1] == n for name in rows)]
+    changes = [("reference", own) for found in campaign.FACTORS.values() for own in found] + [
+        ("contact", own) for found in campaign.CONTACT_FACTORS.values() for own in found
+    ]
+    figure = Figure(figsize=(10.5, 8.4), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    for ax, (name, centre) in zip(axes, campaign.CENTRES.items()):
+        for place, (scene, change) in enumerate(changes):
+            for cells in sizes:
+                base = rows.get(campaign.case(scene, cells, centre).name)
+                own = rows.get(campaign.case(scene, cells, campaign.over(centre, change)).name)
+                if base and own:
+                    break
+            else:
+                continue
+            ratios = [own[column] / base[column] for column in ("times_paper", *NAMES)]
+            for ratio, marker, colour in zip(ratios, "|os", ("k", "C0", "C1")):
+                ax.plot(ratio, place, marker, color=colour, ms=12 if marker == "|" else 6, mew=2)
+        ax.axvline(1.0, color="0.6", lw=1, zorder=0)
+        tidy(ax, xscale="log", xlabel="over that of the centre", title=f"from: {name}")
+    axes[0].set_yticks(range(len(changes)), [label(change) for _, change in changes])
+    axes[0].invert_yaxis()
+    for marker, colour, text in zip("|os", ("k", "C0", "C1"), ("seconds", *NAMES.values())):
+        axes[0].plot([], [], marker, color=colour, mew=2, label=text)
+    figure.legend(
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False
+    )
+    return figure
+
+
+PICTURES = {
+    "work": work,
+    "growth": growth,
+    "contact": contact,
+    "search": search,
+    "factors": factors,
+}
+
+
+def draw(folder: Path) -> None:
+    """Every picture of the tables of a folder, into it."""
+    for name, picture in PICTURES.items():
+        picture(folder).savefig(folder / f"{name}.png", dpi=150)

@@ -1,0 +1,87 @@
+"""The campaign's table: one CSV, a row per case, written as the rows are done."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import platform
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import campaign
+import price
+from tqdm import tqdm
+
+ROOT = Path(__file__).resolve().parents[1]
+BOOK = ROOT / "docs" / "theory"
+LIBRARY = ("libcontact", "wrapper")
+COLUMNS = (*price.COLUMNS, "machine", "compiler", "flags", "commit")
+
+
+def where() -> dict[str, str]:
+    """Machine, compiler, flags, and the last commit that changed the library ("+": and changes since)."""
+
+    def says(*command: str) -> str:
+        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+        return done.stdout.splitlines()[0] if done.returncode == 0 and done.stdout else ""
+
+    try:
+        names = Path("/proc/cpuinfo").read_text().splitlines()
+        machine = next(line.split(":", 1)[1].strip() for line in names if "model name" in line)
+    except (OSError, StopIteration):
+        machine = platform.processor()
+    flags = ROOT / "build" / "flags"
+    return {
+        "machine": machine,
+        "compiler": says(os.environ.get("CC", "cc"), "--version"),
+        "flags": flags.read_text().strip() if flags.exists() else "",
+        "commit": says("git", "log", "-1", "--format=%h", "--", *LIBRARY)
+        + ("+" if says("git", "status", "--porcelain", "--", *LIBRARY) else ""),
+    }
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """The whole rows of a table; numbers as numbers. A line that a kill cut short is left out."""
+    if not path.exists():
+        return []
+    text = path.read_text(encoding="utf-8")
+    lines = text[: text.rfind("\n") + 1]
+    return [
+        {name: number(value) for name, value in row.items()}
+        for row in csv.DictReader(io.StringIO(lines))
+        if None not in row.values()
+    ]
+
+
+def number(text: str) -> Any:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def line(values: Any) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(
+        f"{value:.6g}" if isinstance(value, float) else value for value in values
+    )
+    return text.getvalue()
+
+
+def collect(level: str, path: Path) -> list[dict[str, Any]]:
+    """Run the cases that the table lacks and add each as it is done."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = read(path)
+    head = "".join([line(COLUMNS), *(line(row[name] for name in COLUMNS) for row in rows)])
+    path.with_suffix(".new").write_text(head, encoding="utf-8")
+    path.with_suffix(".new").replace(path)
+    done, place = {(row["scene"], int(row["cells"]), row["setting"]) for row in rows}, where()
+    todo = [case for case in campaign.cases(level) if case.name not in done]
+    with path.open("a", encoding="utf-8") as file:
+        for case in tqdm(todo, unit="row", disable=None):
+            found = price.row(case) | place
+            file.write(line(found[name] for name in COLUMNS))
+            file.flush()
+    return read(path)
