@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import campaign  # noqa: E402
@@ -117,6 +119,11 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
             )
         unit = "seconds" if cost == "times_paper" else "element updates"
         tidy(ax, xlabel=f"cost: {unit} over those of the paper's setting", ylabel=label)
+        plain = FuncFormatter(lambda value, _: f"{value:g}")
+        ax.xaxis.set_major_formatter(plain)
+        ax.yaxis.set_major_formatter(plain)
+        ax.yaxis.set_minor_locator(LogLocator(subs=(2, 3, 5)))
+        ax.yaxis.set_minor_formatter(plain)
     figure.legend(
         *ax.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
     )
@@ -151,25 +158,20 @@ def contact(folder: Path = table.BOOK) -> Figure:
     rows, cells = load(folder), campaign.LAW_CELLS
     figure = Figure(figsize=(10.5, 4.6), layout="constrained")
     axes = figure.subplots(1, 2)
-    for k, (law, label) in enumerate(LAWS.items()):
+    for k, (law, name) in enumerate(LAWS.items()):
         for fraction, style in ((0.3, "o--"), (0.98, "s-")):
             keys = [
                 {"contact.enforcement": law, "contact.beta": beta, "time.fraction": fraction}
                 for beta in campaign.BETAS
             ]
-            cases = [campaign.case("contact", cells, own) for own in keys]
-            cases = [own for own in cases if own.name in rows]
-            beta = [own.keys["contact.beta"] for own in cases]
+            own = [rows.get(campaign.case("contact", cells, one).name) for one in keys]
+            grows = np.array([row is not None and row["growth"] > 0.01 for row in own])
             for ax, column in zip(axes, ("depth", "contact_l1")):
-                (y,) = values(rows, cases, column)
-                ax.loglog(
-                    beta,
-                    np.maximum(y, 1e-9),
-                    style,
-                    color=f"C{k}",
-                    ms=5,
-                    label=f"{label}, {fraction:g} of its step",
-                )
+                y = np.array([row[column] if row else np.nan for row in own])
+                x, colour = np.array(campaign.BETAS), {"color": f"C{k}"}
+                ax.loglog(x, y, style, ms=5, label=f"{name}, {fraction:g} of its step", **colour)
+                ax.plot(x[grows], y[grows], "o", ms=12, mfc="none", mec="tab:red")
+    axes[0].plot([], [], "o", ms=12, mfc="none", mec="tab:red", label="energy grows by over 1 %")
     tidy(axes[0], xlabel="penalty factor β", ylabel="deepest contact point / h")
     tidy(axes[1], xlabel="penalty factor β", ylabel="error of the contact on Fig. 4's line")
     figure.legend(
@@ -188,21 +190,32 @@ def search(folder: Path = table.BOOK) -> Figure:
         x = np.array([row["evaluations"] for row in own])
         y = np.maximum([row["xi_error"] for row in own], 1e-17)
         style = {"marker": "osv^D<>phX*P"[k % 12], "ms": 4, "lw": 1.2, "color": f"C{k % 10}"}
+        style["ls"] = "-" if k < 10 else "--"
         ax.loglog(x, y, label=name.replace("_", " "), **style)
     tidy(ax, xlabel="evaluations of f a point", ylabel="error of the closest point in ξ, median")
     ax.legend(fontsize=8, frameon=False, bbox_to_anchor=(1.0, 1.0), loc="upper left")
     return figure
 
 
+WORDS = {
+    "time.courant": "Courant number {:g}",
+    "time.fraction": "{:g} of the stable step",
+    "time.integrator": "{}",
+    "body.integration": "one-point hex8",
+    "body.element": "{}",
+    "viscosity.linear": "bulk viscosity {:g}",
+    "viscosity.quadratic": "{:g}",
+    "contact.enforcement": "{}",
+    "contact.beta": "β = {:g}",
+    "contact.points": "{} points",
+    "contact.method": "search: {}",
+    "contact.tolerance": "to {:g}",
+}
+
+
 def label(change: Keys) -> str:
     """What a change of one factor is called in a picture."""
-    words = [
-        f"{name.split('.')[1]} {value:g}"
-        if isinstance(value, float)
-        else str(value).replace("_", " ")
-        for name, value in change.items()
-    ]
-    return ", ".join(words).replace("reduced", "one-point hex8")
+    return ", ".join(WORDS[name].format(value).replace("_", " ") for name, value in change.items())
 
 
 def factors(folder: Path = table.BOOK) -> Figure:
@@ -222,6 +235,7 @@ def factors(folder: Path = table.BOOK) -> Figure:
                 if base and own:
                     break
             else:
+                ax.text(1.0, place, " ends with an error", va="center", fontsize=8, color="0.4")
                 continue
             ratios = [own[column] / base[column] for column in ("times_paper", *NAMES)]
             for ratio, marker, colour in zip(ratios, "|os", ("k", "C0", "C1")):
@@ -236,6 +250,45 @@ def factors(folder: Path = table.BOOK) -> Figure:
         *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False
     )
     return figure
+
+
+def price_list(rows: Rows, cells: int = 100) -> list[dict[str, str]]:
+    """One line a method: its errors and its price for the plate on a wall."""
+    out = []
+    for method, keys in campaign.METHODS.items():
+        row = rows[campaign.case("reference", cells, keys).name]
+        out.append(
+            {
+                "method": method,
+                "Fig. 4": f"{row['l1_fig4']:.4f}",
+                "Fig. 5": f"{row['l1_fig5']:.4f}",
+                "own level": f"{row['l1_fig5_level']:.4f}",
+                "overshoot": f"{100 * row['overshoot']:.1f} %",
+                "width / h": f"{row['width']:.1f}",
+                "late / h": f"{row['late']:+.2f}",
+                "steps": f"{row['steps']:.0f}",
+                "updates": f"{row['cost']:.3g}",
+                "time": f"{row['times_paper']:.2g}",
+            }
+        )
+    return out
+
+
+def write_lists(level: str, folder: Path) -> None:
+    """The price list of the chapter, and where its table was made."""
+    rows = load(folder)
+    places = {
+        (row["machine"], row["compiler"], row["flags"], row["commit"]) for row in rows.values()
+    }
+    made = [
+        dict(zip(("level", "machine", "compiler", "flags", "commit"), (level, *map(str, place))))
+        for place in sorted(places, key=str)
+    ]
+    for name, lines in (("accuracy_prices", price_list(rows)), ("accuracy_made", made)):
+        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+            out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
+            out.writeheader()
+            out.writerows(lines)
 
 
 PICTURES = {

@@ -1,6 +1,6 @@
 """
 ``make accuracy``: what accuracy costs. ``run.py FOLDER [--reduced | --short] [--book]`` runs every case of ``campaign.py`` that FOLDER/accuracy.csv does not have yet, so
-it can be stopped at any time and goes on where it was. ``--book`` copies the tables for the chapter "What accuracy costs".
+it can be stopped at any time and goes on where it was. ``--book`` renews the tables of the chapter "What accuracy costs" and the picture of the start page.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ def main() -> int:
     if "--book" in options:
         for name in ("accuracy.csv", "accuracy_search.csv"):
             shutil.copyfile(folder / name, table.BOOK / name)
+        drawings.write_lists(level, table.BOOK)
+        drawings.work().savefig(table.BOOK.parent / "_static" / "accuracy.png", dpi=110)
     drawings.draw(folder)
     print(
         f"{len(rows)} rows; {sum(row['status'] != 'done' for row in rows)} were refused or failed"

@@ -17,6 +17,7 @@ from tqdm import tqdm
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = ROOT / "docs" / "theory"
 LIBRARY = ("libcontact", "wrapper")
+TEXT = {"scene", "setting", "status", "machine", "compiler", "flags", "commit"}
 COLUMNS = (*price.COLUMNS, "machine", "compiler", "flags", "commit")
 
 
@@ -49,7 +50,7 @@ def read(path: Path) -> list[dict[str, Any]]:
     text = path.read_text(encoding="utf-8")
     lines = text[: text.rfind("\n") + 1]
     return [
-        {name: number(value) for name, value in row.items()}
+        {name: value if name in TEXT else number(value) for name, value in row.items()}
         for row in csv.DictReader(io.StringIO(lines))
         if None not in row.values()
     ]
@@ -65,7 +66,7 @@ def number(text: str) -> Any:
 def line(values: Any) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(
-        f"{value:.6g}" if isinstance(value, float) else value for value in values
+        f"{value:.10g}" if isinstance(value, float) else value for value in values
     )
     return text.getvalue()
 

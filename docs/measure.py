@@ -28,6 +28,10 @@ import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 
+sys.path.insert(0, str(ROOT / "accuracy"))
+import campaign  # noqa: E402 (the campaign of `make accuracy`)
+import drawings  # noqa: E402
+
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
 SLOW = {"integrator", "explicit"}  # a hundred runs each: too long for the test
@@ -606,6 +610,28 @@ def dispersion() -> Numbers:
         k = 0.02
         phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
         found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
+    return found
+
+
+@measurement
+def accuracy() -> Numbers:
+    """From the table of the campaign: errors and cost of the paper's setting, of the same mesh at 0.98 and of the best buy; what a contact error is; powers of 1/h."""
+    rows = drawings.load()
+    paper = rows[campaign.case("reference", 100, campaign.PAPER).name]
+    best = rows[campaign.case("reference", 100, campaign.BEST).name]
+    buy = drawings.best_buy(rows)[1]
+    found = {f"paper_{name}": paper[name] for name in ("l1_fig4", "l1_fig5", "l1_fig5_at_056")}
+    for name, row in (("step", best), ("buy", buy)):
+        found |= {f"{name}_fig4": row["l1_fig4"], f"{name}_fig5": row["l1_fig5"]}
+        found[f"{name}_cheaper"] = 1 / row["times_paper"]
+        found[f"{name}_fewer"] = paper["updates"] / row["updates"]
+    found |= {"buy_cells": buy["cells"], "buy_overshoot": buy["overshoot"]}
+    for name, keys in (("paper", campaign.PAPER), ("best", campaign.BEST)):
+        cases = drawings.meshes(rows, "reference", keys)
+        for column in ("updates", "l1_fig4"):
+            x, y = drawings.values(rows, cases, "cells", column)
+            found[f"{name}_{column}_power"] = abs(np.polyfit(np.log(x), np.log(y), 1)[0])
+        found[f"{name}_contact"] = rows[campaign.case("contact", 100, keys).name]["contact_l1"]
     return found
 
 

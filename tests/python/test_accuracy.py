@@ -1,0 +1,194 @@
+"""The campaign of accuracy: its errors by another way, its table after a kill, its Pareto front, and the tables of the book."""
+
+import csv
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "accuracy"
+sys.path.insert(0, str(FOLDER))
+try:
+    import campaign
+    import drawings
+    import price
+    import table
+finally:
+    sys.path.remove(str(FOLDER))
+
+# What depends on the clock.
+CLOCK = ("seconds", "times_paper")
+N, NU = 10, 0.3
+
+
+def stress_at(example, step, end):
+    """Places, σx* next to z = 0 and σz* at x/d = 0.4 on N elements, from a run to the time ``end``; by loops, with E, ν and ρ of the scene file."""
+    data = ct.Scene.load(ct.example(example)).data
+    for body in data["body"]:
+        body["box"]["cells"], body["box"]["size"][1] = [N, 1, N], 2.5 / N
+    data["time"], data["output"] = {"end": end, **step}, {"every": 10**9}
+    if "contact" in data:
+        data["contact"][0] = {"surfaces": data["contact"][0]["surfaces"]}
+    run = ct.Scene(data).run(progress=False, output=False)
+    body = run.state["right"]
+    unit = 7.8e-9 * 1000.0 * c1() * NU / (1 - NU)  # Λ v₀ / c₁ with Λ = ρ c₁² ν / (1 - ν)
+    sx, sz = np.zeros(N), np.zeros(N)
+    for nodes, stress in zip(body.elements, body.stress):
+        x, _, z = body.nodes[nodes].mean(axis=0) / 2.5
+        if z < 1 / N:
+            sx[int(x * N)] = stress[0] / unit
+        if abs(x - 0.4) < 1 / N:
+            sz[int(z * N)] += 0.5 * stress[2] / unit
+    return (np.arange(N) + 0.5) / N, sx, sz, run
+
+
+def c1():
+    return np.sqrt(2.1e5 * (1 - NU) / ((1 + NU) * (1 - 2 * NU) * 7.8e-9))
+
+
+def by_hand(x, sx, sz, t):
+    """L1 and L2 of both lines; Fig. 4's exact curve is a bare step."""
+    off = {
+        "fig4": sx + 7 / 3 * (x <= t),
+        "fig5": sz - ct.exact.plates(0.4, x, t, NU).stress.sigma_z,
+    }
+    off["fig5_level"] = off["fig5"] - off["fig5"][0]
+    return {f"l1_{name}": sum(abs(e)) / N for name, e in off.items()} | {
+        f"l2_{name}": np.linalg.norm(e) / np.sqrt(N) for name, e in off.items()
+    }
+
+
+@pytest.mark.parametrize(
+    "scene, example", [("reference", "plates_reference"), ("contact", "plates")]
+)
+def test_errors_and_cost_by_hand(scene, example, monkeypatch):
+    monkeypatch.setattr(price, "PAPER_CELLS", N)
+    row = price.row(campaign.case(scene, N, {"time.fraction": 0.7}))
+    assert row["status"] == "done"
+    x, sx, sz, run = stress_at(example, {"fraction": 0.7}, 0.56 * 2.5 / c1())
+    hand = by_hand(x, sx, sz, 0.56)
+    assert {name: row[f"{name}_at_056"] for name in hand} == pytest.approx(hand, rel=1e-9)
+    # A step is an evaluation, and one more is made at the start or the end.
+    plates = 2 if scene == "contact" else 1
+    assert 0 <= row["evaluations"] - run.steps[-1] <= 2
+    assert row["updates"] == round(run.computed * row["evaluations"] * plates * N**2)
+    assert row["cost"] == row["updates"] / (plates * 448 * 100**2)
+    # The nine times: the step that is nearest to each.
+    last = 0.60 * 2.5 / c1()
+    count = stress_at(example, {"fraction": 0.7}, last)[3].steps[-1]
+    steps = [round(t / 0.60 * count) for t in np.linspace(0.50, 0.60, 9)]
+    errors = {}
+    for k in set(steps):
+        end = k * last / count
+        x, sx, sz, _ = stress_at(example, {"dt": last / count}, end)
+        errors[k] = by_hand(x, sx, sz, end * c1() / 2.5)
+    means = {name: np.mean([errors[k][name] for k in steps]) for name in hand}
+    assert {name: row[name] for name in hand} == pytest.approx(means, rel=1e-9)
+
+
+def test_what_a_front_looks_like():
+    """A ramp over two elements, between the centres at 0.495 and 0.515, with a plateau that is 10 % too high."""
+    place = (np.arange(100) + 0.5) / 100
+    front = ct.Front(place, np.clip((0.515 - place) / 0.02, 0, 1) * 1.1)
+    assert price.outermost(front, 0.9) == pytest.approx(0.515 - 0.9 / 1.1 * 0.02, abs=1e-12)
+    assert price.outermost(front, 0.1) == pytest.approx(0.515 - 0.1 / 1.1 * 0.02, abs=1e-12)
+    assert np.isnan(price.outermost(front, 2.0))
+
+
+FEW = """
+import sys
+from pathlib import Path
+sys.path.insert(0, {folder!r})
+import campaign, price, table
+price.PAPER_CELLS = 10
+campaign.cases = lambda level: [campaign.case("reference", n, campaign.BEST) for n in (10, 12, 14, 16, 18)]
+table.collect("short", Path(sys.argv[1]))
+"""
+
+
+def test_a_killed_campaign_goes_on(tmp_path):
+    """SIGKILL after two rows, the next row cut in the middle: the same command gives the rows of a run left alone, and repeats none that was whole."""
+    script, cut, whole = tmp_path / "few.py", tmp_path / "cut.csv", tmp_path / "whole.csv"
+    script.write_text(FEW.format(folder=str(FOLDER)))
+    running = subprocess.Popen(
+        [sys.executable, script, cut], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+    )
+    while running.poll() is None and not (cut.exists() and cut.read_text().count("\n") >= 3):
+        time.sleep(0.005)
+    running.kill()
+    running.wait()
+    kept = cut.read_text().splitlines()[:3]
+    cut.write_text("\n".join([*kept, kept[1].replace(",10,", ",14,")[:40]]))
+    for path in (cut, whole):
+        subprocess.run([sys.executable, script, path], check=True, capture_output=True)
+    assert cut.read_text().splitlines()[:3] == kept  # clocks and all: not run again
+    rows = [table.read(path) for path in (cut, whole)]
+    for row in (*rows[0], *rows[1]):
+        for name in CLOCK:
+            del row[name]
+    assert len(rows[1]) == 5 and repr(rows[0]) == repr(rows[1])
+
+
+def test_a_row_that_fails_says_so(monkeypatch):
+    monkeypatch.setattr(price, "PAPER_CELLS", N)
+    row = price.row(campaign.case("reference", N, {"time.courant": 1.5}))
+    assert row["status"] == "SceneError" and row["cells"] == N
+    assert np.isnan(row["l1_fig4"])
+
+
+def test_pareto_front_by_its_definition():
+    """All pairs: a point is on the front if none is at least as good in both and better in one. Of equal points one stays."""
+    random = np.random.default_rng(3)
+    for size in (1, 2, 7, 40):
+        for _ in range(50):
+            points = random.integers(0, 12, (size, 2)).astype(float)
+            best = {
+                tuple(p)
+                for p in points
+                if not any((q <= p).all() and (q < p).any() for q in points)
+            }
+            found = [tuple(points[i]) for i in drawings.front(*points.T)]
+            assert len(found) == len(set(found)) and set(found) == best
+            assert found == sorted(found)
+
+
+def test_cases_are_unique_and_a_wall_has_no_contact():
+    for level in campaign.LEVELS:
+        cases = campaign.cases(level)
+        assert len({case.name for case in cases}) == len(cases)
+        for case in cases:
+            assert sum(name in campaign.RIVALS for name in case.keys) == 1
+            assert case.scene == "contact" or "contact" not in case.setting
+
+
+def test_tables_of_the_book():
+    """They belong together, are complete, and have the errors of the paper's setting that others found with a program of their own: 0.0874 and 0.0159 at 0.56."""
+    rows = drawings.load()
+    paper = rows[campaign.case("reference", 100, campaign.PAPER).name]
+    assert paper["l1_fig4_at_056"] == pytest.approx(0.0874, abs=5e-5)
+    assert paper["l1_fig5_at_056"] == pytest.approx(0.0159, abs=5e-5)
+    with (table.BOOK / "accuracy_made.csv").open(encoding="utf-8") as file:
+        made = list(csv.DictReader(file))
+    with (table.BOOK / "accuracy_prices.csv").open(encoding="utf-8") as file:
+        assert list(csv.DictReader(file)) == drawings.price_list(rows)
+    level = made[0]["level"]
+    listed = {
+        (row["scene"], int(row["cells"]), row["setting"])
+        for row in table.read(table.BOOK / "accuracy.csv")
+    }
+    assert {case.name for case in campaign.cases(level)} <= listed
+    assert {row["commit"] for row in made} == {str(row["commit"]) for row in rows.values()}
+    assert all(
+        row["updates"] <= row["evaluations"] * row["cells"] ** 2 * (1 + (row["scene"] == "contact"))
+        for row in rows.values()
+    )
+    # What the page calls the best buy is the best buy.
+    page = (table.BOOK / "accuracy.rst").read_text(encoding="utf-8")
+    name = drawings.best_buy(rows)[0]
+    assert " and ".join(name.split("–")) in page
