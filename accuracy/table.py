@@ -52,7 +52,6 @@ def read(path: Path) -> list[dict[str, Any]]:
     return [
         {name: value if name in TEXT else number(value) for name, value in row.items()}
         for row in csv.DictReader(io.StringIO(lines))
-        if None not in row.values()
     ]
 
 
