@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,13 +17,23 @@ from .schema import Place
 from .units import Units
 
 LAYOUT = 1
+T = TypeVar("T")
 
 
 def load(path: Path, record: int = -1) -> Run:
     """Read a run; a ValueError says what is wrong with the file."""
+    return _reading(path, lambda file: _read(path, file, record))
+
+
+def origin(path: Path) -> tuple[str, float]:
+    """The text of the scene that a run was made from, and its time step; nothing else is read."""
+    return _reading(path, lambda file: _origin(path, file))
+
+
+def _reading(path: Path, read: Callable[[Any], T]) -> T:
     with open_hdf5(path) as file:
         try:
-            return _read(path, file, record)
+            return read(file)
         except KeyError as error:
             raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
         except Exception as error:
@@ -33,16 +44,21 @@ def load(path: Path, record: int = -1) -> Run:
             raise ValueError(f'"{path}" is damaged: {reason}') from None
 
 
-def _read(path: Path, file: Any, record: int) -> Run:
-    own, vtk = file["libcontact"], file["VTKHDF"]
+def _origin(path: Path, file: Any) -> tuple[str, float]:
+    own = file["libcontact"]
     if own.attrs.get("layout") != LAYOUT:
         raise ValueError(f'"{path}" has layout {own.attrs.get("layout")}; layout {LAYOUT} is read')
+    return text_in(own["scene"][()]) if "scene" in own else "", float(own.attrs["dt"])
+
+
+def _read(path: Path, file: Any, record: int) -> Run:
+    scene, dt = _origin(path, file)
+    own, vtk = file["libcontact"], file["VTKHDF"]
     count = int(vtk["Steps"].attrs["NSteps"])
     if not -count <= record < count:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    scene = text_in(own["scene"][()]) if "scene" in own else ""
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
     probes = _probes(own, float(vtk["Steps/Values"][count - 1]))
     # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
@@ -57,7 +73,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
         state=State(time, step, _bodies(vtk, bodies, record)),
         path=path,
         scene=scene,
-        dt=float(file["libcontact"].attrs["dt"]),
+        dt=dt,
         probes=probes,
     )
 

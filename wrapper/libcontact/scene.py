@@ -485,9 +485,11 @@ class Scene:
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
         at = Place("restart", self.file)
+        from .results import origin
+
         try:
-            run = Run.load(path)
-            before, step = _fixed(run.scene)
+            text, dt = origin(Path(path).absolute())
+            before, step = _fixed(text)
         except NotBuiltIn:
             # Without h5py the C library's own comparison of bodies, effects, step and nodes has to do.
             return None, 1
@@ -497,14 +499,14 @@ class Scene:
         for key in {**before, **now}:
             if before.get(key) != now.get(key):
                 raise at.error(f'"{path}" comes from another scene: [{key}] differs')
-        if run.dt is None or step == asked_step:
-            return run.dt, 1
+        if step == asked_step:
+            return dt, 1
         asked = self._built(threads).dt
-        if asked > run.dt * (1.0 + 1e-9):
+        if asked > dt * (1.0 + 1e-9):
             raise at.error(
-                f'"{path}" was written with the step {run.dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken'
+                f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken'
             )
-        return run.dt, math.ceil(run.dt / asked * (1.0 - 1e-9))
+        return dt, math.ceil(dt / asked * (1.0 - 1e-9))
 
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"
