@@ -298,7 +298,7 @@ REFUSED = [
     (
         {"body": "bar", "point": [11, 0, 0]},
         "probe[0].point",
-        'lies outside body "bar"; its nearest node is at (10, 0, 0)',
+        '[11.0, 0.0, 0.0] lies outside body "bar"; its nearest node is at (10, 0, 0)',
     ),
     ({"point": [0, 0, 0]}, "probe[0].point", 'give "body" too'),
     ({}, "probe[0]", 'gives none of "point", "surface" and "resultant"'),

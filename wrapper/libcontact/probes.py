@@ -54,7 +54,7 @@ def _point(problem: Problem, i: int, probe: Probe) -> Located:
     at = ", ".join(f"{x:g}" for x in body.mesh.nodes[node])
     element = int(body.mesh.locate(point[None])[0][0])
     if element < 0:
-        reason = f'{list(point)} lies outside body "{body.name}"; its nearest node is at ({at})'
+        reason = f'{point.tolist()} lies outside body "{body.name}"; its nearest node is at ({at})'
         raise SceneError(reason, f"probe[{i}].point", problem.file)
     number = list(problem.bodies).index(body.name)
     where = f"node {node} of {body.name} at ({at})"
