@@ -308,8 +308,16 @@ def test_nonsense_is_refused_by_name(wrong):
         given = {"shape": "sphere", "point": [0, 0, -2], "epsilon": 1.0, "radius": 1.0, name: wrong}
         if name == "history" and wrong is None:
             continue
-        with pytest.raises((TypeError, ValueError)):
+        with pytest.raises((TypeError, ValueError), match=f"{name} must"):
             contact.add_obstacle(**given)
+    # Nothing of what was refused is there.
+    with pytest.raises(ValueError, match="friction must be positive and finite, not -1"):
+        contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0, friction=-1.0)
+    with pytest.raises(ValueError, match="tangent must be positive and finite, not 0"):
+        contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0, friction=0.1, tangent=0.0)
+    with pytest.raises(ValueError, match="there is no obstacle 0"):
+        contact.reaction(0)
+    assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
 
 
 def slider(**plane):

@@ -167,7 +167,7 @@ class Contact:
         self._counts = [surface.given.node_count for surface in surfaces]
         self._pair = second is not None and other.reference != first.given.reference
         self._enforcement, self._sides = enforcement, list[int]()
-        self._add_friction(-1, friction, tangent)
+        self._add_friction(-1, *self._rubbing(friction, tangent))
 
     @staticmethod
     def penalty(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:
@@ -267,24 +267,31 @@ class Contact:
             "dissipation": dissipation,
         }.items():
             setattr(definition, name, finite(name, value))
-        arrays = [
-            real("history", part, ("n",)) for part in (((), ()) if history is None else history)
-        ]
-        if len(arrays) != 2 or len(arrays[0]) != len(arrays[1]):
+        pair = ((), ()) if history is None else history
+        if not isinstance(pair, (tuple, list, np.ndarray)) or len(pair) != 2:
+            raise ValueError(f"history must be a pair of times and factors, not {history!r}")
+        arrays = [real("history", part, ("n",)) for part in pair]
+        if len(arrays[0]) != len(arrays[1]):
             raise ValueError("history must be a pair of times and as many factors")
         definition.amplitude.count = len(arrays[0])
         definition.amplitude.time, definition.amplitude.value = map(doubles, arrays)
         side, number = index("surface", surface), len(self._sides)
+        rubbing = self._rubbing(friction, tangent)  # what is refused leaves no obstacle behind
         call(lib.ct_contact_add_obstacle, self._contact, side, definition)
         self._sides.append(side)
-        self._add_friction(number, friction, tangent)
+        self._add_friction(number, *rubbing)
         return number
 
-    def _add_friction(self, on: int, coefficient: float, tangent: float) -> None:
+    @staticmethod
+    def _rubbing(friction: float, tangent: float) -> tuple[float, float]:
+        """Coefficient and tangential ratio, if there can be such a friction, or none."""
+        mu, ratio = finite("friction", friction), finite("tangent", tangent)
+        return mu and positive("friction", mu), mu and positive("tangent", ratio)
+
+    def _add_friction(self, on: int, coefficient: float, ratio: float) -> None:
         """Friction of an obstacle, or of the surfaces with -1, unless the coefficient is 0."""
-        mu, ratio = finite("friction", coefficient), finite("tangent", tangent)
-        if mu != 0.0:
-            call(lib.ct_contact_add_friction, self._contact, on, mu, ratio)
+        if coefficient != 0.0:
+            call(lib.ct_contact_add_friction, self._contact, on, coefficient, ratio)
 
     def step(
         self,
@@ -439,6 +446,8 @@ class Contact:
         """
         force, work = np.zeros(3), ffi.new("double *")
         number = index("obstacle", obstacle)
+        if not 0 <= number < len(self._sides):
+            raise ValueError(f"there is no obstacle {obstacle!r}")
         check(lib.ct_contact_reaction(self._contact, number, doubles(force), work))
         return force, float(work[0])
 
