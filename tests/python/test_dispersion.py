@@ -244,6 +244,8 @@ def test_impossible_waves_are_refused(wrong, word):
         ({"time": np.inf}, "time"),
         ({"time": 1e5}, "planes"),
         ({"distance": [[1.0]]}, "distance"),
+        ({"distance": [2.0, 1.0]}, "distance must ascend"),
+        ({"size": (0, 1, 1)}, r"size must be positive and finite, not 0\.0"),
     ],
 )
 def test_impossible_fronts_are_refused(wrong, word):

@@ -105,7 +105,7 @@ def _definition(
         raise ArgumentError(f"courant = {courant}, must be 0 or a positive number")
     out = ffi.new("ct_dispersion_def *", lib.ct_dispersion_def_default())
     out.kind, out.mass = chosen("element", element, KINDS), chosen("mass", mass, MASSES)
-    out.size = [positive("size", edge) for edge in edges]
+    out.size = [positive("size", edge) for edge in edges.tolist()]
     out.material.young = (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
     out.material.poisson = nu
     out.integrator = lib.ct_integrator_default(chosen("integrator", integrator, SCHEMES))
@@ -247,6 +247,8 @@ def dispersion_front(
         planes = np.arange(max(t, 0.0) / spacing + 12.0 if t < 1e9 else 1.0)
         distance = spacing * (planes + 0.5 * (divided.sum() % 2))
     places = real("distance", distance, ("n",))
+    if (np.diff(places) <= 0.0).any():
+        raise ValueError("distance must ascend")
     stress = np.empty(len(places))
     call(
         lib.ct_dispersion_front, definition, index, t, len(places), doubles(places), doubles(stress)
