@@ -22,7 +22,7 @@ FLOORS = (
     ({"contact": "surfaces in contact, obstacles, friction"}),
     (
         {
-            "effect": "solid, support, motion, gravity, load, damping, viscosity, absorb",
+            "effect": "solid, support, motion, gravity, load, damping, viscosity, absorb, averaging",
             "dispersion": "waves of a mesh in space and time",
         }
     ),

@@ -463,7 +463,7 @@ static void refusals(void)
   const ct_dispersion_def good = waves_of(CT_HEX8, CT_MASS_LUMPED);
   ct_dispersion_def wrong[8] = {good, good, good, good, good, good, good, {0}};
   wrong[0].kind = (ct_brick_kind)7, wrong[1].size[1] = 0.0, wrong[2].material.poisson = 0.5;
-  wrong[3].mass = (ct_mass_form)2, wrong[4].integrator.scheme = (ct_scheme)9, wrong[5].step = -1.0;
+  wrong[3].mass = (ct_mass_form)3, wrong[4].integrator.scheme = (ct_scheme)9, wrong[5].step = -1.0;
   wrong[6].size[2] = INFINITY;
   for (int i = 0; i < 8; i++)
     tap_ok(ct_dispersion(&wrong[i], 1, k, b, &error) == CT_ERROR_ARGUMENT && b[0].omega == -7.0,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
-from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
+from .effects import Added, Effect, absorb, averaging, damping, gravity, load, obstacle, viscosity
 from .model import Body, Contact, History, Material, Output, Probe, Run, Support, Time
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
@@ -29,6 +29,7 @@ class Parts(Table):
     damping: Any = key(Nested(damping.Damping), default=None)
     absorb: Any = key(Several(absorb.Absorb), default=())
     viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
+    averaging: Any = key(Nested(averaging.Averaging), default=None)
     time: Any = key(Nested(Time), default=None)
     output: Output = key(Nested(Output), default=Output())
     probe: tuple[Probe, ...] = key(Several(Probe), default=())
@@ -119,6 +120,7 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     yield from _same_pair(parts)
     yield from _absorbing(parts)
     yield from _probing(parts)
+    yield from _averaging(parts)
 
 
 def acts_on(effect: Any, name: str) -> bool:
@@ -164,6 +166,21 @@ def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
         if len(held) == 3:
             why = "is held along x, y and z by a [[support]]; what does not move absorbs nothing"
             yield at, f"{name} {why}"
+
+
+def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
+    """What the averaged mass is not for."""
+    if parts.averaging is None:
+        return
+    if parts.damping is not None and parts.damping.relaxation:
+        yield "averaging", "and relaxation exclude each other: relaxed bodies carry no waves"
+    for body in parts.body:
+        if not acts_on(parts.averaging, body.name):
+            continue
+        if body.bricks == "hex20":
+            yield "averaging.bodies", f'"{body.name}" is of hex20; averaging is for hex8'
+        if parts.materials[body.material].law != "linear":
+            yield "averaging.bodies", f'"{body.name}" is not linear'
 
 
 def resultant_of(parts: Parts, probe: Probe) -> tuple[int, Any, tuple[str, ...]]:

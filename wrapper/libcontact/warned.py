@@ -34,7 +34,7 @@ TURNED, TURN_NODES = 0.04, 2000
 # Share of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for n equal elements.
 THIN = 0.3
 # Effects that leave a body that moves without strain as it is, or act on all nodes of a body alike.
-HARMLESS = ("gravity", "viscosity")
+HARMLESS = ("gravity", "viscosity", "averaging")
 
 
 def known(

@@ -14,7 +14,10 @@ typedef enum ct_mass_form {
   /** diagonal, as in every run: row sum for hex8, HRZ for hex20, :eq:`hrz` */
   CT_MASS_LUMPED = 0,
   /** consistent, :eq:`mass-consistent` */
-  CT_MASS_CONSISTENT = 1
+  CT_MASS_CONSISTENT = 1,
+  /** lumped and averaged with its neighbours for the time step, :eq:`averaged-mass`; hex8 and
+   * central difference only */
+  CT_MASS_AVERAGED = 2
 } ct_mass_form;
 
 /** An infinite mesh of equal rectangular bricks with edges along x, y, z, and how time is stepped.
@@ -64,8 +67,9 @@ CT_API ct_dispersion_def ct_dispersion_def_default(void);
  * the same frequency, their shapes are any two orthogonal ones of that frequency.
  *
  * Errors: ``CT_ERROR_ARGUMENT`` for a null pointer, a definition without its cookie, sizes that are
- * not positive, an impossible material, mass form or integrator, a negative step, or a wave vector
- * that is not finite (`error` has its number in `point`). Nothing is written then.
+ * not positive, an impossible material, mass form or integrator, an averaged mass of another kind
+ * or integrator, a negative step, or a wave vector that is not finite (`error` has its number in
+ * `point`). Nothing is written then.
  */
 CT_API ct_status ct_dispersion(const ct_dispersion_def *def, size_t count, const double *wave,
                                ct_branch *branches, ct_error *error);

@@ -276,6 +276,39 @@ CT_API ct_absorb_def ct_absorb_def_default(void);
 CT_API ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
 
+/** Bodies whose accelerations are averaged. */
+typedef struct ct_averaging_def {
+  /** Set by `ct_averaging_def_default`. */
+  int32_t cookie;
+  /** Numbers of the bodies, shape (body_count); null: all bodies. */
+  const int32_t *bodies;
+  /** Number of bodies. */
+  int32_t body_count;
+  /**
+   * Nodes of the problem, in any order, whose elements are left out, shape (apart_count): those on
+   * which a force acts that is not known before the averaging, as of a contact, its friction, an
+   * obstacle, or a motion that is prescribed.
+   */
+  const int32_t *apart;
+  /** Number of these nodes. */
+  int32_t apart_count;
+} ct_averaging_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_averaging_def ct_averaging_def_default(void);
+
+/**
+ * The effect "averaging" of a mass that is averaged with its neighbours, :eq:`averaging-force`: it
+ * takes the error of fourth order from the speed of dilatation waves along the axes. It must stand
+ * behind all other effects of CT_PHASE_STATE, and the steps are central differences with the `dt`
+ * of this problem, which must outlive the effect. Its stored energy, :eq:`averaged-energy`, is what
+ * the averaged mass has less than the lumped one as kinetic energy; so it is negative. The problem
+ * is a joined one, see `ct_scene_join`. ``CT_ERROR_UNSUPPORTED``: a body is not of linear hex8
+ * elements that are equal bricks along the axes.
+ */
+CT_API ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_problem *problem,
+                                            ct_effect **effect, ct_error *error);
+
 CT_END_DECLS
 
 #endif

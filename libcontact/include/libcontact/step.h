@@ -44,7 +44,7 @@ typedef struct ct_view {
   const double *acceleration_before;
   /**
    * Sum of the forces that were computed before this one in the same step [force], shape
-   * (node_count, 3); in `force` only.
+   * (node_count, 3); in `force`, and in `energy` the sum of all.
    */
   const double *total;
   /** Velocity half a step back, v_{n-1/2} [length / time], before this evaluation, shape
@@ -92,7 +92,9 @@ typedef enum ct_effect_kind {
   /** `ct_viscosity_create_effect` */
   CT_EFFECT_VISCOSITY = 11,
   /** `ct_absorb_create_effect` */
-  CT_EFFECT_ABSORB = 12
+  CT_EFFECT_ABSORB = 12,
+  /** `ct_averaging_create_effect` */
+  CT_EFFECT_AVERAGING = 13
 } ct_effect_kind;
 
 /**
@@ -178,6 +180,12 @@ typedef struct ct_effect {
    * velocity half a step back, :eq:`damped-step-bound`. */
   ct_status (*rate_bound)(const struct ct_effect *effect, const ct_view *view, double *rate,
                           ct_error *error);
+  /**
+   * Bound of the factor >= 1 by which the effect enlarges the ω² and the rates of all effects at a
+   * step Δt [time], :eq:`averaged-bound`, as its force follows from theirs; it must not grow with
+   * Δt. Such an effect is the last one of CT_PHASE_STATE, and for central differences.
+   */
+  double (*amplification)(const struct ct_effect *effect, double dt);
   /** Work since t = 0 that comes in from outside through an effect that stores energy, as of a
    * moving obstacle [energy], for the view of the last `force`; it counts as external. */
   ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,

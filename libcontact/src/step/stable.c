@@ -7,6 +7,8 @@
 #include <float.h>
 #include <math.h>
 
+enum { FIXED_POINT_ROUNDS = 64 };
+
 double ct_problem_edge(const ct_problem *problem)
 {
   double edge = INFINITY;
@@ -74,6 +76,21 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, double o
   return CT_OK;
 }
 
+/* The stable step of these bounds. An effect that enlarges them does so the less the larger the
+ * step; the fixed point is approached from below, so every round is stable (eq:averaged-bound). */
+static double step_of(const ct_problem *problem, double omega_squared, double rate)
+{
+  const ct_effect *enlarging = NULL;
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    if (problem->effects[k]->amplification != NULL) enlarging = problem->effects[k];
+  double dt = 0.0;
+  for (int round = 0; round < (enlarging == NULL ? 1 : FIXED_POINT_ROUNDS); round++) {
+    double factor = enlarging == NULL ? 1.0 : enlarging->amplification(enlarging, dt);
+    dt = ct_integrator_step(&problem->integrator, factor * omega_squared, factor * rate);
+  }
+  return dt;
+}
+
 ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out,
                     ct_error *error)
 {
@@ -89,8 +106,8 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
     status = sum_bounds(problem, state == NULL ? own : state, omega_squared, rate, error);
   ct_state_free(own);
   if (status != CT_OK) return status;
-  out->dt = ct_integrator_step(&problem->integrator, omega_squared[0], rate[0]);
-  out->dt_without_contact = ct_integrator_step(&problem->integrator, omega_squared[1], rate[1]);
+  out->dt = step_of(problem, omega_squared[0], rate[0]);
+  out->dt_without_contact = step_of(problem, omega_squared[1], rate[1]);
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;
