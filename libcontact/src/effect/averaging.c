@@ -84,15 +84,15 @@ static void body_batches(const averaged_body *body, const double share[CT_MODES]
   for (int32_t b = 0; b < body->batch_count; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes v[3 * 8], U[CT_MODES], weight;
-      ct_load_lanes(body->mesh, b, 8, in, lane, v);
+      ct_load_lanes(body->mesh, NULL, b, 8, in, lane, v);
       memcpy(&weight, &body->weight[CT_BATCH * (int64_t)b + lane], sizeof weight);
       // -- γ (M_L - M_C) of an element is diagonal in its modes (eq:averaged-element)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         for (int m = 0; m < CT_MODES; m++) U[m] = -(weight * (share[m] * U[m]));
-        ct_brick_nodal(U, &v[8 * j]);
+        ct_brick_nodal(U, v);
+        ct_store_lanes(v, 8, j, lane, 8, &values[192 * (int64_t)b]);
       }
-      ct_store_lanes(v, 8, lane, 8, &values[192 * (int64_t)b]);
     }
 }
 
