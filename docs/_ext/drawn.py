@@ -15,17 +15,26 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
+STYLE = Path(__file__).resolve().parents[1] / "figures" / "book.mplstyle"
+
 
 def svg(path: Path, name: str, alt: str) -> str:
-    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build."""
+    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the colour of the page's text."""
     import matplotlib
+    from matplotlib import style
 
-    with matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+    with (
+        style.context(STYLE),
+        matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}),
+    ):
         figure = runpy.run_path(str(path))[name]()
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
     drawing = text.getvalue()
-    drawing = re.sub(r"<svg ", f'<svg role="img" aria-label="{alt}" ', drawing, count=1)
+    drawing = drawing.replace("#000000", "currentColor")
+    drawing = re.sub(
+        r"<svg ", f'<svg fill="currentColor" role="img" aria-label="{alt}" ', drawing, count=1
+    )
     return re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'style="max-width:100%"', drawing, count=1)
 
 

@@ -83,7 +83,6 @@ def speeds():
     phase.legend(fontsize=8)
     for ax in (phase, group):
         ax.grid(alpha=0.3)
-    figure.tight_layout()
     return figure
 
 
@@ -106,5 +105,4 @@ def directions():
         ax.set_title(f"{name}: too slow by … %")
         ax.set_rticks([2.0, 4.0] if element == "hex8" else [3.0, 6.0])
         ax.legend(loc="lower right", fontsize=7)
-    figure.tight_layout()
     return figure

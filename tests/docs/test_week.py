@@ -1,0 +1,92 @@
+"""Part I of the book: what its chapters say about their programs."""
+
+import contextlib
+import io
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+WEEK = Path(__file__).resolve().parents[2] / "docs" / "week"
+sys.path.insert(0, str(WEEK))
+import bar  # noqa: E402
+import plates  # noqa: E402
+import wall  # noqa: E402
+
+
+@pytest.mark.parametrize("name", ["wall", "bar", "plates"])
+def test_a_program_prints_what_the_page_shows(name):
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        runpy.run_path(str(WEEK / f"{name}.py"), run_name="__main__")
+    assert told.getvalue() == (WEEK / f"{name}.out").read_text(encoding="utf-8")
+
+
+def test_small_steps_follow_the_sine():
+    dt = 1e-4
+    gaps, velocities = wall.bounce(100.0, dt, gap=0.2)
+    t = dt * np.arange(len(gaps)) - 0.2
+    inside = (t > 0) & (t < np.pi / 10)
+    assert np.abs(gaps + np.sin(10 * t) / 10)[inside].max() < 1e-4
+    assert abs(velocities[-1] - 1) < 1e-4
+
+
+def test_the_ramp_never_gains_and_the_penalty_does():
+    rng = np.random.default_rng(5)
+    for step in rng.uniform(0.01, 6.0, 40):
+        assert wall.rebound(step, controlled=True, samples=20).max() <= 1 + 1e-12
+    assert wall.rebound(1.5).max() > 1.2
+    with np.errstate(all="ignore"):
+        assert wall.bounce(100.0, 0.25)[1][-1] == pytest.approx(5.25)
+
+
+def test_the_longest_step_is_exact_in_a_bar():
+    times, stresses, forces, _ = bar.impact(penalty=1e12, travel=1.9)
+    assert np.abs(forces[1:] - 1).max() < 1e-9
+    x = np.delete(np.arange(201), 100)
+    front = np.minimum(times, 2 - times)[:, None] * 100
+    place = np.where(np.arange(200) < 100, 99 - np.arange(200), np.arange(200) - 100)
+    behind = place[None, :] + 1 < front + 0.5
+    shown = stresses[:, x]
+    assert np.abs(shown + behind).max() < 1e-9
+
+
+def test_the_bars_contact_adds_no_energy():
+    rng = np.random.default_rng(7)
+    for _ in range(6):
+        courant, penalty = rng.uniform(0.1, 0.98), 10 ** rng.uniform(1, 6)
+        elements = int(rng.integers(5, 60))
+        *_, v = bar.impact(elements, courant, 3.0, penalty)
+        mass = np.full(len(v), 1.0 / elements)
+        mass[[0, elements, elements + 1, -1]] /= 2
+        assert 0.5 * mass @ v**2 <= 1 + 1e-12
+        assert abs(mass @ v) < 1e-13
+
+
+def test_the_plain_penalty_shortens_the_step():
+    _, stresses, _, _ = bar.impact(courant=0.9, controlled=False)
+    assert stresses.min() < -100
+    with np.errstate(all="ignore"):
+        blown = plates.centre_stress(plates.impact(100, courant=0.7)[1], 100)
+        held = plates.centre_stress(plates.impact(100, courant=0.7, wall=True)[1], 100)
+    assert np.abs(blown[:4, 0, 0]).max() > 10 * 7 / 3
+    assert np.abs(held).max() < 1.5 * 7 / 3
+
+
+@pytest.mark.parametrize(
+    ("scene", "wall", "agree"), [("plates_reference", True, 1e-12), ("plates", False, 1e-7)]
+)
+@pytest.mark.parametrize("cells", [20, 35])
+def test_the_readers_plates_are_the_librarys(scene, wall, agree, cells):
+    data = ct.Scene.load(ct.example(scene)).data
+    for body in data["body"]:
+        body["box"]["cells"], body["box"]["size"][1] = [cells, 1, cells], plates.D / cells
+    body = ct.Scene(data).run(progress=False, output=False).state["right"]
+    order = np.lexsort((body.centres[:, 2].round(9), body.centres[:, 0].round(9)))
+    theirs = body.stress[order].reshape(cells, cells, 6)[:, :, [0, 2, 5]]
+    own = plates.centre_stress(plates.impact(cells, wall=wall)[1], cells)
+    off = own - theirs * plates.C1 / (plates.LAMBDA * plates.SPEED)
+    assert np.abs(off).max() < agree
