@@ -35,7 +35,9 @@ def svg(path: Path, name: str, alt: str) -> str:
     drawing = re.sub(
         r"<svg ", f'<svg fill="currentColor" role="img" aria-label="{alt}" ', drawing, count=1
     )
-    return re.sub(r'width="[\d.]+pt" height="[\d.]+pt"', 'style="max-width:100%"', drawing, count=1)
+    # As wide as it was drawn, or as the page if that is narrower; the height follows.
+    width = r'width="([\d.]+)pt" height="[\d.]+pt"'
+    return re.sub(width, r'style="width:100%;max-width:\1pt"', drawing, count=1)
 
 
 class Drawn(SphinxDirective):
