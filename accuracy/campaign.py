@@ -17,9 +17,19 @@ CENTRES = {"paper's setting": PAPER, "default at 0.98": BEST}
 # Keys of which a scene has one: the last one laid over it counts.
 RIVALS = ("time.courant", "time.fraction")
 
+
+def hourglass(share: float, nu: float) -> float:
+    """The key ``hourglass`` that gives the hourglass modes the stiffness share·(λ + 2μ), H' of the chapter "Averaged mass"."""
+    return 3 * share * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+
+
+TCHAMWA: Keys = {"time.integrator": "tchamwa_wielgosz"}
+SHARP: Keys = TCHAMWA | {"time.fraction": 1.0, "time.integrator_parameter": 0.95}
 DAMPED: Keys = {"viscosity.linear": 0.06}
 ONE_POINT: Keys = {"body.integration": "reduced"}
 HEX20: Keys = {"body.element": "hex20"}
+AVERAGED: Keys = {"averaging": {}}
+STIFF: Keys = {"body.integration": "reduced", "body.hourglass": round(hourglass(0.8, 0.3), 4)}
 METHODS: dict[str, Keys] = {
     "paper's setting": PAPER,
     "default at 0.98": BEST,
@@ -28,10 +38,22 @@ METHODS: dict[str, Keys] = {
     "one-point hex8, viscosity": BEST | ONE_POINT | DAMPED,
     "Chung–Lee": BEST | {"time.integrator": "chung_lee"},
     "Noh–Bathe": BEST | {"time.integrator": "noh_bathe"},
-    "Tchamwa–Wielgosz": BEST | {"time.integrator": "tchamwa_wielgosz"},
+    "Tchamwa–Wielgosz": BEST | TCHAMWA,
+    "Tchamwa–Wielgosz 0.95": SHARP,
+    "Tchamwa–Wielgosz 0.95, H' = 0.8": SHARP | STIFF,
+    "averaged mass": BEST | AVERAGED,
+    "averaged mass, H' = 0.8": BEST | AVERAGED | STIFF,
+    "averaged mass, H' = 0.8, viscosity": BEST | AVERAGED | STIFF | {"viscosity.linear": 0.03},
     "hex20": BEST | HEX20,
     "hex20, Noh–Bathe": BEST | HEX20 | {"time.integrator": "noh_bathe"},
 }
+
+# Methods that damp the front: on more meshes, and for other Poisson's ratios.
+DAMPING = (
+    *("Noh–Bathe", "Tchamwa–Wielgosz", "Tchamwa–Wielgosz 0.95"),
+    "Tchamwa–Wielgosz 0.95, H' = 0.8",
+)
+POISSON = (0.2, 0.4)
 
 COURANT = (0.05, 0.125, 0.25, 0.5)
 FRACTIONS = (0.5, 0.7, 0.9, 0.98)
@@ -42,8 +64,10 @@ FACTORS: dict[str, list[Keys]] = {
         *({"time.fraction": value} for value in FRACTIONS),
     ],
     "element": [ONE_POINT, HEX20],
+    "mass": [AVERAGED],
     "integrator": [
-        {"time.integrator": name} for name in ("chung_lee", "noh_bathe", "tchamwa_wielgosz")
+        *({"time.integrator": name} for name in ("chung_lee", "noh_bathe", "tchamwa_wielgosz")),
+        *(TCHAMWA | {"time.integrator_parameter": value} for value in (0.8, 0.93, 0.95, 0.97)),
     ],
     "bulk viscosity": [
         *({"viscosity.linear": value} for value in (0.03, 0.06, 0.12, 0.25)),
@@ -72,26 +96,32 @@ LAW_CELLS = 50
 
 
 class Level(NamedTuple):
-    """How much of the campaign is run: meshes d/n of the methods, the mesh of the factors, and whether every method meets the other plate, too."""
+    """
+    How much of the campaign is run: meshes d/n of the methods, more of those that damp, the mesh of the factors, whether every method meets the other plate, too, and how
+    many processes share the rows.
+    """
 
     meshes: tuple[int, ...]
+    damped_meshes: tuple[int, ...]
     factor_cells: int
     every_method_in_contact: bool
+    processes: int
 
 
 LEVELS = {
-    "whole": Level((12, 25, 50, 100, 200, 400), 200, True),
-    "reduced": Level((12, 25, 50, 100), 100, False),
-    "short": Level((12, 25), 12, False),
+    "whole": Level((12, 25, 50, 100, 200, 400), (40, 125, 190, 280), 200, True, 2),
+    "reduced": Level((12, 25, 50, 100), (40, 125, 190, 280), 100, False, 1),
+    "short": Level((12, 25), (), 12, False, 1),
 }
 
 
 class Case(NamedTuple):
-    """One row: ``reference`` (a wall) or ``contact`` (two plates), elements along d, and what differs from the scene's usual keys."""
+    """One row: ``reference`` (a wall) or ``contact`` (two plates), elements along d, what differs from the scene's usual keys, and whether seconds are taken."""
 
     scene: str
     cells: int
     keys: Keys
+    timed: bool = True
 
     @property
     def setting(self) -> str:
@@ -124,11 +154,30 @@ def case(scene: str, cells: int, keys: Keys) -> Case:
 
 
 def methods(level: Level) -> Iterator[Case]:
-    for keys in METHODS.values():
-        for cells in level.meshes:
+    for name, keys in METHODS.items():
+        damps = name in DAMPING
+        for cells in (*level.meshes, *(level.damped_meshes if damps else ())):
             yield case("reference", cells, keys)
-            if level.every_method_in_contact or keys in (PAPER, BEST):
+            if level.every_method_in_contact or damps or keys in (PAPER, BEST):
                 yield case("contact", cells, keys)
+
+
+def with_poisson(keys: Keys, nu: float) -> Keys:
+    """A setting for another Poisson's ratio; H' stays."""
+    own = keys | {"material.poisson": nu}
+    if "body.hourglass" in own:
+        own["body.hourglass"] = round(hourglass(0.8, nu), 4)
+    return own
+
+
+def ratios(level: Level) -> Iterator[Case]:
+    """The paper's setting, the default law near its limit and the methods that damp, for other Poisson's ratios."""
+    for nu in POISSON if level.damped_meshes else ():
+        for name in ("paper's setting", "default at 0.98", *DAMPING):
+            keys = with_poisson(METHODS[name], nu)
+            for cells in (50, 100, 280) if name in DAMPING else (100,):
+                yield case("contact", cells, keys)
+        yield case("reference", 100, with_poisson(PAPER, nu))
 
 
 def factors(level: Level) -> Iterator[Case]:
@@ -147,11 +196,11 @@ def laws(level: Level) -> Iterator[Case]:
         for beta in BETAS[2:4] if short else BETAS:
             for fraction in LAW_FRACTIONS[2:3] if short else LAW_FRACTIONS:
                 keys = {"contact.enforcement": law, "contact.beta": beta, "time.fraction": fraction}
-                yield case("contact", 12 if short else LAW_CELLS, keys)
+                yield case("contact", 12 if short else LAW_CELLS, keys)._replace(timed=False)
 
 
 def cases(name: str) -> list[Case]:
     """All cases of a level, each once, the cheap ones first."""
     level = LEVELS[name]
-    found = {own.name: own for part in (methods, factors, laws) for own in part(level)}
+    found = {own.name: own for part in (methods, ratios, factors, laws) for own in part(level)}
     return sorted(found.values(), key=lambda own: own.cells)

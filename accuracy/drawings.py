@@ -6,7 +6,7 @@ import csv
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def tidy(ax: Axes, **labels: Any) -> None:
 def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "reference") -> Figure:
     """Error against cost, a curve a method, with the Pareto front, the paper's point and the best buy."""
     rows = load(folder)
-    figure = Figure(figsize=(10.5, 5.2), layout="constrained")
+    figure = Figure(figsize=(10.5, 5.8), layout="constrained")
     paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
     name, best = best_buy(rows, scene)
     for ax, (column, label) in zip(figure.subplots(1, 2), NAMES.items()):
@@ -89,7 +89,8 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
         for k, (method, keys) in enumerate(campaign.METHODS.items()):
             x, y = values(rows, meshes(rows, scene, keys), cost, column)
             points += list(zip(x, y))
-            style = {"marker": "osv^D<>phX"[k % 10], "ms": 5, "lw": 1.3, "color": f"C{k}"}
+            style = {"marker": "osv^D<>phX"[k % 10], "ms": 5, "lw": 1.3, "color": f"C{k % 10}"}
+            style["ls"] = "-" if k < 10 else "--"
             ax.loglog(x, y, label=method, **style)
         x, y = np.array(points).T
         edge = front(x, y)
@@ -201,6 +202,8 @@ WORDS = {
     "time.courant": "Courant number {:g}",
     "time.fraction": "{:g} of the stable step",
     "time.integrator": "{}",
+    "time.integrator_parameter": "{:g}",
+    "averaging": "averaged mass",
     "body.integration": "one-point hex8",
     "body.element": "{}",
     "viscosity.linear": "bulk viscosity {:g}",
@@ -252,9 +255,16 @@ def factors(folder: Path = table.BOOK) -> Figure:
     return figure
 
 
-def price_list(rows: Rows, cells: int = 100) -> list[dict[str, str]]:
+def counts(folder: Path = table.BOOK) -> dict[str, float]:
+    """Instructions of a method's element update over those of the central difference near its limit, on the finest mesh counted."""
+    rows = table.read(folder / "accuracy_instructions.csv")
+    finest = max((row["cells"] for row in rows), default=0)
+    return {row["method"]: row["over_plain"] for row in rows if row["cells"] == finest}
+
+
+def price_list(rows: Rows, folder: Path = table.BOOK, cells: int = 100) -> list[dict[str, str]]:
     """One line a method: its errors and its price for the plate on a wall."""
-    out = []
+    out, each = [], counts(folder)
     for method, keys in campaign.METHODS.items():
         row = rows[campaign.case("reference", cells, keys).name]
         out.append(
@@ -263,14 +273,90 @@ def price_list(rows: Rows, cells: int = 100) -> list[dict[str, str]]:
                 "Fig. 4": f"{row['l1_fig4']:.4f}",
                 "Fig. 5": f"{row['l1_fig5']:.4f}",
                 "own level": f"{row['l1_fig5_level']:.4f}",
+                "σx": f"{row['l1_sigma_x']:.4f}",
+                "σz": f"{row['l1_sigma_z']:.4f}",
+                "vx": f"{row['l1_v_x']:.4f}",
                 "overshoot": f"{100 * row['overshoot']:.1f} %",
                 "width / h": f"{row['width']:.1f}",
                 "late / h": f"{row['late']:+.2f}",
+                "variation x": f"{row['variation_fig5']:.2f}",
+                "variation z": f"{row['variation_along']:.2f}",
                 "steps": f"{row['steps']:.0f}",
                 "updates": f"{row['cost']:.3g}",
+                "instructions": f"{each.get(method, np.nan):.2f}",
                 "time": f"{row['times_paper']:.2g}",
             }
         )
+    return out
+
+
+class Point(NamedTuple):
+    """A method on a mesh, two plates in contact."""
+
+    method: str
+    row: dict[str, Any]
+    equivalents: float  # updates over the paper's, each weighed with its instructions if they are more than a plain update's
+
+    def over(self, limits: dict[str, float]) -> dict[str, float]:
+        """The larger of the mean error and the error at 0.56, over a limit, for each line."""
+        return {
+            name: max(self.row[name], self.row[f"{name}_at_056"]) / limits[name] for name in NAMES
+        }
+
+
+def points(rows: Rows, nu: float, folder: Path = table.BOOK) -> list[Point]:
+    each, out = counts(folder), []
+    for method, keys in campaign.METHODS.items():
+        own = keys if nu == 0.3 else campaign.with_poisson(keys, nu)
+        for case in meshes(rows, "contact", own):
+            row = rows[case.name]
+            out.append(Point(method, row, row["cost"] * max(1.0, each.get(method, 1.0))))
+    return out
+
+
+def limits(rows: Rows, nu: float) -> dict[str, float]:
+    """Errors of the paper's setting at 0.56, plate on a wall."""
+    keys = campaign.PAPER if nu == 0.3 else campaign.with_poisson(campaign.PAPER, nu)
+    paper = rows[campaign.case("reference", 100, keys).name]
+    return {name: paper[f"{name}_at_056"] for name in NAMES}
+
+
+def bargains(rows: Rows, folder: Path = table.BOOK) -> list[dict[str, str]]:
+    """For each Poisson's ratio the cheapest contact run that is as good as the paper's setting at its lucky instant, and the best run that costs no more than the paper's."""
+    out = []
+    for nu in (0.3, *campaign.POISSON):
+        try:
+            limit, found = limits(rows, nu), points(rows, nu, folder)
+        except KeyError:
+            continue
+        good = [own for own in found if max(own.over(limit).values()) <= 1]
+        within = [own for own in found if own.equivalents <= 1]
+        cheap = min(good, key=lambda own: own.equivalents, default=None)
+        best = min(
+            within,
+            key=lambda own: max(6 * own.over(limit)["l1_fig4"], 4 * own.over(limit)["l1_fig5"]),
+            default=None,
+        )
+        for what, own in (("as good as the paper", cheap), ("as dear as the paper", best)):
+            if own is None:
+                continue
+            ratio = own.over(limit)
+            out.append(
+                {
+                    "ν": f"{nu:g}",
+                    "": what,
+                    "method": own.method,
+                    "mesh": f"d/{own.row['cells']:.0f}",
+                    "Fig. 4, mean": f"{own.row['l1_fig4']:.4f}",
+                    "Fig. 4, 0.56": f"{own.row['l1_fig4_at_056']:.4f}",
+                    "over the paper's": f"1/{1 / ratio['l1_fig4']:.1f}",
+                    "Fig. 5, mean": f"{own.row['l1_fig5']:.4f}",
+                    "Fig. 5, 0.56": f"{own.row['l1_fig5_at_056']:.4f}",
+                    "over the paper's, too": f"1/{1 / ratio['l1_fig5']:.1f}",
+                    "updates": f"1/{1 / own.equivalents:.3g}",
+                    "time": f"1/{1 / own.row['times_paper']:.3g}",
+                }
+            )
     return out
 
 
@@ -284,7 +370,11 @@ def write_lists(level: str, folder: Path) -> None:
         dict(zip(("level", "machine", "compiler", "flags", "commit"), (level, *map(str, place))))
         for place in sorted(places, key=str)
     ]
-    for name, lines in (("accuracy_prices", price_list(rows)), ("accuracy_made", made)):
+    for name, lines in (
+        ("accuracy_prices", price_list(rows, folder)),
+        ("accuracy_bargains", bargains(rows, folder)),
+        ("accuracy_made", made),
+    ):
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
             out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
             out.writeheader()

@@ -1,6 +1,7 @@
 """
 ``make accuracy``: what accuracy costs. ``run.py FOLDER [--reduced | --short] [--book]`` runs every case of ``campaign.py`` that FOLDER/accuracy.csv does not have yet, so
 it can be stopped at any time and goes on where it was. ``--book`` renews the tables of the chapter "What accuracy costs" and the picture of the start page.
+``--instructions`` only counts the instructions of the short runs (callgrind), ``--book`` with it renews that table.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import campaign  # noqa: E402
 import closest  # noqa: E402
 import drawings  # noqa: E402
+import instructions  # noqa: E402
 import table  # noqa: E402
 
 
@@ -24,6 +26,8 @@ def main() -> int:
     options = {argument for argument in sys.argv[1:] if argument.startswith("--")}
     level = next((name for name in campaign.LEVELS if f"--{name}" in options), "whole")
     folder = Path(next(argument for argument in sys.argv[1:] if not argument.startswith("--")))
+    if "--instructions" in options:
+        return count(folder, "--book" in options)
     try:
         rows = table.collect(level, folder / "accuracy.csv")
     except KeyboardInterrupt:
@@ -39,6 +43,17 @@ def main() -> int:
     print(
         f"{len(rows)} rows; {sum(row['status'] != 'done' for row in rows)} were refused or failed"
     )
+    return 0
+
+
+def count(folder: Path, book: bool) -> int:
+    folder.mkdir(parents=True, exist_ok=True)
+    counts = folder / "accuracy_instructions.csv"
+    if not instructions.write(counts):
+        print("instructions are counted by callgrind: install valgrind")
+        return 1
+    if book:
+        shutil.copyfile(counts, table.BOOK / counts.name)
     return 0
 
 

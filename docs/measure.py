@@ -9,6 +9,7 @@ the SLOW ones.
 from __future__ import annotations
 
 import json
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -626,6 +627,13 @@ def accuracy() -> Numbers:
         found[f"{name}_cheaper"] = 1 / row["times_paper"]
         found[f"{name}_fewer"] = paper["updates"] / row["updates"]
     found |= {"buy_cells": buy["cells"], "buy_overshoot": buy["overshoot"]}
+    rho = re.search(r"integrator_parameter=([\d.]+)", buy["setting"])
+    found["buy_rho"] = float(rho[1]) if rho else 0.9  # the default
+    sharp = rows[campaign.case("reference", 100, campaign.SHARP).name]
+    front = ("width", "overshoot", "variation_fig5", "variation_along", "variation_fig5_at_056")
+    found |= {f"sharp_{name}": sharp[name] for name in front} | {"sharp_updates": sharp["cost"]}
+    found |= {f"step_{name}": best[name] for name in ("overshoot", "variation_along")}
+    found["averaged_instructions"] = drawings.counts()["averaged mass"]
     for name, keys in (("paper", campaign.PAPER), ("best", campaign.BEST)):
         cases = drawings.meshes(rows, "reference", keys)
         for column in ("updates", "l1_fig4"):
