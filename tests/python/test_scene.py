@@ -260,7 +260,6 @@ def test_a_wrong_entry_is_refused_with_key_and_reason(path, value, key, reason):
         (("units",), "units"),
         (("time",), "time"),
         (("time", "end"), "time"),
-        (("time", "courant"), "time"),
         (("material", 0, "density"), "material[0].density"),
         (("material",), "body[0].material"),
         (("body", 0, "name"), "body[0].name"),
@@ -598,6 +597,30 @@ def test_the_penalty_is_beta_young_over_the_shortest_edge():
     contact = ct.Scene(small()).explain().data["contacts"][0]
     assert contact["epsilon"] == pytest.approx(4 * 2.1e5 / 0.5, rel=1e-14)
     assert contact["faces"] == [3, 3] and contact["gauss_points"] == [12, 12]
+
+
+def test_time_needs_only_an_end():
+    """The step is then at most 0.9 of the stable one, in as few steps as that allows; the scene has no key for it."""
+    made = ct.Scene(small(time={"end": 2e-7}))
+    chosen, stable = (
+        made.explain().data["time"],
+        ct.Scene(small(time={"end": 2e-7, "fraction": 1.0})),
+    )
+    limit = stable.explain().data["time"]
+    largest = 0.9 * limit["dt"] / limit["fraction"]
+    assert chosen["steps"] == math.ceil(2e-7 / largest * (1 - 1e-12))
+    assert chosen["asked"] == {"fraction": 0.9} and 0.8 < chosen["fraction"] <= 0.9
+    assert made.data["time"] == {"end": 2e-7}
+    by_name = ct.Scene(small(time={"end": 2e-7, "fraction": 0.9})).run(progress=False)
+    plain = made.run(progress=False)
+    assert plain.dt == by_name.dt
+    assert np.array_equal(plain.state["left"].displacement, by_name.state["left"].displacement)
+
+
+@pytest.mark.parametrize("pair", [("courant", "fraction"), ("fraction", "dt"), ("courant", "dt")])
+def test_two_steps_are_refused(pair):
+    time = {"end": 2e-7, **dict.fromkeys(pair, 1e-9)}
+    assert refused(small(time=time)).key in {f"time.{name}" for name in pair}
 
 
 def test_both_step_numbers_are_told_whichever_was_asked():

@@ -580,8 +580,9 @@ class FrontTime(Table):
 
 class Time(Table):
     r"""
-    End, step and integrator of the run: an end, and exactly one of ``courant``, ``fraction``
-    and ``dt``.
+    End, step and integrator of the run. Only an end is needed; at most one of ``courant``,
+    ``fraction`` and ``dt`` says the step, and without them it is 0.9 of the stable one
+    (:doc:`/theory/accuracy` says what that costs).
 
     Attributes
     ----------
@@ -618,13 +619,14 @@ class Time(Table):
         Steps between two looks for faults (:doc:`/theory/faults`); the results do not depend on it.
     """
 
-    one = (("end", "end_c1t_over"), ("courant", "fraction", "dt"))
+    one = (("end", "end_c1t_over"),)
+    rivals = (("courant", "fraction", "dt"),)
 
     end: float | None = key(POSITIVE, unit="time", default=None, says="one of two", free=True)
     end_c1t_over: Any = key(Nested(FrontTime), default=None, says="one of two", free=True)
-    courant: float | None = key(POSITIVE, default=None, says="one of three")
-    fraction: float | None = key(POSITIVE, default=None, says="one of three")
-    dt: float | None = key(POSITIVE, unit="time", default=None, says="one of three")
+    courant: float | None = key(POSITIVE, default=None, says="see text")
+    fraction: float | None = key(POSITIVE, default=0.9)
+    dt: float | None = key(POSITIVE, unit="time", default=None, says="see text")
     integrator: str = key(Choice(INTEGRATORS), default=word(INTEGRATORS, lib.CT_CENTRAL_DIFFERENCE))
     integrator_parameter: float | None = key(Number(), default=None, says="by integrator")
     stable_step: str = key(Choice(("elements", "assembled")), default="elements")
@@ -635,7 +637,7 @@ class Time(Table):
     @property
     def step(self) -> tuple[str, float]:
         """The one key that says the step, and its value."""
-        values = ((name, getattr(self, name)) for name in self.one[1])
+        values = ((name, getattr(self, name)) for name in self.rivals[0])
         return next((name, value) for name, value in values if value is not None)
 
     @property

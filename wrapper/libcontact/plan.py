@@ -391,7 +391,7 @@ def _coarse(problem: Problem, times: float) -> Problem:
     """The scene with elements that are some times larger, at the same fraction of its stable step."""
     parts = problem.parts
     bodies = tuple(_larger(problem, body, times) for body in parts.body)
-    steps = {**dict.fromkeys(Time.one[1]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
+    steps = {**dict.fromkeys(Time.rivals[0]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
     time = replace(parts.time, end=problem.end, end_c1t_over=None, **steps)
     own = [copy.copy(own) for own in problem.own]
     return Problem(replace(parts, body=bodies, time=time), problem.file, problem.threads, own)

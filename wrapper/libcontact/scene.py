@@ -528,7 +528,7 @@ def _fixed(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
     scene = tomllib.loads(text)
     time: dict[str, Any] = scene.get("time", {})
-    step = {key: time.pop(key, None) for key in Time.one[1]}
+    step = {key: time.pop(key, None) for key in Time.rivals[0]}
     free = {key for key, field in Time.keys().items() if field.metadata["free"]}
     scene["time"] = {key: value for key, value in time.items() if key not in free}
     return {key: value for key, value in scene.items() if key not in FREE_ON_RESTART}, step

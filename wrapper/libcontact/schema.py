@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import inspect
+import itertools
 import math
 import operator
 import os
@@ -597,7 +598,8 @@ class Table:
         }
         groups: list[dict[str, Any]]
         groups = [{"oneOf": [{"required": [name]} for name in group]} for group in cls.one]
-        groups += [{"not": {"required": [*group]}} for group in cls.rivals]
+        pairs = (pair for group in cls.rivals for pair in itertools.combinations(group, 2))
+        groups += [{"not": {"required": [*pair]}} for pair in pairs]
         return out | ({"allOf": groups} if groups else {})
 
 
