@@ -375,10 +375,14 @@ def write_lists(level: str, folder: Path) -> None:
         ("accuracy_bargains", bargains(rows, folder)),
         ("accuracy_made", made),
     ):
-        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
-            out.writeheader()
-            out.writerows(lines)
+        write_list(folder / f"{name}.csv", lines)
+
+
+def write_list(path: Path, lines: list[dict[str, str]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
+        out.writeheader()
+        out.writerows(lines)
 
 
 PICTURES = {

@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import campaign  # noqa: E402
 import closest  # noqa: E402
+import defaults  # noqa: E402
 import drawings  # noqa: E402
 import instructions  # noqa: E402
 import table  # noqa: E402
@@ -34,10 +35,12 @@ def main() -> int:
         print("interrupted: the rows so far are kept, and the same command goes on")
         return 1
     closest.write(folder / "accuracy_search.csv")
+    defaults.write(folder / "accuracy_defaults.csv")
     if "--book" in options:
-        for name in ("accuracy.csv", "accuracy_search.csv"):
+        for name in ("accuracy.csv", "accuracy_search.csv", "accuracy_defaults.csv"):
             shutil.copyfile(folder / name, table.BOOK / name)
         drawings.write_lists(level, table.BOOK)
+        drawings.write_list(table.BOOK / "accuracy_far.csv", defaults.far(table.BOOK))
         drawings.work().savefig(table.BOOK.parent / "_static" / "accuracy.png", dpi=110)
     drawings.draw(folder)
     print(

@@ -31,6 +31,7 @@ import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
+import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
 
 Numbers = dict[str, float]
@@ -634,6 +635,15 @@ def accuracy() -> Numbers:
     found |= {f"sharp_{name}": sharp[name] for name in front} | {"sharp_updates": sharp["cost"]}
     found |= {f"step_{name}": best[name] for name in ("overshoot", "variation_along")}
     found["averaged_instructions"] = drawings.counts()["averaged mass"]
+    table = defaults.table.read(defaults.table.BOOK / "accuracy_defaults.csv")
+    for name in defaults.SCENES:
+        own = [row for row in table if row["scene"] == name]
+        found |= {
+            f"default_{name}": defaults.distances(own)[""],
+            f"beaten_{name}": defaults.beaten(own),
+        }
+        if name == "bounces":
+            found["bounces_loss"] = own[0]["error"]
     for name, keys in (("paper", campaign.PAPER), ("best", campaign.BEST)):
         cases = drawings.meshes(rows, "reference", keys)
         for column in ("updates", "l1_fig4"):

@@ -17,6 +17,7 @@ FOLDER = ROOT / "accuracy"
 sys.path.insert(0, str(FOLDER))
 try:
     import campaign
+    import defaults
     import drawings
     import instructions
     import price
@@ -318,3 +319,100 @@ def test_a_sharp_front_without_overshoot():
     row = drawings.load()[campaign.case("reference", 100, campaign.SHARP).name]
     assert row["width"] <= 3 and row["overshoot"] <= 0.01
     assert row["variation_fig5"] <= 1.1 and row["variation_along"] <= 1.1
+
+
+# -- the scenes of the defaults
+
+
+def test_the_ball_is_a_ball():
+    """Its surface is on the sphere, its volume and moments those of a ball but for the facets, each node is there once, and a mirror image is the same ball."""
+    nodes, elements = defaults.ball()
+    data = {
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "material": [{"name": "a", "young": 1.0, "poisson": 0.3, "density": 1.0}],
+        "body": [{"name": "ball", "nodes": nodes, "elements": elements, "material": "a"}],
+        "time": {"end": 0.1},
+    }
+    data["body"][0]["velocity"] = [1.0, 0.0, 0.0]
+    run = ct.Scene(data).run(progress=False, output=False)  # refuses a brick turned inside out
+    mass = run.momentum["p"][0, 0]
+    assert 0.97 * 4 / 3 * np.pi < mass < 4 / 3 * np.pi
+    radius = np.linalg.norm(nodes, axis=1)
+    assert radius.max() == pytest.approx(1, abs=1e-12)
+    # Six faces of 12 x 12 quads a sphere: 6 * 144 + 2 nodes.
+    assert (radius > 1 - 1e-9).sum() == 6 * 12**2 + 2
+    places = {tuple(x) for x in (nodes * 1e6).round().astype(int)}
+    assert len(places) == len(nodes)
+    assert {(x, y, -z) for x, y, z in places} == places == {(y, x, z) for x, y, z in places}
+
+
+def test_functionals_by_hand():
+    """From records of every step: the forces follow from the impulses, the contact lasts while there are forces, the rebound is the mean velocity of the nodes by mass."""
+    keys = {"time.fraction": 0.9}
+    found = defaults.bar_on_a_wall(keys).errors
+    data = defaults.bar("bar_on_a_wall", 0, 50, 1.5)
+    data["output"] = {"every": 1}
+    run = price.run(defaults.laid_over(data, keys))
+    impulse = np.diff(run.momentum["obstacle_impulse"][:, 0])
+    # The impulse of a step is dt times the mean force of its ends, so the forces follow from it, one by one.
+    force = [0.0]
+    for each in impulse:
+        force.append(2 * each / run.dt - force[-1])
+    assert found["peak"] == pytest.approx(max(force) / (300 * 0.04) - 1, abs=1e-9)
+    steps = [i for i, each in enumerate(force) if each > 1e-9]
+    lasts = (steps[-1] - steps[0] + 1) * run.dt
+    assert found["duration"] == pytest.approx(lasts * 1.5 - 1, abs=1e-9)
+    body = run.state["bar"]
+    # Boxes: the mass of a node is an eighth of each element that it belongs to.
+    mass = np.bincount(body.elements.ravel())
+    speed = mass @ body.velocity[:, 0] / mass.sum()
+    assert found["rebound"] == pytest.approx(speed / 10 - 1, abs=2e-3)
+
+
+def test_hertz_by_quadrature():
+    """The time of the contact from m a'' = -k a^1.5: twice the integral of da / v to the depth."""
+    depth, stiff, mass = 0.04, 1 / (1 - 0.09), 4 * np.pi / 3
+    v = np.sqrt(16 * stiff * depth**2.5 / (15 * mass))
+    angle = (
+        (np.arange(200000) + 0.5) / 200000 * np.pi / 2
+    )  # a = depth sin(angle)^0.8 takes the root away
+    shape = np.sin(angle) ** -0.2 * 0.8
+    assert 2 * depth / v * shape.mean() * np.pi / 2 == pytest.approx(2.9432 * depth / v, rel=1e-4)
+
+
+def test_distance_from_the_front_by_its_definition():
+    """The least k such that no other point is better than (cost / k, error / k) in both."""
+    random = np.random.default_rng(5)
+    for _ in range(20):
+        rows = [
+            {"setting": str(i), "status": "done", "cost": c, "error": e}
+            for i, (c, e) in enumerate(random.uniform(1, 10, (6, 2)))
+        ]
+        found = defaults.distances(rows)
+        for own in rows:
+            k = found[own["setting"]]
+
+            def beaten(k):
+                return any(
+                    p["cost"] < own["cost"] / k and p["error"] < own["error"] / k for p in rows
+                )
+
+            assert not beaten(k * (1 + 1e-9)) and (k == 1 or beaten(k * (1 - 1e-9)))
+
+
+def test_what_chooses_nothing_is_near_the_front():
+    """Line 5, with the book's table: within 1.3 times of the front on all four scenes, no energy appears and the ledger closes. A row of it is made again."""
+    rows = table.read(table.BOOK / "accuracy_defaults.csv")
+    settings = [campaign.Case("", 0, keys).setting for keys in defaults.settings()]
+    for scene in defaults.SCENES:
+        own = [row for row in rows if row["scene"] == scene]
+        assert [row["setting"] for row in own] == settings
+        nothing = own[0]
+        assert nothing["setting"] == "" and defaults.distances(own)[""] <= 1.3
+        assert nothing["growth"] <= 1e-12 and nothing["balance"] <= 1e-12
+    again = defaults.measure("bar", {})
+    first = next(row for row in rows if row["scene"] == "bar")
+    for name in ("steps", "updates", "error", *defaults.FUNCTIONALS):
+        assert again[name] == pytest.approx(first[name], rel=1e-5, nan_ok=True)
+    with (table.BOOK / "accuracy_far.csv").open(encoding="utf-8") as file:
+        assert list(csv.DictReader(file)) == defaults.far()
