@@ -30,6 +30,7 @@ ONE_POINT: Keys = {"body.integration": "reduced"}
 HEX20: Keys = {"body.element": "hex20"}
 AVERAGED: Keys = {"averaging": {}}
 STIFF: Keys = {"body.integration": "reduced", "body.hourglass": round(hourglass(0.8, 0.3), 4)}
+# One line a method: an integrator by "time.integrator", an option of the output by "output.…".
 METHODS: dict[str, Keys] = {
     "paper's setting": PAPER,
     "default at 0.98": BEST,

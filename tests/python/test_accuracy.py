@@ -377,7 +377,9 @@ def test_hertz_by_quadrature():
         (np.arange(200000) + 0.5) / 200000 * np.pi / 2
     )  # a = depth sin(angle)^0.8 takes the root away
     shape = np.sin(angle) ** -0.2 * 0.8
-    assert 2 * depth / v * shape.mean() * np.pi / 2 == pytest.approx(2.9432 * depth / v, rel=1e-4)
+    assert 2 * depth / v * shape.mean() * np.pi / 2 == pytest.approx(
+        defaults.DURATION * depth / v, rel=1e-4
+    )
 
 
 def test_distance_from_the_front_by_its_definition():
