@@ -1,0 +1,66 @@
+"""Pictures of the chapter on the contact problem before it is discretised."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+
+def pressed(method, stiffness, elements=10, pushed=-1.0):
+    """Gap at the wall of a bar of length, stiffness and area 1 whose far end is pushed by `pushed`."""
+    h = 1.0 / elements
+    K = np.zeros((elements, elements))  # unknowns: all nodes but the pushed one
+    f = np.zeros(elements)
+    for e in range(elements):
+        nodes = np.array([e, e + 1])
+        block = np.array([[1.0, -1.0], [-1.0, 1.0]]) / h
+        for i in range(2):
+            for j in range(2):
+                if nodes[i] == elements:
+                    continue
+                if nodes[j] == elements:
+                    f[nodes[i]] += block[i, j] * pushed
+                else:
+                    K[nodes[i], nodes[j]] += block[i, j]
+    if method == "penalty":
+        K[0, 0] += stiffness
+    if method == "nitsche":
+        # Pressure of the element at the wall: p = B u; the law acts on p and on the gap together.
+        B = np.zeros(elements)
+        B[:2] = np.array([1.0, -1.0]) / h
+        law = B / stiffness - np.eye(elements)[0]
+        K += stiffness * np.outer(law, law) - np.outer(B, B) / stiffness
+        if np.linalg.eigvalsh(K).min() <= 0.0:
+            return np.nan  # no minimum: the energy falls without limit
+    if method == "multiplier":
+        K = np.block([[K, -np.eye(elements)[:, :1]], [-np.eye(elements)[:1], np.zeros((1, 1))]])
+        f = np.append(f, 0.0)
+    return np.linalg.solve(K, f)[0]
+
+
+def three_ways():
+    """Energy of a spring at a wall, and the gap that each way of enforcing contact leaves."""
+    figure = Figure(figsize=(7.5, 3.3))
+    energy, gap = figure.subplots(1, 2)
+    g = np.linspace(-1.2, 1.0, 300)
+    body = 0.5 * (g + 0.8) ** 2
+    energy.plot(g, body, color="black", lw=1, label="body alone")
+    for k in (1.0, 5.0, 50.0):
+        total = body + 0.5 * k * np.minimum(g, 0) ** 2
+        (line,) = energy.plot(g, total, label=f"with penalty {k:g}")
+        energy.plot(-0.8 / (1 + k), total.min(), "o", color=line.get_color(), ms=5)
+    energy.axvspan(-1.2, 0, color="#8a8a8a", alpha=0.15, lw=0)
+    energy.plot(0, 0.32, "k*", ms=11)
+    energy.set(xlabel="gap g", ylabel="energy", ylim=(0, 1.5), xlim=(-1.2, 1.0))
+    energy.legend(fontsize=8)
+    stiffness = np.geomspace(1, 1e8, 49)
+    for method, name in (
+        ("penalty", "penalty"),
+        ("nitsche", "Nitsche"),
+        ("multiplier", "multiplier"),
+    ):
+        off = [abs(pressed(method, k)) for k in stiffness]
+        gap.loglog(stiffness, np.maximum(off, 1e-17), label=name)
+    gap.axvline(10, color="black", ls=":", lw=1)
+    gap.text(13, 1e-5, "E / h", rotation=90)
+    gap.set(xlabel="ε / (E / L)", ylabel="|gap| / displacement", ylim=(1e-18, 10))
+    gap.legend(fontsize=8)
+    return figure
