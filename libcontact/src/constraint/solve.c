@@ -181,7 +181,9 @@ static void times_G(int sizes, const ct_entries *rows, int64_t count, const int3
     const int32_t *place = &places[e->place], alike = e->alike;
     const double *g = &G[WIDE * e->first];
     if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, alike, place, g, x, out);
+    else if (e->own == 4 && e->other == 0) times_rows(sizes, 4, 0, alike, place, g, x, out);
     else if (e->own == 8 && e->other == 8) times_rows(sizes, 8, 8, alike, place, g, x, out);
+    else if (e->own == 8 && e->other == 0) times_rows(sizes, 8, 0, alike, place, g, x, out);
     else times_rows(sizes, e->own, e->other, alike, place, g, x, out);
     out += alike;
   }
@@ -214,7 +216,8 @@ static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int6
   for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
     const int32_t *place = &places[e->place], nodes = e->own + e->other;
     const double *g = &G[WIDE * e->first];
-    if (nodes == 8) add_rows(coarse, 8, e->alike, place, g, force, sums);
+    if (nodes == 4) add_rows(coarse, 4, e->alike, place, g, force, sums);
+    else if (nodes == 8) add_rows(coarse, 8, e->alike, place, g, force, sums);
     else add_rows(coarse, nodes, e->alike, place, g, force, sums);
     force += e->alike;
   }
