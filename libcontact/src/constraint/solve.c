@@ -165,8 +165,8 @@ CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, c
   load_nodes(own + other, place, x, at);
   for (int32_t r = 0; r < rows; r++, G += WIDE * (own + other)) {
     sum_face(own, (const ct_quad *)G, at, mine);
-    sum_face(other, (const ct_quad *)G + PARTS * own, at + PARTS * own, theirs);
-    for (int i = 0; i < PARTS; i++) mine[i] += theirs[i];
+    if (other > 0) sum_face(other, (const ct_quad *)G + PARTS * own, at + PARTS * own, theirs);
+    for (int i = 0; other > 0 && i < PARTS; i++) mine[i] += theirs[i];
     const double *sum = (const double *)mine;
     out[r] = sizes ? sum[3] : (sum[0] + sum[1]) + sum[2];
   }
