@@ -216,7 +216,7 @@ C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard 
   $(if $(GSL),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_exact_series.c))) \
   $(if $(HDF5),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_output.c)))
 # At -O1 clang makes no vectors, and need not say so.
-SANITIZE := -O1 -g1 -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES -Wno-pass-failed
+SANITIZE := -O1 -g1 -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES -DCT_SHORT_LOOPS -Wno-pass-failed
 SANITIZERS = $(shell printf 'int main(void){return 0;}' | $(CC) -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null && echo yes)
 TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra $(if $(CI),-Werror) -Ilibcontact/include -Itests/c
 ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(GSL_SOURCES) $(HDF5_SOURCES))

@@ -145,7 +145,7 @@ static void keep_sides(run *r, body *b, int all)
   b->end = high[0];
 }
 
-static void add_body(run *r, dice *d, int number)
+static void add_body(run *r, dice *d, int number, int threads)
 {
   ct_error e;
   body *b = &r->bodies[number];
@@ -213,6 +213,7 @@ static void add_body(run *r, dice *d, int number)
                         .material = material,
                         .lumping = lumping,
                         .kernel = kernel,
+                        .threads = threads,
                         .velocity = {velocity[0], velocity[1], velocity[2]}};
   // -- Some nodes, or all of them, have velocities of their own
   int own = !r->plain && chance(d, 6);
@@ -523,7 +524,7 @@ static void open_run(run *r, dice *d, variant *v)
   demand(ct_scene_create(&r->scene, &r->error) == CT_OK, "an empty scene");
   int bodies = 1 + below(d, MOST_BODIES);
   r->plain = chance(d, 3);
-  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, i);
+  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, i, v->threads);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_contact(r, d);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_support(r, d);
   if (r->status == CT_OK) add_effects(r, d);
@@ -825,7 +826,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   dice *own = &some.d;
   some.optimisations = (ct_optimisations){
       .sleep = !chance(own, 5), .shared_stiffness = below(own, 2), .separated = below(own, 2)};
-  some.threads = chance(own, 3) ? 2 + below(own, 3) : 1;
+  some.threads = chance(own, 3) ? (int[]){2, 3, 8}[below(own, 3)] : 1;
   some.calm = chance(own, 4);
   tell("sleep %d, shared stiffness %d, separated %d, %d threads, calm %d\n",
        some.optimisations.sleep, some.optimisations.shared_stiffness, some.optimisations.separated,

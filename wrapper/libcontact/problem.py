@@ -322,7 +322,7 @@ class Problem:
         except (Error, ValueError, MemoryError, OverflowError) as error:
             raise self._error(f"{about}{error}", key) from None
         name = ffi.new("char[]", body.name.encode())
-        members = body.c("ct_scene_body", name=name, **shape)
+        members = body.c("ct_scene_body", name=name, threads=self.threads, **shape)
         members["material"] = given.c("ct_material")
         if body.integration == "reduced":
             members["kernel"] = lib.CT_KERNEL_REDUCED

@@ -51,6 +51,9 @@ typedef struct ct_mesh {
   double *nodes;
   /** Node numbers of each element in VTK's order, shape (element_count, 8 or 20). */
   int32_t *elements;
+  /** Most threads that check the mesh, lump its masses and prepare its elements; 0: one. They
+   * change no bit. */
+  int threads;
 } ct_mesh;
 
 /** Which way the numbers of a box run: layer by layer along one axis, and in a layer row by row. */

@@ -39,6 +39,8 @@ typedef struct ct_scene_body {
   /** Coefficient κ of the hourglass control with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0:
    * the default. */
   double hourglass;
+  /** Most threads that check and prepare the body (ct_mesh.threads); 0: one. They change no bit. */
+  int threads;
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */

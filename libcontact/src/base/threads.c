@@ -25,3 +25,12 @@ int ct_threads(int wanted)
 int ct_threads(int wanted) { return wanted; }
 
 #endif
+
+int ct_threads_for(int wanted, int64_t count, int64_t least)
+{
+#ifdef CT_SHORT_LOOPS
+  least = 1;
+#endif
+  if (count / least < wanted) wanted = (int)(count / least);
+  return wanted < 2 ? 1 : ct_threads(wanted);
+}

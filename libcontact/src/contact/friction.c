@@ -4,6 +4,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "../base/vector.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
@@ -326,6 +327,9 @@ static call begin(const friction_data *data, const ct_view *view)
   return now;
 }
 
+/* Points that each thread has at least: a fraction of a millisecond. */
+enum { LEAST_POINTS = 1024 };
+
 static ct_status friction_force(const ct_effect *effect, const ct_view *view, double *force,
                                 ct_error *error)
 {
@@ -338,7 +342,8 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
   for (int k = 0; k < data->sides; k++) {
     int64_t count = data->side[k]->point_count;
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
+    int threads = ct_threads_for(view->threads, count, LEAST_POINTS);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
     for (int64_t i = 0; i < count; i++)
       rub_point(&now, k, i, RECORD * (first + i), &s->points[first + i]);

@@ -414,6 +414,9 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
     if (!(settled >> l & 1)) search_point(p, first + l);
 }
 
+/* Points that each thread has at least: a fraction of a millisecond. */
+enum { LEAST_POINTS = 1024 };
+
 void ct_pass_search(ct_contact *contact, int s)
 {
   const ct_contact_options *options = &contact->fixed->options;
@@ -433,7 +436,7 @@ void ct_pass_search(ct_contact *contact, int s)
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
   int64_t count = p.side->fixed->point_count;
 #ifdef _OPENMP
-  int threads = ct_threads(contact->threads);
+  int threads = ct_threads_for(contact->threads, count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t i = 0; i < count; i += CT_WARM)

@@ -5,6 +5,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
+#include "../base/threads.h"
 #include "../base/tree.h"
 #include "../solid/blocks.h"
 #include "../solid/call.h"
@@ -15,10 +16,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Operations that each thread has at least: a fraction of a millisecond. */
+enum { LEAST_FLOPS = 2000000 };
+
 typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
-  int64_t value_count;
+  int64_t value_count, ring_room; /* of all, and of one thread's ring */
+  int64_t flops;                  /* of a step in which nothing sleeps */
   int64_t batch_count;
   int sleeps; /* whether elements of some part may sleep */
 } solid_data;
@@ -38,6 +43,7 @@ static void free_scratch(void *scratch)
   ct_solid_scratch *s = scratch;
   if (s == NULL) return;
   ct_release(s->values);
+  ct_release(s->calls);
   ct_sleep_free(s->sleep);
   ct_release(s);
 }
@@ -47,7 +53,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   const solid_data *solid = effect->data;
   ct_solid_scratch *s = ct_allocate(1, sizeof *s);
   if (s != NULL) s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
-  if (s == NULL || s->values == NULL ||
+  if (s != NULL) s->calls = ct_allocate((size_t)solid->part_count, sizeof *s->calls);
+  if (s == NULL || s->values == NULL || s->calls == NULL ||
       (solid->sleeps && ct_sleep_create(solid->parts, solid->part_count, &s->sleep) != CT_OK)) {
     free_scratch(s);
     return CT_NO_MEMORY(error, "the element forces");
@@ -56,29 +63,38 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
+/* What is computed of part `i`, by which kernel, from where and to where. */
+static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *view, double *force)
+{
+  const ct_solid_part *part = &solid->parts[i];
+  const ct_solid_scratch *scratch = view->scratch;
+  ct_part_call call = {.part = part,
+                       .displacement = view->displacement + 3 * (int64_t)part->first_node,
+                       .f = force + 3 * (int64_t)part->first_node,
+                       .ring_room = solid->ring_room,
+                       .batch = ct_sleep_batches(scratch->sleep, i)};
+  if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
+  int plane = part->plane != NULL && ct_plane_holds(&call);
+  call.ring = plane ? part->plane : part->ring;
+  call.batches = plane ? ct_plane_batches : part->batches;
+  call.values = scratch->values + (plane ? 0 : part->first_value);
+  call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
+  return call;
+}
+
 static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force,
                              ct_error *error)
 {
   const solid_data *solid = effect->data;
-  const ct_solid_scratch *scratch = view->scratch;
+  ct_part_call *calls = ((const ct_solid_scratch *)view->scratch)->calls;
+  for (int32_t i = 0; i < solid->part_count; i++) calls[i] = call_of(solid, i, view, force);
+  ct_part_forces(calls, solid->part_count,
+                 ct_threads_for(view->threads, solid->flops, LEAST_FLOPS));
   ct_status status = CT_OK;
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    ct_part_call call = {.part = part,
-                         .displacement = u,
-                         .f = force + 3 * (int64_t)part->first_node,
-                         .batch = ct_sleep_batches(scratch->sleep, i)};
-    if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
-    int plane = part->plane != NULL && ct_plane_holds(&call);
-    call.ring = plane ? part->plane : part->ring;
-    call.batches = plane ? ct_plane_batches : part->batches;
-    call.values = scratch->values + (plane ? 0 : part->first_value);
-    call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
-    ct_part_force(&call, view->threads);
-    if (status == CT_OK && part->energies != NULL)
-      status = ct_solid_check_volume(part, i, u, call.values, error);
-  }
+  for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
+    if (solid->parts[i].energies != NULL)
+      status =
+          ct_solid_check_volume(&solid->parts[i], i, calls[i].displacement, calls[i].values, error);
   return status;
 }
 
@@ -184,17 +200,19 @@ static ct_status solid_omega2_bound(const ct_effect *effect, const ct_view *view
   return CT_OK;
 }
 
-/* Find where the values of each part begin. What goes through a ring is read before the next part
- * is computed: all rings are one. */
+/* Find where the values of each part begin. What goes through a ring is read before a thread
+ * computes the next part: it has one ring for all. */
 static void place_values(solid_data *solid)
 {
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    int64_t bricks = part->ring != NULL ? part->ring->value_count : 0,
-            plane = part->plane != NULL ? part->plane->value_count : 0;
-    if (bricks > solid->value_count) solid->value_count = bricks;
-    if (plane > solid->value_count) solid->value_count = plane;
-  }
+  int rings = 0;
+  for (int32_t i = 0; i < solid->part_count; i++)
+    for (int plane = 0; plane < 2; plane++) {
+      const ct_force_ring *ring = plane ? solid->parts[i].plane : solid->parts[i].ring;
+      if (ring == NULL) continue;
+      if (ring->value_count > solid->ring_room) solid->ring_room = ring->value_count;
+      rings = ring->threads;
+    }
+  solid->value_count = solid->ring_room * rings;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
     if (part->ring != NULL) continue;
@@ -223,6 +241,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_erro
     }
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
+    solid->flops += (int64_t)(part->flops * (double)part->mesh->element_count);
     solid->sleeps = solid->sleeps || part->optimisations.sleep;
     next_node += part->mesh->node_count;
   }

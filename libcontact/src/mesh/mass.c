@@ -4,6 +4,7 @@
 #include "mesh_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 
 #include <string.h>
 
@@ -104,24 +105,36 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   return status;
 }
 
-/* Lump all elements, and add the masses of each node up by octant. */
+/* Whether elements have a node among first ... last - 1. */
+static int have_nodes(const int32_t *nodes, int64_t count, int32_t first, int32_t last)
+{
+  int some = 0;
+  for (int64_t i = 0; i < count; i++) some |= (nodes[i] >= first) & (nodes[i] < last);
+  return some;
+}
+
+/* Add the masses of the nodes first ... last - 1 up by octant, of all elements that have some of
+ * them. */
 static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, double density,
-                              double (*octant)[8], ct_error *error)
+                              int32_t first, int32_t last, double (*octant)[8], ct_error *error)
 {
   int slot[20], per = at->per;
   for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
   for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT) {
     ct_lanes x[3 * 20], m[20], total;
+    int32_t left = mesh->element_count - e, count = left < CT_LANES_COUNT ? left : CT_LANES_COUNT;
+    if (!have_nodes(&mesh->elements[(int64_t)per * e], (int64_t)per * count, first, last)) continue;
     double mass[20][CT_LANES_COUNT], sum[CT_LANES_COUNT];
     ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
     ct_mass_lanes(at, x, density, m, &total);
     memcpy(mass, m, (size_t)per * sizeof *m);
     memcpy(sum, &total, sizeof sum);
-    for (int32_t l = 0; l < CT_LANES_COUNT && e + l < mesh->element_count; l++) {
+    for (int32_t l = 0; l < count; l++) {
       const int32_t *node = &mesh->elements[(size_t)per * (size_t)(e + l)];
       ct_status status = check_mass(sum[l], e + l, error);
       if (status != CT_OK) return status;
-      for (int a = 0; a < per; a++) octant[node[a]][slot[a]] += mass[a][l];
+      for (int a = 0; a < per; a++)
+        if (node[a] >= first && node[a] < last) octant[node[a]][slot[a]] += mass[a][l];
     }
   }
   return CT_OK;
@@ -136,8 +149,17 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
   if (status == CT_OK) status = ct_mass_tabulate(mesh->kind, lumping, &at, error);
   if (status != CT_OK) return status;
   double (*octant)[8] = ct_allocate((size_t)mesh->node_count, sizeof *octant);
-  status = octant == NULL ? CT_NO_MEMORY(error, "the masses")
-                          : fill_octants(mesh, &at, density, octant, error);
+  if (octant == NULL) return CT_NO_MEMORY(error, "the masses");
+  // Each thread has a share of the nodes; elements between two shares are lumped twice.
+  int failed = 0, threads = ct_threads_for(mesh->threads, mesh->node_count, CT_LEAST_OF_MESH);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1) \
+    reduction(| : failed) if (threads > 1)
+#endif
+  for (int share = 0; share < threads; share++)
+    failed |= fill_octants(mesh, &at, density, ct_share(mesh->node_count, share, threads),
+                           ct_share(mesh->node_count, share + 1, threads), octant, NULL) != CT_OK;
+  if (failed) status = fill_octants(mesh, &at, density, 0, mesh->node_count, octant, error);
   // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
   for (int32_t n = 0; status == CT_OK && n < mesh->node_count; n++) {
     const double *m = octant[n];

@@ -4,6 +4,7 @@
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "batch.h"
 #include "mesh_internal.h"
 
@@ -12,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, ct_mesh **out,
-                               ct_error *error)
+static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, int threads,
+                               ct_mesh **out, ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
@@ -21,9 +22,12 @@ static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elemen
                      (long long)elements);
   ct_mesh *mesh = ct_allocate(1, sizeof *mesh);
   if (mesh != NULL)
-    *mesh = (ct_mesh){kind, (int32_t)nodes, (int32_t)elements,
+    *mesh = (ct_mesh){kind,
+                      (int32_t)nodes,
+                      (int32_t)elements,
                       ct_allocate((size_t)nodes, 3 * sizeof(double)),
-                      ct_allocate((size_t)elements * (size_t)per, sizeof(int32_t))};
+                      ct_allocate((size_t)elements * (size_t)per, sizeof(int32_t)),
+                      threads};
   if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL) {
     ct_mesh_free(mesh);
     return CT_NO_MEMORY(error, "a mesh of %lld nodes", (long long)nodes);
@@ -121,14 +125,14 @@ static void enter_cell(const lattice *l, const int axes[3], int per, int (*xi)[3
  * run along axis axes[0] first, along axes[2] last; `cells` and `corners` are in that order. */
 static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int32_t cells[3],
                                 const int64_t corners[3], place_node *place, const void *shape,
-                                ct_mesh **out, ct_error *error)
+                                int threads, ct_mesh **out, ct_error *error)
 {
   const lattice l = lattice_of(cells, corners);
   int64_t n[3] = {cells[0], cells[1], cells[2]};
   if (n[0] * n[1] > INT32_MAX) return CT_REFUSE(error, "a mesh of too many cells");
   int64_t nodes =
       kind == CT_HEX20 ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2] : l.first[1];
-  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], out, error);
+  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], threads, out, error);
   if (status != CT_OK) return status;
 
   int per = ct_brick_node_count(kind), xi[20][3];
@@ -137,11 +141,17 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
     ct_brick_reference(kind, a, reference);
     for (int d = 0; d < 3; d++) xi[a][d] = (int)reference[axes[d]];
   }
-  int32_t cell[3], *element = (*out)->elements;
-  for (cell[2] = 0; cell[2] < cells[2]; cell[2]++)
-    for (cell[1] = 0; cell[1] < cells[1]; cell[1]++)
-      for (cell[0] = 0; cell[0] < cells[0]; cell[0]++, element += per)
-        enter_cell(&l, axes, per, xi, cell, place, shape, (*out)->nodes, element);
+  int32_t rows = (int32_t)(n[1] * n[2]), *elements = (*out)->elements;
+#ifdef _OPENMP
+  threads = ct_threads_for(threads, (*out)->element_count, CT_LEAST_OF_MESH);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t row = 0; row < rows; row++) {
+    int32_t cell[3] = {0, row % cells[1], row / cells[1]};
+    for (; cell[0] < cells[0]; cell[0]++)
+      enter_cell(&l, axes, per, xi, cell, place, shape, (*out)->nodes,
+                 &elements[per * (cell[0] + n[0] * row)]);
+  }
   return CT_OK;
 }
 
@@ -157,6 +167,12 @@ void ct_box_axes(const ct_box *box, int axes[3])
 
 ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
 {
+  return ct_mesh_make_box(kind, box, 0, mesh, error);
+}
+
+ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, ct_mesh **mesh,
+                           ct_error *error)
+{
   if (box == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
     return CT_REFUSE(error, "box: null argument or unknown element");
   ct_status status = box_check(box, error);
@@ -169,7 +185,7 @@ ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **me
     cells[d] = box->cells[axes[d]];
     corners[d] = cells[d] + 1;
   }
-  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, mesh, error);
+  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, threads, mesh, error);
 }
 
 /* Cosine and sine of the angle 2π i / n, folded to the first eighth of the circle so that they
@@ -220,7 +236,7 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
   return create_lattice(kind, (const int[3]){0, 1, 2}, ring->cells, corners, ring_coordinates, ring,
-                        mesh, error);
+                        0, mesh, error);
 }
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)
@@ -228,7 +244,8 @@ ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *e
   if (source == NULL || mesh == NULL) return CT_REFUSE(error, "mesh: null argument");
   ct_status status = ct_mesh_check(source, error);
   if (status == CT_OK)
-    status = mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
+    status = mesh_allocate(source->kind, source->node_count, source->element_count, source->threads,
+                           mesh, error);
   if (status != CT_OK) return status;
   size_t per = (size_t)ct_brick_node_count(source->kind);
   memcpy((*mesh)->nodes, source->nodes, 3 * (size_t)source->node_count * sizeof(double));
@@ -423,6 +440,20 @@ static void count_bad(const ct_mesh *mesh, const ct_rule *rule, int32_t first, c
                  count > 8 ? " ..." : "");
 }
 
+/* The first element of a group that may be bad, or the number of elements. */
+static int32_t first_doubtful(const ct_mesh *mesh, const checks *at)
+{
+  int32_t count = mesh->element_count, first = count;
+#ifdef _OPENMP
+  int threads = ct_threads_for(mesh->threads, count, CT_LEAST_OF_MESH);
+#pragma omp parallel for num_threads(threads) schedule(static) \
+    reduction(min : first) if (threads > 1)
+#endif
+  for (int32_t e = 0; e < count; e += CT_LANES_COUNT)
+    if (e < first && !are_good(mesh, at, e)) first = e;
+  return first;
+}
+
 ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
 {
   if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL ||
@@ -438,7 +469,8 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
   ct_rule_brick(mesh->kind, &rule);
   tabulate(mesh->kind, &rule, &at);
   ct_status status = ct_mesh_check_numbers(mesh, error);
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+  int32_t first = status == CT_OK ? first_doubtful(mesh, &at) : 0;
+  for (int32_t e = first; status == CT_OK && e < mesh->element_count; e++) {
     if (e % CT_LANES_COUNT == 0 && are_good(mesh, &at, e)) {
       e += CT_LANES_COUNT - 1;
       continue;
@@ -478,6 +510,10 @@ double ct_mesh_shortest_edge(const ct_mesh *mesh)
 {
   double shortest = INFINITY;
   if (mesh == NULL) return NAN;
+#ifdef _OPENMP
+  int threads = ct_threads_for(mesh->threads, mesh->element_count, CT_LEAST_OF_MESH);
+#pragma omp parallel for num_threads(threads) reduction(min : shortest) if (threads > 1)
+#endif
   for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT)
     shortest = fmin(shortest, shortest_square(mesh, e));
   return sqrt(shortest);

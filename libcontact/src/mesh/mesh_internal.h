@@ -9,6 +9,13 @@
 ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
                                 ct_error *error);
 
+/* Elements and nodes of a mesh that a thread has at least where little is done for each. */
+enum { CT_LEAST_OF_MESH = 16384 };
+
+/* ct_mesh_create_box, of a mesh that may have threads and is made by them. */
+ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, ct_mesh **mesh,
+                           ct_error *error);
+
 /* CT_ERROR_ARGUMENT where an element names a node that the mesh does not have, or is of an unknown
  * kind. */
 ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error);

@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "../effect/solid.h"
 #include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
@@ -144,9 +145,11 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
 static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char *name,
                            scene_body *part, ct_error *error)
 {
+  ct_mesh source = def->mesh != NULL ? *def->mesh : (ct_mesh){.nodes = NULL};
+  source.threads = def->threads;
   ct_status status = def->mesh != NULL
-                         ? ct_mesh_create_copy(def->mesh, &part->mesh, error)
-                         : ct_mesh_create_box(def->kind, &def->box, &part->mesh, error);
+                         ? ct_mesh_create_copy(&source, &part->mesh, error)
+                         : ct_mesh_make_box(def->kind, &def->box, def->threads, &part->mesh, error);
   if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
   if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
   if (status == CT_OK) {
@@ -296,15 +299,21 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
 {
   const scene_body *part = &scene->parts[i];
   size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
-  for (size_t d = 3 * first; d < 3 * (first + count); d++) {
-    if (!(scene->mass[d / 3] > 0.0))
-      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)},
-                     "node %d of body %s belongs to no element", (int)(d / 3 - first),
+  for (size_t n = first; n < first + count; n++)
+    if (!(scene->mass[n] > 0.0))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(n - first)},
+                     "node %d of body %s belongs to no element", (int)(n - first),
                      scene->bodies[i].name);
-    scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
-    scene->velocity[d] =
-        part->velocities != NULL ? part->velocities[d - 3 * first] : part->given.velocity[d % 3];
-  }
+#ifdef _OPENMP
+  int threads = ct_threads_for(part->mesh->threads, part->mesh->node_count, CT_LEAST_OF_MESH);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (size_t n = first; n < first + count; n++)
+    for (size_t c = 0, d = 3 * n; c < 3; c++, d++) {
+      scene->inverse_mass[d] = 1.0 / scene->mass[n];
+      scene->velocity[d] =
+          part->velocities != NULL ? part->velocities[d - 3 * first] : part->given.velocity[c];
+    }
   return CT_OK;
 }
 

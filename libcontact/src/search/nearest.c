@@ -184,7 +184,7 @@ ct_status ct_search_nearest(const ct_search *search, size_t count, const double 
     if (start[i] < -1 || start[i] >= search->face_count) return CT_ERROR_ARGUMENT;
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
 #ifdef _OPENMP
-  int threads = ct_threads(own.threads);
+  int threads = ct_threads_for(own.threads, blocks, 1);
 #pragma omp parallel for num_threads(threads) schedule(dynamic) if (threads > 1)
 #endif
   for (int64_t b = 0; b < blocks; b++) {

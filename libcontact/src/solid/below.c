@@ -1,6 +1,9 @@
 /* Whether all eigenvalues of M⁻¹K of an element lie below a number, eight elements at a time. */
 #include "below.h"
 
+#include "../base/threads.h"
+#include "../mesh/mesh_internal.h"
+
 #include <string.h>
 
 enum { ENTRIES = 60 * 61 / 2 };
@@ -58,17 +61,42 @@ static void traces(const ct_solid_part *part, const ct_mass_shapes *at, int32_t 
   else find_trace(part, at, 20, e, trace);
 }
 
-int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
+/* The element with the largest trace of those in the groups first ... last - 1, and that trace. */
+static int32_t stiffest_of(const ct_solid_part *part, const ct_mass_shapes *at, int32_t first,
+                           int32_t last, double *trace_of)
 {
   int32_t stiffest = 0, count = part->mesh->element_count;
   double largest = 0.0;
-  for (int32_t e = 0; e < count; e += CT_LANES_COUNT) {
+  for (int32_t g = first, e = first * CT_LANES_COUNT; g < last; g++, e += CT_LANES_COUNT) {
     ct_lanes sums;
     double trace[CT_LANES_COUNT];
     traces(part, at, e, &sums);
     memcpy(trace, &sums, sizeof trace);
     for (int32_t l = 0; l < CT_LANES_COUNT && e + l < count; l++)
       if (trace[l] > largest) largest = trace[l], stiffest = e + l;
+  }
+  *trace_of = largest;
+  return stiffest;
+}
+
+/* Of equal ones the first. */
+int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
+{
+  int32_t stiffest = 0, count = part->mesh->element_count,
+          groups = (count + CT_LANES_COUNT - 1) / CT_LANES_COUNT;
+  double largest = 0.0;
+  int threads = ct_threads_for(part->mesh->threads, count, CT_LEAST_OF_MESH);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
+#endif
+  for (int share = 0; share < threads; share++) {
+    double trace;
+    int32_t e = stiffest_of(part, at, ct_share(groups, share, threads),
+                            ct_share(groups, share + 1, threads), &trace);
+#ifdef _OPENMP
+#pragma omp critical
+#endif
+    if (trace > largest || (trace == largest && e < stiffest)) largest = trace, stiffest = e;
   }
   return stiffest;
 }

@@ -6,6 +6,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
 #include "../base/vector.h"
 
 #include <math.h>
@@ -259,28 +260,24 @@ static ct_status element_omega2(const ct_solid_part *part, double x[20][3], cons
   return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
 }
 
-/* The largest over all elements. That of a stiff one is found first; then those that are surely
- * below need no eigenvalues. The margin is far above round-off, so the answer is that of all. */
-static ct_status elements_omega2_bound(const ct_solid_part *part, const int held[3],
-                                       double *omega_squared, ct_error *error)
+/* The largest ω² of the elements first ... last - 1. Those that surely lie below `reached` need no
+ * eigenvalues; the margin is far above round-off, so the answer is that of all. */
+static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_shapes *at,
+                                    const int held[3], int32_t first, int32_t last, double reached,
+                                    double *omega_squared, ct_error *error)
 {
   static const double SURELY = 1.0 - 1e-9;
   const ct_mesh *mesh = part->mesh;
-  int per = ct_brick_node_count(mesh->kind), full = part->kernel != CT_KERNEL_REDUCED;
-  double x[20][3], last[20][3] = {{0.0}}, w = 0.0, reached = 0.0;
+  int full = part->kernel != CT_KERNEL_REDUCED;
+  double x[20][3], before[20][3] = {{0.0}}, w = 0.0;
   unsigned below = 0;
-  ct_mass_shapes at;
-  ct_status status = ct_mass_tabulate(mesh->kind, part->lumping, &at, error);
-  if (status == CT_OK && full) {
-    ct_solid_load_element(mesh, ct_solid_stiffest(part, &at), mesh->nodes, x);
-    if (element_omega2(part, x, held, &reached, NULL) != CT_OK) reached = 0.0;
-  }
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+  ct_status status = CT_OK;
+  for (int32_t e = first; status == CT_OK && e < last; e++) {
     if (full && e % CT_LANES_COUNT == 0)
-      below = ct_solid_below(part, &at, e, held, SURELY * reached);
+      below = ct_solid_below(part, at, e, held, SURELY * reached);
     ct_solid_load_element(mesh, e, mesh->nodes, x);
-    if (e > 0 && same_shape(per, x, last)) continue;
-    memcpy(last, x, sizeof last);
+    if (e > first && same_shape(at->per, x, before)) continue;
+    memcpy(before, x, sizeof before);
     if (below >> e % CT_LANES_COUNT & 1) continue;
     status = element_omega2(part, x, held, &w, error);
     if (status != CT_OK && error != NULL) error->element = e;
@@ -288,6 +285,41 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int held
     reached = fmax(reached, w);
   }
   return status;
+}
+
+/* Elements whose bound each thread finds at least, a multiple of the lanes: each takes some
+ * thousand operations. */
+enum { LEAST_ELEMENTS = 512 };
+
+/* The largest over all elements, of which that of a stiff one is found first. */
+static ct_status elements_omega2_bound(const ct_solid_part *part, const int held[3],
+                                       double *omega_squared, ct_error *error)
+{
+  const ct_mesh *mesh = part->mesh;
+  double x[20][3], reached = 0.0, largest = 0.0;
+  int32_t count = mesh->element_count, lanes = (count + CT_LANES_COUNT - 1) / CT_LANES_COUNT;
+  int failed = 0, threads = ct_threads_for(mesh->threads, count, LEAST_ELEMENTS);
+  ct_mass_shapes at;
+  ct_status status = ct_mass_tabulate(mesh->kind, part->lumping, &at, error);
+  if (status != CT_OK) return status;
+  if (part->kernel != CT_KERNEL_REDUCED) {
+    ct_solid_load_element(mesh, ct_solid_stiffest(part, &at), mesh->nodes, x);
+    if (element_omega2(part, x, held, &reached, NULL) != CT_OK) reached = 0.0;
+  }
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1) reduction(max : largest) \
+    reduction(| : failed) if (threads > 1)
+#endif
+  for (int share = 0; share < threads; share++) {
+    int32_t first = CT_LANES_COUNT * ct_share(lanes, share, threads),
+            last = CT_LANES_COUNT * ct_share(lanes, share + 1, threads);
+    failed |= share_omega2_bound(part, &at, held, first, last < count ? last : count, reached,
+                                 &largest, NULL) != CT_OK;
+  }
+  *omega_squared = largest;
+  // Only one thread can tell which element is the first bad one.
+  return failed ? share_omega2_bound(part, &at, held, 0, count, reached, omega_squared, error)
+                : CT_OK;
 }
 
 ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],

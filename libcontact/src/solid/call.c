@@ -2,6 +2,8 @@
  */
 #include "call.h"
 
+#include "../base/threads.h"
+
 #include <string.h>
 
 /* Let the forces of a batch that is left out be the zeros that they are. */
@@ -72,53 +74,57 @@ static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, doub
   }
 }
 
-/* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are
- * computed twice. */
-static void ring_force(const ct_part_call *call, int threads)
+/* One thread's share of the nodes, with a ring of its own. Elements between two shares are computed
+ * twice. */
+static void ring_share(const ct_part_call *call, int share, int shares)
 {
-  const ct_force_ring *ring = call->ring;
-  int64_t runs = ring->run_count;
-  int shares = threads < ring->threads ? threads : ring->threads;
-#ifdef _OPENMP
-#pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
-#endif
-  for (int i = 0; i < shares; i++)
-    sum_runs(call, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares),
-             call->values + 3 * ring->corners * ring->stride * i);
+  int32_t runs = call->ring->run_count;
+  if (shares > call->ring->threads) shares = call->ring->threads;
+  if (share < shares)
+    sum_runs(call, ct_share(runs, share, shares), ct_share(runs, share + 1, shares),
+             call->values + call->ring_room * share);
 }
 
-enum { NODES_AT_ONCE = 1024 };
-
-/* Sum at those of the nodes first ... that have an active element. */
-static void gather_nodes(const ct_part_call *call, int32_t first)
+/* One thread's share of the elements. */
+static void element_share(const ct_part_call *call, int share, int shares)
 {
-  int32_t nodes = call->part->mesh->node_count,
-          last = nodes - first < NODES_AT_ONCE ? nodes : first + NODES_AT_ONCE;
-  for (int32_t n = first, end; n < last; n = end) {
+  int32_t batches = call->part->batch_count, blocks = (batches + CT_BLOCK - 1) / CT_BLOCK,
+          last = ct_share(blocks, share + 1, shares);
+  for (int32_t k = ct_share(blocks, share, shares); k < last; k++) {
+    int32_t b = k * CT_BLOCK;
+    call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, call->values);
+  }
+}
+
+/* After all elements: one thread's share of the nodes, as far as they have an active element. */
+static void node_share(const ct_part_call *call, int share, int shares)
+{
+  int32_t nodes = call->part->mesh->node_count, last = ct_share(nodes, share + 1, shares);
+  for (int32_t n = ct_share(nodes, share, shares), end; n < last; n = end) {
     end = ct_call_nodes(call, &n, last);
     ct_assembly_gather(call->part->assembly, call->values, n, end, call->f);
   }
 }
 
-/* All elements, then all nodes. */
-static void table_force(const ct_part_call *call, int threads)
+void ct_part_forces(const ct_part_call *calls, int32_t count, int threads)
 {
-  int32_t batches = call->part->batch_count, nodes = call->part->mesh->node_count;
-  (void)threads;
+  int tables = 0;
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif
-  for (int32_t b = 0; b < batches; b += CT_BLOCK)
-    call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, call->values);
-  ct_assembly_fold(call->part->assembly, call->values);
+  for (int share = 0; share < threads; share++)
+    for (int32_t i = 0; i < count; i++)
+      (calls[i].ring != NULL ? ring_share : element_share)(&calls[i], share, threads);
+  for (int32_t i = 0; i < count; i++) {
+    if (calls[i].ring != NULL) continue;
+    ct_assembly_fold(calls[i].part->assembly, calls[i].values);
+    tables = 1;
+  }
+  if (!tables) return;
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif
-  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) gather_nodes(call, n);
-}
-
-void ct_part_force(const ct_part_call *call, int threads)
-{
-  if (call->ring != NULL) ring_force(call, threads);
-  else table_force(call, threads);
+  for (int share = 0; share < threads; share++)
+    for (int32_t i = 0; i < count; i++)
+      if (calls[i].ring == NULL) node_share(&calls[i], share, threads);
 }

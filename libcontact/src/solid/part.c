@@ -3,6 +3,8 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
+#include "../mesh/mesh_internal.h"
 #include "plane.h"
 #include "reduced.h"
 #include "sleep.h"
@@ -61,7 +63,12 @@ static ct_status prepare_rows(ct_solid_part *part)
   int32_t per = ct_brick_node_count(part->mesh->kind);
   part->rows = ct_allocate((size_t)part->batch_count, sizeof *part->rows);
   if (part->rows == NULL) return CT_ERROR_MEMORY;
-  for (int32_t b = 0; b < part->mesh->element_count / 8; b++) {
+  int32_t count = part->mesh->element_count;
+#ifdef _OPENMP
+  int threads = ct_threads_for(part->mesh->threads, count, CT_LEAST_OF_MESH);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t b = 0; b < count / 8; b++) {
     const int32_t *node = &part->mesh->elements[8 * (int64_t)per * b];
     int32_t apart = 0;
     for (int32_t i = 0; i < 8 * per; i++) apart |= node[i] - node[i % per] - i / per;

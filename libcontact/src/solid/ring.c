@@ -3,6 +3,8 @@
 
 #include "../base/lanes.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
+#include "../mesh/mesh_internal.h"
 #include "kernel.h"
 
 #include <string.h>
@@ -23,14 +25,15 @@ void ct_force_ring_free(ct_force_ring *ring)
   ct_release(ring);
 }
 
-/* Enter for each node its elements by octant or quadrant, -1 where there is none, and its partner
- * in the other layer (of bricks: itself); of the upper layer, a partner below -1. Answers 0 when a
- * node is in both layers or has two elements in one place. */
-static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_t *twin,
-                          int32_t (*around)[8])
+/* Enter for each of the nodes begin ... end - 1, in a plane all of them, its elements by octant or
+ * quadrant, -1 where there is none, and its partner in the other layer (of bricks: itself); of the
+ * upper layer, a partner below -1. Answers 0 when a node is in both layers or has two elements in
+ * one place. */
+static int enter_nodes(const ct_mesh *mesh, const ct_force_ring *ring, int32_t begin, int32_t end,
+                       int32_t *twin, int32_t (*around)[8])
 {
   int corners = ring->corners, plane = corners == 4;
-  for (int32_t n = 0; n < mesh->node_count; n++) {
+  for (int32_t n = begin; n < end; n++) {
     twin[n] = -1;
     for (int k = 0; k < corners; k++) around[n][k] = -1;
   }
@@ -39,6 +42,7 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
       const int32_t *node = &mesh->elements[8 * (size_t)e];
       int32_t low = node[ring->local[k]], high = plane ? node[ring->local[k + 4]] : low,
               *slot = &around[low][corners - 1 - k];
+      if (low < begin || low >= end) continue;
       if (*slot >= 0 || (twin[low] != -1 && twin[low] != high) ||
           (plane && twin[high] != -1 && twin[high] != -2 - low))
         return 0;
@@ -47,6 +51,23 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
       if (plane) twin[high] = -2 - low;
     }
   return 1;
+}
+
+/* The same for all nodes. */
+static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_t *twin,
+                          int32_t (*around)[8])
+{
+  int32_t count = mesh->node_count;
+  int fits = 1,
+      threads = ring->corners == 4 ? 1 : ct_threads_for(mesh->threads, count, CT_LEAST_OF_MESH);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1) \
+    reduction(& : fits) if (threads > 1)
+#endif
+  for (int share = 0; share < threads; share++)
+    fits &= enter_nodes(mesh, ring, ct_share(count, share, threads),
+                        ct_share(count, share + 1, threads), twin, around);
+  return fits;
 }
 
 /* Whether a node, its partner and its elements come next in a run. */
@@ -107,7 +128,7 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   ring->size = 8;
   while (ring->size < (need < all ? need : all)) ring->size *= 2;
   ring->stride = ring->size + 8; // rows of the ring would fight for the same place in the cache
-  ring->value_count = 3 * ring->corners * ring->stride * ring->threads;
+  ring->value_count = 3 * ring->corners * ring->stride;
 }
 
 ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out)

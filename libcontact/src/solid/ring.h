@@ -26,8 +26,9 @@ typedef struct ct_force_ring {
   /* All nodes, or all of the lower layer, ascending. */
   ct_run *runs;
   int32_t run_count;
-  /* Each of `threads` threads has a ring of `size` elements, a power of two; the forces of one
-   * component of one node stand `stride` after those of the one before. */
+  /* Each of `threads` threads has a ring of `size` elements, a power of two, of `value_count`
+   * numbers; the forces of one component of one node stand `stride` after those of the one
+   * before. */
   int threads;
   int64_t size, stride, value_count;
 } ct_force_ring;

@@ -14,6 +14,7 @@ typedef struct ct_sleep ct_sleep;
  * bodies stores if its forces are linear (eq:stored-by-forces); else null. */
 typedef struct ct_solid_scratch {
   double *values;
+  struct ct_part_call *calls; /* one a body, filled in each step */
   ct_sleep *sleep;
   const double *half_work;
   int32_t body_count;

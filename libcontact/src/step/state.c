@@ -219,12 +219,20 @@ ct_status ct_state_equip(ct_state *state, ct_error *error)
   return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }
 
+/* Degrees of freedom of a thread at least. */
+enum { LEAST_DOFS = 65536 };
+
 /* Half a step back from t = 0 (eq:leapfrog-start, eq:stage-start). */
 static void step_back(const ct_problem *problem, ct_state *state)
 {
   double back = -ct_integrator_share(&problem->integrator) * problem->dt,
          *past = ct_stage_past(problem, state);
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+  int64_t dofs = 3 * (int64_t)problem->node_count;
+#ifdef _OPENMP
+  int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int64_t d = 0; d < dofs; d++) {
     state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                                  state->workspace->total[d]);
     if (past != NULL) past[d] = problem->inverse_mass[d] * state->workspace->total[d];
@@ -273,6 +281,10 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
     const ct_effect *effect = problem->effects[k];
     ct_starts start = ct_state_starts(problem, k);
     double *work = state->work + start.work, *impulse = state->impulse + start.impulse;
+#ifdef _OPENMP
+    int threads = ct_threads_for(problem->threads, 3 * (int64_t)effect->node_count, LEAST_DOFS);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
     for (int32_t i = 0; i < effect->node_count; i++) {
       double force[3];
       ct_workspace_force_at(problem, state, k, i, force);
@@ -286,6 +298,17 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   }
 }
 
+/* The initial velocity; each thread is the first to touch the nodes that it will move. */
+static void start_velocities(const ct_problem *problem, ct_state *state)
+{
+  int64_t dofs = 3 * (int64_t)problem->node_count;
+#ifdef _OPENMP
+  int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int64_t d = 0; d < dofs; d++) state->velocity[d] = problem->initial_velocity[d];
+}
+
 ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *state = NULL;
@@ -294,8 +317,7 @@ ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *er
   status = ct_state_allocate(problem, &state, error);
   if (status == CT_OK) status = ct_state_equip(state, error);
   if (status == CT_OK) {
-    memcpy(state->velocity, problem->initial_velocity,
-           3 * (size_t)problem->node_count * sizeof(double));
+    start_velocities(problem, state);
     state->workspace->starting = 1;
     status = ct_workspace_forces(problem, state, error);
   }

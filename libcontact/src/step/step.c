@@ -9,7 +9,12 @@
 
 #include <string.h>
 
-enum { NODES_AT_ONCE = 256, STEPS_BETWEEN_CHECKS = 64, STEPS_BETWEEN_FOLDS = 256 };
+enum {
+  NODES_AT_ONCE = 256,
+  LEAST_NODES = 32768, /* of a thread: a fraction of a millisecond */
+  STEPS_BETWEEN_CHECKS = 64,
+  STEPS_BETWEEN_FOLDS = 256
+};
 
 /* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect.
  */
@@ -71,7 +76,7 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
   ct_stage stage = ct_stage_now(problem, state);
   int32_t count = problem->node_count;
 #ifdef _OPENMP
-  int threads = ct_threads(problem->threads);
+  int threads = ct_threads_for(problem->threads, count, LEAST_NODES);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t begin = 0; begin < count; begin += NODES_AT_ONCE) {
