@@ -581,6 +581,89 @@ static void damped_limit(void)
   }
 }
 
+/* A body, a box of bricks or a copy of it whose inner nodes were moved. */
+static ct_scene *prepared(ct_brick_kind kind, const ct_mesh *mesh, const ct_box *box, int threads,
+                          const ct_problem **problem, ct_stable_step *stable, ct_error *e)
+{
+  ct_scene *scene = new_scene();
+  ct_scene_body def = {.mesh = mesh, .kind = kind, .material = STEEL, .threads = threads};
+  if (mesh == NULL) def.box = *box;
+  int64_t steps;
+  ct_scene_time time = {.end = 1e-7, .fraction = 0.5, .threads = threads};
+  ct_status status = ct_scene_add_body(scene, &def, NULL, e);
+  if (status == CT_OK) status = ct_scene_build(scene, &time, problem, &steps, stable, e);
+  if (status == CT_OK) return scene;
+  ct_scene_free(scene);
+  return NULL;
+}
+
+/* Move the nodes inside of a box, by up to a part of an edge. */
+static ct_mesh *moved_box(ct_brick_kind kind, const ct_box *box)
+{
+  ct_mesh *mesh = NULL;
+  ct_mesh_create_box(kind, box, &mesh, NULL);
+  for (int32_t n = 0; n < mesh->node_count; n++)
+    for (int c = 0; c < 3; c++) {
+      double *x = &mesh->nodes[3 * n + c], size = box->size[c] / box->cells[c];
+      if (*x > box->origin[c] + 0.4 * size && *x < box->origin[c] + box->size[c] - 0.4 * size)
+        *x += (kind == CT_HEX8 ? 0.1 : 0.02) * size * sin(1.0 + 7.0 * n + c);
+    }
+  return mesh;
+}
+
+/* The set-up is the same for any number of threads, and so is what it refuses. */
+static void test_threads(void)
+{
+  static const struct {
+    ct_brick_kind kind;
+    int cells, moved;
+  } bodies[] = {{CT_HEX8, 34, 0}, {CT_HEX8, 34, 1}, {CT_HEX20, 12, 1}, {CT_HEX20, 12, 0}};
+  for (int b = 0; b < 4; b++) {
+    ct_brick_kind kind = bodies[b].kind;
+    int k = bodies[b].cells;
+    ct_box box = {.origin = {0, 0, 0}, .size = {1, 1, 1}, .cells = {k, k, k}};
+    ct_mesh *mesh = bodies[b].moved ? moved_box(kind, &box) : NULL;
+    const ct_problem *one, *other;
+    ct_stable_step s = {0}, t = {0};
+    ct_error e = {0};
+    ct_scene *alone = prepared(kind, mesh, &box, 1, &one, &s, &e);
+    for (int threads = 2; alone != NULL && threads <= 8; threads += threads == 2 ? 1 : 5) {
+      ct_scene *scene = prepared(kind, mesh, &box, threads, &other, &t, &e);
+      const ct_mesh *m = one->bodies[0].mesh;
+      size_t n = (size_t)one->node_count, per = (size_t)ct_brick_node_count(kind);
+      tap_ok(scene != NULL && other->node_count == one->node_count &&
+                 !memcmp(one->reference, other->reference, 3 * n * sizeof(double)) &&
+                 !memcmp(m->elements, other->bodies[0].mesh->elements,
+                         per * (size_t)m->element_count * sizeof(int32_t)),
+             "hex%d, moved %d: %d threads, the same mesh", (int)per, bodies[b].moved, threads);
+      tap_ok(scene != NULL && !memcmp(one->mass, other->mass, n * sizeof(double)) &&
+                 !memcmp(one->inverse_mass, other->inverse_mass, 3 * n * sizeof(double)) &&
+                 s.dt == t.dt && s.dt_courant == t.dt_courant,
+             "... the same masses and the same step");
+      ct_scene_free(scene);
+    }
+    tap_ok(alone != NULL, "hex%d, moved %d: built", kind == CT_HEX8 ? 8 : 20, bodies[b].moved);
+    ct_scene_free(alone);
+    // Two elements in different shares are turned inside out: the first one is named, and both.
+    for (int bad = 0; mesh != NULL && bad < 2; bad++) {
+      int32_t *node = &mesh->elements[ct_brick_node_count(kind) *
+                                      (bad ? mesh->element_count / 3 : mesh->element_count - 2)];
+      for (int a = 0; a < 4; a++) {
+        int32_t swap = node[a];
+        node[a] = node[a + 4], node[a + 4] = swap;
+      }
+    }
+    ct_error first = {0}, second = {0};
+    if (mesh == NULL) continue;
+    ct_scene *none[2] = {prepared(kind, mesh, NULL, 1, &one, &s, &first),
+                         prepared(kind, mesh, NULL, 3, &one, &s, &second)};
+    tap_ok(none[0] == NULL && none[1] == NULL && first.element == mesh->element_count / 3 &&
+               second.element == first.element && !strcmp(first.text, second.text),
+           "three threads refuse as one does: %s", second.text);
+    ct_mesh_free(mesh);
+  }
+}
+
 int main(void)
 {
   times();
@@ -592,5 +675,6 @@ int main(void)
   contents();
   own_effects();
   damped_limit();
+  test_threads();
   return tap_done();
 }

@@ -1,4 +1,4 @@
-"""A process that is forked off after a run with several threads: OpenMP's threads are not there, and its runs end all the same."""
+"""When a run has threads, and a process that is forked off after one with several: OpenMP's threads are not there, and its runs end all the same."""
 
 import os
 import subprocess
@@ -36,7 +36,23 @@ print(compute(0))
 """
 
 
-def scene():
+SHORT = """
+import os, sys
+import libcontact as ct
+sys.path.insert(0, {folder!r})
+from test_fork import scene
+
+def tasks():
+    return len(os.listdir("/proc/self/task"))
+
+alone = tasks()
+for cells in (4, 24):
+    scene(cells).run(progress=False, threads=2)
+    print(tasks() - alone)
+"""
+
+
+def scene(cells=24):
     made = ct.Scene(title="two blocks", units={"length": "mm", "mass": "t", "time": "s"})
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     for name, x, velocity in (("left", -1.0, 1000.0), ("right", 0.0, 0.0)):
@@ -44,7 +60,7 @@ def scene():
             name,
             material="steel",
             element="hex8",
-            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]},
+            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [cells, cells, cells]},
             velocity=[velocity, 0, 0],
         )
     made.add_contact("left.x_max", "right.x_min", friction=0.3)
@@ -54,7 +70,7 @@ def scene():
 def nearest(threads):
     """Distances of many points from a face, sought by several threads."""
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.2]], float)
-    points = np.random.default_rng(1).uniform(-1, 1, (500, 3))
+    points = np.random.default_rng(1).uniform(-1, 1, (3000, 3))
     return ct.nearest("Q4", nodes, [[0, 1, 2, 3]], points, threads=threads).distance
 
 
@@ -67,3 +83,15 @@ def test_a_forked_child_runs(tmp_path):
         [sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60
     )
     assert done.stdout.split("\n")[:3] == ["0", "[True, True, True]", "True"], done.stderr
+
+
+@pytest.mark.skipif(
+    not lib.ct_has_openmp() or not os.path.exists("/proc/self/task"),
+    reason="built without OpenMP, or a system that does not list threads",
+)
+def test_short_loops_start_no_threads(tmp_path):
+    """To wake a thread takes longer than a step of a small scene; a larger one has the threads that it asks for."""
+    program = tmp_path / "short.py"
+    program.write_text(SHORT.format(folder=os.path.dirname(__file__)))
+    done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)
+    assert done.stdout.split() == ["0", "1"], done.stderr
