@@ -664,6 +664,38 @@ static void test_threads(void)
   }
 }
 
+/* Forces of a small and a larger body go through the same rings, one a thread. */
+static void test_rings(void)
+{
+  ct_state *state[2] = {NULL, NULL};
+  ct_scene *scene[2];
+  for (int i = 0; i < 2; i++) {
+    ct_scene_body def = {.kind = CT_HEX8, .material = STEEL};
+    ct_scene_time time = {.end = 1e-7, .fraction = 0.5, .threads = i == 0 ? 1 : 8};
+    ct_stable_step stable;
+    const ct_problem *problem = NULL;
+    int64_t steps;
+    scene[i] = new_scene();
+    for (int b = 0; b < 2; b++) {
+      int k = b == 0 ? 10 : 20;
+      def.box = (ct_box){.origin = {2.0 * b, 0, 0}, .size = {1, 1, 1}, .cells = {k, k, k}};
+      ct_scene_add_body(scene[i], &def, NULL, NULL);
+    }
+    ct_scene_build(scene[i], &time, &problem, &steps, &stable, NULL);
+    ct_state_create(problem, &state[i], NULL);
+    for (int64_t d = 0; state[i] != NULL && d < 3 * (int64_t)problem->node_count; d++)
+      state[i]->displacement[d] = 1e-3 * sin(1.0 + 7.0 * (double)d);
+    if (state[i] != NULL) ct_step_many(problem, state[i], 3, NULL);
+  }
+  tap_ok(state[0] != NULL && state[1] != NULL &&
+             !memcmp(state[0]->displacement, state[1]->displacement,
+                     3 * (size_t)state[0]->node_count * sizeof(double)) &&
+             !memcmp(state[0]->velocity, state[1]->velocity,
+                     3 * (size_t)state[0]->node_count * sizeof(double)),
+         "a small and a larger box: eight threads move them as one does");
+  for (int i = 0; i < 2; i++) ct_state_free(state[i]), ct_scene_free(scene[i]);
+}
+
 int main(void)
 {
   times();
@@ -676,5 +708,6 @@ int main(void)
   own_effects();
   damped_limit();
   test_threads();
+  test_rings();
   return tap_done();
 }
