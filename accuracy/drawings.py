@@ -208,6 +208,7 @@ WORDS = {
     "body.element": "{}",
     "viscosity.linear": "bulk viscosity {:g}",
     "viscosity.quadratic": "{:g}",
+    "output.filter": "picture filtered, passes: {}",
     "contact.enforcement": "{}",
     "contact.beta": "β = {:g}",
     "contact.points": "{} points",

@@ -13,7 +13,7 @@
 #include "defs.h"
 
 static const char *const SCHEME[] = {"central_difference", "chung_lee", "noh_bathe",
-                                     "tchamwa_wielgosz"};
+                                     "tchamwa_wielgosz", "pushforward_pullback"};
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty"};
 enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 

@@ -5,7 +5,7 @@
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
-enum { SCHEMES = 4, MOST = 9 };
+enum { SCHEMES = 5, MOST = 9 };
 
 /* -- Amplification of K and C (Δt² M⁻¹K, Δt M⁻¹C), n degrees of freedom: rows u, Δt v, Δt² a -- */
 
@@ -42,6 +42,16 @@ static matrix amplification(const ct_integrator *integrator, int n, double K[3][
         one.a[n + i][j] += g.c * stiff, one.a[n + i][n + j] += g.c * slow;
         one.a[i][j] += g.tau * g.r * stiff, one.a[i][n + j] += g.tau * g.r * slow;
       }
+    }
+    // The change of the acceleration over a push: K Δ with Δ = κ (Δt v + ½ (1 + κ) Δt² a).
+    for (int i = 0; integrator->scheme == CT_PUSHFORWARD_PULLBACK && i < n; i++) {
+      const double k = integrator->push, h = 0.5 * (1.0 + k);
+      one.a[i][2 * n + i] = 0.0;
+      for (int j = 0; j < n; j++)
+        for (int m = 0; m < n; m++) {
+          one.a[i][j] -= g.l * k * h * K[i][m] * K[m][j];
+          one.a[i][n + j] += g.l * k * K[i][m] * ((m == j) - h * C[m][j]);
+        }
     }
     all = product(&one, &all);
   }
@@ -85,6 +95,8 @@ static void limits(void)
                        : s == CT_NOH_BATHE        ? 0.58
                        : s == CT_TCHAMWA_WIELGOSZ ? 0.0
                                                   : 0.0;
+    for (int i = 0; i < 3; i++) all[i].push = s == CT_PUSHFORWARD_PULLBACK ? 4.0 - i : 0.0;
+    if (s == CT_PUSHFORWARD_PULLBACK) all[1].parameter = 1.0, all[2].parameter = 0.3;
     for (int i = 0; i < 3; i++) {
       double top = ct_integrator_limit(&all[i]), highest = 0.0;
       for (int k = 1; k < 1000; k++)
@@ -96,7 +108,7 @@ static void limits(void)
              SCHEME[all[i].scheme], all[i].parameter, beyond);
     }
   }
-  tap_close(ct_integrator_limit(&(ct_integrator){CT_NOH_BATHE, 0.54}), 3.745, 5e-4,
+  tap_close(ct_integrator_limit(&(ct_integrator){CT_NOH_BATHE, 0.54, 0.0}), 3.745, 5e-4,
             "Noh and Bathe, p = 0.54: the limit of their paper");
 }
 
@@ -105,14 +117,15 @@ static void bifurcations(void)
 {
   for (int k = 0; k <= 10; k++) {
     double rho = 0.1 * k;
-    tap_close(radius(&(ct_integrator){CT_TCHAMWA_WIELGOSZ, rho}, (1.0 + rho) * (1.0 + rho), 0.0),
-              rho, 1e-5, "Tchamwa and Wielgosz: radius at Omega = 1 + rho");
+    tap_close(
+        radius(&(ct_integrator){CT_TCHAMWA_WIELGOSZ, rho, 0.0}, (1.0 + rho) * (1.0 + rho), 0.0),
+        rho, 1e-5, "Tchamwa and Wielgosz: radius at Omega = 1 + rho");
   }
   ct_integrator chung = ct_integrator_default(CT_CHUNG_LEE);
   tap_close(radius(&chung, 27.0 / 8.0, 0.0), 0.5, 3e-3,
             "Chung and Lee, beta = 28/27: three roots of 1/2 at Omega^2 = 27/8");
   double p = 0.585786437626905, q = 1.0 - p;
-  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-6,
+  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p, 0.0}, 2.0 / (q * q), 0.0), 0.0, 1e-6,
             "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
 }
 
@@ -134,9 +147,12 @@ static void damped_bounds(void)
                                                     : d[i] * d[j] / (length * length);
       }
       double damping = 4.0 * fabs(uniform(1.0)), dt = ct_integrator_step(&g, 1.0, damping);
+      ct_integrator now = g;
+      if (s == CT_PUSHFORWARD_PULLBACK)
+        now.push = 1.0 + 4.0 * fabs(uniform(1.0)) * (trial % 4 > 0), dt /= now.push;
       for (int i = 0; i < 9; i++) K[i / 3][i % 3] *= dt * dt, C[i / 3][i % 3] *= damping * dt;
-      highest = fmax(highest, spectral_radius(amplification(&g, 3, K, C)));
-      loosest = fmax(loosest, radius(&g, 1.02 * 1.02 * dt * dt, 1.02 * damping * dt));
+      highest = fmax(highest, spectral_radius(amplification(&now, 3, K, C)));
+      loosest = fmax(loosest, radius(&now, 1.02 * 1.02 * dt * dt, 1.02 * damping * dt));
     }
     tap_ok(highest < 1.0 + 1e-6,
            "%s: with damping the spectral radius at the bound is %.9f at most", SCHEME[g.scheme],
@@ -179,6 +195,19 @@ static point tchamwa_wielgosz(point x, double w, double dt, double rho)
   return (point){x.u + dt * x.v + phi * dt * dt * a, x.v + dt * a, a};
 }
 
+/* With a push to t_n + Δt_c and the pullback by the weights of the paper. */
+static point pushforward_pullback(point x, double w, double dt, double theta, double push)
+{
+  double alpha = 1.0 / push, critical = push * dt,
+         beta1 = alpha / 6.0 * (3.0 * alpha + theta - theta * alpha * alpha),
+         beta2 = theta * alpha / 6.0 * (alpha * alpha - 1.0);
+  double pushed = x.u + critical * x.v + 0.5 * critical * critical * x.a;
+  point y = {x.u + dt * x.v + critical * critical * (beta1 * x.a - beta2 * w * pushed), 0.0, 0.0};
+  y.a = -w * y.u;
+  y.v = x.v + 0.5 * dt * (x.a + y.a);
+  return y;
+}
+
 /* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2). */
 static void textbook(ct_scheme scheme, double share)
 {
@@ -198,6 +227,7 @@ static void textbook(ct_scheme scheme, double share)
             "%s: the reported step is the limit over omega", SCHEME[scheme]);
   q.initial_velocity = m->nodes;
   q.dt = share * stable.dt;
+  if (scheme == CT_PUSHFORWARD_PULLBACK) q.integrator.push = 1.0 / share;
   ct_state *state = new_state(&q);
   point x = {0.0, 1.0, 0.0};
   double off = 0.0, top = 0.0, *v = numbers(24), wrong = 0.0;
@@ -206,10 +236,12 @@ static void textbook(ct_scheme scheme, double share)
     need(ct_state_velocity(&q, state, v, &e), &e);
     x = scheme == CT_CHUNG_LEE   ? chung_lee(x, w, q.dt, g.parameter)
         : scheme == CT_NOH_BATHE ? noh_bathe(x, w, q.dt, g.parameter)
-                                 : tchamwa_wielgosz(x, w, q.dt, g.parameter);
+        : scheme == CT_PUSHFORWARD_PULLBACK
+            ? pushforward_pullback(x, w, q.dt, n > 1 ? g.parameter : 0.0, 1.0 / share)
+            : tchamwa_wielgosz(x, w, q.dt, g.parameter);
     for (int i = 0; i < 24; i++) off = worst(off, state->displacement[i] - x.u * m->nodes[i]);
-    for (int i = 0; i < 24 && scheme == CT_NOH_BATHE; i++)
-      wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
+    int at_steps = scheme == CT_NOH_BATHE || scheme == CT_PUSHFORWARD_PULLBACK;
+    for (int i = 0; i < 24 && at_steps; i++) wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
     top = worst(top, x.u * h / 2);
   }
   tap_ok(off < 1e-11 * top,
@@ -435,8 +467,8 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
 static void is_central(ct_integrator integrator)
 {
   meeting c = meet(integrator, CT_ENFORCE_ENERGY_CONTROLLED, 0.3, 1),
-          d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED, 0.3,
-                   1);
+          d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED,
+                   0.3, 1);
   ct_state *x = new_state(&c.own), *y = new_state(&d.own);
   advance(&c.own, x, 80);
   advance(&d.own, y, 80);
@@ -500,11 +532,11 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
 
 static void refusals(void)
 {
-  const ct_integrator bad[] = {{(ct_scheme)7, 0.0},          {(ct_scheme)-1, 0.0},
-                               {CT_CENTRAL_DIFFERENCE, 1.0}, {CT_CHUNG_LEE, 0.99},
-                               {CT_CHUNG_LEE, 1.04},         {CT_NOH_BATHE, 0.49},
-                               {CT_NOH_BATHE, 0.6},          {CT_TCHAMWA_WIELGOSZ, -0.1},
-                               {CT_TCHAMWA_WIELGOSZ, 1.1},   {CT_TCHAMWA_WIELGOSZ, NAN}};
+  const ct_integrator bad[] = {{(ct_scheme)7, 0.0, 0.0},          {(ct_scheme)-1, 0.0, 0.0},
+                               {CT_CENTRAL_DIFFERENCE, 1.0, 0.0}, {CT_CHUNG_LEE, 0.99, 0.0},
+                               {CT_CHUNG_LEE, 1.04, 0.0},         {CT_NOH_BATHE, 0.49, 0.0},
+                               {CT_NOH_BATHE, 0.6, 0.0},          {CT_TCHAMWA_WIELGOSZ, -0.1, 0.0},
+                               {CT_TCHAMWA_WIELGOSZ, 1.1, 0.0},   {CT_TCHAMWA_WIELGOSZ, NAN, 0.0}};
   ct_error e;
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
     tap_ok(ct_integrator_check(&bad[i], &e) == CT_ERROR_ARGUMENT,
@@ -592,17 +624,21 @@ int main(void)
   order_of(CT_CHUNG_LEE, 1.9, 2.1);
   order_of(CT_NOH_BATHE, 1.9, 2.1);
   order_of(CT_TCHAMWA_WIELGOSZ, 0.9, 1.15);
+  order_of(CT_PUSHFORWARD_PULLBACK, 1.9, 2.1);
   for (int s = 0; s < SCHEMES; s++)
     for (int e = 0; e < ENFORCEMENTS; e++) {
       ledger((ct_scheme)s, (ct_enforcement)e);
       equal_bits(ct_integrator_default((ct_scheme)s), (ct_enforcement)e);
     }
-  is_central((ct_integrator){CT_CHUNG_LEE, 1.0});
-  is_central((ct_integrator){CT_TCHAMWA_WIELGOSZ, 1.0});
+  is_central((ct_integrator){CT_CHUNG_LEE, 1.0, 0.0});
+  is_central((ct_integrator){CT_TCHAMWA_WIELGOSZ, 1.0, 0.0});
+  is_central((ct_integrator){CT_PUSHFORWARD_PULLBACK, 0.0, 0.0});
   bar_on_wall(CT_CENTRAL_DIFFERENCE, 0.15, 0.2);
   bar_on_wall(CT_CHUNG_LEE, 0.0001, 0.0005);
   bar_on_wall(CT_NOH_BATHE, 0.0001, 0.0005);
   bar_on_wall(CT_TCHAMWA_WIELGOSZ, 0.003, 0.004);
+  bar_on_wall(CT_PUSHFORWARD_PULLBACK, 0.0002, 0.001);
+  free_fall(CT_PUSHFORWARD_PULLBACK);
   within_a_step();
   refusals();
   return tap_done();

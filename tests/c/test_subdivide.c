@@ -229,8 +229,9 @@ static void refusals(void)
 int main(void)
 {
   falling();
+  // A push is as long as before, so it has no order in the step alone.
   for (int scheme = 0; scheme < 4; scheme++) order((ct_scheme)scheme);
-  for (int scheme = 0; scheme < 4; scheme++)
+  for (int scheme = 0; scheme < 5; scheme++)
     for (int enforcement = 0; enforcement < ENFORCEMENTS; enforcement++)
       meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
   refusals();

@@ -402,7 +402,7 @@ static void build(play *p)
   *(chance(d, 3) ? &time.courant : chance(d, 6) ? &time.dt : &time.fraction) = value;
   if (d->wild && chance(d, 10)) time.courant = real(d), time.threads = below(d, 4) - 1;
   if (chance(d, 10)) time.keep_dt = 1;
-  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 4));
+  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 5));
   if (chance(d, 6)) time.integrator.parameter = between(d, 0.0, 1.1);
   if (d->wild && chance(d, 10)) time.integrator.scheme = (ct_scheme)(below(d, 7) - 2);
   if (chance(d, 3)) time.assembled = 1;
@@ -594,8 +594,13 @@ static void files(play *p, ct_state *s)
   ct_error e = {0};
   char path[300];
   ct_output *out = NULL;
-  ct_output_options options = {
-      below(d, 2), below(d, 2), below(d, 2), chance(d, 2) ? "a scene" : NULL, below(d, 2), NULL};
+  ct_output_options options = {below(d, 2),
+                               below(d, 2),
+                               below(d, 2),
+                               chance(d, 2) ? "a scene" : NULL,
+                               below(d, 2),
+                               NULL,
+                               chance(d, 4) ? below(d, 10) : 0};
   if (folder == NULL) return;
   snprintf(path, sizeof path, "%s/fuzz.vtkhdf", folder);
   if (TRY(ct_output_create(path, p->problem, &options, &out, &e)) != CT_OK) return;

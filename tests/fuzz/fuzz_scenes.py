@@ -164,6 +164,7 @@ def time_choices(chance: random.Random) -> dict:
                 ("chung_lee", 1, 28 / 27),
                 ("noh_bathe", 0.5, 0.58),
                 ("tchamwa_wielgosz", 0, 1),
+                ("pushforward_pullback", 0, 1),
             ]
         )
         if out["integrator"] != "central_difference" and chance.random() < 0.5:

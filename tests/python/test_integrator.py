@@ -11,11 +11,13 @@ import pytest
 import libcontact as ct
 
 INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
+INTEGRATORS += ("pushforward_pullback",)
 LIMITS = {
     "central_difference": 2.0,
     "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3),
     "noh_bathe": 2 / np.sqrt(0.46 * 0.62),
     "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1),
+    "pushforward_pullback": 2.0,
 }
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
@@ -53,7 +55,9 @@ def test_explain_tells_limit_and_evaluations(integrator):
     time = said.data["time"]
     assert time["integrator"] == integrator and integrator in said
     assert time["integrator_limit"] == pytest.approx(LIMITS[integrator], rel=1e-12)
-    assert time["evaluations_per_step"] == (2 if integrator == "noh_bathe" else 1)
+    assert time["evaluations_per_step"] == (
+        2 if integrator in ("noh_bathe", "pushforward_pullback") else 1
+    )
     central = plates("central_difference").explain().data["time"]
     assert time["stable"] / central["stable"] == pytest.approx(LIMITS[integrator] / 2.0, rel=1e-12)
 
@@ -155,5 +159,5 @@ def test_the_stable_step_is_safe_and_sharp():
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
         *steps.rows(("graded",), ("hex20",), 2_000),
     ]
-    assert len(rows) == 12 and [steps.line(row) for row in rows if not row.good] == []
+    assert len(rows) == 15 and [steps.line(row) for row in rows if not row.good] == []
     assert all(row.sharpness > 0.9 for row in rows)

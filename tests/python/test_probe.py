@@ -71,7 +71,8 @@ def test_the_force_of_a_wall_is_the_rate_of_momentum_and_that_of_a_plane_wave():
 
 
 @pytest.mark.parametrize(
-    "integrator", ["central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz"]
+    "integrator",
+    ["central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"],
 )
 def test_a_point_has_the_bits_of_a_watch_at_every_step(integrator):
     scene = everywhere(bar_on_a_wall(end=0.5, fraction=0.5, integrator=integrator))

@@ -111,6 +111,8 @@ def _definition(
     out.integrator = lib.ct_integrator_default(chosen("integrator", integrator, SCHEMES))
     if parameter is not None:
         out.integrator.parameter = parameter
+    if out.integrator.scheme == lib.CT_PUSHFORWARD_PULLBACK and 0.0 < courant < 1.0:
+        out.integrator.push = 1.0 / courant
     out.step = float(courant) * min(out.size)
     return out
 
@@ -140,7 +142,7 @@ def dispersion(
         Poisson's ratio, -1 < ν < ½.
     mass : {"lumped", "consistent", "averaged"}
         The mass matrix; runs use the lumped one, or with ``[averaging]`` the averaged one (hex8, central difference).
-    integrator : {"central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz"}
+    integrator : {"central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"}
         The method of the time steps.
     parameter : float, optional
         Its parameter β, p or ρ∞; by default the usual one.

@@ -54,7 +54,9 @@ def _makes_energy(problem: Problem, enforcement: str, beta: float, fraction: flo
         return beta >= BIPENALTY_BETA and beta * fraction > BIPENALTY_PRODUCT
     own = problem.pointer.integrator
     default = lib.ct_integrator_default(own.scheme).parameter
-    damped = own.scheme != lib.CT_CENTRAL_DIFFERENCE and own.parameter == default
+    # Near the stable step the pushforward is as good as none.
+    plain = (lib.CT_CENTRAL_DIFFERENCE, lib.CT_PUSHFORWARD_PULLBACK)
+    damped = own.scheme not in plain and own.parameter == default
     return enforcement == "penalty" and any(
         beta >= least and fraction > most for least, most in (DAMPED_PENALTY if damped else PENALTY)
     )

@@ -178,12 +178,11 @@ def _probe(probe: Located) -> dict[str, Any]:
 
 def _time(problem: Problem, plan: Sequence[Cost]) -> dict[str, Any]:
     given, stable = problem.parts.time, problem.stable
-    integrator = ffi.addressof(problem.pointer, "integrator")
-    stages = lib.ct_integrator_stages(integrator, ffi.new("ct_stage[2]"))
+    integrator = ffi.new("ct_integrator *", given.scheme)
     courant = problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf
     facts = {"integrator": given.integrator, "integrator_parameter": given.parameter}
     facts |= {
-        "evaluations_per_step": stages,
+        "evaluations_per_step": lib.ct_integrator_evaluations(integrator),
         "integrator_limit": lib.ct_integrator_limit(integrator),
     }
     facts |= {"end": problem.end, "asked": dict([given.step])}
@@ -249,6 +248,8 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += [f"  what changes no result: {savings}"]
     lines += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     lines += ["", "Time", TIME.format(**{**time, "time": labels["time"]})]
+    if output["filter"]:
+        fields += f", as computed and filtered {output['filter']} times,"
     lines += ["", "Output", f"  {output['records']} records of {fields} {where}"]
     lines += [f"  {_probe_line(probe)}" for probe in data["probes"]]
     lines += ["", "Cost", COST.format(**cost, megabytes=cost["memory_bytes"] / 1e6)]

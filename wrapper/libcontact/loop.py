@@ -22,7 +22,7 @@ from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
-from .model import FEEDING, FIELDS
+from .model import FEEDING, FIELDS, FILTERED
 from .plan import computed_share, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
@@ -85,6 +85,7 @@ class Loop:
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.probes, self.turning = Histories(problem), Turning(problem)
+        self.filter = self._filter(problem.parts.output.filter)
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
@@ -113,6 +114,14 @@ class Loop:
         except Error as error:
             raise SceneError(str(error), key, self.problem.file) from None
 
+    def _filter(self, passes: int) -> Any:
+        """The filter of what is recorded; None without passes."""
+        if passes == 0:
+            return None
+        given = self.problem.pointer, passes
+        made = self._input("output.filter", ask, "ct_filter **", lib.ct_filter_create, *given)
+        return ffi.gc(made, lambda own, problem=self.problem: lib.ct_filter_free(own))
+
     def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
         """Continue from the newest restart record of a file; ``coarse`` is the same problem with the file's step, where that is larger."""
         if not has("hdf5"):
@@ -127,11 +136,10 @@ class Loop:
             self._input("restart", call, lib.ct_output_restart_probes, *given)
 
     def _create(self, path: str | Path) -> Any:
-        text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
-        wanted = {name: name in fields for name in FIELDS}
-        options = ffi.new(
-            "ct_output_options *", {**wanted, "scene": text, "probes": self.probes.pointer}
-        )
+        text, output = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output
+        wanted: dict[str, Any] = {name: name in output.fields for name in FIELDS}
+        wanted |= {"scene": text, "probes": self.probes.pointer, "filter": output.filter}
+        options = ffi.new("ct_output_options *", wanted)
         pointer = self.problem.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
 
@@ -420,6 +428,9 @@ class Loop:
         if "contact_pressure" in problem.parts.output.fields:
             pressure = partial(_made, len(u), lib.ct_state_pressure, problem, state)
             made["contact_pressure"] = cache(pressure)
+        if self.filter is not None:
+            for name in FILTERED[:2]:
+                made[name] = cache(partial(_smooth, u.shape, self.filter, state, name))
         if at_once:
             for values in made.values():
                 values()
@@ -435,6 +446,14 @@ def _made(shape: Any, function: Any, problem: Problem, state: Any) -> Floats:
     """An array that a function of the library fills from a state."""
     out = np.empty(shape)
     call(function, problem.pointer, state, doubles(out))
+    return out
+
+
+def _smooth(shape: Any, smooth: Any, state: Any, name: str) -> Floats:
+    """A filtered field of the nodes."""
+    out = np.empty(shape)
+    given = (doubles(out), ffi.NULL) if name == FILTERED[0] else (ffi.NULL, doubles(out))
+    call(lib.ct_filter_apply, smooth, state, *given)
     return out
 
 

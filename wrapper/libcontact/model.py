@@ -58,6 +58,7 @@ OPTIMISATIONS = {
 }
 SAVINGS = tuple(OPTIMISATIONS)
 FIELDS = ("displacement", "velocity", "stress", "contact_pressure")
+FILTERED = tuple(f"{name}_filtered" for name in FIELDS[:3])
 AXES = ("x", "y", "z")
 # What a probe can take, and of what; the first ones are taken where nothing is said.
 QUANTITIES = names("ct_quantity")
@@ -600,10 +601,11 @@ class Time(Table):
     dt
         :math:`\Delta t` itself.
     integrator
-        ``"chung_lee"``, ``"noh_bathe"`` or ``"tchamwa_wielgosz"`` damp what single elements do
-        (:doc:`/theory/integrator`).
+        ``"chung_lee"``, ``"noh_bathe"``, ``"tchamwa_wielgosz"`` and ``"pushforward_pullback"`` damp
+        what single elements do (:doc:`/theory/integrator`).
     integrator_parameter
-        Its one number: :math:`\beta` (28/27), p (0.54) or :math:`\rho_\infty` (0.9).
+        Its one number: :math:`\beta` (28/27), p (0.54), :math:`\rho_\infty` (0.9) or
+        :math:`\theta` (0.7).
     stable_step
         Bound by single elements (:eq:`element-bound`), in boxes of equal hex8 by blocks of them
         (:eq:`block-bound`); ``"assembled"`` asks linear bodies as a whole, and may allow a
@@ -676,6 +678,10 @@ class Output(Table):
         Record every so many steps.
     times
         Instead of ``every``: record at the steps nearest to these times.
+    filter
+        Passes of the zero-phase filter (:doc:`/theory/filter`) over what is recorded: beside each
+        displacement, velocity and stress stands one ``…_filtered`` without the waves that the
+        mesh does not carry. The motion and the fields as computed stay what they are.
     """
 
     rivals = (("every", "times"),)
@@ -688,6 +694,7 @@ class Output(Table):
         says="about 100 records, fewer where they would cost more than the steps",
     )
     times: Sequence[float] | None = key(Many(FORWARD), unit="time", default=None, says="none")
+    filter: int = key(Whole(0, most=8), default=0)
 
 
 class Run(Table):

@@ -121,6 +121,9 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     yield from _absorbing(parts)
     yield from _probing(parts)
     yield from _averaging(parts)
+    turning = [body.name for body in parts.body if parts.materials[body.material].law != "linear"]
+    if parts.output.filter and turning:
+        yield "output.filter", f'is for linear bodies; "{turning[0]}" is not linear'
 
 
 def acts_on(effect: Any, name: str) -> bool:

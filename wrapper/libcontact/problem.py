@@ -35,6 +35,7 @@ MOST_STEPS = 10**12
 # each node: accelerations before.
 POINT_BYTES = 680
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
+CARRIED[lib.CT_PUSHFORWARD_PULLBACK] = 72
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
 SHORTEST_ROW = 32
 # Bodies with shorter rows are not told from others (the library's ct_force_ring_create).

@@ -11,7 +11,7 @@ import numpy as np
 
 from .bridge import Floats, Rows
 from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
-from .model import FIELDS, LAWS, Material
+from .model import FIELDS, FILTERED, LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
 from .units import Units
@@ -107,7 +107,10 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
     points, connectivity, offsets = (
         vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
     )
-    groups = {name: "CellData" if name == "stress" else "PointData" for name in FIELDS}
+    groups = {
+        name: "CellData" if name.startswith("stress") else "PointData"
+        for name in (*FIELDS, *FILTERED)
+    }
     count = {"PointData": len(points), "CellData": len(offsets) - 1}
     held = {name: group for name, group in groups.items() if name in vtk[group]}
     fields = {name: _field(vtk, of, name, record, count[of]) for name, of in held.items()}

@@ -15,7 +15,7 @@ from ._core import lib
 from .bridge import Floats, Ints, Rows, call, doubles, members
 from .errors import BlowupError, EnergyError, Error, GeometryError, StepError
 from .mesh import Mesh
-from .model import Material
+from .model import FILTERED, Material
 from .problem import c_material
 from .schema import is_number, suggestion
 from .units import Units
@@ -177,6 +177,15 @@ class BodyState:
             values = self._fields[field] = values()
         values.flags.writeable = False
         return values
+
+    @property
+    def filtered(self) -> BodyState:
+        """The body with its filtered fields, :eq:`filter-pass`, in place of those that were computed; needs ``[output] filter``."""
+        names = [name for name in FILTERED if self._fields.get(name) is not None]
+        if not names:
+            raise ValueError(f'body "{self.name}": nothing was filtered; set [output] filter')
+        fields = {name.removesuffix("_filtered"): self._field(name) for name in names}
+        return BodyState(self.name, self.mesh, self.material, **fields)
 
     @property
     def nodes(self) -> Floats:
@@ -388,7 +397,13 @@ class Run:
         return rows
 
     def line(
-        self, name: str, start: Any, end: Any, n: int = 401, body: str | None = None
+        self,
+        name: str,
+        start: Any,
+        end: Any,
+        n: int = 401,
+        body: str | None = None,
+        filtered: bool = False,
     ) -> tuple[Floats, Floats]:
         """
         Sample a component along a line of the reference configuration, in the last state.
@@ -406,6 +421,8 @@ class Run:
             Number of points.
         body : str, optional
             The only body to sample.
+        filtered : bool
+            Whether to sample the filtered fields, :attr:`BodyState.filtered`.
 
         Returns
         -------
@@ -438,7 +455,8 @@ class Run:
         values = np.full(n, np.nan)
         for state in self.state.values() if body is None else [self.state[body]]:
             open_points = np.flatnonzero(np.isnan(values))
-            values[open_points] = state.sample(name, points[open_points])
+            shown = state.filtered if filtered else state
+            values[open_points] = shown.sample(name, points[open_points])
         return s, values
 
     def save(self, path: str | Path) -> Path:

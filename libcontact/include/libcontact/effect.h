@@ -309,6 +309,29 @@ CT_API ct_averaging_def ct_averaging_def_default(void);
 CT_API ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_problem *problem,
                                             ct_effect **effect, ct_error *error);
 
+/** A filter of what is shown of a state, :doc:`/theory/filter`; opaque. Used by one thread at a
+ * time. */
+typedef struct ct_filter ct_filter;
+
+/**
+ * A filter of so many passes, 1 ... 8, for the states of a problem, which must outlive it. Each
+ * pass costs one force of the bodies for each field. ``CT_ERROR_UNSUPPORTED``: a body is not
+ * linear.
+ */
+CT_API ct_status ct_filter_create(const ct_problem *problem, int passes, ct_filter **filter,
+                                  ct_error *error);
+
+/**
+ * Write the displacement and the velocity of a state at its time without the waves that the mesh
+ * does not carry, :eq:`filter-pass`, each shape (node_count, 3) or null. No wave changes its place,
+ * a stress that is constant in a body stays as it is, and the motion of the state is not touched.
+ */
+CT_API ct_status ct_filter_apply(ct_filter *filter, ct_state *state, double *displacement,
+                                 double *velocity, ct_error *error);
+
+/** Free a filter; null is allowed. */
+CT_API void ct_filter_free(ct_filter *filter);
+
 CT_END_DECLS
 
 #endif

@@ -29,6 +29,12 @@ typedef struct ct_output_options {
   /** Null, or probes of the run: each record also writes what they have taken up to its time. They
    * must outlive the output. */
   const ct_probes *probes;
+  /**
+   * Passes of the filter of what is shown, 0 to 8. From one on, each displacement, velocity and
+   * stress that is written has a second field with ``_filtered`` behind its name, from
+   * `ct_filter_apply`, and the group ``libcontact`` has the attribute ``filter``.
+   */
+  int filter;
 } ct_output_options;
 
 /**

@@ -236,7 +236,10 @@ typedef enum ct_scheme {
      :eq:`noh-bathe-stages`. */
   CT_NOH_BATHE,
   /** Tchamwa and Wielgosz; parameter ρ∞, 0 ... 1, :eq:`tchamwa-wielgosz-drift`. */
-  CT_TCHAMWA_WIELGOSZ
+  CT_TCHAMWA_WIELGOSZ,
+  /** Pushforward-pullback of Park, Lim and Huh for linear bodies, two forces of the bodies in a
+     step; parameter θ, 0 ... 1, :eq:`pullback-drift`. */
+  CT_PUSHFORWARD_PULLBACK
 } ct_scheme;
 
 /** A method and its one parameter. All bytes zero: central difference. */
@@ -245,6 +248,9 @@ typedef struct ct_integrator {
   ct_scheme scheme;
   /** Its parameter, as the method says. */
   double parameter;
+  /** With CT_PUSHFORWARD_PULLBACK: the time Δt_c of the pushforward over Δt, at least 1; 0: 1, and
+   * the method is the central difference. `ct_scene_build` sets it to the stable step over Δt. */
+  double push;
 } ct_integrator;
 
 /** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are fractions of
@@ -260,12 +266,16 @@ typedef struct ct_stage {
   double l;
 } ct_stage;
 
-/** The method of this scheme with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9. */
+/** The method of this scheme with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9, θ = 0.7.
+ */
 CT_API ct_integrator ct_integrator_default(ct_scheme scheme);
 
 /** ``CT_ERROR_ARGUMENT`` for an unknown scheme or a parameter out of its range, with the range in
  * `error`. */
 CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error);
+
+/** Forces of the bodies in a step (1 or 2). */
+CT_API int ct_integrator_evaluations(const ct_integrator *integrator);
 
 /** Fill the stages of one step, shape (2); the number of them (1 or 2). */
 CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);

@@ -200,6 +200,18 @@ static ct_status solid_omega2_bound(const ct_effect *effect, const ct_view *view
   return CT_OK;
 }
 
+ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    ct_status status = ct_solid_part_nodes_omega2(part, &omega2[part->first_node], error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
+  }
+  return CT_OK;
+}
+
 /* Find where the values of each part begin. What goes through a ring is read before a thread
  * computes the next part: it has one ring for all. */
 static void place_values(solid_data *solid)

@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 
+#include <libcontact/effect.h>
 #include <libcontact/output.h>
 
 #include <hdf5.h>
@@ -87,6 +88,7 @@ typedef struct ct_record {
   /* Fields; null where they are not asked for. The displacement belongs to the state. */
   const double *displacement;
   double *velocity, *stress, *contact_pressure;
+  double *displacement_filtered, *velocity_filtered, *stress_filtered;
   /* Of the row that is written. */
   const ct_momentum *bodies;
   const ct_effect_energy *effects;
@@ -127,6 +129,8 @@ struct ct_output {
   ct_column column[CT_COLUMN_LIMIT];
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
+  ct_filter *filter; /* null without one; `smooth` is the displacement that it makes */
+  double *smooth;
   ct_ledger own; /* the row of a state that came without one */
   int64_t row;
   /* Null without probes. */
@@ -211,7 +215,7 @@ const void *ct_record_at(const ct_record *now, const ct_column *column);
 /* -- layout.c: the file without its steps -- */
 
 void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *problem,
-                      const char *scene);
+                      const ct_output_options *options);
 
 /* -- probe.c: histories of probes -- */
 

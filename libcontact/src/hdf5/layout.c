@@ -120,6 +120,9 @@ static const plan COLUMN[] = {
     {POINT_DATA, "velocity", CT_REAL, NULL, NODES, 3, NOW(velocity)},
     {POINT_DATA, "contact_pressure", CT_REAL, NULL, NODES, 0, NOW(contact_pressure)},
     {CELL_DATA, "stress", CT_REAL, NULL, CELLS, 6, NOW(stress)},
+    {POINT_DATA, "displacement_filtered", CT_REAL, NULL, NODES, 3, NOW(displacement_filtered)},
+    {POINT_DATA, "velocity_filtered", CT_REAL, NULL, NODES, 3, NOW(velocity_filtered)},
+    {CELL_DATA, "stress_filtered", CT_REAL, NULL, CELLS, 6, NOW(stress_filtered)},
     {CELL_DATA + TO_OFFSETS, "body", CT_INT64, NULL, ONE, 0, NOW(zero)},
     {FIELD_DATA, "kinetic", CT_REAL, NULL, ONE, 0, NOW_ENERGY(kinetic)},
     {FIELD_DATA, "strain", CT_REAL, NULL, ONE, 0, NOW_ENERGY(strain)},
@@ -166,15 +169,18 @@ static void create_columns(ct_task *task, ct_output *o)
   }
 }
 
-void ct_layout_create(ct_task *task, ct_output *o, const ct_problem *problem, const char *scene)
+void ct_layout_create(ct_task *task, ct_output *o, const ct_problem *problem,
+                      const ct_output_options *options)
 {
-  const double version[2] = {2, 2}, none = 0;
+  const double version[2] = {2, 2}, none = 0, passes = options->filter;
   for (size_t i = 0; i < sizeof GROUP / sizeof GROUP[0]; i++) ct_hdf5_create_group(task, GROUP[i]);
   ct_hdf5_write_attribute(task, "VTKHDF", "Version", H5T_NATIVE_INT64, 2, version);
   ct_hdf5_write_label(task, "VTKHDF", "Type", "UnstructuredGrid");
   write_grid(task, o, problem);
   ct_hdf5_write_label(task, "libcontact", "version", ct_version());
-  if (scene != NULL) ct_hdf5_write_text(task, "libcontact/scene", scene);
+  if (options->filter > 0)
+    H5Aclose(ct_hdf5_write_attribute(task, "libcontact", "filter", H5T_NATIVE_INT64, 0, &passes));
+  if (options->scene != NULL) ct_hdf5_write_text(task, "libcontact/scene", options->scene);
   ct_identity_write(task, problem);
   create_columns(task, o);
   o->step_count =

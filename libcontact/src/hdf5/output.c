@@ -43,6 +43,26 @@ static ct_status check_problem(const ct_problem *problem, ct_error *error)
   return CT_OK;
 }
 
+/* Room for the fields that are filtered. */
+static ct_status create_filtered(ct_output *o, const ct_problem *problem,
+                                 const ct_output_options *options, ct_error *error)
+{
+  ct_record *now = &o->now;
+  if (options->filter == 0) return CT_OK;
+  ct_status status = ct_filter_create(problem, options->filter, &o->filter, error);
+  if (status != CT_OK) return status;
+  o->smooth = malloc(3 * (size_t)o->node_count * sizeof *o->smooth);
+  if (options->velocity)
+    now->velocity_filtered = malloc(3 * (size_t)o->node_count * sizeof *now->velocity_filtered);
+  if (options->stress)
+    now->stress_filtered = malloc(6 * (size_t)o->cell_count * sizeof *now->stress_filtered);
+  if (options->displacement) now->displacement_filtered = o->smooth;
+  if (o->smooth == NULL || (options->velocity && now->velocity_filtered == NULL) ||
+      (options->stress && now->stress_filtered == NULL))
+    return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
+  return CT_OK;
+}
+
 static ct_status create_record(ct_output *o, const ct_problem *problem,
                                const ct_output_options *options, ct_error *error)
 {
@@ -67,7 +87,7 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
       (options->contact_pressure && now->contact_pressure == NULL) || now->addends == NULL ||
       o->own.momentum == NULL || o->own.effects == NULL)
     return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
-  return CT_OK;
+  return create_filtered(o, problem, options, error);
 }
 
 static void open_file(ct_task *task, ct_output *o)
@@ -101,6 +121,10 @@ static void destroy(ct_task *task, ct_output *o)
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.contact_pressure);
+  free(o->now.velocity_filtered);
+  free(o->now.stress_filtered);
+  free(o->smooth);
+  ct_filter_free(o->filter);
   free(o->now.addends);
   free(o->probe);
   free(o->own.momentum);
@@ -123,7 +147,7 @@ static ct_status create(const char *path, const ct_problem *problem,
   if (task.status == CT_OK) {
     task.path = o->disk.path;
     open_file(&task, o);
-    ct_layout_create(&task, o, problem, options->scene);
+    ct_layout_create(&task, o, problem, options);
     ct_probe_create_tables(&task, o);
     ct_disk_flush(&task, &o->disk, "write the file");
   }
@@ -172,6 +196,20 @@ static void gather_ledger(ct_record *now, const ct_ledger *row, int32_t body_cou
   }
 }
 
+/* Stresses of all bodies from a displacement of all nodes. */
+static ct_status gather_stress(const ct_problem *problem, const double *displacement,
+                               double *stress, ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (int32_t b = 0; b < problem->body_count && stress != NULL && status == CT_OK; b++) {
+    const ct_body *body = &problem->bodies[b];
+    status = ct_solid_stress(body->mesh, &body->material,
+                             displacement + 3 * (int64_t)body->first_node, stress, error);
+    stress += 6 * (int64_t)body->mesh->element_count;
+  }
+  return status;
+}
+
 /* All that can fail for other reasons than the file is done before the file is touched. A state
  * that is not finite has no row, and so does not replace the last good restart record. */
 static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state,
@@ -184,13 +222,11 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
     status = ct_state_velocity(problem, state, now->velocity, error);
   if (status == CT_OK && now->contact_pressure != NULL)
     status = ct_state_pressure(problem, state, now->contact_pressure, error);
-  double *stress = now->stress;
-  for (int32_t b = 0; b < problem->body_count && now->stress != NULL && status == CT_OK; b++) {
-    const ct_body *body = &problem->bodies[b];
-    status = ct_solid_stress(body->mesh, &body->material,
-                             state->displacement + 3 * (int64_t)body->first_node, stress, error);
-    stress += 6 * (int64_t)body->mesh->element_count;
-  }
+  if (status == CT_OK) status = gather_stress(problem, state->displacement, now->stress, error);
+  if (status == CT_OK && o->filter != NULL)
+    status = ct_filter_apply(o->filter, state, o->smooth, now->velocity_filtered, error);
+  if (status == CT_OK && o->filter != NULL)
+    status = gather_stress(problem, o->smooth, now->stress_filtered, error);
   now->step = state->step;
   now->energy.time = state->time;
   now->step_row = o->row;

@@ -576,6 +576,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   p->threads = 1;
   p->clock = NULL;
   p->integrator = time->integrator;
+  p->integrator.push = 0.0;
   p->assembled = time->assembled;
   p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
@@ -588,6 +589,9 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
   *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
   p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)*step_count;
+  // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
+  if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK)
+    p->integrator.push = fmax(1.0, stable->dt / p->dt);
   p->threads = time->threads;
   p->clock = time->clock;
   *problem = p;

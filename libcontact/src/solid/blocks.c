@@ -332,3 +332,27 @@ ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3
   return b.cells[0] > 0 ? box_omega2_bound(part, &b, held, omega_squared, error)
                         : elements_omega2_bound(part, held, omega_squared, error);
 }
+
+ct_status ct_solid_part_nodes_omega2(const ct_solid_part *part, double *omega2, ct_error *error)
+{
+  static const int FREE[3] = {0, 0, 0};
+  const ct_mesh *mesh = part->mesh;
+  const int per = ct_brick_node_count(mesh->kind);
+  double x[20][3], last[20][3] = {{0.0}}, w = part->omega_squared;
+  box b = {.cells = {0}};
+  ct_status status = find_box(part, &b, error);
+  for (int32_t n = 0; n < mesh->node_count; n++) omega2[n] = 0.0;
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+    ct_solid_load_element(mesh, e, mesh->nodes, x);
+    if (b.cells[0] == 0 && (e == 0 || !same_shape(per, x, last))) {
+      memcpy(last, x, sizeof last);
+      status = element_omega2(part, x, FREE, &w, error);
+      if (status != CT_OK && error != NULL) error->element = e;
+    }
+    for (int a = 0; a < per; a++) {
+      double *own = &omega2[mesh->elements[(size_t)(per * e + a)]];
+      *own = fmax(*own, w);
+    }
+  }
+  return status;
+}

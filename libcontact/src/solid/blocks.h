@@ -9,4 +9,8 @@
 ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
                                      double *omega_squared, ct_error *error);
 
+/* Of each node, shape (node_count): the largest eigenvalue of the elements around it, none of which
+ * is held; in a box of equal hex8 the bound of the whole part, `omega_squared`. */
+ct_status ct_solid_part_nodes_omega2(const ct_solid_part *part, double *omega2, ct_error *error);
+
 #endif

@@ -129,7 +129,9 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   // -- At the start the acceleration before is that of t = 0, and the velocity, the one of t = 0,
   // has its share of it already (eq:stage-start)
   if (state->workspace->starting) {
-    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
+    int pulled = problem->integrator.scheme == CT_PUSHFORWARD_PULLBACK;
+    push = stage.r + (pulled ? 0.0 : stage.l) -
+           ct_integrator_share(&problem->integrator) * problem->dt;
     past = NULL;
   }
   s->share = push / stage.r;

@@ -4,6 +4,7 @@
 #include "../base/error.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -18,7 +19,8 @@ typedef struct range {
 static const range RANGES[] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0},
                                {"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0},
                                {"noh_bathe", "p", 0.5, LARGEST_P, 0.54},
-                               {"tchamwa_wielgosz", "rho_inf", 0.0, 1.0, 0.9}};
+                               {"tchamwa_wielgosz", "rho_inf", 0.0, 1.0, 0.9},
+                               {"pushforward_pullback", "theta", 0.0, 1.0, 0.7}};
 
 static int is_scheme(ct_scheme scheme)
 {
@@ -27,7 +29,7 @@ static int is_scheme(ct_scheme scheme)
 
 ct_integrator ct_integrator_default(ct_scheme scheme)
 {
-  return (ct_integrator){scheme, is_scheme(scheme) ? RANGES[scheme].usual : 0.0};
+  return (ct_integrator){scheme, is_scheme(scheme) ? RANGES[scheme].usual : 0.0, 0.0};
 }
 
 ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
@@ -36,10 +38,21 @@ ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
     return CT_REFUSE(error, "integrator: there is no scheme %d",
                      integrator == NULL ? -1 : (int)integrator->scheme);
   const range *r = &RANGES[integrator->scheme];
+  if (integrator->push != 0.0 && !(integrator->push >= 1.0 && integrator->push <= DBL_MAX))
+    return CT_REFUSE(error, "integrator: a push of %.17g steps is not 1 or more", integrator->push);
   if (integrator->parameter >= r->least && integrator->parameter <= r->most) return CT_OK;
   return CT_REFUSE(error, "integrator: %s = %.17g of %s is not between %.17g and %.17g",
                    r->parameter, integrator->parameter, r->name, r->least, r->most);
 }
+
+int ct_integrator_evaluations(const ct_integrator *integrator)
+{
+  return integrator->scheme == CT_NOH_BATHE || integrator->scheme == CT_PUSHFORWARD_PULLBACK ? 2
+                                                                                             : 1;
+}
+
+/* Δt_c / Δt of the pushforward, κ. */
+static double push_of(const ct_integrator *integrator) { return fmax(1.0, integrator->push); }
 
 /* φ of Tchamwa and Wielgosz. */
 static double phi_of(double rho) { return 2.0 / (1.0 + rho); }
@@ -67,6 +80,13 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
     // -- The drift takes more of the force than the velocity keeps (eq:tchamwa-wielgosz-drift)
     stages[0].r = phi_of(value);
     break;
+  case CT_PUSHFORWARD_PULLBACK: {
+    // -- The drift takes a share of the change of the acceleration over the push
+    // (eq:pullback-drift)
+    double k = push_of(integrator);
+    stages[0].l = value * (k - 1.0 / k) / 6.0;
+    break;
+  }
   }
   return 1;
 }
@@ -89,6 +109,11 @@ static double stiffening(const ct_integrator *integrator)
     return (1.0 - value) * (3.0 * value - 1.0);
   case CT_TCHAMWA_WIELGOSZ:
     return 2.0 * phi_of(value) - 1.0;
+  case CT_PUSHFORWARD_PULLBACK: {
+    // -- 4 - x - θ/6 κ(κ² - 1) x² = 0 (eq:pullback-limit)
+    double k = push_of(integrator);
+    return 0.5 * (1.0 + sqrt(1.0 + 8.0 / 3.0 * value * k * (k * k - 1.0)));
+  }
   }
   return 1.0;
 }

@@ -105,6 +105,10 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
                        "problem: effect %s reads one whose force does not come before its own",
                        effect->label);
   }
+  if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK &&
+      (p->effects[0]->kind != CT_EFFECT_SOLID || !ct_problem_is_linear(p)))
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "integrator: pushforward_pullback is for linear bodies");
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->threads);
   return ct_integrator_check(&p->integrator, error);
@@ -116,6 +120,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
   if (w->constraints != NULL) ct_pool_free(w->constraints->solver);
   for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
     if (w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
+  if (w->pushed_scratch != NULL) problem->effects[0]->free_scratch(w->pushed_scratch);
   ct_pool_free(w);
 }
 
@@ -152,8 +157,13 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       &w->pool, (size_t)ct_state_starts(problem, problem->effect_count).memory, sizeof(double));
   w->grids = ct_pool_take(&w->pool, ct_sum_grids(problem), sizeof *w->grids);
   w->addends = ct_pool_take(&w->pool, (size_t)problem->body_count, 3 * sizeof *w->addends);
-  if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ)
+  if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ || scheme == CT_PUSHFORWARD_PULLBACK)
     w->past = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+  if (scheme == CT_PUSHFORWARD_PULLBACK) {
+    w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+    w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+    status = problem->effects[0]->create_scratch(problem->effects[0], &w->pushed_scratch, error);
+  }
   list_shared(problem, w);
   ct_constraints_create(problem, w);
   for (int32_t k = 0; status == CT_OK && !w->pool.failed && k < problem->effect_count; k++) {
@@ -166,7 +176,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       status = effect->create_scratch(effect, &w->scratch[k], error);
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
-  if (problem->effects[0]->kind == CT_EFFECT_SOLID)
+  // A push moves what sleeps, so nothing may.
+  if (problem->effects[0]->kind == CT_EFFECT_SOLID && scheme != CT_PUSHFORWARD_PULLBACK)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
   return CT_OK;
@@ -235,7 +246,8 @@ static void step_back(const ct_problem *problem, ct_state *state)
   for (int64_t d = 0; d < dofs; d++) {
     state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                                  state->workspace->total[d]);
-    if (past != NULL) past[d] = problem->inverse_mass[d] * state->workspace->total[d];
+    if (past != NULL && state->workspace->pushed == NULL)
+      past[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
   // A force that goes with velocity has seen another one so far; a restart from here would see this
   // one.
@@ -489,6 +501,35 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
 }
 
+/* Push the nodes for Δt_c by the forces that are known, and lay down how much that changes the
+ * acceleration by the bodies, as the acceleration before of the drift. */
+static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_workspace *w = state->workspace;
+  const ct_effect *solid = problem->effects[0];
+  ct_stage stages[2];
+  ct_integrator_stages(&problem->integrator, stages);
+  // What is in contact at t = 0 has got a velocity half a step back by forces that are not known
+  // here, so the first step is a central difference.
+  if (w->pushed == NULL || stages[0].l == 0.0 || state->step == 0) return CT_OK;
+  double begin = problem->clock == NULL ? 0.0 : problem->clock(),
+         push = problem->integrator.push * problem->dt,
+         share = ct_integrator_share(&problem->integrator) * problem->dt;
+  // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    w->pushed[d] = push * ct_kick(state->velocity[d], share + 0.5 * push, problem->inverse_mass[d],
+                                  w->total[d]);
+  ct_view view = ct_workspace_view(problem, state, 0);
+  view.displacement = w->pushed;
+  view.scratch = w->pushed_scratch;
+  ct_status status = solid->force(solid, &view, w->pushed_force, error);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    w->past[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
+  count_updates(problem, state);
+  if (problem->clock != NULL) state->effect_seconds[0] += problem->clock() - begin;
+  return status;
+}
+
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_workspace *w = state->workspace;
@@ -502,6 +543,7 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
                            : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
       if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);
+    if (status == CT_OK && phase == CT_PHASE_STATE) status = push_and_pull(problem, state, error);
     if (status != CT_OK) return status;
   }
   w->forces_at = state->step;

@@ -31,8 +31,10 @@ typedef struct ct_workspace {
       *shared_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *past;     /* acceleration of the evaluation before, shape (node_count, 3), where the state
                        does not keep it; or null */
-  ct_grid *grids;   /* of the sums that a row of the ledger was made of last (ct_sum_grids) */
-  double *addends;  /* room for sums over the bodies, shape (3, body_count) */
+  double *pushed, *pushed_force; /* of the pushforward, shape (node_count, 3), or null */
+  void *pushed_scratch;
+  ct_grid *grids;  /* of the sums that a row of the ledger was made of last (ct_sum_grids) */
+  double *addends; /* room for sums over the bodies, shape (3, body_count) */
   struct ct_constraints *constraints; /* null without any */
 } ct_workspace;
 
