@@ -580,6 +580,10 @@ CT_API ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int3
 CT_API ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity,
                                    ct_error *error);
 
+/** The same at `count` nodes from `first` on, shape (count, 3), for who has no room for all. */
+CT_API ct_status ct_state_velocity_at(const ct_problem *problem, ct_state *state, int32_t first,
+                                      int32_t count, double *velocity, ct_error *error);
+
 /** Force of one effect at t_n on the problem's nodes [force], shape (node_count, 3); zero where it
  * does not act. */
 CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t effect,

@@ -141,13 +141,11 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                      "contact: surfaces are searched for each other up to the depth %g only, so "
                      "adjust = %g is too much",
                      fixed->depth, options->adjust);
-  if (status != CT_OK) {
-    ct_contact_fixed_free(fixed);
-    return status;
-  }
-  ct_tunnelling_init(fixed);
-  *out = fixed;
-  return CT_OK;
+  if (status == CT_OK && ct_tunnelling_init(fixed) != CT_OK)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  if (status == CT_OK) *out = fixed;
+  else ct_contact_fixed_free(fixed);
+  return status;
 }
 
 void ct_contact_free(ct_contact *contact)
@@ -165,8 +163,10 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   ct_contact *contact = ct_allocate(1, sizeof *contact);
   const ct_constraint law = law_of(&fixed->options);
   ct_status status = contact != NULL ? CT_OK : CT_ERROR_MEMORY;
-  for (int s = 0; status == CT_OK && s < fixed->sides; s++)
+  for (int s = 0; status == CT_OK && s < fixed->sides; s++) {
     status = ct_side_init(&contact->side[s], &fixed->side[s], &law);
+    if (status == CT_OK) status = ct_side_equip(&contact->side[s]);
+  }
   if (status == CT_OK) {
     contact->fixed = fixed;
     contact->threads = fixed->options.threads;

@@ -122,7 +122,7 @@ double ct_contact_rounding(const ct_contact *contact);
 /* How far points look after the start, and how far two surfaces may come nearer in a step; and
  * refuse a step of length `dt` to `time` that may have brought them nearer than that, with
  * velocities in the numbering of the host (eq:tunnelling). */
-void ct_tunnelling_init(ct_contact_fixed *fixed);
+ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
 ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error);
 

@@ -76,19 +76,15 @@ const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face)
 
 ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law)
 {
-  size_t faces = (size_t)fixed->search->face_count, nodes = (size_t)fixed->search->node_count;
+  size_t nodes = (size_t)fixed->search->node_count;
   memset(side, 0, sizeof *side);
   side->fixed = fixed;
-  side->candidate_room = fixed->search->face_count;
-  side->listed = ct_allocate(faces, sizeof *side->listed);
-  side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
-  side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->points = ct_allocate((size_t)fixed->point_count, sizeof *side->points);
-  double **vectors[] = {&side->x_built, &side->moved, &side->force, &side->force_fine};
-  int whole = side->listed && side->candidate_first && side->candidates && side->points;
-  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
-    whole = (*vectors[i] = ct_allocate(nodes, 3 * sizeof(double))) != NULL && whole;
-  if (!whole || ct_search_share(fixed->search, &side->search) != CT_OK) return CT_ERROR_MEMORY;
+  side->force = ct_allocate(nodes, 3 * sizeof *side->force);
+  side->force_fine = ct_allocate(nodes, 3 * sizeof *side->force_fine);
+  if (side->points == NULL || side->force == NULL || side->force_fine == NULL ||
+      ct_search_share(fixed->search, &side->search) != CT_OK)
+    return CT_ERROR_MEMORY;
   for (int64_t i = 0; i < fixed->point_count; i++) {
     ct_point *point = &side->points[i];
     point->other = -1;
@@ -102,6 +98,20 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_const
     point->row.gap = NAN;
   }
   return CT_OK;
+}
+
+ct_status ct_side_equip(ct_side *side)
+{
+  size_t faces = (size_t)side->search->face_count, nodes = (size_t)side->search->node_count;
+  side->candidate_room = side->search->face_count;
+  side->listed = ct_allocate(faces, sizeof *side->listed);
+  side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
+  side->candidates = ct_allocate(faces, sizeof *side->candidates);
+  side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
+  side->moved = ct_allocate(nodes, 3 * sizeof *side->moved);
+  int whole =
+      side->listed && side->candidate_first && side->candidates && side->x_built && side->moved;
+  return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 
 /* Σ_a w_a (x_a - origin) over `per` nodes. Written to be compiled for a `per` that is known. */

@@ -70,17 +70,18 @@ typedef struct ct_side_fixed {
 /* One surface of a contact now: its shape and tree, its points and forces. */
 typedef struct ct_side {
   const ct_side_fixed *fixed;
-  ct_search *search; /* shares the topology of the fixed one */
-  double *listed;    /* the candidates of a face are complete to this distance, shape (face_count)
-                        (eq:skin) */
-  double *x_built;   /* coordinates at the last listing of candidates, shape (node_count, 3) */
-  double *moved;     /* coordinates of the nodes before they are placed, and then how far they have
-                        moved since the last update, shape (node_count, 3) */
+  ct_search *search;          /* shares the topology of the fixed one */
+  ct_point *points;           /* shape (face_count, rule.count) */
+  double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
+  /* Of a side that meets another one, else null: */
+  double *listed;  /* the candidates of a face are complete to this distance, shape (face_count)
+                      (eq:skin) */
+  double *x_built; /* coordinates at the last listing of candidates, shape (node_count, 3) */
+  double *moved;   /* coordinates of the nodes before they are placed, and then how far they have
+                      moved since the last update, shape (node_count, 3) */
   int32_t *candidate_first, *candidates; /* faces of the other side that may come near each face,
                                             until the next listing */
   int32_t candidate_room;
-  ct_point *points;           /* shape (face_count, rule.count) */
-  double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
 } ct_side;
 
 /* Points by the Gauss rule, or with `on_edges` by one that has points at corners and on edges too.
@@ -97,6 +98,9 @@ const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face);
  * fails. */
 ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law);
 void ct_side_clear(ct_side *side);
+
+/* Room for what a side needs to meet another one: its tree, lists of candidates, motions. */
+ct_status ct_side_equip(ct_side *side);
 
 /* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum);
  * terms beyond `per` are 0. */

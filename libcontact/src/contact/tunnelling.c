@@ -34,21 +34,21 @@ static int is_no_far_side(void *user, int32_t face)
 }
 
 /* Smallest distance of the middle of a face from a far side beneath it, where that is less than
- * `most` (eq:tunnelling). */
-static double thickness(ct_search *search, double most)
+ * `*thin` (eq:tunnelling). */
+static ct_status find_thickness(const ct_search *reference, double *thin)
 {
-  double thin = most;
-  ct_search_box(search);
-  ct_search_refit(search);
-  for (int32_t f = 0; f < search->face_count; f++) {
+  ct_search *search = NULL;
+  ct_status status = ct_search_look(reference, &search);
+  for (int32_t f = 0; status == CT_OK && f < search->face_count; f++) {
     skin s = {.search = search};
     ct_nearest nearest;
     if (!middle_of(search, f, s.middle, s.normal)) continue;
-    ct_search_point(search, s.middle, -1, thin * thin, CT_SEARCH_TOLERANCE, is_no_far_side, &s,
+    ct_search_point(search, s.middle, -1, *thin * *thin, CT_SEARCH_TOLERANCE, is_no_far_side, &s,
                     &nearest);
-    if (nearest.face >= 0) thin = fmin(thin, nearest.distance);
+    if (nearest.face >= 0) *thin = fmin(*thin, nearest.distance);
   }
-  return thin;
+  ct_search_free(search);
+  return status;
 }
 
 /* Width of a face: its area over its longest edge, for a triangle its least height
@@ -67,8 +67,9 @@ static double width_of(const ct_search *search, int32_t face)
   return (search->edges == 4 ? 4.0 : 1.0) * J / longest;
 }
 
-void ct_tunnelling_init(ct_contact_fixed *fixed)
+ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
 {
+  ct_status status = CT_OK;
   int given = fixed->options.depth > 0.0;
   double sum = 0.0, count = 0.0;
   fixed->approach = fixed->depth;
@@ -81,15 +82,18 @@ void ct_tunnelling_init(ct_contact_fixed *fixed)
     }
   }
   // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:tunnelling)
-  for (int s = 0; s < fixed->sides; s++)
-    fixed->approach =
-        fmin(fixed->approach, 0.75 * thickness(fixed->side[s].search, fixed->approach / 0.75));
+  for (int s = 0; status == CT_OK && s < fixed->sides; s++) {
+    double thin = fixed->approach / 0.75;
+    status = find_thickness(fixed->side[s].search, &thin);
+    fixed->approach = fmin(fixed->approach, 0.75 * thin);
+  }
   // Gaps that are closed at the start are seen until they have opened by as much again
   // (eq:initial-adjust).
   fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * fixed->options.adjust);
   // -- Half of a mean width, which a few faces that are much narrower or wider hardly change
   // (eq:skin-mean)
   fixed->skin = 0.5 * exp(sum / count);
+  return status;
 }
 
 /* Box of what `values` has at the nodes of a surface, at `nodes` or one after another where that is

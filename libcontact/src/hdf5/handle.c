@@ -239,14 +239,17 @@ void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_col
   // -- Structs lose their padding in the file
   if (H5Tget_class(type) == H5T_COMPOUND) H5Tpack(type);
   H5Pset_chunk(how, rank, chunk);
-  if (column->chunk_rows == column->rows) H5Pset_fill_time(how, H5D_FILL_TIME_NEVER);
+  // -- Rows are read only where they were written. HDF5 would fill a large chunk in memory first.
+  if (is_field) H5Pset_fill_time(how, H5D_FILL_TIME_NEVER);
   column->set = create_dataset(task, path, type, H5Screate_simple(rank, none, limit), how);
   H5Tclose(type);
 }
 
-void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source)
+void ct_hdf5_extend(ct_task *task, const ct_column *column, int64_t rows)
 {
-  ct_hdf5_write_rows(task, column, row * column->rows, column->rows, source);
+  hsize_t size[2] = {(hsize_t)rows, (hsize_t)column->width};
+  if (task->status == CT_OK && H5Dset_extent(column->set, size) < 0)
+    ct_hdf5_fail(task, "write a step");
 }
 
 void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
@@ -254,12 +257,10 @@ void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, i
 {
   if (task->status != CT_OK || rows == 0) return;
   int rank = column->width > 0 ? 2 : 1;
-  hsize_t width = (hsize_t)column->width;
-  hsize_t size[2] = {(hsize_t)(first + rows), width}, start[2] = {(hsize_t)first, 0},
-          count[2] = {(hsize_t)rows, width};
-  hid_t memory = H5Screate_simple(rank, count, NULL), space = -1, how = H5Pcreate(H5P_DATASET_XFER);
+  const hsize_t start[2] = {(hsize_t)first, 0}, count[2] = {(hsize_t)rows, (hsize_t)column->width};
+  hid_t memory = H5Screate_simple(rank, count, NULL), space = H5Dget_space(column->set),
+        how = H5Pcreate(H5P_DATASET_XFER);
   H5Pset_buffer(how, CONVERTED_BYTES, NULL, NULL);
-  if (H5Dset_extent(column->set, size) >= 0) space = H5Dget_space(column->set);
   if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0 ||
       H5Dwrite(column->set, column->type, memory, space, how, source) < 0)
     ct_hdf5_fail(task, "write a step");

@@ -62,6 +62,10 @@ typedef struct ct_row_type {
 
 /* -- What an output holds -- */
 
+/* Compute `count` rows of a field from `first` on, into the piece of the output's record. */
+typedef ct_status ct_fill(const ct_output *output, const ct_problem *problem, ct_state *state,
+                          int64_t first, int64_t count, ct_error *error);
+
 /* A dataset that grows by `rows` rows of `width` values a step (width 0: the dataset has no second
  * axis). */
 typedef struct ct_column {
@@ -73,6 +77,8 @@ typedef struct ct_column {
    */
   size_t source;
   int is_pointer;
+  /* Null, or what computes the rows piece by piece, where that pointer leads. */
+  ct_fill *fill;
 } ct_column;
 
 enum { CT_COLUMN_LIMIT = 48 };
@@ -85,10 +91,12 @@ typedef struct ct_record {
   ct_energy energy;
   /* Sums over the bodies. */
   double momentum[3], angular_momentum[3];
-  /* Fields; null where they are not asked for. The displacement belongs to the state. */
-  const double *displacement;
-  double *velocity, *stress, *contact_pressure;
-  double *displacement_filtered, *velocity_filtered, *stress_filtered;
+  /* Fields; null where they are not asked for. The displacement belongs to the state, and
+   * `displacement_filtered` is `smooth` of the output; velocity and stresses have room for a piece,
+   * which is the same for all. */
+  const double *displacement, *velocity, *stress, *displacement_filtered, *stress_filtered;
+  double *contact_pressure, *velocity_filtered;
+  double *piece;
   /* Of the row that is written. */
   const ct_momentum *bodies;
   const ct_effect_energy *effects;
@@ -175,9 +183,9 @@ void ct_hdf5_read_array(ct_task *task, const char *path, hid_t type, int rank, c
 double ct_hdf5_read_number(ct_task *task, const char *path, const char *name);
 /* A dataset for the column; fields have one chunk a step, tables one for many steps. */
 void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column);
-/* Append the rows of one step at `row`. */
-void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source);
-/* Append some rows behind the first ones. */
+/* Give the dataset so many rows. */
+void ct_hdf5_extend(ct_task *task, const ct_column *column, int64_t rows);
+/* Write some of them, from `first` on. */
 void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
                         const void *source);
 
@@ -211,6 +219,8 @@ int ct_driver_use(ct_disk *disk, hid_t access);
 
 /* The rows of the current step. */
 const void *ct_record_at(const ct_record *now, const ct_column *column);
+/* Fields that are computed while they are written. */
+ct_fill ct_output_velocity, ct_output_stress, ct_output_stress_filtered;
 
 /* -- layout.c: the file without its steps -- */
 

@@ -147,6 +147,10 @@ static int create_column(ct_task *task, ct_output *o, const plan *p)
   column->width = p->width;
   column->source = p->source;
   column->is_pointer = p->per != ONE;
+  column->fill = p->source == NOW(velocity)          ? ct_output_velocity
+                 : p->source == NOW(stress)          ? ct_output_stress
+                 : p->source == NOW(stress_filtered) ? ct_output_stress_filtered
+                                                     : NULL;
   if (column->rows == 0 || ct_record_at(&o->now, column) == NULL) return 0;
   column->type = p->row != NULL ? ct_hdf5_row_type(p->row) : ct_hdf5_type(p->kind);
   if (column->type < 0) ct_hdf5_fail(task, "make a table");

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Room for what HDF5 itself needs to know about a step. */
-enum { MARGIN = 1 << 18, PAGE = 4096 };
+/* Room for what HDF5 itself needs to know about a step. Fields are computed so many rows at a time,
+ * in as much memory as a processor has near. */
+enum { MARGIN = 1 << 18, PAGE = 4096, PIECE = 1 << 14 };
 
 static ct_task task_on(const ct_output *o, ct_error *error)
 {
@@ -54,11 +55,9 @@ static ct_status create_filtered(ct_output *o, const ct_problem *problem,
   o->smooth = malloc(3 * (size_t)o->node_count * sizeof *o->smooth);
   if (options->velocity)
     now->velocity_filtered = malloc(3 * (size_t)o->node_count * sizeof *now->velocity_filtered);
-  if (options->stress)
-    now->stress_filtered = malloc(6 * (size_t)o->cell_count * sizeof *now->stress_filtered);
+  if (options->stress) now->stress_filtered = now->piece;
   if (options->displacement) now->displacement_filtered = o->smooth;
-  if (o->smooth == NULL || (options->velocity && now->velocity_filtered == NULL) ||
-      (options->stress && now->stress_filtered == NULL))
+  if (o->smooth == NULL || (options->velocity && now->velocity_filtered == NULL))
     return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
@@ -74,8 +73,9 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
     o->cell_count += problem->bodies[b].mesh->element_count;
   now->one = 1;
   if (options->displacement) now->displacement = problem->reference;
-  if (options->velocity) now->velocity = malloc(3 * (size_t)o->node_count * sizeof *now->velocity);
-  if (options->stress) now->stress = malloc(6 * (size_t)o->cell_count * sizeof *now->stress);
+  if (options->velocity || options->stress) now->piece = malloc(6 * PIECE * sizeof *now->piece);
+  if (options->velocity) now->velocity = now->piece;
+  if (options->stress) now->stress = now->piece;
   if (options->contact_pressure)
     now->contact_pressure = malloc((size_t)o->node_count * sizeof *now->contact_pressure);
   now->addends = malloc((size_t)o->body_count * sizeof *now->addends);
@@ -118,11 +118,9 @@ static void destroy(ct_task *task, ct_output *o)
   if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(task, "close the file");
   if (o->disk.driver >= 0) H5FDunregister(o->disk.driver);
   ct_disk_check(task, "close the file", o->disk.error);
-  free(o->now.velocity);
-  free(o->now.stress);
+  free(o->now.piece);
   free(o->now.contact_pressure);
   free(o->now.velocity_filtered);
-  free(o->now.stress_filtered);
   free(o->smooth);
   ct_filter_free(o->filter);
   free(o->now.addends);
@@ -196,37 +194,17 @@ static void gather_ledger(ct_record *now, const ct_ledger *row, int32_t body_cou
   }
 }
 
-/* Stresses of all bodies from a displacement of all nodes. */
-static ct_status gather_stress(const ct_problem *problem, const double *displacement,
-                               double *stress, ct_error *error)
-{
-  ct_status status = CT_OK;
-  for (int32_t b = 0; b < problem->body_count && stress != NULL && status == CT_OK; b++) {
-    const ct_body *body = &problem->bodies[b];
-    status = ct_solid_stress(body->mesh, &body->material,
-                             displacement + 3 * (int64_t)body->first_node, stress, error);
-    stress += 6 * (int64_t)body->mesh->element_count;
-  }
-  return status;
-}
-
-/* All that can fail for other reasons than the file is done before the file is touched. A state
- * that is not finite has no row, and so does not replace the last good restart record. */
+/* A state that is not finite has no row, and so does not replace the last good restart record. */
 static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state,
                         const ct_ledger *row, ct_error *error)
 {
   ct_record *now = &o->now;
   ct_status status = row != NULL ? CT_OK : ct_ledger_of(problem, state, &o->own, error);
   if (status == CT_OK) gather_ledger(now, row != NULL ? row : &o->own, problem->body_count);
-  if (status == CT_OK && now->velocity != NULL)
-    status = ct_state_velocity(problem, state, now->velocity, error);
   if (status == CT_OK && now->contact_pressure != NULL)
     status = ct_state_pressure(problem, state, now->contact_pressure, error);
-  if (status == CT_OK) status = gather_stress(problem, state->displacement, now->stress, error);
   if (status == CT_OK && o->filter != NULL)
     status = ct_filter_apply(o->filter, state, o->smooth, now->velocity_filtered, error);
-  if (status == CT_OK && o->filter != NULL)
-    status = gather_stress(problem, o->smooth, now->stress_filtered, error);
   now->step = state->step;
   now->energy.time = state->time;
   now->step_row = o->row;
@@ -234,6 +212,49 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
   now->cell_row = o->row * o->cell_count;
   if (now->displacement != NULL) now->displacement = state->displacement;
   return status;
+}
+
+ct_status ct_output_velocity(const ct_output *o, const ct_problem *problem, ct_state *state,
+                             int64_t first, int64_t count, ct_error *error)
+{
+  return ct_state_velocity_at(problem, state, (int32_t)first, (int32_t)count, o->now.piece, error);
+}
+
+/* Stresses of some cells, counted over all bodies, from a displacement of all nodes. */
+static ct_status stress_rows(const ct_problem *problem, const double *displacement, int64_t first,
+                             int64_t count, double *values, ct_error *error)
+{
+  ct_status status = CT_OK;
+  int64_t start = 0;
+  for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++) {
+    const ct_body *body = &problem->bodies[b];
+    ct_mesh part = *body->mesh;
+    // -- The elements of the body that are among them
+    int64_t from = first > start ? first - start : 0, end = first + count - start;
+    if (end > part.element_count) end = part.element_count;
+    start += part.element_count;
+    if (from >= end) continue;
+    part.elements += from * ct_brick_node_count(part.kind);
+    part.element_count = (int32_t)(end - from);
+    status = ct_solid_stress(&part, &body->material,
+                             displacement + 3 * (int64_t)body->first_node, values, error);
+    if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
+    values += 6 * (end - from);
+  }
+  return status;
+}
+
+ct_status ct_output_stress(const ct_output *o, const ct_problem *problem, ct_state *state,
+                           int64_t first, int64_t count, ct_error *error)
+{
+  return stress_rows(problem, state->displacement, first, count, o->now.piece, error);
+}
+
+ct_status ct_output_stress_filtered(const ct_output *o, const ct_problem *problem, ct_state *state,
+                                    int64_t first, int64_t count, ct_error *error)
+{
+  (void)state;
+  return stress_rows(problem, o->smooth, first, count, o->now.piece, error);
 }
 
 /* Bytes that the next step adds to the file, at most. */
@@ -249,18 +270,33 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
   return bytes + ct_probe_bytes(o, state->time);
 }
 
-static void write_step(ct_task *task, ct_output *o, const ct_state *state)
+/* Append the rows of the step. */
+static void write_column(ct_task *task, const ct_output *o, const ct_problem *problem,
+                         ct_state *state, const ct_column *c)
+{
+  int64_t first = o->row * c->rows, piece = c->fill == NULL ? c->rows : PIECE;
+  ct_hdf5_extend(task, c, first + c->rows);
+  for (int64_t at = 0; at < c->rows && task->status == CT_OK; at += piece) {
+    int64_t count = c->rows - at < piece ? c->rows - at : piece;
+    if (c->fill != NULL)
+      task->status = c->fill(o, problem, state, at, count, task->error);
+    ct_hdf5_write_rows(task, c, first + at, count, ct_record_at(&o->now, c));
+  }
+}
+
+static void write_step(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state)
 {
   // -- Histories come first: the restart record is their end, and may be whole before the step is
   if (o->probe_count > 0) {
     ct_probe_write(task, o, state->time);
     ct_disk_flush(task, &o->disk, "write a step");
   }
-  // -- The data of the step, which no reader looks for yet
+  // -- The data of the step, which no reader looks for yet; the restart record comes last, so that
+  // a state without stresses does not replace a good one
+  for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
+    write_column(task, o, problem, state, c);
   if (o->row == 0) ct_restart_create_slots(task, o, state);
   ct_restart_write(task, o->row, state);
-  for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
-    ct_hdf5_write_column(task, c, o->row, ct_record_at(&o->now, c));
   ct_disk_flush(task, &o->disk, "write a step");
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
@@ -276,10 +312,12 @@ static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_st
   if (task->status == CT_OK) task->status = gather(o, problem, state, row, task->error);
   if (task->status == CT_OK) ct_disk_reserve(task, &o->disk, step_bytes(o, state));
   if (task->status != CT_OK) return;
-  write_step(task, o, state);
-  o->broken = task->status != CT_OK;
+  write_step(task, o, problem, state);
+  // -- What can't be computed leaves rows that nobody counts, and that the next step writes over
+  o->broken = task->status == CT_ERROR_FILE;
   if (o->broken) return;
   ct_disk_trim(&o->disk, o->file);
+  if (task->status != CT_OK) return;
   o->row++;
   ct_disk_rename(task, &o->disk);
 }

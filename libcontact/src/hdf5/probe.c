@@ -99,6 +99,7 @@ void ct_probe_write(ct_task *task, ct_output *o, double time)
     ct_probes_history(o->probes, i, &history);
     int64_t count = rows_until(&history, time);
     if (count <= table->written) continue;
+    ct_hdf5_extend(task, &table->column, count);
     ct_hdf5_write_rows(task, &table->column, table->written, count - table->written,
                        history.rows + table->written * history.width);
     table->written = count;

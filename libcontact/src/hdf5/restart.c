@@ -1,6 +1,7 @@
 #include "hdf5_internal.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are
@@ -158,40 +159,67 @@ static uint64_t read_slot(ct_task *task, int slot, ct_state *into)
   return is_whole ? seal.sequence : 0;
 }
 
+/* The number in the file of what a slot claims to hold; 0 where it can't be read. */
+static uint64_t number_of(ct_task task, int slot)
+{
+  ct_seal seal = {0};
+  char path[64];
+  hid_t type = ct_hdf5_row_type(&SEAL);
+  snprintf(path, sizeof path, "%s/seal", SLOT[slot]);
+  ct_hdf5_read_array(&task, path, type, 0, NULL, &seal);
+  H5Tclose(type);
+  return seal.sequence;
+}
+
 /* The newer of the two records that is whole. */
 static void read_newest(ct_task *task, ct_state *into)
 {
   ct_task first = *task, second = *task;
   if (task->status != CT_OK) return;
-  uint64_t a = read_slot(&first, 0, into), b = read_slot(&second, 1, into);
-  if (a > b) read_slot(task, 0, into);
-  else if (b == 0 && second.status != CT_OK) task->status = second.status;
-  else if (b == 0)
-    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file has no complete restart record");
+  int newer = number_of(*task, 1) > number_of(*task, 0);
+  if (read_slot(&first, newer, into) > 0 || read_slot(&second, !newer, into) > 0) return;
+  task->status = second.status;
+  ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file has no complete restart record");
 }
 
-static void read_file(ct_task *task, const ct_problem *problem, ct_state *into)
+/* A state of arrays alone, which stand in one block as those of `like` do; its first array is to be
+ * freed. */
+static ct_state room_like(ct_task *task, const ct_state *like)
+{
+  ct_state room = *like;
+  double **array[] = {&room.displacement, &room.velocity, &room.work,
+                      &room.impulse,      &room.memory,   &room.effect_seconds};
+  double *block = calloc((size_t)(like->effect_seconds - like->displacement) + 1, sizeof *block);
+  if (block == NULL && task->status == CT_OK)
+    ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the state that it holds");
+  for (size_t i = 0; block != NULL && i < sizeof array / sizeof array[0]; i++)
+    *array[i] = block + (*array[i] - like->displacement);
+  room.displacement = block;
+  room.workspace = NULL;
+  return room;
+}
+
+/* Read into room of our own: the state changes only when all has gone well. */
+static void read_file(ct_task *task, const ct_problem *problem, ct_state *state)
 {
   if (task->status == CT_OK && H5Lexists(task->file, "libcontact", H5P_DEFAULT) <= 0)
     ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file was not written by libcontact");
   ct_identity_compare(task, problem);
-  read_newest(task, into);
+  ct_state read = room_like(task, state);
+  read_newest(task, &read);
+  if (task->status == CT_OK) task->status = ct_state_copy(problem, &read, state, task->error);
+  free(read.displacement);
 }
 
 static ct_status restart(const char *path, const ct_problem *problem, ct_state *state,
                          ct_error *error)
 {
-  ct_state *copy = NULL;
   hid_t access = ct_hdf5_access(), file = H5Fopen(path, H5F_ACC_RDONLY, access);
   ct_task task = {path, error, CT_OK, file};
   if (file < 0) ct_hdf5_fail(&task, "read the file");
-  else task.status = ct_state_create(problem, &copy, error);
-  read_file(&task, problem, copy);
+  read_file(&task, problem, state);
   H5Fclose(file);
   H5Pclose(access);
-  // -- The state changes only when all has gone well
-  if (task.status == CT_OK) task.status = ct_state_copy(problem, copy, state, error);
-  ct_state_free(copy);
   return task.status;
 }
 

@@ -41,15 +41,13 @@ static ct_status allocate(ct_search *search, const ct_surface *surface)
   search->faces = ct_pool_take(pool, faces * per, sizeof *search->faces);
   search->neighbour = ct_pool_take(pool, faces * (size_t)search->edges, sizeof *search->neighbour);
   search->boxes = ct_pool_take(pool, faces, sizeof *search->boxes);
-  if (search->kind != CT_T3) search->oriented = ct_pool_take(pool, faces, sizeof *search->oriented);
   if (pool->failed || ct_incidence_init(&search->incidence, (int64_t)(faces * per), surface->faces,
                                         search->host_count, search->faces, pool) != CT_OK)
     return CT_ERROR_MEMORY;
   search->nodes = search->incidence.nodes;
   search->node_count = search->incidence.count;
   search->x = ct_pool_take(pool, (size_t)search->node_count, 3 * sizeof *search->x);
-  return search->x == NULL ? CT_ERROR_MEMORY
-                           : ct_box_tree_create(search->face_count, &search->tree, NULL);
+  return search->x == NULL ? CT_ERROR_MEMORY : CT_OK;
 }
 
 /* Find the face across each edge: one that has its two corners the other way round. */
@@ -157,19 +155,29 @@ void ct_search_refit(ct_search *search)
   ct_box_tree_refit(search->tree, search->boxes);
 }
 
+ct_status ct_search_equip(ct_search *search)
+{
+  size_t faces = (size_t)search->face_count;
+  ct_pool *pool = &search->pool;
+  if (search->boxes == NULL) search->boxes = ct_pool_take(pool, faces, sizeof *search->boxes);
+  if (search->kind != CT_T3) search->oriented = ct_pool_take(pool, faces, sizeof *search->oriented);
+  if (pool->failed || ct_box_tree_create(search->face_count, &search->tree, NULL) != CT_OK)
+    return CT_ERROR_MEMORY;
+  ct_search_box(search);
+  return CT_OK;
+}
+
 ct_status ct_search_share(const ct_search *search, ct_search **out)
 {
   ct_search *own = ct_allocate(1, sizeof *own);
   if (own == NULL) return CT_ERROR_MEMORY;
   *own = *search;
   own->pool = (ct_pool){NULL, 0};
+  own->boxes = NULL;
+  own->oriented = NULL;
   own->tree = NULL;
   own->x = ct_pool_copy(&own->pool, search->x, 3 * (size_t)own->node_count * sizeof *own->x);
-  own->boxes =
-      ct_pool_copy(&own->pool, search->boxes, (size_t)own->face_count * sizeof *own->boxes);
-  if (own->oriented != NULL)
-    own->oriented = ct_pool_take(&own->pool, (size_t)own->face_count, sizeof *own->oriented);
-  if (own->pool.failed || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
+  if (own->pool.failed) {
     ct_search_free(own);
     return CT_ERROR_MEMORY;
   }
@@ -180,10 +188,9 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
 ct_status ct_search_look(const ct_search *search, ct_search **out)
 {
   ct_status status = ct_search_share(search, out);
-  if (status != CT_OK) return status;
-  ct_search_box(*out);
-  ct_search_refit(*out);
-  return CT_OK;
+  if (status == CT_OK) status = ct_search_equip(*out);
+  if (status == CT_OK) ct_search_refit(*out);
+  return status;
 }
 
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out)
@@ -210,6 +217,10 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
+  if (ct_search_equip(search) != CT_OK) {
+    ct_search_free(search);
+    return CT_NO_MEMORY(error, "a surface");
+  }
   ct_search_refit(search);
   *out = search;
   return CT_OK;

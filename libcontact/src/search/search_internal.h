@@ -26,11 +26,12 @@ struct ct_search {
   double size;            /* largest diagonal of a face's reference box */
   double *x;              /* current coordinates, shape (node_count, 3) */
   ct_bounds *boxes;       /* current boxes of the faces */
-  ct_oriented *oriented;  /* those along the faces, of the last refit; null for T3 */
-  ct_box_tree *tree;      /* over the boxes of the last refit */
+  /* Of a surface in which something is searched, else null: */
+  ct_oriented *oriented; /* boxes along the faces, of the last refit; null for T3 */
+  ct_box_tree *tree;     /* over the boxes of the last refit */
 };
 
-/* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */
+/* As ct_search_create, for surface number `body` of a host. Nothing can be searched in it yet. */
 ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error);
 
 /* CT_INVALID when one of the coordinates of the surface's nodes is not finite or beyond 1e70. They
@@ -51,12 +52,15 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
 /* Bring the tree up to date with the boxes. */
 void ct_search_refit(ct_search *search);
 
-/* A surface with coordinates, boxes and a tree of its own, which share the topology of `search`
- * and begin where that stands; the tree is not made yet. Freed before `search`. */
+/* A surface with coordinates of its own, which shares the topology of `search` and begins where
+ * that stands, without boxes. Freed before `search`. */
 ct_status ct_search_share(const ct_search *search, ct_search **out);
 
-/* The same with boxes and tree for the coordinates, so that a call may search a surface that is
- * const to it. */
+/* Make boxes, and room for a tree, which is not made yet. */
+ct_status ct_search_equip(ct_search *search);
+
+/* Both, with the tree, so that a call may search a surface that is const to it. `*out` is to be
+ * freed also when this fails. */
 ct_status ct_search_look(const ct_search *search, ct_search **out);
 
 /* Parameters of the middle of a face. */

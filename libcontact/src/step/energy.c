@@ -269,12 +269,23 @@ void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t 
     *velocity++ = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
 }
 
+ct_status ct_state_velocity_at(const ct_problem *problem, ct_state *state, int32_t first,
+                               int32_t count, double *velocity, ct_error *error)
+{
+  ct_status status = begin(problem, state, 0, velocity, error);
+  if (status != CT_OK) return status;
+  if (first < 0 || count < 0 || first > problem->node_count - count)
+    return CT_REFUSE(error, "velocity: there are no %d nodes from node %d on", (int)count,
+                     (int)first);
+  ct_mean_velocity(problem, state, first, first + count, velocity);
+  return CT_OK;
+}
+
 ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity,
                             ct_error *error)
 {
-  ct_status status = begin(problem, state, 0, velocity, error);
-  if (status == CT_OK) ct_mean_velocity(problem, state, 0, problem->node_count, velocity);
-  return status;
+  int32_t all = problem == NULL ? 0 : problem->node_count;
+  return ct_state_velocity_at(problem, state, 0, all, velocity, error);
 }
 
 ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, double *force,
