@@ -3,6 +3,7 @@
 #define _XOPEN_SOURCE 700
 
 #include "bodies.h"
+#include "counting.h"
 
 #include <libcontact/output.h>
 
@@ -377,6 +378,24 @@ static void test_restart_continues(void)
   ct_state_free(stopped);
   ct_state_free(resumed);
   rig_free(r);
+}
+
+/* Until the monitor is made, a restart must not need more than a run does. */
+static void test_restart_makes_no_state(void)
+{
+  ct_error error;
+  need(ct_set_allocator(&COUNTING), NULL);
+  rig *r = rig_create(0, 1);
+  write_file(r, in_folder("lean.vtkhdf"), 2);
+  ct_state *state = new_state(&r->problem);
+  long calls = counted.calls;
+  int good = ct_output_restart(in_folder("lean.vtkhdf"), &r->problem, state, &error) == CT_OK;
+  tap_ok(good && counted.calls == calls,
+         "a restart takes no memory of the library beside the state that it fills (%ld blocks)",
+         counted.calls - calls);
+  ct_state_free(state);
+  rig_free(r);
+  tap_ok(counted.blocks == 0 && ct_set_allocator(NULL) == CT_OK, "and leaves none behind");
 }
 
 /* What else is in the file is read in tests/python/test_output.py. */
@@ -760,6 +779,17 @@ static void test_wrong_state(void)
          "not finite: %s", error.text);
   tap_ok(check_record(r, path, &error) == 0,
          "the last good record stays, readable while the file is open for writing");
+  // -- The second body inside out, of a law that has no stress there
+  pose(r, state, 1);
+  for (int32_t i = r->body[1].first_node; i < r->problem.node_count; i++)
+    state->displacement[3 * i] = -2.0 * r->problem.reference[3 * i];
+  r->body[1].material.law = CT_NEO_HOOKEAN;
+  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_ERROR_GEOMETRY &&
+             error.element == 0,
+         "a step without stresses: %s", error.text);
+  r->body[1].material.law = CT_LINEAR;
+  tap_ok(check_record(r, path, &error) == 0 && check_steps(r, path) == 1,
+         "leaves steps and record as they were");
   pose(r, state, 1);
   tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "and the run may go on");
   ct_output_close(output, NULL);
@@ -948,6 +978,7 @@ int main(int argc, char **argv)
     return 0;
   }
   if (!make_folder(argv[0])) return 1;
+  test_restart_makes_no_state();
   test_contents();
   test_restart_continues();
   test_names();

@@ -177,12 +177,9 @@ static void compare_table(ct_task *task, const table *t, const ct_problem *probl
   free(is);
 }
 
-static void compare_points(ct_task *task, const ct_problem *problem)
+static void compare_points(ct_task *task, const ct_problem *problem, double *points)
 {
   const hsize_t shape[2] = {(hsize_t)problem->node_count, 3};
-  double *points = malloc((3 * (size_t)problem->node_count + 1) * sizeof *points);
-  if (points == NULL)
-    ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the points of the file");
   ct_hdf5_read_array(task, "VTKHDF/Points", H5T_NATIVE_DOUBLE, 2, shape, points);
   for (int64_t i = 0; i < 3 * (int64_t)problem->node_count && task->status == CT_OK; i++) {
     const ct_place where = {-1, -1, i / 3};
@@ -191,16 +188,15 @@ static void compare_points(ct_task *task, const ct_problem *problem)
                    "the file belongs to another problem: node %ld stands at another place",
                    (long)(i / 3));
   }
-  free(points);
 }
 
 /* The layout comes first, so that nothing is compared which it does not promise. */
-void ct_identity_compare(ct_task *task, const ct_problem *problem)
+void ct_identity_compare(ct_task *task, const ct_problem *problem, double *points)
 {
   attribute is[ATTRIBUTE_COUNT];
   fill_attributes(problem, is);
   compare_attribute(task, &is[0], "this library reads");
   for (const table *t = TABLE; t < TABLE + TABLE_COUNT; t++) compare_table(task, t, problem);
   for (int i = 1; i < ATTRIBUTE_COUNT; i++) compare_attribute(task, &is[i], "the problem has");
-  compare_points(task, problem);
+  compare_points(task, problem, points);
 }

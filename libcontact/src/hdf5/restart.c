@@ -204,8 +204,9 @@ static void read_file(ct_task *task, const ct_problem *problem, ct_state *state)
 {
   if (task->status == CT_OK && H5Lexists(task->file, "libcontact", H5P_DEFAULT) <= 0)
     ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file was not written by libcontact");
-  ct_identity_compare(task, problem);
+  // -- The coordinates are compared where the displacements will stand
   ct_state read = room_like(task, state);
+  ct_identity_compare(task, problem, read.displacement);
   read_newest(task, &read);
   if (task->status == CT_OK) task->status = ct_state_copy(problem, &read, state, task->error);
   free(read.displacement);
@@ -228,6 +229,8 @@ ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_stat
 {
   if (path == NULL || problem == NULL || state == NULL)
     return CT_REFUSE(error, "ct_output_restart needs a path, a problem and a state");
+  if (state->node_count != problem->node_count)
+    return CT_REFUSE(error, "ct_output_restart: the state belongs to another problem");
   ct_status status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = restart(path, problem, state, error); }
