@@ -1,7 +1,7 @@
 """
-What a user waits for: a whole run in its parts (process start, set-up, solid, contact, time loop, records, file) for two plates, a block and a general mesh, the same plate in other codes beside it, and how time and memory grow with the number of elements.
+What a user waits for: a whole run in its parts (process start, set-up, solid, contact and obstacle, time loop, records, file) for two plates, a block and a general mesh; how time and memory grow with the number of elements; what a second thread gives; and the same plate in other codes.
 
-``python whole.py SCENE CELLS STEPS`` runs one scene in a process of its own and prints one JSON object.
+``python whole.py SCENE CELLS STEPS THREADS`` runs one scene in a process of its own and prints one JSON object. With 0 threads it is the run of a user: one thread, elements that wait for the wave asleep, and a second run for the price of the file. Else all elements are awake, so that steps of all sizes do the same work.
 """
 
 from __future__ import annotations
@@ -21,25 +21,37 @@ from typing import Any  # noqa: E402
 import numpy as np  # noqa: E402
 
 HERE = Path(__file__).parent
-RUNS = 3
 SCENES = {
     "plates": "two plates, 2 x 100 x 100",
     "block": "block, 100 x 100 x 100",
     "general": "distorted block, 60 x 60 x 60",
 }
 CELLS = {"plates": 100, "block": 100, "general": 60}
-STEPS = 100
-GROWTH = (22, 46, 100, 215)  # elements along an edge: 10^4 to 10^7
-PARTS = ("start", "set-up", "solid", "contact", "time loop", "records", "file", "rest")
+STEPS, THREAD_STEPS = 100, 40
+RUNS = 3
+# Elements along an edge, 10^4 to 10^7, with steps and runs, of which the fastest counts.
+GROWTH = {22: (200, 5), 46: (100, 5), 100: (20, 3), 215: (20, 1)}
+PARTS = ("start", "set-up", "solid", "contact and obstacle", "time loop", "records", "file", "rest")
+
+
+def awake(scene: Any) -> Any:
+    """The scene with all elements awake from its start."""
+    from libcontact.model import SAVINGS
+
+    return type(scene)(
+        scene.data | {"run": {"savings": [name for name in SAVINGS if name != "quiet"]}}
+    )
 
 
 def scene_of(name: str, cells: int, steps: int) -> Any:
     """A scene by its name, with a ledger row every tenth of the run."""
     import libcontact as ct
 
-    if name == "plates":
+    if name in ("plates", "free plates"):
         data = ct.Scene.load(HERE.parent / "tutorials" / "scenes" / "plates.toml").data
         data["contact"] = [{"surfaces": ["left.x_max", "right.x_min"]}]
+        if name == "free plates":
+            del data["contact"]
         data["time"] = {"end_c1t_over": {"length": 2.5, "value": 0.56}, "fraction": 0.98}
         return ct.Scene(data | {"output": {"fields": []}})
     scene = ct.Scene(title=name, units={"length": "mm", "mass": "t", "time": "s"})
@@ -67,7 +79,7 @@ def brick(cells: int) -> tuple[np.ndarray, np.ndarray]:
     return (x + 0.25 * inside * np.sin(2.0 * x[:, [1, 2, 0]])) / cells, elements
 
 
-def one(name: str, cells: int, steps: int) -> dict[str, Any]:
+def one(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
     """The parts of one run [s], the memory that it took above the imports [bytes], and its counts."""
     import libcontact as ct
 
@@ -75,36 +87,47 @@ def one(name: str, cells: int, steps: int) -> dict[str, Any]:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.perf_counter() - STARTED
     began = time.perf_counter()
-    run = (scene := scene_of(name, cells, steps)).run(progress=False, output=False)
+    scene = scene_of(name, cells, steps)
+    run = (awake(scene) if threads else scene).run(
+        progress=False, output=False, threads=threads or 1
+    )
     whole = time.perf_counter() - began
     peak = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-    with tempfile.TemporaryDirectory() as folder:
-        again = scene.run(progress=False, output=Path(folder) / "run.vtkhdf")
-    costs, elements = run.costs, 2 * cells**2 if name == "plates" else cells**3
+    costs, elements, file = run.costs, 2 * cells**2 if "plates" in name else cells**3, 0.0
+    if not threads:
+        with tempfile.TemporaryDirectory() as folder:
+            again = scene.run(progress=False, output=Path(folder) / "run.vtkhdf")
+            file = max(again.costs["output"] - costs["output"], 0.0)
     contact = sum(v for k, v in costs.items() if k in ("contact", "obstacle"))
     parts = {
         "start": start,
         "set-up": whole - run.seconds,
         "solid": costs["solid"],
-        "contact": contact,
+        "contact and obstacle": contact,
         "time loop": costs["time loop"],
         "records": costs["output"],
-        "file": max(again.costs["output"] - costs["output"], 0.0),
+        "file": file,
     }
     parts["rest"] = max(run.seconds - sum(costs.values()), 0.0)
     taken = int(run.steps[-1])
     return {"elements": elements, "steps": taken, "rows": len(run.steps), "memory": peak} | parts
 
 
-def alone(name: str, cells: int, steps: int) -> dict[str, Any]:
+def alone(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
     """One run in a process of its own."""
-    command = [sys.executable, __file__, name, str(cells), str(steps)]
+    command = [sys.executable, __file__, name, str(cells), str(steps), str(threads)]
     return dict(json.loads(subprocess.run(command, check=True, capture_output=True).stdout))
 
 
 def step_of(row: dict[str, Any]) -> float:
     """Seconds of a time step."""
-    return sum(row[part] for part in ("solid", "contact", "time loop")) / row["steps"]
+    return sum(row[part] for part in ("solid", "contact and obstacle", "time loop")) / row["steps"]
+
+
+def fastest(runs: int, name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
+    """Of several runs each part at its fastest, and the least memory."""
+    rows = [alone(name, cells, steps, threads) for _ in range(runs)]
+    return {key: min(row[key] for row in rows) for key in rows[0]}
 
 
 def total(row: dict[str, Any]) -> float:
@@ -124,11 +147,13 @@ def exponent(rows: list[dict[str, Any]], values: list[float]) -> float:
 def measure() -> dict[str, Any]:
     from plates import peer
 
-    scenes = {}
-    for name, cells in CELLS.items():
-        runs = [alone(name, cells, STEPS) for _ in range(RUNS)]
-        scenes[name] = min(runs, key=total)
-    growth = [alone("block", cells, 20) for cells in GROWTH]
+    scenes = {name: fastest(RUNS, name, cells, STEPS, 0) for name, cells in CELLS.items()}
+    growth = [fastest(runs, "block", cells, steps, 1) for cells, (steps, runs) in GROWTH.items()]
+    threads = {
+        name: [step_of(fastest(RUNS, name, cells, THREAD_STEPS, n)) for n in (1, 2)]
+        for name, cells in CELLS.items()
+    }
+    plates = fastest(RUNS, "free plates", CELLS["plates"], STEPS, 1)
     return {
         "scenes": scenes,
         "growth": growth,
@@ -137,6 +162,8 @@ def measure() -> dict[str, Any]:
             "step": exponent(growth, [step_of(row) for row in growth]),
             "memory": exponent(growth, [row["memory"] for row in growth]),
         },
+        "threads": threads,
+        "ours": 1e9 * step_of(plates) / plates["elements"],
         "peers": {code: peer(code, STEPS) for code in ("scipy", "akantu")},
     }
 
@@ -156,20 +183,54 @@ def report(result: dict[str, Any]) -> str:
         )
     powers = ", ".join(f"{name} {value:.2f}" for name, value in result["exponents"].items())
     lines.append(f"  exponents: {powers}")
+    lines.append("two threads against one, ms a step with all elements awake:")
+    for name, (first, second) in result["threads"].items():
+        lines.append(
+            f"  {SCENES[name]}: {1e3 * first:.2f}, {1e3 * second:.2f}, {first / second:.2f} times"
+        )
+    lines.append(
+        f"  libcontact, plates without contact: {result['ours']:.0f} ns a step and element"
+    )
     for code, row in result["peers"].items():
         lines.append(
-            f"  {code}, one plate: set-up {row['setup']:.2f} s, {1e9 * row['us_per_update'] / 1e3:.0f} ns a step and element"
+            f"  {code}, one plate: set-up {row['setup']:.2f} s, {1e3 * row['us_per_update']:.0f} ns a step and element"
             if row
             else f"  {code}: not installed here"
         )
     return "\n".join(lines)
 
 
+def draw_threads(axes: Any, threads: dict[str, list[float]]) -> None:
+    """How many times faster two threads are than one."""
+    gain = [first / second for first, second in threads.values()]
+    ticks = [SCENES[name].replace(", ", "\n", 1) for name in threads]
+    bars = axes.barh(ticks, gain, color="tab:green", height=0.6)
+    axes.bar_label(bars, [f"{value:.2f}" for value in gain], padding=3)
+    axes.axvline(1.0, color="0.5", lw=0.8)
+    axes.axvline(2.0, color="0.5", lw=0.8, ls="--")
+    axes.set(xlim=(0, 2.2), xlabel="times one thread", title="What a second thread gives")
+    axes.invert_yaxis()
+
+
+def draw_peers(axes: Any, result: dict[str, Any]) -> None:
+    """Nanoseconds a step and element of plates without contact, here and in other codes."""
+    times = {"libcontact": result["ours"]}
+    names = {"scipy": "SciPy, assembled", "akantu": "Akantu"}
+    for code, row in result["peers"].items():
+        if row:
+            times[names[code]] = 1e3 * row["us_per_update"]
+    bars = axes.barh(list(times), list(times.values()), color="tab:blue", height=0.6)
+    axes.bar_label(bars, [f"{value:.0f}" for value in times.values()], padding=3)
+    axes.set(xscale="log", xlabel="ns a step and element", title="A plate in other codes")
+    axes.set_xlim(right=3 * max(times.values()))
+    axes.invert_yaxis()
+
+
 def draw(result: dict[str, Any], path: Path) -> None:
     import matplotlib.pyplot as plt
 
-    fig, (left, right) = plt.subplots(
-        1, 2, figsize=(12, 4.2), layout="constrained", width_ratios=[3, 2]
+    fig, ((left, right), (low, other)) = plt.subplots(
+        2, 2, figsize=(12, 8), layout="constrained", width_ratios=[3, 2], height_ratios=[3, 2]
     )
     names, rows = list(result["scenes"]), list(result["scenes"].values())
     base = np.zeros(len(rows))
@@ -180,7 +241,7 @@ def draw(result: dict[str, Any], path: Path) -> None:
         base += values
     left.set(xlabel="% of the whole run", title="Where the time goes", xlim=(0, 100))
     left.invert_yaxis()
-    left.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.18), frameon=False)
+    left.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False)
     growth = result["growth"]
     n = np.array([row["elements"] for row in growth])
     for what, values in (
@@ -193,9 +254,11 @@ def draw(result: dict[str, Any], path: Path) -> None:
     right.set(xlabel="elements of a block", title="How it grows")
     right.legend()
     right.grid(alpha=0.3)
+    draw_threads(low, result["threads"])
+    draw_peers(other, result)
     fig.savefig(path, dpi=150)
     plt.close(fig)
 
 
 if __name__ == "__main__":
-    print(json.dumps(one(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))))
+    print(json.dumps(one(sys.argv[1], *map(int, sys.argv[2:5]))))

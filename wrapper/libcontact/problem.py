@@ -31,9 +31,9 @@ from .probes import locate
 from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
-# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
-# each node: accelerations before.
-POINT_BYTES = 680
+# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search, which an obstacle does
+# without. Of an integrator for each node: accelerations before.
+POINT_BYTES, OBSTACLE_POINT_BYTES = 640, 550
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 CARRIED[lib.CT_PUSHFORWARD_PULLBACK] = 72
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
@@ -118,6 +118,9 @@ def memory_of(problem: Problem) -> int:
         total += nodes * 22 if "quiet" in problem.parts.run.savings and not lattice else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
+        # The scene holds arrays that it was given, as its tables and as it has read them.
+        own = problem.parts.bodies[name].elements is not None
+        total += nodes * 24 + elements * width * 8 if own else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
     for effect in problem.made[1:]:
         # Impulse in two parts, of the state and the good one; of a support also its nodes and who holds them; of a force also its work,
@@ -131,7 +134,7 @@ def memory_of(problem: Problem) -> int:
         total += pressing * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
         # Points of an obstacle: its rows, or where it has none about four a node.
         if effect.kind == lib.CT_EFFECT_OBSTACLE:
-            total += POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)
+            total += OBSTACLE_POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)
     # Rows of probes, for which there is room for twice as many.
     for probe in problem.probes:
         total += 2 * problem.step_count // probe.given.every * probe.row_bytes

@@ -456,11 +456,13 @@ class Scene:
         """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
         parts = self._whole()
         wanted = parts.run.threads if threads is None else threads
-        if dt is not None:
-            return Problem(parts, self.file, wanted, self._own, dt)
-        if self._problem is None or self._problem.threads != wanted:
-            self._problem = Problem(parts, self.file, wanted, self._own)
-        return self._problem
+        kept = self._problem
+        if kept is not None and kept.threads == wanted and dt in (None, kept.dt):
+            return kept
+        problem = Problem(parts, self.file, wanted, self._own, dt)
+        if dt is None:
+            self._problem = problem
+        return problem
 
     def _check_output(self, path: Any, restart: Any) -> None:
         """Refuse to write over the restart, a mesh, or what is no results file."""
@@ -538,11 +540,15 @@ def _one_file(one: str | Path, other: str | Path) -> bool:
     return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
 
 
+# Arrays, and what they are kept as.
+ARRAYS = {"nodes": None, "elements": np.int32}
+
+
 def _plain(value: Any) -> Any:
-    """A deep copy in plain Python types (TOML's), with the arrays of nodes and elements kept as arrays of their own."""
+    """A deep copy in plain Python types (TOML's) of tables that were read, with the arrays of nodes and elements kept as arrays of their own."""
     if isinstance(value, dict):
         return {
-            str(key): np.array(item) if key in ("nodes", "elements") else _plain(item)
+            str(key): np.array(item, ARRAYS[key]) if key in ARRAYS else _plain(item)
             for key, item in value.items()
         }
     if isinstance(value, (list, tuple, np.ndarray)):
