@@ -252,7 +252,8 @@ def draw(result: dict[str, Any], path: Path) -> None:
         power = result["exponents"][what.split(" [")[0]]
         right.loglog(n, values, "o-", label=f"{what}, grows like $N^{{{power:.2f}}}$")
     right.set(xlabel="elements of a block", title="How it grows")
-    right.legend()
+    right.margins(y=0.3)
+    right.legend(loc="upper left")
     right.grid(alpha=0.3)
     draw_threads(low, result["threads"])
     draw_peers(other, result)

@@ -3,6 +3,7 @@
 import ctypes
 import gc
 
+import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
@@ -225,6 +226,25 @@ RUBBER = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9, "l
 ALONE = {"contact": [], "support": []}
 
 
+def lattice_nodes(cells):
+    """Nodes and elements of a cube numbered in rows, and of one whose elements are shuffled."""
+    x = np.stack(np.meshgrid(*[np.arange(cells + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    x[:, 0] += 0.1 * np.sin(x[:, 1])
+    number, near = np.arange(len(x)).reshape([cells + 1] * 3), [slice(None, -1), slice(1, None)]
+    corner = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    corner += [(i, j, 1) for i, j, _ in corner]
+    elements = np.stack([number[near[i], near[j], near[k]].ravel() for i, j, k in corner], -1)
+    return x / cells, elements
+
+
+NODES, ROWS = lattice_nodes(24)
+SHUFFLED = np.random.default_rng(1).permutation(ROWS)
+
+
+def own_mesh(elements):
+    return [{"name": "block", "nodes": NODES, "elements": elements, "material": "steel"}]
+
+
 def bodies(box, **other):
     return [{"name": "block", "box": box, "material": "steel", **other}]
 
@@ -250,6 +270,8 @@ def bodies(box, **other):
                 "gravity": {"acceleration": [0, 0, -9810.0]},
             },
         ),
+        ("own_rows", None, {**ALONE, "body": own_mesh(ROWS)}),
+        ("own_shuffled", None, {**ALONE, "body": own_mesh(SHUFFLED)}),
         ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
         (
             "chung_lee",
@@ -291,7 +313,8 @@ def bodies(box, **other):
 def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
     told = scene(savings, **changes).explain().data["cost"]["memory_bytes"]
     before = held_bytes()
-    problem = scene(savings, **changes)._built(None, None)
+    held_by_scene = scene(savings, **changes)
+    problem = held_by_scene._built(None, None)
     state = new_state(problem)
     options, watch = (
         ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()),
