@@ -365,6 +365,61 @@ static void built_twice(void)
   close_plates(&p); // a scene that grew after its last build: a leak ends the sanitized program
 }
 
+/* Two plates with something that acts at t = 0, other things in each trial. */
+static plates acted_on(int trial)
+{
+  // The default law solves for the end of the first step, so for the step itself.
+  plates p = two_plates(trial % 4 == 2 ? 4.0 : 0.0);
+  if (trial % 4 < 2)
+    add_contact_with(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0, ct_contact_options_default(),
+                     trial % 4 ? 0.3 : 0.0, 0.0);
+  if (trial % 3 == 0) add_weight(p.scene, (weight){.first = 7, .g = {3e8, -1e8, 2e7}});
+  if (trial % 3 == 1) add_weight(p.scene, (weight){.g = {-1e8, 0.0, 0.0}, .damping = 1e3});
+  if (trial % 5 == 0) add_support(p.scene, 0, p.left, 0, -1.0, "xz", 0.0);
+  return p;
+}
+
+/* The state that comes with the problem is the one that would be made of it: no bit differs, now or
+ * 30 steps later; where the problem is refused there is none. */
+static void started(void)
+{
+  int differ = 0, moved = 0;
+  for (int trial = 0; trial < 24; trial++) {
+    plates p = acted_on(trial), q = acted_on(trial);
+    ct_scene_time t = {.end = 1e-5, .fraction = 0.5, .threads = 1 + trial % 3};
+    const ct_problem *later, *problem;
+    int64_t steps, count;
+    ct_stable_step stable, alone;
+    ct_state *made, *state = NULL;
+    ct_error e;
+    t.integrator = ct_integrator_default((ct_scheme)(trial / 4 % 4));
+    later = build(p.scene, t, &count, &alone);
+    made = new_state(later);
+    need(ct_scene_start(q.scene, &t, &problem, &steps, &stable, &state, &e), &e);
+    advance(later, made, trial % 2 ? 0 : 30);
+    advance(problem, state, trial % 2 ? 0 : 30);
+    differ += !same_state(made, state) || steps != count || later->dt != problem->dt ||
+              memcmp(&stable, &alone, sizeof stable) != 0;
+    moved += state->velocity[2] != 0.0 || state->velocity[0] != 1000.0;
+    ct_state_free(state);
+    ct_state_free(made);
+    close_plates(&p);
+    close_plates(&q);
+  }
+  tap_ok(differ == 0 && moved > 12,
+         "24 scenes with the state of their stable step: the bits of one made later (%d differ)",
+         differ);
+  plates p = two_plates(4.0);
+  ct_scene_time t = {.end = 1e-6, .fraction = 1.5, .threads = 1};
+  const ct_problem *problem = NULL;
+  ct_state *state = NULL;
+  int64_t steps = -1;
+  tap_ok(ct_scene_start(p.scene, &t, &problem, &steps, NULL, &state, NULL) == CT_ERROR_STEP &&
+             problem == NULL && state == NULL && steps == -1,
+         "a step that is refused leaves problem, state and count as they were");
+  close_plates(&p);
+}
+
 /* The problem is what was asked for: nodes one body after another, masses, velocities, names. */
 static void contents(void)
 {
@@ -704,6 +759,7 @@ int main(void)
   sides();
   supports();
   built_twice();
+  started();
   contents();
   own_effects();
   damped_limit();

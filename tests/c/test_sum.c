@@ -156,6 +156,39 @@ static void pieces(void)
          "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
 }
 
+/* Pieces of zeros are passed over: they change no sum, and what hides among zeros is found. */
+static void zeros(void)
+{
+  static double v[4 * CT_PIECE];
+  int wrong = 0, lost = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    int n = 1 + pick(4 * CT_PIECE), at = pick(n), kept = 0;
+    double few[3], top = ldexp(1.0, pick(1600) - 800);
+    for (int i = 0; i < n; i++) v[i] = pick(2) ? 0.0 : -0.0;
+    // Two that cancel leave a small one, whose last bits show how fine the grids are.
+    double large = top * uniform(1.0), three[3] = {large, -large, ldexp(top, -45) * uniform(1.0)};
+    for (int i = 0; i < 3 && at + i < n; i++) few[kept++] = v[at + i] = three[i];
+    // As the sum of a row of the ledger begins: with the grids of the one before.
+    ct_stream sum = {.grid = {0}};
+    for (int again = 0; again < 2; again++) {
+      sum = (ct_stream){.grid = sum.grid};
+      for (int32_t first, end; ct_stream_piece(&sum, 1, n, &first, &end);)
+        ct_stream_add(&sum, end <= at || first >= at + 3 ? NULL : &v[first], end - first);
+      double got = ct_stream_sum(&sum);
+      wrong += fabs(exact_minus(few, kept, got)) > DBL_EPSILON * fabs(got) + ldexp(top, -70) ||
+               !same(got, ct_sum(v, n));
+    }
+    lost += ct_is_zero(v, n);
+    v[at] = NAN;
+    lost += ct_is_zero(v, n) || !isnan(ct_sum(v, n));
+    for (int i = 0; i < n; i++) v[i] = pick(2) ? 0.0 : -0.0;
+    lost += !ct_is_zero(v, n);
+  }
+  tap_ok(wrong == 0 && lost == 0,
+         "300 lists of zeros with a few numbers: their sum (%d wrong), and none is lost (%d)",
+         wrong, lost);
+}
+
 /* The sum over nodes of m x · y, against the same terms written out. */
 static void products(void)
 {
@@ -200,6 +233,7 @@ int main(void)
   error_bound();
   order_does_not_matter();
   pieces();
+  zeros();
   products();
   special_cases();
   return tap_done();

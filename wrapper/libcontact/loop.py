@@ -94,7 +94,8 @@ class Loop:
         none = np.empty((0, len(problem.effects)))
         self.energy = [energy_table(np.empty(0, ENERGY), problem.effects, none)]
         self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
-        self.interrupted, self.chunk = False, 1
+        # The first chunk is short by its number of nodes, the next ones by what it took.
+        self.interrupted, self.chunk = False, max(1, FEW_VALUES // problem.pointer.node_count)
         self.issued: set[str] = set()
         self.seconds = self.output_seconds = 0.0
 
@@ -201,10 +202,11 @@ class Loop:
             return f"{text}run.state of this error; without a results file nothing can be restarted"
         return f'{text}in "{path}"; scene.run(restart="{path}", output="...") goes on from it'
 
-    def record(self) -> None:
-        """One row of each table, and one step of the file."""
+    def record(self, checked: bool) -> None:
+        """One row of each table, and one step of the file, of a state that may have been ``checked`` just now."""
         begin = clock.perf_counter() - step_seconds(self.problem, self.state).sum()
-        self._call(lib.ct_monitor_check, self.monitor, self.state)
+        if not checked:
+            self._call(lib.ct_monitor_check, self.monitor, self.state)
         if self.probes:
             self._call(lib.ct_probes_sample, self.probes.pointer, self.state)
         self._write_record(self.state)
@@ -266,7 +268,7 @@ class Loop:
                     self._record_and_warn()
                 self._warn_of_growth()
             if state.step > self.steps[-1]:
-                self._record_and_warn()
+                self._record_and_warn(checked=False)
                 self._warn_of_growth()
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
@@ -323,9 +325,9 @@ class Loop:
             advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
         return words[kind] + who, key, advice
 
-    def _record_and_warn(self) -> None:
+    def _record_and_warn(self, checked: bool = True) -> None:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
-        self.record()
+        self.record(checked)
         for warning in self.turning.warnings(self.state):
             issue(warning)
 

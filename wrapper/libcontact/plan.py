@@ -296,7 +296,7 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
             ):
                 # A record computes the forces of the next step, which takes less time then.
                 steps, begin = seconds_of(count), loop.output_seconds
-                loop.record()
+                loop.record(checked=False)
                 rounds.append(np.append(steps, loop.output_seconds - begin))
                 sizes.append(file.stat().st_size if file.exists() else 0)
         finally:

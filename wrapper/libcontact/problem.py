@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -410,7 +410,11 @@ class Problem:
         }
         time, self.stable = ffi.new("ct_scene_time *", members), ffi.new("ct_stable_step *")
         problem, count = ffi.new("const ct_problem **"), ffi.new("int64_t *")
-        self._call("", lib.ct_scene_build, self._scene, time, problem, count, self.stable)
+        state, made = ffi.new("ct_state **"), (problem, count, self.stable)
+        self._call("", lib.ct_scene_start, self._scene, time, *made, state)
+        # Freeing a state asks the effects, which are there as long as these.
+        needed = (self._scene, self.kept, self.own)
+        self._first = ffi.gc(state[0], lambda state, needed=needed: lib.ct_state_free(state))
         if not 1 <= count[0] <= MOST_STEPS:
             reason = f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken"
             raise self._error(reason, f"time.{name}")
@@ -588,16 +592,20 @@ def _node_rows(
     return rows
 
 
-def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]]:
-    """How far the surfaces of each contact are inside each other in a state (``ct_state *``); see ``Run.penetration``."""
+PLACES = {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
+
+
+def penetrations(
+    problem: Problem, state: Any, asked: Iterable[str] = PLACES
+) -> list[dict[str, dict[str, Any]]]:
+    """How far the surfaces of each contact are inside each other in a state (``ct_state *``), at the places that are ``asked``; see ``Run.penetration``."""
     out: list[dict[str, dict[str, Any]]] = []
     for built, contact in zip(problem.contacts, _contacts(problem, state)):
-        places = {"points": lib.CT_AT_POINTS}
-        if not built.with_itself:
-            places |= {"corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
         found, table = ffi.new("ct_penetration *"), {}
-        for place, at in places.items():
-            check(lib.ct_contact_penetration(contact, at, found))
+        for place in asked:
+            if built.with_itself and place != "points":
+                continue
+            check(lib.ct_contact_penetration(contact, PLACES[place], found))
             numbers = ("inside", "buried", "deepest", "face", "touching")
             table[place] = {name: getattr(found, name) for name in numbers}
             table[place]["surface"] = built.surfaces[found.side] if found.side >= 0 else None
@@ -607,9 +615,13 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
 
 
 def new_state(problem: Problem) -> Any:
-    """A state of the problem at t = 0; where that has numbers that are none, the scene is at fault."""
+    """A state of the problem at t = 0, the first time the one that its stable step was asked of; where that has numbers that are none, the scene is at fault."""
+    state, problem._first = problem._first, None
     try:
-        state = ask("ct_state **", lib.ct_state_create, problem.pointer)
+        if state is None:
+            state = ask("ct_state **", lib.ct_state_create, problem.pointer)
+        else:
+            ffi.gc(state, None)
     except Error as reason:
         raise SceneError(str(reason), "", problem.file) from None
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.

@@ -184,6 +184,15 @@ CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,
                                 ct_stable_step *stable, ct_error *error);
 
+/**
+ * `ct_scene_build`, and `ct_state_create` of its problem, with the same bits: the state that tells
+ * the stable step is the one that the caller gets, who frees it before the scene. So the first
+ * forces are computed once, not twice. A null `state` is not made.
+ */
+CT_API ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time,
+                                const ct_problem **problem, int64_t *step_count,
+                                ct_stable_step *stable, ct_state **state, ct_error *error);
+
 /** Penalty ε that the contact of this number uses, after `ct_scene_build` [stress / length]. */
 CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
 

@@ -30,6 +30,22 @@ static inline void ct_bits_put(uint64_t *bits, int32_t first, int32_t last, int 
   }
 }
 
+/* Give the bits first ... last - 1, which stand in one word, the values that they have in `word`.
+ */
+static inline void ct_bits_write(uint64_t *bits, int32_t first, int32_t last, uint64_t word)
+{
+  int32_t begin = first / 64 * 64;
+  uint64_t span = ct_bits_span(first - begin, last - begin);
+  bits[first / 64] = (bits[first / 64] & ~span) | (word & span);
+}
+
+/* The end of the bits from `first` on that stand in its word, or `last` if that is less. */
+static inline int32_t ct_bits_word_end(int32_t first, int32_t last)
+{
+  int32_t end = first / 64 * 64 + 64;
+  return end < last ? end : last;
+}
+
 /* Zeros below the lowest set bit of a word that is not 0. */
 static inline int32_t ct_bits_low_zeros(uint64_t word)
 {

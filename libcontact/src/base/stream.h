@@ -36,7 +36,7 @@ int ct_stream_again(ct_stream *sums, int count);
 /* The next piece of `count` terms of some sums, which go together; answers 0 after the last one. */
 int ct_stream_piece(ct_stream *sums, int sum_count, int32_t count, int32_t *first, int32_t *end);
 
-/* Show or add the next terms. */
+/* Show or add the next terms; null: all of them are zero. */
 void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);
 
 /* The sum, at the end. */
@@ -44,6 +44,13 @@ double ct_stream_sum(const ct_stream *sum);
 
 /* Largest size of some numbers; infinite if one is not finite. */
 double ct_largest(const double *values, int64_t count);
+
+/* Smallest and largest of each column of an array (count, 3), leaving NaN out; infinite, the wrong
+ * way round, without rows. */
+void ct_extent(int64_t count, const double *rows, double low[3], double high[3]);
+
+/* Whether all of some numbers are zero, of either sign. */
+int ct_is_zero(const double *values, int64_t count);
 
 /* m x · y of `count` nodes, shapes (count) and (count, 3); `mass` null: m = 1. */
 void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,

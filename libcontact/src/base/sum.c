@@ -3,23 +3,58 @@
 #include "lanes.h"
 #include "stream.h"
 
-#include <float.h>
 #include <math.h>
+#include <string.h>
 
 CT_CLONES
 double ct_largest(const double *values, int64_t count)
 {
-  double top = 0.0;
-  int odd = 0;
+  double top = 0.0, odd = 0.0;
 #ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
-#pragma omp simd reduction(max : top) reduction(| : odd)
+#pragma omp simd reduction(max : top) reduction(+ : odd)
 #endif
   for (int64_t i = 0; i < count; i++) {
     double a = fabs(values[i]);
-    odd |= !(a <= DBL_MAX);
+    odd += a - a; // NaN where a number is not finite
     top = a > top ? a : top;
   }
-  return odd ? INFINITY : top;
+  return odd == 0.0 ? top : INFINITY;
+}
+
+CT_CLONES
+void ct_extent(int64_t count, const double *rows, double low[3], double high[3])
+{
+  double lx = INFINITY, ly = lx, lz = lx, hx = -lx, hy = hx, hz = hx;
+#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#pragma omp simd reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
+#endif
+  for (int64_t n = 0; n < count; n++) {
+    double x = rows[3 * n], y = rows[3 * n + 1], z = rows[3 * n + 2];
+    lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
+    hx = x > hx ? x : hx, hy = y > hy ? y : hy, hz = z > hz ? z : hz;
+  }
+  low[0] = lx, low[1] = ly, low[2] = lz;
+  high[0] = hx, high[1] = hy, high[2] = hz;
+}
+
+/* Whether all of some numbers are zero: none of them has a bit but for the sign. */
+CT_CLONES
+static int all_zero(const double *values, int64_t count)
+{
+  uint64_t bits = 0;
+#pragma omp simd reduction(| : bits)
+  for (int64_t i = 0; i < count; i++) {
+    uint64_t own;
+    memcpy(&own, &values[i], sizeof own);
+    bits |= own;
+  }
+  return bits << 1 == 0;
+}
+
+int ct_is_zero(const double *values, int64_t count)
+{
+  // The first and the last one tell of most that are not.
+  return count == 0 || (values[0] == 0.0 && values[count - 1] == 0.0 && all_zero(values, count));
 }
 
 /* Whether one sum needs its terms in the round that begins now: in the first, and in the second if
@@ -86,12 +121,14 @@ void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
   // same
   double sum[2] = {s->coarse, s->fine}, top = 0.0;
   int is_added = s->round == 2 || (s->round == 1 && s->grid.coarse != 0.0);
-  if (is_added) top = add_parts(&s->grid, terms, count, sum);
+  // Where nothing moves or acts terms are zero in whole pieces, which change no sum.
+  int is_zero = terms == NULL || ct_is_zero(terms, count);
+  if (is_added && !is_zero) top = add_parts(&s->grid, terms, count, sum);
   s->coarse = sum[0];
   s->fine = sum[1];
   // -- In the first find the largest number and the count, which fix the grids
   if (s->round != 1) return;
-  if (!is_added) top = ct_largest(terms, count);
+  if (!is_added && !is_zero) top = ct_largest(terms, count);
   s->count += count;
   s->top = top > s->top ? top : s->top;
 }

@@ -8,6 +8,9 @@
 
 #include <libcontact/mesh.h>
 
+#include <math.h>
+#include <string.h>
+
 /* Node numbers of the 8 elements of batch `b`, shape (8, per); the last batch repeats its last
  * element, in `room`. */
 CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
@@ -64,6 +67,29 @@ CT_INLINE void ct_lanes_nodes(int per, const ct_lanes *t, ct_lanes *sum)
   ct_lanes along_eta = (t[11] + t[9]) + (t[15] + t[13]);
   ct_lanes along_zeta = (t[16] + t[17]) + (t[19] + t[18]);
   *sum = ((*sum + along_xi) + along_eta) + along_zeta;
+}
+
+/* Whether all elements of a batch of hex8 are boxes along x, y, z, the right way round, and their
+ * volumes. Where the square of a volume is no normal number the answer is 0. */
+CT_INLINE int ct_upright_boxes(const ct_lanes *x, double volume[CT_LANES_COUNT])
+{
+  double v[24][CT_LANES_COUNT], off[CT_LANES_COUNT] = {0.0};
+  int boxes = 1;
+  memcpy(v, x, sizeof v);
+  for (int a = 0; a < 8; a++) {
+    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
+    for (int d = 0; d < 3; d++)
+      for (int l = 0; l < CT_LANES_COUNT; l++)
+        off[l] += fabs(v[8 * d + a][l] - v[8 * d + (at[d] ? 6 : 0)][l]);
+  }
+  for (int l = 0; l < CT_LANES_COUNT; l++) {
+    double edge[3];
+    for (int d = 0; d < 3; d++) edge[d] = v[8 * d + 6][l] - v[8 * d][l];
+    volume[l] = edge[0] * edge[1] * edge[2];
+    boxes = boxes && off[l] == 0.0 && edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 &&
+            isnormal(volume[l] * volume[l]);
+  }
+  return boxes;
 }
 
 /* Take the mean of the corners off the coordinates x[component][node]: the first half of

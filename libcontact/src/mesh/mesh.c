@@ -4,6 +4,7 @@
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"
+#include "../base/stream.h"
 #include "../base/threads.h"
 #include "batch.h"
 #include "mesh_internal.h"
@@ -101,11 +102,12 @@ static ct_status box_check(const ct_box *box, ct_error *error)
 /* Where a lattice point lies: `shape` is a ct_box or a ct_ring. */
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
-/* Enter the nodes of one cell, and the coordinates of those that no cell before it has; `xi` are
- * the reference coordinates along the axes of the lattice. */
-static void enter_cell(const lattice *l, const int axes[3], int per, int (*xi)[3],
-                       const int32_t cell[3], place_node *place, const void *shape, double *nodes,
-                       int32_t *element)
+/* Enter the nodes of a row of `count` cells along the first axis, which never closes upon itself,
+ * and the coordinates of those that no row before it has; `xi` are the reference coordinates along
+ * the axes of the lattice, `cell` is the first of the row. */
+static void enter_row(const lattice *l, const int axes[3], int per, int (*xi)[3],
+                      const int32_t cell[3], int32_t count, place_node *place, const void *shape,
+                      double *nodes, int32_t *elements)
 {
   int32_t at[3], along[3];
   for (int a = 0; a < per; a++) {
@@ -116,8 +118,13 @@ static void enter_cell(const lattice *l, const int axes[3], int per, int (*xi)[3
       if (at[d] == l->points[d]) at[d] = 0;
       along[axes[d]] = at[d];
     }
-    element[a] = lattice_node(l, at);
-    if (own) place(shape, along, &nodes[3 * (size_t)element[a]]);
+    int32_t first = lattice_node(l, at), begin = at[0];
+    for (int32_t i = 0; i < count; i++) elements[per * (int64_t)i + a] = first + i;
+    // The low end of a cell is the high end of the one before.
+    for (int32_t i = 0; own && i < (begin == 0 ? 1 : count); i++) {
+      along[axes[0]] = begin + 2 * i;
+      place(shape, along, &nodes[3 * ((size_t)first + (size_t)i)]);
+    }
   }
 }
 
@@ -148,9 +155,8 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
 #endif
   for (int32_t row = 0; row < rows; row++) {
     int32_t cell[3] = {0, row % cells[1], row / cells[1]};
-    for (; cell[0] < cells[0]; cell[0]++)
-      enter_cell(&l, axes, per, xi, cell, place, shape, (*out)->nodes,
-                 &elements[per * (cell[0] + n[0] * row)]);
+    enter_row(&l, axes, per, xi, cell, cells[0], place, shape, (*out)->nodes,
+              &elements[per * n[0] * row]);
   }
   return CT_OK;
 }
@@ -392,29 +398,6 @@ CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
   return bad;
 }
 
-/* Whether all elements of a batch of hex8 are boxes along x, y, z, the right way round, which need
- * no other look. Where the square of a volume is no normal number the answer is 0. */
-CT_INLINE int are_upright_boxes(const ct_lanes *x)
-{
-  double v[24][CT_LANES_COUNT], off[CT_LANES_COUNT] = {0.0};
-  int boxes = 1;
-  memcpy(v, x, sizeof v);
-  for (int a = 0; a < 8; a++) {
-    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
-    for (int d = 0; d < 3; d++)
-      for (int l = 0; l < CT_LANES_COUNT; l++)
-        off[l] += fabs(v[8 * d + a][l] - v[8 * d + (at[d] ? 6 : 0)][l]);
-  }
-  for (int l = 0; l < CT_LANES_COUNT; l++) {
-    double edge[3], volume;
-    for (int d = 0; d < 3; d++) edge[d] = v[8 * d + 6][l] - v[8 * d][l];
-    volume = edge[0] * edge[1] * edge[2];
-    boxes = boxes && off[l] == 0.0 && edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 &&
-            isnormal(volume * volume);
-  }
-  return boxes;
-}
-
 /* Whether the elements from `e` on, as many as there are lanes, are all surely good. */
 CT_CLONES
 static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
@@ -422,7 +405,8 @@ static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
   ct_lanes x[3 * 20];
   ct_load_lanes(mesh, NULL, e / 8, at->per, mesh->nodes, e % 8, x);
   if (at->per == 20) return !may_fail(at, 20, x);
-  return are_upright_boxes(x) || !may_fail(at, 8, x);
+  double volume[CT_LANES_COUNT];
+  return ct_upright_boxes(x, volume) || !may_fail(at, 8, x);
 }
 
 /* After the first bad element: say how many there are, and the numbers of some. */
@@ -490,19 +474,26 @@ static double shortest_square(const ct_mesh *mesh, int32_t e)
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
   int per = ct_brick_node_count(mesh->kind);
   ct_lanes x[3 * 20];
-  double square[12][CT_LANES_COUNT], longest[CT_LANES_COUNT] = {0.0}, shortest = INFINITY;
+  double square[12][CT_LANES_COUNT], longest[CT_LANES_COUNT] = {0.0}, least[CT_LANES_COUNT],
+                                     shortest = INFINITY;
   ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
   for (int k = 0; k < 12; k++) {
     ct_lanes d[3], sum;
     for (int c = 0; c < 3; c++) d[c] = x[per * c + edge[k][1]] - x[per * c + edge[k][0]];
     sum = (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
     memcpy(square[k], &sum, sizeof sum);
+#pragma omp simd
     for (int l = 0; l < CT_LANES_COUNT; l++)
       longest[l] = square[k][l] > longest[l] ? square[k][l] : longest[l];
   }
+  for (int l = 0; l < CT_LANES_COUNT; l++) least[l] = INFINITY;
   for (int k = 0; k < 12; k++)
-    for (int l = 0; l < CT_LANES_COUNT; l++)
-      if (square[k][l] > 1e-18 * longest[l] && square[k][l] < shortest) shortest = square[k][l];
+#pragma omp simd
+    for (int l = 0; l < CT_LANES_COUNT; l++) {
+      double counts = square[k][l] > 1e-18 * longest[l] ? square[k][l] : INFINITY;
+      least[l] = counts < least[l] ? counts : least[l];
+    }
+  for (int l = 0; l < CT_LANES_COUNT; l++) shortest = least[l] < shortest ? least[l] : shortest;
   return shortest;
 }
 
@@ -521,14 +512,7 @@ double ct_mesh_shortest_edge(const ct_mesh *mesh)
 
 void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3])
 {
-  double l[3] = {INFINITY, INFINITY, INFINITY}, h[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (int32_t i = 0; mesh != NULL && i < mesh->node_count; i++)
-    for (int d = 0; d < 3; d++) {
-      double x = mesh->nodes[3 * (size_t)i + (size_t)d];
-      l[d] = x < l[d] ? x : l[d];
-      h[d] = x > h[d] ? x : h[d];
-    }
-  for (int d = 0; d < 3; d++) low[d] = l[d], high[d] = h[d];
+  ct_extent(mesh == NULL ? 0 : mesh->node_count, mesh == NULL ? NULL : mesh->nodes, low, high);
 }
 
 int ct_brick_octant(ct_brick_kind kind, int a)

@@ -37,6 +37,7 @@ struct ct_scene {
   ct_effect **added; /* beside solid, contacts and supports */
   ct_optimisations optimisations;
   int joined; /* the nodes are numbered, no body can be added */
+  int fresh;  /* no build has changed what `start_body` makes */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
@@ -359,8 +360,11 @@ ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *e
 {
   if (scene == NULL || problem == NULL) return CT_REFUSE(error, "scene: null argument");
   if (scene->body_count < 1) return CT_REFUSE(error, "scene: no bodies");
-  ct_status status = scene->joined ? CT_OK : join_bodies(scene, error);
-  scene->joined = status == CT_OK;
+  ct_status status = CT_OK;
+  if (!scene->joined) {
+    status = join_bodies(scene, error);
+    scene->joined = scene->fresh = status == CT_OK;
+  }
   *problem = &scene->problem;
   return status;
 }
@@ -558,44 +562,66 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
   return CT_OK;
 }
 
-ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
-                         int64_t *step_count, ct_stable_step *stable, ct_error *error)
+/* Make the problem up to its time step, and a state of it that has begun, which tells the stable
+ * step. */
+static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_stable_step *stable,
+                               double *dt, ct_state **begun, ct_error *error)
 {
-  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
-    return CT_REFUSE(error, "scene: null argument");
   ct_problem *p = &scene->problem;
-  double dt = 0.0;
   const ct_problem *joined;
-  ct_stable_step own;
-  if (stable == NULL) stable = &own;
-  unbuild(scene);
   ct_status status = ct_scene_join(scene, &joined, error);
-  for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
+  for (int32_t i = 0; status == CT_OK && !scene->fresh && i < scene->body_count; i++)
     status = start_body(scene, i, error);
+  scene->fresh = 0;
   if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
   p->integrator = time->integrator;
   p->integrator.push = 0.0;
   p->assembled = time->assembled;
-  p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
-  if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
-  if (status == CT_OK)
-    status = ct_blame(error, asked_step(time, stable, &dt, error), CT_PART_TIME, 0);
-  if (status != CT_OK) {
-    unbuild(scene);
-    return status;
+  p->dt = DBL_MIN; // not known yet, and any one will do to begin
+  if (status == CT_OK) status = ct_state_begin(p, begun, error);
+  if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
+  return status == CT_OK ? ct_blame(error, asked_step(time, stable, dt, error), CT_PART_TIME, 0)
+                         : status;
+}
+
+ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
+                         int64_t *step_count, ct_stable_step *stable, ct_state **state,
+                         ct_error *error)
+{
+  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
+    return CT_REFUSE(error, "scene: null argument");
+  ct_problem *p = &scene->problem;
+  double dt = 0.0;
+  int64_t count = 0;
+  ct_state *begun = NULL;
+  ct_stable_step own;
+  if (stable == NULL) stable = &own;
+  unbuild(scene);
+  ct_status status = begin_problem(scene, time, stable, &dt, &begun, error);
+  if (status == CT_OK) {
+    // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
+    count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
+    p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)count;
+    // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
+    if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK)
+      p->integrator.push = fmax(1.0, stable->dt / p->dt);
+    p->threads = time->threads;
+    p->clock = time->clock;
+    if (state != NULL) status = ct_state_finish(p, begun, error);
   }
-  // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
-  *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
-  p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)*step_count;
-  // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
-  if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK)
-    p->integrator.push = fmax(1.0, stable->dt / p->dt);
-  p->threads = time->threads;
-  p->clock = time->clock;
-  *problem = p;
-  return CT_OK;
+  if (status == CT_OK && state != NULL) *state = begun;
+  else ct_state_free(begun);
+  if (status == CT_OK) *problem = p, *step_count = count;
+  else unbuild(scene);
+  return status;
+}
+
+ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
+                         int64_t *step_count, ct_stable_step *stable, ct_error *error)
+{
+  return ct_scene_start(scene, time, problem, step_count, stable, NULL, error);
 }
 
 ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)

@@ -75,33 +75,42 @@ static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
                    const int32_t *around)
 {
   int32_t i = run->count;
-  int wide = i < ZEROS, alike = node == run->low + i && twin == run->high + i;
+  if (node != run->low + i || twin != run->high + i) return 0;
   for (int k = 0; k < corners; k++)
-    alike =
-        alike && (run->element[k] < 0 ? around[k] < 0 && wide : around[k] == run->element[k] + i);
-  return alike;
+    if (run->element[k] < 0 ? around[k] >= 0 || i >= ZEROS : around[k] != run->element[k] + i)
+      return 0;
+  return 1;
+}
+
+/* Room for `count` runs, more than there are; answers whether there is. */
+static int make_room(ct_force_ring *ring, size_t count)
+{
+  ct_run *larger = ct_allocate(count, sizeof *larger);
+  if (larger == NULL) return 0;
+  if (ring->runs != NULL)
+    memcpy(larger, ring->runs, (size_t)(ring->run_count - 1) * sizeof *larger);
+  ct_release(ring->runs);
+  ring->runs = larger;
+  return 1;
 }
 
 /* List the runs. */
 static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int32_t *twin,
                             int32_t (*around)[8])
 {
-  for (int pass = 0; pass < 2; pass++) {
-    ct_run run = {.count = 0};
-    int32_t count = 0;
-    for (int32_t n = 0; n < mesh->node_count; n++) {
-      if (twin[n] < 0) continue;
-      if (run.count == 0 || !goes_on(ring->corners, &run, n, twin[n], around[n])) {
-        run = (ct_run){.low = n, .high = twin[n]};
-        memcpy(run.element, around[n], sizeof run.element);
-        count++;
-      }
-      run.count++;
-      if (pass == 1) ring->runs[count - 1] = run;
+  ct_run *run = NULL;
+  for (int32_t n = 0; n < mesh->node_count; n++) {
+    if (twin[n] < 0) continue;
+    if (run == NULL || !goes_on(ring->corners, run, n, twin[n], around[n])) {
+      // Room doubles at powers of two.
+      int32_t count = ring->run_count++;
+      if ((count & (count - 1)) == 0 && !make_room(ring, 2 * (size_t)count + 1))
+        return CT_ERROR_MEMORY;
+      run = &ring->runs[count];
+      *run = (ct_run){.low = n, .high = twin[n]};
+      memcpy(run->element, around[n], sizeof run->element);
     }
-    ring->run_count = count;
-    if (pass == 0) ring->runs = ct_allocate((size_t)count, sizeof *ring->runs);
-    if (ring->runs == NULL) return CT_ERROR_MEMORY;
+    run->count++;
   }
   return CT_OK;
 }

@@ -4,6 +4,7 @@
 #include "../base/bits.h"
 #include "../base/memory.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The sleeping part of a body. */
@@ -114,7 +115,8 @@ void ct_sleep_share(ct_sleep *s, int32_t count, const int32_t *nodes)
  * finite. */
 static inline int differ(const double *a, const double *b)
 {
-  return !(a[0] - b[0] == 0.0 && a[1] - b[1] == 0.0 && a[2] - b[2] == 0.0);
+  // One sum, as most do not differ and a chain of questions would be asked to its end.
+  return !((fabs(a[0] - b[0]) + fabs(a[1] - b[1])) + fabs(a[2] - b[2]) == 0.0);
 }
 
 /* Let a batch be active from now on, and all of its nodes; `u` is null when everything is
@@ -176,7 +178,12 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
   uint8_t *batch = &s->batch[part->first_batch];
   int32_t begin = part->first_node, end = begin + part->mesh->node_count;
   if (!part->optimisations.sleep || !choose_motion(part, u, v, past, own)) return 0;
-  for (int32_t n = begin; n < end; n++) ct_bits_put(s->front, n, n + 1, stirs(own, u, v, past, n));
+  for (int32_t n = begin, last; n < end; n = last) {
+    uint64_t word = 0;
+    last = ct_bits_word_end(n, end);
+    for (int32_t i = n; i < last; i++) word |= (uint64_t)stirs(own, u, v, past, i) << (i % 64);
+    ct_bits_write(s->front, n, last, word);
+  }
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
     for (batch_nodes(part, b, &i, &last);
@@ -185,10 +192,10 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
     batch[b] = i < last ? CT_ACTIVE : CT_ASLEEP;
   }
   ct_bits_put(s->summed, begin, end, 0);
-  for (int32_t n = begin; n < end; n++) {
-    int shared = ct_bits_get(s->shared, n);
-    ct_bits_put(s->active, n, n + 1, shared);
-    ct_bits_put(s->front, n, n + 1, shared);
+  for (int32_t n = begin, last; n < end; n = last) {
+    last = ct_bits_word_end(n, end);
+    ct_bits_write(s->active, n, last, s->shared[n / 64]);
+    ct_bits_write(s->front, n, last, s->shared[n / 64]);
   }
   for (int32_t b = 0; b < part->batch_count; b++)
     if (batch[b] == CT_ACTIVE) wake_batch(s, p, b, NULL);
@@ -251,9 +258,12 @@ void ct_sleep_settle(const ct_sleep *s, double *displacement)
 {
   for (int32_t p = 0; s != NULL && p < s->part_count; p++) {
     int32_t n = s->parts[p].first_node, end = n + s->parts[p].mesh->node_count;
-    for (n = ct_bits_next(s->active, n, end, 0); n < end;
-         n = ct_bits_next(s->active, n + 1, end, 0))
-      memcpy(&displacement[3 * (int64_t)n], s->bodies[p].displacement, 3 * sizeof *displacement);
+    const double *u = s->bodies[p].displacement, x = u[0], y = u[1], z = u[2];
+    while ((n = ct_bits_next(s->active, n, end, 0)) < end) {
+      int32_t last = ct_bits_next(s->active, n, end, 1);
+      for (double *to = &displacement[3 * (int64_t)n]; n < last; n++, to += 3)
+        to[0] = x, to[1] = y, to[2] = z;
+    }
   }
 }
 

@@ -247,7 +247,6 @@ static void keep_ledger(ct_monitor *w)
 static ct_status check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
-  if (is_good(monitor, state)) return CT_OK;
   ct_status status = measure(monitor, state, &e, error);
   if (status == CT_OK) status = look_at_energy(monitor, state, &e, error);
   if (status == CT_OK) status = look_at_step(monitor, state, error);
@@ -263,8 +262,9 @@ static ct_status check(ct_monitor *monitor, ct_state *state, ct_error *error)
 ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
+  if (is_good(monitor, state)) return CT_OK;
   // Forces that stand may be older than the last change of the state by its host.
-  if (!is_good(monitor, state)) ct_series_begin(state, 0);
+  ct_series_begin(state, 0);
   return check(monitor, state, error);
 }
 
@@ -285,12 +285,12 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   return status;
 }
 
-/* Whether all of a state is the one that was looked at last. */
+/* Whether all that forces follow from is as it was when the state was looked at last. */
 static int is_unchanged(const ct_monitor *w, const ct_state *state)
 {
-  size_t bytes = (size_t)(state->effect_seconds - state->displacement) * sizeof(double);
-  return w->good->step == state->step && state->problem == w->problem &&
-         memcmp(w->good->displacement, state->displacement, bytes) == 0;
+  size_t bytes = (size_t)state->memory_count * sizeof *state->memory;
+  return state->problem == w->problem && is_good(w, state) &&
+         memcmp(w->good->memory, state->memory, bytes) == 0;
 }
 
 /* Steps with a check at every multiple of `every`, and one after the last step if that is asked

@@ -4,7 +4,6 @@
 #include "../base/error.h"
 #include "workspace.h"
 
-#include <float.h>
 #include <math.h>
 
 enum { FIXED_POINT_ROUNDS = 64 };
@@ -97,11 +96,7 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   double omega_squared[2] = {0.0, 0.0}, rate[2] = {0.0, 0.0};
   ct_state *own = NULL;
   if (problem == NULL || out == NULL) return CT_REFUSE(error, "stable step: null argument");
-  ct_status status = CT_OK;
-  // With the smallest of all steps, by which a scene asks, nothing has moved before t = 0.
-  if (state == NULL)
-    status = problem->dt <= DBL_MIN ? ct_state_begin(problem, &own, error)
-                                    : ct_state_create(problem, &own, error);
+  ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
   if (status == CT_OK)
     status = sum_bounds(problem, state == NULL ? own : state, omega_squared, rate, error);
   ct_state_free(own);

@@ -263,8 +263,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
       memcpy(state->memory + memory, state->workspace->next_memory + memory,
              (size_t)problem->effects[k]->memory_count * sizeof(double));
   }
-  // With the smallest of all steps a scene asks for the stable one, and no step is chosen yet.
-  state->workspace->starting = problem->dt <= DBL_MIN;
+  state->workspace->starting = 0;
 }
 
 const uint64_t *ct_workspace_begun(const ct_state *state)
@@ -275,37 +274,60 @@ const uint64_t *ct_workspace_begun(const ct_state *state)
 }
 
 /* The velocity whose product with a force is what the work up to t = 0 must be short of
- * (eq:work-start). */
-static double start_velocity(const ct_problem *problem, const ct_state *state,
-                             const uint64_t *begun, int64_t dof)
+ * (eq:work-start); `has_begun`: a force begins at the node. */
+static inline double start_velocity(const ct_problem *problem, const ct_state *state, double share,
+                                    int has_begun, int64_t dof)
 {
-  double kick = ct_integrator_share(&problem->integrator) * problem->dt;
-  if (begun == NULL || !ct_bits_get(begun, (int32_t)(dof / 3))) return state->velocity[dof];
-  return ct_kick(state->velocity[dof], 0.5 * kick, problem->inverse_mass[dof],
+  if (!has_begun) return state->velocity[dof];
+  return ct_kick(state->velocity[dof], 0.5 * share * problem->dt, problem->inverse_mass[dof],
                  state->workspace->total[dof]);
+}
+
+/* Begin the sums of an effect at one node (of the problem), where they stand in `work` and
+ * `impulse`, or null. */
+static inline void start_node(const ct_problem *problem, const ct_state *state, int32_t node,
+                              double share, const uint64_t *begun, const double force[3],
+                              double *work, double *impulse)
+{
+  int has_begun = begun != NULL && ct_bits_get(begun, node);
+  for (int c = 0; c < 3; c++) {
+    if (work != NULL)
+      work[c] = -2.0 * share * force[c] *
+                start_velocity(problem, state, share, has_begun, 3 * (int64_t)node + c);
+    if (impulse != NULL) impulse[c] = -share * force[c];
+  }
 }
 
 void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
 {
+  const ct_workspace *w = state->workspace;
   double share = ct_integrator_share(&problem->integrator);
   const uint64_t *begun = ct_workspace_begun(state);
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  // The first effect's force stands in `total`, but for the nodes where others were added.
+#ifdef _OPENMP
+  int threads = ct_threads_for(problem->threads, 3 * (int64_t)problem->node_count, LEAST_DOFS);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t n = 0; n < problem->node_count; n++)
+    start_node(problem, state, n, share, begun, &w->total[3 * (int64_t)n],
+               &state->work[3 * (int64_t)n], NULL);
+  for (int32_t i = 0; i < w->shared_count; i++)
+    start_node(problem, state, w->shared[i], share, begun, &w->shared_first[3 * (int64_t)i],
+               &state->work[3 * (int64_t)w->shared[i]], NULL);
+  for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     ct_starts start = ct_state_starts(problem, k);
-    double *work = state->work + start.work, *impulse = state->impulse + start.impulse;
 #ifdef _OPENMP
-    int threads = ct_threads_for(problem->threads, 3 * (int64_t)effect->node_count, LEAST_DOFS);
+    threads = ct_threads_for(problem->threads, 3 * (int64_t)effect->node_count, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
     for (int32_t i = 0; i < effect->node_count; i++) {
+      int64_t d = 3 * (int64_t)i;
       double force[3];
       ct_workspace_force_at(problem, state, k, i, force);
-      for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++) {
-        int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
-        if (effect->phase != CT_PHASE_REACTION)
-          work[d] = -2.0 * share * force[c] * start_velocity(problem, state, begun, dof);
-        if (k > 0) impulse[d] = -share * force[c];
-      }
+      start_node(problem, state, ct_effect_node(effect, i), share, begun, force,
+                 effect->phase == CT_PHASE_REACTION ? NULL : state->work + start.work + d,
+                 state->impulse + start.impulse + d);
     }
   }
 }
@@ -331,6 +353,7 @@ ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *er
   if (status == CT_OK) {
     start_velocities(problem, state);
     state->workspace->starting = 1;
+    state->workspace->start_dt = problem->dt;
     status = ct_workspace_forces(problem, state, error);
   }
   if (status == CT_OK) *out = state;
@@ -353,19 +376,29 @@ static ct_status start_kinetic(const ct_problem *problem, ct_state *state, ct_er
   return isfinite(state->kinetic_start) ? CT_OK : ct_energy_of(problem, state, &energy, error);
 }
 
+ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_workspace *w = state->workspace;
+  ct_status status = CT_OK;
+  // Constraints look a step ahead, and may have been solved for another one.
+  if (w->constraints != NULL && w->start_dt != problem->dt) {
+    w->forces_at = -1;
+    status = ct_workspace_forces(problem, state, error);
+  }
+  if (status != CT_OK) return status;
+  step_back(problem, state);
+  status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_state_start_ledgers(problem, state);
+  return start_kinetic(problem, state, error);
+}
+
 ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *state = NULL;
   if (out == NULL) return CT_REFUSE(error, "state: null argument");
   ct_status status = ct_state_begin(problem, &state, error);
-  if (status == CT_OK) {
-    step_back(problem, state);
-    status = ct_workspace_forces(problem, state, error);
-  }
-  if (status == CT_OK) {
-    ct_state_start_ledgers(problem, state);
-    status = start_kinetic(problem, state, error);
-  }
+  if (status == CT_OK) status = ct_state_finish(problem, state, error);
   if (status == CT_OK) *out = state;
   else ct_state_free(state);
   return status;

@@ -173,22 +173,15 @@ static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
 
 /* Middle of the displacements of a body, which does not depend on the order of its nodes; answers
  * the largest component. */
-CT_CLONES
 static double middle_of(int64_t count, const double *u, double middle[3])
 {
-  double lx = INFINITY, ly = lx, lz = lx, hx = -lx, hy = hx, hz = hx;
-#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
-#pragma omp simd reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
-#endif
-  for (int64_t n = 0; n < count; n++) {
-    double x = u[3 * n], y = u[3 * n + 1], z = u[3 * n + 2];
-    lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
-    hx = x > hx ? x : hx, hy = y > hy ? y : hy, hz = z > hz ? z : hz;
+  double low[3], high[3], largest = -INFINITY;
+  ct_extent(count, u, low, high);
+  for (int c = 0; c < 3; c++) {
+    middle[c] = 0.5 * (low[c] + high[c]);
+    largest = fmax(largest, fmax(-low[c], high[c]));
   }
-  middle[0] = 0.5 * (lx + hx);
-  middle[1] = 0.5 * (ly + hy);
-  middle[2] = 0.5 * (lz + hz);
-  return fmax(fmax(fmax(-lx, hx), fmax(-ly, hy)), fmax(-lz, hz));
+  return largest;
 }
 
 /* The first effect's force at the nodes first ... first + count - 1: `total`, but for the nodes
@@ -307,9 +300,10 @@ static void part_terms(int64_t count, const double *impulse, const double *done,
   }
 }
 
-/* The terms of the nodes i ... end - 1 of effect `k`. */
-static void make_effect_terms(const ct_problem *problem, const ct_state *state, int32_t k,
-                              int32_t i, int32_t end, double term[EFFECT_SUMS][CT_PIECE])
+/* Make the terms of the nodes i ... end - 1 of effect `k`; answers 0 where an effect has done
+ * nothing, and they would all be zero. */
+static int make_effect_terms(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
+                             int32_t end, double term[EFFECT_SUMS][CT_PIECE])
 {
   const ct_effect *effect = problem->effects[k];
   const ct_workspace *w = state->workspace;
@@ -318,16 +312,23 @@ static void make_effect_terms(const ct_problem *problem, const ct_state *state, 
   int64_t d = 3 * (int64_t)i, count = 3 * (int64_t)(end - i);
   int is_reaction = effect->phase == CT_PHASE_REACTION;
   const double *since = state->impulse + start.impulse + d,
-               *force = is_reaction ? made : w->force[k] + d;
-  if (is_reaction)
-    reaction_forces(count, at_nodes(problem->inverse_mass, effect, i, end, rooms[1]),
-                    at_nodes(w->total, effect, i, end, rooms[2]), made);
+               *before = since + state->impulse_count / 2,
+               *work = is_reaction ? NULL : state->work + start.work + d,
+               *force =
+                   is_reaction ? at_nodes(w->total, effect, i, end, rooms[2]) : w->force[k] + d;
+  if (ct_is_zero(since, count) && ct_is_zero(before, count) && ct_is_zero(force, count) &&
+      (is_reaction || ct_is_zero(work, count)))
+    return 0;
+  if (is_reaction) {
+    reaction_forces(count, at_nodes(problem->inverse_mass, effect, i, end, rooms[1]), force, made);
+    force = made;
+  }
   effect_terms(count, ct_integrator_share(&problem->integrator), force,
-               at_nodes(state->velocity, effect, i, end, rooms[0]), since,
-               since + state->impulse_count / 2, is_reaction ? NULL : state->work + start.work + d,
-               impulse, done);
+               at_nodes(state->velocity, effect, i, end, rooms[0]), since, before, work, impulse,
+               done);
   for (int64_t left = count; left % (3 * AT_ONCE) != 0; left++) impulse[left] = done[left] = 0.0;
   part_terms(end - i, impulse, done, term);
+  return 1;
 }
 
 /* Number of nodes of an effect below a node of the problem. */
@@ -349,8 +350,9 @@ void ct_sum_effect(const ct_problem *problem, const ct_state *state, int32_t k, 
   ct_grid *grids = grids_of(problem, state, k, body);
   begin(sums, EFFECT_SUMS, grids);
   for (int32_t i, end; ct_stream_piece(sums, EFFECT_SUMS, count, &i, &end);) {
-    if (i < end) make_effect_terms(problem, state, k, first + i, first + end, term);
-    for (int s = 0; s < EFFECT_SUMS; s++) ct_stream_add(&sums[s], term[s], end - i);
+    int is_made = i < end && make_effect_terms(problem, state, k, first + i, first + end, term);
+    for (int s = 0; s < EFFECT_SUMS; s++)
+      ct_stream_add(&sums[s], is_made ? term[s] : NULL, end - i);
   }
   keep(sums, EFFECT_SUMS, grids);
   out->work = ct_stream_sum(&sums[EFFECT_WORK]);

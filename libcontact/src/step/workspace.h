@@ -12,6 +12,7 @@ typedef struct ct_workspace {
   ct_pool pool;      /* its arrays */
   int64_t forces_at; /* the step whose forces stand below, or -1 */
   int starting;      /* v_{-1/2} is not known yet */
+  double start_dt;   /* Δt of the problem when the first forces were made */
   int stage;         /* of the step, 0 or 1: the next one whose forces are made */
   int followed;      /* whether the state was moved by one stage since the forces were made, and by
                         nothing else: what sleeps is known (eq:wake) */
@@ -47,8 +48,12 @@ ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_erro
 ct_status ct_state_equip(ct_state *state, ct_error *error);
 
 /* A new state with the initial displacement and velocity and the forces of these: the beginning of
- * ct_state_create, and enough to ask for the stable step. */
+ * ct_state_create, for which any Δt of the problem will do, and enough to ask for the stable step.
+ */
 ct_status ct_state_begin(const ct_problem *problem, ct_state **state, ct_error *error);
+
+/* The rest of ct_state_create, with the Δt that the problem has by now. */
+ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *error);
 
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
