@@ -208,10 +208,10 @@ class Mesh:
         """
         if face == "outer":
             return np.unique(self.faces(face)[0])
-        plane = self._plane(face)
-        nodes = np.empty(lib.ct_mesh_plane_nodes(self.pointer, *plane, ffi.NULL), np.int32)
-        lib.ct_mesh_plane_nodes(self.pointer, *plane, ints(nodes))
-        return nodes
+        # Room for all, which no page of memory stands behind until it is written.
+        room = np.empty(self.pointer.node_count, np.int32)
+        count = lib.ct_mesh_plane_nodes(self.pointer, *self._plane(face), ints(room))
+        return room[:count].copy()
 
     def centres(self, positions: Floats | None = None) -> Floats:
         """

@@ -380,10 +380,12 @@ ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *
 {
   ct_workspace *w = state->workspace;
   ct_status status = CT_OK;
-  // Constraints look a step ahead, and may have been solved for another one.
+  // Constraints look a step ahead, and may have been solved for another one; what sleeps is known.
   if (w->constraints != NULL && w->start_dt != problem->dt) {
     w->forces_at = -1;
+    w->followed = w->known;
     status = ct_workspace_forces(problem, state, error);
+    w->followed = 0;
   }
   if (status != CT_OK) return status;
   step_back(problem, state);
