@@ -499,7 +499,7 @@ int main(void)
          "a null mesh has no edge and no bounds");
   double corner[3] = {0, 0, 0}, out[8];
   int32_t beyond[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-  ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond};
+  ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond, 0};
   ct_material steel = {2.1e11, 0.3, 7800.0, CT_LINEAR};
   ct_error e = {0};
   tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT &&
