@@ -266,7 +266,7 @@ static void wheel(void)
 {
   enum { SPOKES = 5 };
   ct_mesh m = {CT_HEX8, 2 * (2 * SPOKES + 1), SPOKES, numbers(6 * (2 * SPOKES + 1)),
-               integers(8 * SPOKES)};
+               integers(8 * SPOKES), 0};
   const double turn = 2.0 * 3.14159265358979323846 / (2 * SPOKES);
   for (int n = 0; n < m.node_count; n++) {
     int layer = n / (2 * SPOKES + 1), k = n % (2 * SPOKES + 1);
