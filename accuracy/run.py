@@ -1,6 +1,6 @@
 """
 ``make accuracy``: what accuracy costs. ``run.py FOLDER [--reduced | --short] [--book]`` runs every case of ``campaign.py`` that FOLDER/accuracy.csv does not have yet, so
-it can be stopped at any time and goes on where it was. ``--book`` renews the tables of the chapter "What accuracy costs" and the picture of the start page.
+it can be stopped at any time and goes on where it was. ``--book`` renews the tables of the chapter "What accuracy costs", the list of the planner and the picture of the start page.
 ``--instructions`` only counts the instructions of the short runs (callgrind), ``--book`` with it renews that table.
 """
 
@@ -39,6 +39,7 @@ def main() -> int:
     if "--book" in options:
         for name in ("accuracy.csv", "accuracy_search.csv", "accuracy_defaults.csv"):
             shutil.copyfile(folder / name, table.BOOK / name)
+        table.write_prices(rows, table.PRICES)
         drawings.write_lists(level, table.BOOK)
         drawings.write_list(table.BOOK / "accuracy_far.csv", defaults.far(table.BOOK))
         drawings.work().savefig(table.BOOK.parent / "_static" / "accuracy.png", dpi=110)

@@ -18,6 +18,7 @@ from tqdm import tqdm
 
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = ROOT / "docs" / "theory"
+PRICES = ROOT / "wrapper" / "libcontact" / "prices.csv"
 LIBRARY = ("libcontact", "wrapper")
 TEXT = {"scene", "setting", "status", "machine", "compiler", "flags", "commit"}
 COLUMNS = (*price.COLUMNS, "machine", "compiler", "flags", "commit")
@@ -70,6 +71,15 @@ def line(values: Any) -> str:
         f"{value:.10g}" if isinstance(value, float) else value for value in values
     )
     return text.getvalue()
+
+
+def write_prices(rows: list[dict[str, Any]], path: Path) -> None:
+    """The list that the package has for its planner: error on Fig. 4's line over the plateau, and cost over that of the paper's setting."""
+    head = ["scene", "cells", "setting", "cost", "error", "growth"]
+    done = [row for row in rows if row["status"] == "done"]
+    numbers = [(row["times_paper"], row["l1_fig4"] / price.PLATEAU, row["growth"]) for row in done]
+    values = [[*(row[name] for name in head[:3]), *own] for row, own in zip(done, numbers)]
+    path.write_text("".join(line(each) for each in (head, *values)), encoding="utf-8")
 
 
 def collect(level: str, path: Path) -> list[dict[str, Any]]:

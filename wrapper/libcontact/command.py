@@ -1,4 +1,4 @@
-"""The command line: ``libcontact run | explain | schema | plot``. Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
+"""The command line: ``libcontact run | explain | plan | schema | plot``. Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
 
 from __future__ import annotations
 
@@ -88,6 +88,18 @@ def _parser() -> argparse.ArgumentParser:
     explain.set_defaults(command=_explain)
     explain.add_argument("scene", metavar="SCENE.toml")
 
+    plan = commands.add_parser("plan", help="choose mesh, step and methods for an error or a time")
+    plan.set_defaults(command=_plan)
+    plan.add_argument("scene", metavar="SCENE.toml")
+    goal = plan.add_mutually_exclusive_group(required=True)
+    goal.add_argument("--error", metavar="5%", type=_share, help="relative error to meet")
+    goal.add_argument("--seconds", metavar="S", type=float, help="time that the run may take")
+    plan.add_argument("--functional", metavar="NAME", help="what the error is of: wall.force_x.max")
+    plan.add_argument(
+        "--trials", metavar="S", type=float, default=10.0, help="time for trials (10)"
+    )
+    plan.add_argument("--write", metavar="NEW.toml", help="write the scene of the choice")
+
     schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
     schema.set_defaults(command=_schema)
 
@@ -144,6 +156,25 @@ def _explain(options: argparse.Namespace) -> int:
         sys.stdout.reconfigure(errors="replace")
     print(text, flush=True)
     return OK
+
+
+def _share(text: str) -> float:
+    """5% or 0.05."""
+    return float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+
+
+def _plan(options: argparse.Namespace) -> int:
+    from .scene import Scene
+
+    if options.write is not None and Path(options.write).exists():
+        raise BadInput(f'"{options.write}" is there already')
+    keys = ("error", "seconds", "functional", "trials")
+    plan = Scene.load(options.scene).plan(**{key: getattr(options, key) for key in keys})
+    print(plan, flush=True)
+    if options.write is not None:
+        plan.scene.save(options.write)
+        _say(f'scene in "{options.write}"')
+    return INTERRUPTED if plan.interrupted else OK
 
 
 def _schema(options: argparse.Namespace) -> int:

@@ -511,7 +511,7 @@ def table(costs: Sequence[Cost], stable: float) -> str:
     sums = {
         key: _total([getattr(cost, key) for cost in costs]) for key in ("predicted", "measured")
     }
-    rows.append({"": "together", **{key: _seconds(value) for key, value in sums.items()}})
+    rows.append({"": "together", **{key: shown_seconds(value) for key, value in sums.items()}})
     told = any(cost.measured is not None for cost in costs)
     heads = [head for head in rows[0] if told or head not in ("done", "measured")]
     columns = [Column(head, justify="right" if head else "left") for head in heads]
@@ -530,11 +530,11 @@ def _row(cost: Cost, stable: float) -> dict[str, str]:
     return {
         "": cost.name,
         "nodes": str(cost.nodes or ""),
-        "a step": _seconds(cost.seconds_a_step or None),
+        "a step": shown_seconds(cost.seconds_a_step or None),
         "work": f"{100 * cost.active:.0f} %",
         "done": "" if cost.done is None else f"{100 * cost.done:.0f} %",
-        "predicted": _seconds(cost.predicted),
-        "measured": _seconds(cost.measured),
+        "predicted": shown_seconds(cost.predicted),
+        "measured": shown_seconds(cost.measured),
         "flops": f"{cost.flops:.2g}" if cost.flops else "",
         "bytes": f"{cost.bytes:.2g}" if cost.bytes else "",
         "of the bound": f"{100 * bound:.1f} %" if bound else "",
@@ -546,7 +546,7 @@ def _total(values: Sequence[float | None]) -> float | None:
     return math.fsum(known) if known and len(known) == len(values) else None
 
 
-def _seconds(value: float | None) -> str:
+def shown_seconds(value: float | None) -> str:
     if value is None or not math.isfinite(value):
         return "-"
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     # What computes is imported when a scene is built or run: a scene is read without it.
     from .explain import Explanation
     from .plan import Cost
+    from .planner import Plan
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
@@ -391,6 +392,47 @@ class Scene:
         from .plan import table
 
         return table(self.costs(run), self._built(None).stable.dt)
+
+    def plan(
+        self,
+        error: float | None = None,
+        seconds: float | None = None,
+        functional: str | None = None,
+        trials: float = 10.0,
+        progress: bool = True,
+    ) -> Plan:
+        """
+        Choose mesh, step, integrator, mass, bulk viscosity and contact law for an error, or for a time (chapter "The planner").
+
+        The scene itself stays as it is; ``plan.scene`` is the scene of the choice.
+
+        Parameters
+        ----------
+        error
+            The relative error that is asked for, such as 0.05; or ``seconds``.
+        seconds
+            The time that a run may take [s]; or ``error``.
+        functional
+            The number that the error is of, such as ``"wall.force_x.max"`` of a probe, ``"bar.p_x.end"`` of a body's momentum, or ``"energy.kinetic.end"``. It may be
+            left out for two plates in plane strain that hit along their length, whose stress has a closed form.
+        trials
+            Time for trial runs [s], about; the first ones are made in any case.
+        progress
+            Show a bar where stderr is a terminal.
+
+        Returns
+        -------
+        Plan
+            The choice and its neighbours, with expected errors and times; ``print`` shows them. Ctrl-C ends the trials, and the plan is made from those so far.
+
+        Raises
+        ------
+        SceneError
+            The functional is missing or unknown, or no mesh within reach gives what is asked for.
+        """
+        from .planner import plan
+
+        return plan(self, error, seconds, functional, trials, progress)
 
     def run(
         self,

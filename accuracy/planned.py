@@ -1,0 +1,132 @@
+"""
+What the planner promises and what it keeps: ``python accuracy/planned.py [--trials SECONDS] [--grid] [NAME ...]`` plans the scenes below for 5, 2 and 1 %, runs each choice,
+and prints asked, expected and true error, predicted and taken time. ``--grid`` also runs every setting of the list on meshes in steps of 2^(1/2) and says how much cheaper
+the cheapest one is that truly meets the error. It belongs on a quiet machine.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time as clock
+import warnings
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from libcontact.answer import functional, plates  # noqa: E402
+from libcontact.planner import COARSEST, FINER, Planner  # noqa: E402
+from rich.console import Console  # noqa: E402
+from rich.table import Table  # noqa: E402
+
+import libcontact as ct  # noqa: E402
+
+ASKED = (0.05, 0.02, 0.01)
+# The value of the sphere's force at the end of its way has no closed form, as the block is finite and moves: from 80 cells along an edge, beta 4 and 40.
+HERTZ = -26.42
+
+
+class Known(NamedTuple):
+    """A scene whose true error can be found: from the closed form of the plates, or from the exact value of a functional."""
+
+    scene: ct.Scene
+    functional: str | None = None
+    exact: float = 0.0
+
+    def error(self, run: ct.Run, scene: ct.Scene) -> float:
+        """The true error of a run."""
+        problem = scene._built(None)
+        if self.functional:
+            return abs(functional(problem, self.functional).value(run) / self.exact - 1.0)
+        found = plates(problem)
+        assert found is not None
+        return found.error(problem, run)
+
+
+def with_probe(name: str, **probe: Any) -> ct.Scene:
+    data = ct.Scene.load(ct.example(name)).data
+    data["probe"] = [{"name": "probe", **probe}]
+    data["output"] = {"every": 10**9}
+    return ct.Scene(data)
+
+
+def plates_until(nu: float, end: float) -> ct.Scene:
+    data = ct.Scene.load(ct.example("plates")).data
+    data["material"][0]["poisson"] = nu
+    data["time"]["end_c1t_over"]["value"] = end
+    data["output"] = {"every": 10**9}
+    return ct.Scene(data)
+
+
+def known() -> Iterator[tuple[str, Known]]:
+    """
+    The scenes by name. The bar leaves the wall with the momentum m v = 0.1 * 10. The bar on the floor meets it with v = 10, and its free end turns when
+    the wave comes back from it, after 5 + v L / c + g (L / c)^2 / 2 ... = 8 + 8/9.
+    """
+    for nu in (0.3, 0.4):
+        for end in (0.56, 0.8):
+            yield f"plates, nu = {nu}, c1 t / d = {end}", Known(plates_until(nu, end))
+    bar = with_probe("bar_on_a_wall", surface="bar.x_max")
+    yield "bar on a wall", Known(bar, "bar.p_x.end", 1.0)
+    tip = with_probe("bouncing_bar", surface="bar.z_max")
+    yield "bouncing bar", Known(tip, "probe.displacement_z.min", -(8 + 8 / 9))
+    yield "Hertz", Known(with_probe("hertz", resultant="obstacle"), "probe.force_z.min", HERTZ)
+
+
+def taken(scene: ct.Scene) -> tuple[ct.Run, float]:
+    """A run, and the least seconds of some: what disturbs a run only makes it longer."""
+    seconds: list[float] = []
+    begin = clock.perf_counter()
+    while len(seconds) < 10 and (len(seconds) < 3 or clock.perf_counter() - begin < 5.0):
+        run = scene.run(progress=False, output=False)
+        seconds.append(sum(run.costs.values()))
+    return run, min(seconds)
+
+
+def cheapest(own: Known, trials: float) -> list[tuple[float, float]]:
+    """Seconds and true errors of every setting of the list on meshes in steps of the planner."""
+    planner, found = Planner(own.scene, own.functional, trials), []
+    longest = max(max(each.cells) for each in planner.lattices)
+    for tried in planner.tried:
+        scale, spent = COARSEST / longest, 0.0
+        while spent < trials:
+            scene = planner.changed(tried.keys, scale)
+            try:
+                run, seconds = taken(scene)
+            except ct.Error:
+                break
+            found.append((seconds, own.error(run, scene)))
+            spent, scale = spent + 3 * seconds, scale * FINER
+    return found
+
+
+def main() -> None:
+    words = sys.argv[1:]
+    trials = float(words[words.index("--trials") + 1]) if "--trials" in words else 10.0
+    names = [word for word in words if not word.startswith("--") and not word[0].isdigit()]
+    heads = (
+        "scene, asked, expected, true, of asked, predicted, taken, ratio, cheapest, mesh, setting"
+    )
+    table = Table(*heads.split(", "), box=None, pad_edge=False)
+    for name, own in known():
+        if names and not any(word in name for word in names):
+            continue
+        grid = cheapest(own, trials) if "--grid" in words else []
+        for asked in ASKED:
+            plan = own.scene.plan(error=asked, functional=own.functional, trials=trials)
+            run, seconds = taken(plan.scene)
+            true, choice = own.error(run, plan.scene), plan.choice
+            least = min((cost for cost, error in grid if error <= asked), default=float("nan"))
+            numbers = [f"{100 * x:.3g} %" for x in (asked, choice.error, true)]
+            numbers += [f"{true / asked:.2f}", f"{choice.seconds:.3g} s", f"{seconds:.3g} s"]
+            numbers += [f"{seconds / choice.seconds:.2f}", f"{seconds / least:.2f}"]
+            table.add_row(name, *numbers, choice.mesh, choice.setting)
+            print(f"{name}, {asked:.0%}: {numbers}", file=sys.stderr)
+    Console(width=240).print(table)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    main()

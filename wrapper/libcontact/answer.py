@@ -1,0 +1,291 @@
+"""What the error of a run is: the distance from a closed form where a scene has one, else the value of a functional that the user names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import exact
+from .bridge import Floats
+from .model import AXES
+from .problem import speeds
+from .run import ENERGY, IN_ENERGY, MOMENTUM, STRESS, Run
+from .schema import Place, suggestion
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+# Effects that do not change what a scene converges to.
+NUMERICAL = ("viscosity", "averaging")
+
+
+@dataclass(frozen=True)
+class Plates:
+    """
+    The impact of two thick plates in plane strain, or of one on a wall, whose stress has a closed form (chapter :doc:`/theory/exact`).
+
+    Attributes
+    ----------
+    bodies : tuple of str
+        Names of the plates.
+    axes : tuple of int
+        The axes of the impact, of the thickness in plane strain, and to the free faces.
+    plane, middle : float
+        Where the plates meet, and where the plane of symmetry between the free faces is [length].
+    d, length : float
+        Half the distance of the free faces, and the length of a plate [length].
+    speed : float
+        Half the speed of approach [length / time].
+    """
+
+    bodies: tuple[str, ...]
+    axes: tuple[int, int, int]
+    plane: float
+    middle: float
+    d: float
+    length: float
+    speed: float
+
+    words = "against the closed form: L1 on Fig. 4's line over the plateau"
+
+    def error(self, problem: Problem, run: Run) -> float:
+        """
+        L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`: of the elements next to the plane of symmetry, up to the distance d from the impact.
+
+        Parameters
+        ----------
+        problem : Problem
+            The problem of the run.
+        run : Run
+            A run with the stress in its last state.
+
+        Returns
+        -------
+        float
+            The error.
+        """
+        assert run.state is not None
+        material = problem.parts.materials[problem.parts.bodies[self.bodies[0]].material]
+        nu, c1 = material.poisson, speeds(material)[0]
+        unit = material.density * c1 * self.speed * nu / (1.0 - nu)
+        t, length = run.state.time * c1 / self.d, self.length / self.d
+        extent, found = min(1.0, length, 2.0 * length - t), []
+        for name in self.bodies:
+            body = run.state[name]
+            x = abs(body.centres[:, self.axes[0]] - self.plane) / self.d
+            z = abs(body.centres[:, self.axes[2]] - self.middle) / self.d
+            row = (z < 1.5 * z.min() + 1e-9) & (x < extent)
+            right = exact.plates(x[row], z[row], t, nu, length).stress.sigma_x
+            found.append(np.abs(body.stress[row, self.axes[0]] / unit - right).mean())
+        return float(np.mean(found)) * extent * nu / (1.0 - nu)
+
+
+def plates(problem: Problem) -> Plates | None:
+    """
+    Recognise the impact of two thick plates by its geometry.
+
+    Parameters
+    ----------
+    problem : Problem
+        A built problem.
+
+    Returns
+    -------
+    Plates or None
+        None where the scene is another one, or goes on for longer than the closed form is known.
+    """
+    parts, bodies = problem.parts, list(problem.parts.body)
+    held = {(str(each.set[0]), each.set[1]) for each in parts.support}
+    pure = all(
+        list(each.fix) == [each.set[1][0]] and each.history is None and not any(each.velocity)
+        for each in parts.support
+    )
+    other = any(effect.name not in NUMERICAL for effect in parts.effects) or problem.own
+    if other or not pure or not all(body.box and body.spin is None for body in bodies):
+        return None
+    made = [parts.materials[body.material] for body in bodies]
+    if len({(each.young, each.poisson, each.density, each.law) for each in made}) > 1:
+        return None
+    sides = [[_sides(held, body.name, axis) for axis in range(3)] for body in bodies]
+    thick = [k for k in range(3) if all(len(side[k]) == 2 for side in sides)]
+    met = _impact(parts, held)
+    if len(thick) != 1 or met is None or met[0] in thick:
+        return None
+    impact, plane, speed = met
+    free = 3 - impact - thick[0]
+    first = bodies[0]
+    low, size = first.box.origin[free], first.box.size[free]
+    same = all(
+        abs(body.box.origin[free] - low) + abs(body.box.size[free] - size) < 1e-9 * size
+        for body in bodies
+    )
+    ends = [side[free] for side in sides]
+    if not same or len(ends[0]) == 2 or any(end != ends[0] for end in ends):
+        return None
+    d = size if ends[0] else 0.5 * size
+    middle = low + {"": 0.5, "min": 0.0, "max": 1.0}["".join(ends[0])] * size
+    length = min(body.box.size[impact] for body in bodies)
+    material = parts.materials[first.material]
+    way = speeds(material)[0] * problem.end
+    known = material.law == "linear" and 0.0 < material.poisson <= 0.49
+    if not (known and speed > 0.0 and way < 1.99 * min(d, length)):
+        return None
+    names = tuple(body.name for body in bodies)
+    return Plates(names, (impact, thick[0], free), plane, middle, d, length, speed)
+
+
+def _sides(held: set[tuple[str, str]], body: str, axis: int) -> tuple[str, ...]:
+    """Which of the two faces across an axis are held."""
+    return tuple(end for end in ("min", "max") if (body, f"{AXES[axis]}_{end}") in held)
+
+
+def _impact(parts: Any, held: set[tuple[str, str]]) -> tuple[int, float, float] | None:
+    """The axis of the impact, the plane where it is, and half the speed of approach; None for what is no impact of two faces that touch."""
+    bodies = list(parts.body)
+    if len(bodies) == 1 and not parts.contact:
+        (body,) = bodies
+        moving = [k for k in range(3) if body.velocity[k]]
+        ends = _sides(held, body.name, moving[0]) if len(moving) == 1 else ()
+        if len(ends) != 1:
+            return None
+        k, v = moving[0], body.velocity[moving[0]]
+        high = ends == ("max",)
+        return k, body.box.origin[k] + high * body.box.size[k], v if high else -v
+    if len(bodies) != 2 or len(parts.contact) != 1 or parts.contact[0].friction:
+        return None
+    faces = sorted(parts.contact[0].surfaces, key=lambda face: str(face[1]))
+    (upper, top), (lower, bottom) = faces  # x_max of the one, x_min of the other
+    k = AXES.index(top[0])
+    one, two = parts.bodies[upper], parts.bodies[lower]
+    plane, other = one.box.origin[k] + one.box.size[k], two.box.origin[k]
+    fits = top == f"{AXES[k]}_max" and bottom == f"{AXES[k]}_min" and upper != lower
+    along = all(v == 0.0 for b in bodies for i, v in enumerate(b.velocity) if i != k)
+    if not (fits and along) or abs(plane - other) > 1e-9 * one.box.size[k]:
+        return None
+    if any(_sides(held, body.name, k) for body in bodies):
+        return None
+    return k, plane, 0.5 * (one.velocity[k] - two.velocity[k])
+
+
+# Functionals.
+
+
+def _mean(time: Floats, values: Floats) -> float:
+    return float((np.diff(time) * 0.5 * (values[1:] + values[:-1])).sum() / (time[-1] - time[0]))
+
+
+HOW: dict[str, Any] = {
+    "end": lambda time, values: values[-1],
+    "max": lambda time, values: values.max(),
+    "min": lambda time, values: values.min(),
+    "mean": _mean,
+}
+
+
+@dataclass(frozen=True)
+class Functional:
+    """
+    A number of a run: ``TABLE.COLUMN.HOW``.
+
+    The table is that of a probe (``"wall.force_x.max"``), of a body's momentum (``"bar.p_x.end"``), or ``energy`` (``"energy.kinetic.end"``); HOW is ``end``,
+    ``max``, ``min``, or the ``mean`` over time. Probes have a row per step, the other tables a row per record.
+    """
+
+    name: str
+    table: str
+    column: str
+    part: int | None
+    how: str
+
+    def __str__(self) -> str:
+        return self.name
+
+    def value(self, run: Run) -> float:
+        """
+        The number.
+
+        Parameters
+        ----------
+        run : Run
+            A run.
+
+        Returns
+        -------
+        float
+            The number, in the units of the scene.
+        """
+        if self.table in run.probes:
+            rows = run.probes[self.table]
+        else:
+            rows = run.energy if self.table == "energy" else run.body_momentum(self.table)
+        values = rows[self.column] if self.part is None else rows[self.column][:, self.part]
+        return float(HOW[self.how](rows["time"], values))
+
+
+def functional(problem: Problem, text: str) -> Functional:
+    """
+    Find what a functional names.
+
+    Parameters
+    ----------
+    problem : Problem
+        A built problem.
+    text : str
+        Its name, see :class:`Functional`.
+
+    Returns
+    -------
+    Functional
+        The functional.
+
+    Raises
+    ------
+    SceneError
+        The scene has no such probe, body or quantity.
+    """
+    known = {name: (table, column, part) for name, table, column, part in columns(problem)}
+    column, _, how = text.rpartition(".")
+    at = Place("functional", problem.file)
+    if how not in HOW:
+        raise at.error(
+            f'"{text}" does not end in .{", .".join(HOW)}, as in "{next(iter(known))}.end"'
+        )
+    if column not in known:
+        raise at.error(f'the scene has no "{column}"{suggestion(column, known)}')
+    return Functional(text, *known[column], how)
+
+
+def columns(problem: Problem) -> Iterator[tuple[str, str, str, int | None]]:
+    """
+    List what functionals can be made of.
+
+    Parameters
+    ----------
+    problem : Problem
+        A built problem.
+
+    Yields
+    ------
+    name, table, column : str
+        The name, such as ``"wall.force_x"``, and where it is found.
+    part : int or None
+        The component.
+    """
+    for probe in problem.parts.probe:
+        for name in probe.taken:
+            words = STRESS if name == "stress" else "" if name == "pressure" else AXES
+            for i, word in enumerate(words):
+                yield f"{probe.name}.{name}_{word}", probe.name, name, i
+            if not words:
+                yield f"{probe.name}.{name}", probe.name, name, None
+    for body in problem.bodies:
+        for name in MOMENTUM.names or ():
+            for i, word in enumerate(AXES) if name not in ("time", "body") else ():
+                yield f"{body}.{name}_{word}", body, name, i
+    effects = [name for name in dict.fromkeys(problem.effects) if name not in IN_ENERGY]
+    for name in (*(ENERGY.names or ()), *effects):
+        if name != "time":
+            yield f"energy.{name}", "energy", name, None

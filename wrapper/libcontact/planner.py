@@ -1,0 +1,742 @@
+"""The planner: which mesh, step, integrator and contact law meet an error, or a time, at the least cost (chapter :doc:`/theory/planner`)."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import time as clock
+import warnings
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from tqdm import tqdm
+
+from .answer import NUMERICAL, Functional, Plates, functional, plates
+from .errors import EnergyGrowth, Error
+from .loop import record_count
+from .model import Box, Contact, Time
+from .plan import predict, shown_seconds
+from .schema import Place, SceneError, is_number
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+Keys = dict[str, Any]
+Array = npt.NDArray[np.float64]
+
+PRICES = Path(__file__).with_name("prices.csv")
+# Keys that a planner may choose, in words; settings of the list with other keys, such as those of the search, are not for it.
+WORDS = {
+    "time.fraction": "{:g} of the stable step",
+    "time.integrator": "{}",
+    "time.integrator_parameter": "parameter {:g}",
+    "averaging": "averaged mass",
+    "viscosity.linear": "bulk viscosity {:g}",
+    "viscosity.quadratic": "quadratic {:g}",
+    "contact.enforcement": "{}",
+    "contact.beta": "beta {:g}",
+}
+# What a setting of the list may cost over the cheapest one that is as good, to be tried; laws of contact that are tried beside the default; their growth of energy.
+WORTH, LAWS, MOST_GROWTH = 2.0, 2, 1e-3
+# The longest side of the coarsest mesh has so many elements; the next mesh is this many times finer; so many meshes before anything is concluded.
+COARSEST, FINER, FEWEST = 8, 2.0**0.5, 4
+# Beyond the trials errors are taken to fall at least with this power.
+SLOWEST = 0.25
+# Two meshes whose sizes differ by this logarithm, or less, are not told apart.
+NEAR = 0.1
+# A setting is tried on while it may cost so many times what the cheapest one does; runs shorter than this are repeated, for their times.
+BEHIND, SHORT_SECONDS, PASSES = 2.5, 0.06, 4
+# No mesh is asked for that is so many times finer than the finest that was tried.
+FARTHEST = 16.0
+# Orders of convergence that an extrapolation may find, and the last meshes that it looks at.
+# And the share of the way from the finest value to the limit that it doubts.
+ORDERS, LAST, SAFETY = np.linspace(0.5, 3.0, 101), 5, 0.25
+# So many of the best settings are priced; their last trials may take this share of the time for trials, also when it is over.
+FINALISTS, SETTLE = 2, 0.2
+# A value is sure where it is uncertain by less than this share of the error that was asked for.
+SURE = 0.2
+
+
+# The list.
+
+
+def settings(contact: bool) -> list[Keys]:
+    """
+    Settings of the price list that are worth a trial.
+
+    Parameters
+    ----------
+    contact : bool
+        Whether anything touches, so that laws of contact are a part of the choice.
+
+    Returns
+    -------
+    list of dict
+        The keys of each setting, such as ``{"time.fraction": 0.98, "contact.beta": 4.0}``.
+    """
+    with PRICES.open(encoding="utf-8") as file:
+        rows = [_Row.read(row) for row in csv.DictReader(file)]
+    rows = [row for row in rows if row.keys.keys() <= WORDS.keys() and "time.fraction" in row.keys]
+    wall, methods = [row for row in rows if row.scene == "reference"], list[Keys]()
+    for row in wall:
+        cheapest = min(each.cost for each in wall if each.error <= row.error)
+        if row.cost <= WORTH * cheapest and row.keys not in methods:
+            methods.append(row.keys)
+    largest = max(row.keys["time.fraction"] for row in rows if row.scene == "contact")
+    laws = list[Keys]()
+    for row in sorted(rows, key=lambda row: row.error):
+        law = {name: value for name, value in row.keys.items() if name != "time.fraction"}
+        good = row.growth < MOST_GROWTH and row.keys["time.fraction"] == largest
+        if row.scene == "contact" and good and law.keys() >= {"contact.beta"} and law not in laws:
+            laws.append(law)
+    return [method | law for method in methods for law in ({}, *laws[: LAWS * contact])]
+
+
+class _Row(NamedTuple):
+    """A row of the list."""
+
+    scene: str
+    keys: Keys
+    cost: float
+    error: float
+    growth: float
+
+    @classmethod
+    def read(cls, row: dict[str, str]) -> _Row:
+        numbers = (float(row[name]) for name in ("cost", "error", "growth"))
+        return cls(row["scene"], _keys(row["setting"]), *numbers)
+
+
+def _keys(setting: str) -> Keys:
+    """A setting of the list as keys and values."""
+    pairs = (part.split("=") for part in setting.split("; "))
+    keys = {name: float(value) if value[0].isdigit() else value for name, value in pairs}
+    # A law that is the default needs no word.
+    usual = keys.get("contact.enforcement") == Contact.keys()["enforcement"].default
+    return {
+        name: value for name, value in keys.items() if not (usual and name == "contact.enforcement")
+    }
+
+
+# Extrapolation.
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What values on finer and finer meshes go to, with the uncertainty, and the observed order with its bounds, :eq:`planner-fit`."""
+
+    value: float
+    uncertainty: float
+    order: float
+    orders: tuple[float, float]
+
+
+def extrapolate(sizes: Any, values: Any) -> Limit:
+    """
+    Fit :math:`F + C h^p` to values on some meshes, :eq:`planner-fit`.
+
+    Parameters
+    ----------
+    sizes : array_like
+        Sizes h of the elements, at least four, from coarse to fine.
+    values : array_like
+        The values.
+
+    Returns
+    -------
+    Limit
+        The limit F.
+    """
+    h, f = np.asarray(sizes, float)[-LAST:], np.asarray(values, float)[-LAST:]
+    h, rows = h / h[0], []
+    for p in ORDERS:
+        matrix = np.column_stack([np.ones(len(h)), h**p])
+        (limit, slope), *_ = np.linalg.lstsq(matrix, f, rcond=None)
+        misfit = f - limit - slope * h**p
+        rows.append((misfit @ misfit, limit, np.linalg.inv(matrix.T @ matrix)[0, 0]))
+    squares, limits, spread = np.array(rows).T
+    best, variance = int(squares.argmin()), float(squares.min() / (len(h) - 3))
+    near = squares <= squares[best] + 4.0 * variance + (1e-12 * np.ptp(f)) ** 2
+    wide = 2.0 * np.sqrt(variance * spread)
+    low, high = (limits - wide)[near].min(), (limits + wide)[near].max()
+    bounds = float(ORDERS[near].min()), float(ORDERS[near].max())
+    limit, width = float(limits[best]), float(high - low) / 2.0
+    return Limit(limit, width + SAFETY * abs(limit - f[-1]), float(ORDERS[best]), bounds)
+
+
+def together(limits: list[Limit]) -> tuple[float, float]:
+    """
+    The common limit of several methods and its uncertainty, :eq:`planner-mean`.
+
+    Parameters
+    ----------
+    limits : list of Limit
+        What each method goes to.
+
+    Returns
+    -------
+    value, uncertainty : float
+        The weighted mean, and what it is uncertain by.
+    """
+    values, widths = np.array([(each.value, each.uncertainty) for each in limits]).T
+    weights = 1.0 / np.maximum(widths, 1e-9 * np.abs(values).max() + 1e-150) ** 2
+    weights /= weights.sum()
+    mean = float(weights @ values)
+    return mean, math.sqrt(weights @ (widths**2 + (values - mean) ** 2))
+
+
+# Trials.
+
+
+@dataclass(eq=False)
+class Tried:
+    """A setting, the power of the scale with which its time grows, and its trials, from coarse to fine: refinement of the scene's mesh, value, error, and seconds."""
+
+    keys: Keys
+    growth: float
+    scales: list[float] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+    errors: Array = field(default_factory=lambda: np.empty(0))
+
+    def next_seconds(self) -> float:
+        """What the trial on the next mesh will take, about."""
+        return self.seconds_at(self.scales[-1] * FINER)
+
+    def add(self, scale: float, value: float, seconds: float) -> None:
+        """Put a trial where its mesh belongs."""
+        at = int(np.searchsorted(self.scales, scale))
+        for kept, new in ((self.scales, scale), (self.values, value), (self.seconds, seconds)):
+            kept.insert(at, new)
+
+    def limit(self) -> Limit:
+        """What the values go to."""
+        return extrapolate(1.0 / np.array(self.scales), self.values)
+
+    def line(self, values: Any, last: int = LAST) -> tuple[float, float]:
+        """Slope of the logarithm against that of the scale over the last meshes, and what it is uncertain by."""
+        x, y = np.log(self.scales[-last:]), np.log(np.maximum(values[-last:], 1e-300))
+        x, mean = x - x.mean(), y.mean()
+        slope = float(x @ (y - mean) / (x @ x))
+        misfit = y - mean - slope * x
+        return slope, math.sqrt(misfit @ misfit / max(1, len(x) - 2) / (x @ x))
+
+    def order(self) -> float:
+        """The power of the scale with which errors fall beyond the trials, on the cautious side."""
+        slope, spread = self.line(self.errors)
+        return max(SLOWEST, -slope - spread)
+
+    def error_at(self, scale: float) -> float:
+        """The error between trials, or on the line beyond them."""
+        return self._at(scale, self.errors, -self.order())
+
+    def seconds_at(self, scale: float) -> float:
+        """The same of the time, which grows beyond the trials with the number of elements and of steps."""
+        return self._at(scale, self.seconds, self.growth)
+
+    def _at(self, scale: float, values: Any, slope: float) -> float:
+        """A value by its logarithm, linear between trials and with a slope beyond them."""
+        if scale > self.scales[-1]:
+            return float(values[-1] * (scale / self.scales[-1]) ** slope)
+        logs = np.log(np.maximum(values, 1e-300))
+        return float(np.exp(np.interp(math.log(scale), np.log(self.scales), logs)))
+
+    def scale_for(self, error: float) -> float:
+        """The coarsest mesh on which, and on all finer ones, the error is as small; beyond the trials, on the line of the last ones."""
+        bad = np.flatnonzero(self.errors > error)
+        if not bad.size:
+            return self.scales[0]
+        i = int(bad[-1])
+        if i + 1 == len(self.scales):
+            return float(self.scales[-1] * (self.errors[-1] / error) ** (1.0 / self.order()))
+        x, y = np.log(self.scales[i : i + 2]), np.log(np.maximum(self.errors[i : i + 2], 1e-300))
+        if x[1] - x[0] < NEAR:
+            return self.scales[i + 1]
+        return math.exp(x[0] + (x[1] - x[0]) * (y[0] - math.log(error)) / (y[0] - y[1]))
+
+    def scale_in(self, seconds: float) -> float:
+        """The finest mesh whose run takes as long."""
+        scales = self.scales[0] * 1.01 ** np.arange(3000)
+        times = np.array([self.seconds_at(scale) for scale in scales])
+        return float(
+            scales[max(0, int(np.searchsorted(np.maximum.accumulate(times), seconds)) - 1)]
+        )
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What was asked for: an error, or a time."""
+
+    error: float | None
+    seconds: float | None
+
+    def scale(self, tried: Tried) -> float:
+        """The mesh that a setting needs, or can pay."""
+        return tried.scale_in(self.seconds) if self.seconds else tried.scale_for(self.error or 1.0)
+
+    def merit(self, tried: Tried) -> float:
+        """What the best setting has least: the time, or the error."""
+        scale = self.scale(tried)
+        return tried.error_at(scale) if self.seconds else tried.seconds_at(scale)
+
+    def error_of(self, tried: Tried) -> float:
+        """The error that a setting will have."""
+        return self.error or tried.error_at(self.scale(tried))
+
+
+@dataclass(frozen=True)
+class Offer:
+    """
+    What one setting on one mesh is expected to cost and to give.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene so changed.
+    mesh, setting : str
+        Words for what was changed.
+    error : float
+        Expected error.
+    seconds : float
+        Predicted time of the run [s], that of ``explain``.
+    why : str
+        Why it is, or is not, the choice.
+    """
+
+    scene: Scene
+    mesh: str
+    setting: str
+    error: float
+    seconds: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """
+    A choice with its neighbours.
+
+    Attributes
+    ----------
+    choice : Offer
+        The choice.
+    cheaper, dearer : Offer or None
+        The next offers below and above it; None where none was tried.
+    scene : Scene
+        The scene of the choice.
+    measure : str
+        What the error is.
+    sure : str
+        How sure it is, in a sentence.
+    value, uncertainty : float or None
+        The estimated value of the functional, and what it is uncertain by.
+    interrupted : bool
+        Whether Ctrl-C ended the trials.
+    """
+
+    choice: Offer
+    cheaper: Offer | None
+    dearer: Offer | None
+    measure: str
+    sure: str
+    value: float | None = None
+    uncertainty: float | None = None
+    interrupted: bool = False
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the choice."""
+        return self.choice.scene
+
+    def __str__(self) -> str:
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table("", "mesh", "setting", "error", "time", box=None, pad_edge=False)
+        rows = {"cheaper": self.cheaper, "choice": self.choice, "dearer": self.dearer}
+        reasons = []
+        for name, offer in rows.items():
+            if offer is not None:
+                words = (name, offer.mesh, offer.setting, percent(offer.error))
+                table.add_row(*words, shown_seconds(offer.seconds))
+                reasons.append(f"{name}: {offer.why}")
+        text = io.StringIO()
+        Console(file=text, width=200, color_system=None).print(table)
+        lines = [line.rstrip() for line in text.getvalue().splitlines()]
+        return "\n".join([f"error {self.measure}", *lines, *reasons, self.sure])
+
+
+class Planner:
+    """
+    The trials of one plan.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    named : str or None
+        The functional.
+    trials : float
+        Seconds that trials may take.
+    """
+
+    def __init__(self, scene: Scene, named: str | None, trials: float):
+        self.scene, self.trials, self.spent = scene, trials, 0.0
+        if scene._own:
+            reason = "is a Python function; only what a scene file can hold is planned"
+            raise SceneError(reason, scene._own[0].name, scene.file)
+        problem = scene._built(None)
+        self.plates: Plates | None = None if named else plates(problem)
+        self.functional: Functional | None = functional(problem, named) if named else None
+        if not (self.plates or self.functional):
+            reason = "is missing; the scene has no exact answer that is known, so name what the error is of"
+            raise SceneError(f'{reason}, such as "energy.kinetic.end"', "functional", scene.file)
+        parts = problem.parts
+        self.lattices = [body.box or body.ring for body in parts.body]
+        self.own_mesh = not all(self.lattices)
+        several = (
+            0 if self.own_mesh else max(sum(n > 1 for n in each.cells) for each in self.lattices)
+        )
+        listed = settings(bool(parts.contact or parts.obstacle))
+        self.tried = [Tried(keys, 1.0 + several) for keys in listed]
+        self.value, self.uncertainty, self.interrupted = 0.0, 0.0, False
+
+    # The scene with another setting on another mesh.
+
+    def changed(self, keys: Keys, scale: float) -> Scene:
+        """The scene with the keys of a setting and elements so many times smaller; with meshes of its own the steps are."""
+        data = self.scene.data
+        time, pressing = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
+        for name in (*Time.one[1], "integrator", "integrator_parameter"):
+            time.pop(name, None)
+        for table in pressing:
+            for name in ("beta", "epsilon", "enforcement", "dissipation"):
+                table.pop(name, None)
+        for name in NUMERICAL:
+            data.pop(name, None)
+        for name, value in keys.items():
+            where, _, key = name.partition(".")
+            for table in pressing if where == "contact" else [data.setdefault(where, {})]:
+                table |= {key: value} if key else {}
+        if self.own_mesh:
+            time["fraction"] /= scale
+        else:
+            self._refine(data["body"], scale)
+        return type(self.scene)(data, file=self.scene.file)
+
+    def _refine(self, bodies: list[Keys], scale: float) -> None:
+        """Change the cells, but one across stays one; in the plane strain of plates it gets the size of the others."""
+        for body, lattice in zip(bodies, self.lattices):
+            body["box" if "box" in body else "ring"]["cells"] = _cells(lattice, scale)
+        across = self.plates.axes[1] if self.plates else 0
+        if self.plates and all(body["box"]["cells"][across] == 1 for body in bodies):
+            edges = [np.divide(body["box"]["size"], body["box"]["cells"]) for body in bodies]
+            for body in bodies:
+                body["box"]["size"][across] = float(np.delete(edges, across, axis=1).min())
+
+    def true_scale(self, scale: float) -> float:
+        """The refinement that whole numbers of elements give."""
+        if self.own_mesh:
+            return max(1.0, scale)
+        ratios = [
+            np.divide(_cells(each, scale), each.cells)[np.array(each.cells) > 1]
+            for each in self.lattices
+        ]
+        logs = np.log(np.concatenate(ratios))
+        return math.exp(logs.mean()) if logs.size else 1.0
+
+    # Trials.
+
+    def _try(self, tried: Tried, scale: float) -> bool:
+        """Run a setting on a mesh; False where the scene refuses it, the run fails, or energy grows."""
+        true, seconds = self.true_scale(scale), list[float]()
+        if true in tried.scales:
+            return True
+        data = self.changed(tried.keys, scale).data
+        # Tables of the ledger have a row per record.
+        ledger = self.functional and self.functional.table not in {
+            each["name"] for each in data.get("probe", [])
+        }
+        data["output"] = {} if ledger else {"every": 10**9}
+        begin = clock.perf_counter()
+        try:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                scene = type(self.scene)(data, file=self.scene.file)
+                while len(seconds) < PASSES and sum(seconds) < SHORT_SECONDS:
+                    run = scene.run(progress=False, output=False)
+                    if run.interrupted:
+                        raise KeyboardInterrupt
+                    seconds.append(sum(run.costs.values()))
+        except Error as error:
+            self.reason = error
+            return False
+        finally:
+            self.spent += clock.perf_counter() - begin
+        if any(isinstance(each.message, EnergyGrowth) for each in caught):
+            self.reason = SceneError("energy grows with every setting", "", self.scene.file)
+            return False
+        exact = self.plates.error(scene._built(None), run) if self.plates else 0.0
+        tried.add(true, self.functional.value(run) if self.functional else exact, min(seconds))
+        return True
+
+    def judge(self, goal: Goal) -> None:
+        """The errors of all trials: as they are, or from the common limit of the settings, of whose uncertainty one half is added."""
+        if self.functional:
+            self.value, width = together([each.limit() for each in self.finest()])
+            self.uncertainty = width / max(abs(self.value), 1e-300)
+        for each in self.tried:
+            each.errors = np.array(each.values)
+            if self.functional:
+                distance = np.abs(each.errors - self.value) / max(abs(self.value), 1e-300)
+                each.errors = distance + 0.5 * min(self.uncertainty, goal.error or 1.0)
+
+    def finest(self) -> list[Tried]:
+        """The settings that were tried on the finest meshes."""
+        enough = [each for each in self.tried if len(each.scales) >= FEWEST]
+        finest = max(each.scales[-1] for each in enough)
+        return [each for each in enough if each.scales[-1] > 0.6 * finest]
+
+    def climb(self, goal: Goal, bar: Any) -> None:
+        """Try all settings on finer and finer meshes, and leave behind what is expensive, until the answer is among the trials or their time is over."""
+        scale, live = 1.0, [*self.tried]
+        if not self.own_mesh:
+            scale = COARSEST / max(max(each.cells) for each in self.lattices)
+        while live:
+            for each in live:
+                if not self._try(each, scale):
+                    self.tried.remove(each)
+                bar.set_description(f"trials, elements {1.0 / scale:.3g} times as large")
+                bar.update()
+            live = [each for each in live if each in self.tried]
+            if not self.tried:
+                raise self.reason
+            if len(live[0].scales) < FEWEST:
+                live = live if self.spent < self.trials else live[:FINALISTS]
+            else:
+                self.judge(goal)
+                live.sort(key=goal.merit)
+                sure = self.uncertainty <= SURE * goal.error_of(live[0])
+                beyond = goal.scale(live[0]) * (FINER if self.functional else 1.0)
+                if sure and beyond <= 1.001 * scale:
+                    return
+                live = [each for each in live if goal.merit(each) <= BEHIND * goal.merit(live[0])]
+                while live and sum(each.next_seconds() for each in live) > self.trials - self.spent:
+                    live.pop()
+            scale *= FINER
+
+    def mesh(self, tried: Tried, goal: Goal) -> float:
+        """The scale of the mesh that a setting needs, in whole elements."""
+        scale, far = self.true_scale(goal.scale(tried)), FARTHEST * tried.scales[-1]
+        if goal.seconds:
+            return min(scale, far)
+        while goal.error and scale <= far and tried.error_at(scale) > goal.error:
+            most = 100 if self.own_mesh else max(max(each.cells) for each in self.lattices) * scale
+            scale = self.true_scale(scale * (1.0 + 1.0 / most))
+        return scale
+
+    def settle(self, tried: Tried, goal: Goal) -> None:
+        """Further trials of a setting on the mesh that it needs, while there is time."""
+        for _ in range(4):
+            scale = self.mesh(tried, goal)
+            late = tried.seconds_at(scale) > max(SETTLE * self.trials, self.trials - self.spent)
+            if late or scale in tried.scales or not self._try(tried, scale):
+                return
+            self.judge(goal)
+
+    def offer(self, tried: Tried, scale: float, ratio: float = 0.0) -> Offer:
+        """A setting on a mesh with its price, by the one prediction of cost, or from trials, of which it is so many times as much."""
+        scene, seconds = self.changed(tried.keys, scale), ratio * tried.seconds_at(scale) or None
+        if not ratio:
+            problem = scene._built(None)
+            seconds = predict(problem, record_count(problem)).seconds
+        cells = (
+            ["mesh of its own"]
+            if self.own_mesh
+            else [" x ".join(map(str, _cells(each, scale))) for each in self.lattices]
+        )
+        keys = {"time.integrator": "central_difference", **tried.keys}
+        words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
+        seconds = tried.seconds_at(scale) if seconds is None else seconds
+        mesh = ", ".join(dict.fromkeys(cells))
+        return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
+
+    def judged(self, goal: Goal) -> list[Tried]:
+        """The settings with trials enough, the best first."""
+        enough = [each for each in self.tried if len(each.scales) >= FEWEST]
+        return sorted(enough, key=goal.merit)
+
+    def plan(self, goal: Goal, bar: Any) -> Plan:
+        """Try, choose, and price the choice and its neighbours."""
+        try:
+            self.climb(goal, bar)
+            for each in self.judged(goal)[:FINALISTS]:
+                self.settle(each, goal)
+        except KeyboardInterrupt:
+            if all(len(each.scales) < FEWEST for each in self.tried):
+                raise
+            self.interrupted = True
+        self.judge(goal)
+        if self.functional and not (self.value and self.uncertainty < 1.0):
+            much = f"{self.value:.3g}, uncertain by {self.uncertainty * abs(self.value):.2g}"
+            raise SceneError(
+                f"goes to {much}; a share of it has no meaning", "functional", self.scene.file
+            )
+        (choice, tried, scale), *others = self.priced(goal)
+        count = len(self.tried)
+        if goal.seconds:
+            why = f"the least error of {count} settings within {shown_seconds(goal.seconds)}"
+        else:
+            why = f"the cheapest of {count} settings whose error is at most {percent(goal.error or 0.0)}"
+        for offer, *_ in others[:1]:
+            many = f"{offer.seconds / choice.seconds:.2g} times as long, with an error of {percent(offer.error)}"
+            why += f"; the runner-up ({offer.setting}) takes {many}"
+        plan = Plan(
+            replace(choice, why=why),
+            *self._beside(choice, tried, scale, goal),
+            measure=Plates.words,
+            sure=self._sure(goal, tried, scale),
+            interrupted=self.interrupted,
+        )
+        if self.functional is None:
+            return plan
+        width = self.uncertainty * abs(self.value)
+        measure = f"of {self.functional}, over its value"
+        return replace(plan, measure=measure, value=self.value, uncertainty=width)
+
+    def priced(self, goal: Goal) -> list[tuple[Offer, Tried, float]]:
+        """The best settings on their meshes with their prices, the best first; what no mesh within reach gives is refused."""
+        found, far = list[tuple[Offer, Tried, float]](), 0.0
+        for each in self.judged(goal)[:FINALISTS]:
+            scale = self.mesh(each, goal)
+            far = scale / each.scales[-1]
+            if far <= FARTHEST:
+                offer = self.offer(each, scale)
+                while goal.seconds and offer.seconds > goal.seconds and scale > each.scales[0]:
+                    less = max(0.7, min(0.96, goal.seconds / offer.seconds))
+                    scale = self.true_scale(max(scale * less, each.scales[0]))
+                    offer = self.offer(each, scale)
+                found += [(offer, each, scale)] * (offer.seconds <= (goal.seconds or math.inf))
+        if found:
+            return sorted(found, key=lambda one: one[0].error if goal.seconds else one[0].seconds)
+        reason = "are not enough for the coarsest mesh that was tried"
+        if goal.error:
+            reason = f"asks for a mesh {far:.3g} times finer than the finest that was tried; ask for more, or give more time to trials"
+        asked = f"{goal.seconds:.3g} s" if goal.seconds else percent(goal.error or 0.0)
+        raise SceneError(
+            f"{asked} {reason}", "seconds" if goal.seconds else "error", self.scene.file
+        )
+
+    def _beside(
+        self, choice: Offer, tried: Tried, scale: float, goal: Goal
+    ) -> tuple[Offer | None, Offer | None]:
+        """The most accurate offer of those that cost less than the choice, and the cheapest of those that are more accurate; all on meshes in steps of the trials."""
+        ratio = choice.seconds / tried.seconds_at(scale)
+        grid = [
+            (each, each.scales[-1] * FINER**k) for each in self.judged(goal) for k in range(-12, 3)
+        ]
+        points = [
+            (each.error_at(at), ratio * each.seconds_at(at), at, each)
+            for each, at in grid
+            if at >= each.scales[0]
+        ]
+        less = [one for one in points if one[1] < 0.95 * choice.seconds and one[0] > choice.error]
+        more = [one for one in points if one[0] < 0.95 * choice.error and one[1] > choice.seconds]
+
+        def told(point: tuple[float, float, float, Tried] | None) -> Offer | None:
+            if point is None:
+                return None
+            error, seconds, at, each = point
+            many = f"{error / max(choice.error, 1e-9):.2g} times the error"
+            why = f"{seconds / choice.seconds:.2g} times the time for {many}"
+            return replace(self.offer(each, at, ratio), why=why)
+
+        cheaper = min(less, key=lambda one: one[0], default=None)
+        return told(cheaper), told(min(more, key=lambda one: one[1], default=None))
+
+    def _sure(self, goal: Goal, tried: Tried, scale: float) -> str:
+        """How sure an expected error is."""
+        slope, spread = tried.line(tried.errors, 0)
+        order = f"observed order {-slope:.2f} +- {2.0 * spread:.2f}"
+        if self.functional:
+            limit = tried.limit()
+            order = f"observed order {limit.order:.2g} ({limit.orders[0]:.2g} ... {limit.orders[1]:.2g})"
+        text = f"extrapolated from meshes up to {tried.scales[-1] / scale:.2g} of this one, {order}"
+        if scale <= 1.001 * tried.scales[-1]:
+            text = f"from trials around this mesh, {order}"
+        if self.functional:
+            text += f"; {self.functional} = {self.value:.6g} +- {percent(self.uncertainty)}, the limit of {len(self.finest())} settings"
+            asked = goal.error or tried.error_at(scale)
+            words = (
+                "sure"
+                if self.uncertainty <= SURE * asked
+                else "fairly sure"
+                if self.uncertainty <= asked
+                else "not sure"
+            )
+            text = f"{words}: {text}"
+        if self.own_mesh:
+            text += "; the mesh stays as it is, and its own error is not seen"
+        return text + ("; the trials were interrupted" if self.interrupted else "")
+
+
+def percent(share: float) -> str:
+    """A share in per cent."""
+    return f"{100.0 * share:.3g} %"
+
+
+def _cells(lattice: Any, scale: float) -> list[int]:
+    """The cells of a box or a ring with smaller elements; one across stays one."""
+    fewest = (1, 1, 1) if isinstance(lattice, Box) else (1, 3, 1)
+    return [
+        n if n == 1 else max(least, round(n * scale)) for n, least in zip(lattice.cells, fewest)
+    ]
+
+
+def plan(
+    scene: Scene,
+    error: float | None,
+    seconds: float | None,
+    named: str | None,
+    trials: float,
+    progress: bool,
+) -> Plan:
+    """
+    Plan a scene; :meth:`libcontact.scene.Scene.plan` is the call for users.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    error, seconds : float or None
+        What is asked for, one of the two.
+    named : str or None
+        The functional.
+    trials : float
+        Seconds that trials may take.
+    progress : bool
+        Show a bar where stderr is a terminal.
+
+    Returns
+    -------
+    Plan
+        The plan.
+    """
+    at = Place("", scene.file)
+    if (error is None) == (seconds is None):
+        raise (at / "error").error("or seconds: exactly one of the two is needed")
+    for key, number, most in (
+        ("error", error, 1.0),
+        ("seconds", seconds, math.inf),
+        ("trials", trials, math.inf),
+    ):
+        right = number is None or (is_number(number) and 0.0 < number < most)
+        (at / key).need(
+            right, number, "a number above 0" + (" and below 1 (100 %)" if most == 1.0 else "")
+        )
+    with tqdm(desc="trials", unit=" runs", disable=None if progress else True, leave=False) as bar:
+        return Planner(scene, named, trials).plan(Goal(error, seconds), bar)
