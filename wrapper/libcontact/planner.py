@@ -86,7 +86,7 @@ def settings(contact: bool) -> list[Keys]:
         cheapest = min(each.cost for each in wall if each.error <= row.error)
         if row.cost <= WORTH * cheapest and row.keys not in methods:
             methods.append(row.keys)
-    largest = max(row.keys["time.fraction"] for row in rows if row.scene == "contact")
+    largest = max(row.keys["time.fraction"] for row in rows if "contact.beta" in row.keys)
     laws = list[Keys]()
     for row in sorted(rows, key=lambda row: row.error):
         law = {name: value for name, value in row.keys.items() if name != "time.fraction"}
@@ -411,7 +411,7 @@ class Planner:
         """The scene with the keys of a setting and elements so many times smaller; with meshes of its own the steps are."""
         data = self.scene.data
         time, pressing = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
-        for name in (*Time.one[1], "integrator", "integrator_parameter"):
+        for name in (*Time.rivals[0], "integrator", "integrator_parameter"):
             time.pop(name, None)
         for table in pressing:
             for name in ("beta", "epsilon", "enforcement", "dissipation"):
