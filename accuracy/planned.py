@@ -24,7 +24,7 @@ from rich.table import Table  # noqa: E402
 import libcontact as ct  # noqa: E402
 
 ASKED = (0.05, 0.02, 0.01)
-# The value of the sphere's force at the end of its way has no closed form, as the block is finite and moves: from 80 cells along an edge, beta 4 and 40.
+# The value of the sphere's force at the end of its way has no closed form, as the block is finite and moves: from 40 cells along an edge, with the default penalty and with beta 4.
 HERTZ = -26.42
 
 

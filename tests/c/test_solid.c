@@ -265,8 +265,9 @@ static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled,
 static void wheel(void)
 {
   enum { SPOKES = 5 };
-  ct_mesh m = {CT_HEX8, 2 * (2 * SPOKES + 1), SPOKES, numbers(6 * (2 * SPOKES + 1)),
-               integers(8 * SPOKES), 0};
+  ct_mesh m = {
+      CT_HEX8, 2 * (2 * SPOKES + 1), SPOKES, numbers(6 * (2 * SPOKES + 1)), integers(8 * SPOKES),
+      0};
   const double turn = 2.0 * 3.14159265358979323846 / (2 * SPOKES);
   for (int n = 0; n < m.node_count; n++) {
     int layer = n / (2 * SPOKES + 1), k = n % (2 * SPOKES + 1);

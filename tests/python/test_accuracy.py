@@ -77,9 +77,10 @@ def test_errors_and_cost_by_hand(scene, example, monkeypatch):
     x, sx, sz, run = stress_at(example, {"fraction": 0.7}, 0.56 * 2.5 / c1())
     hand = by_hand(x, sx, sz, 0.56)
     assert {name: row[f"{name}_at_056"] for name in hand} == pytest.approx(hand, rel=1e-9)
-    # A step is an evaluation, and one more is made at the start or the end.
+    # A step is an evaluation. More are made at the start, where a contact's law needs the step that
+    # follows from the first ones, and at the end.
     plates = 2 if scene == "contact" else 1
-    assert 0 <= row["evaluations"] - run.steps[-1] <= 2
+    assert 0 <= row["evaluations"] - run.steps[-1] <= 3
     assert row["updates"] == round(run.computed * row["evaluations"] * plates * N**2)
     assert row["cost"] == row["updates"] / (plates * 448 * 100**2)
     # The nine times: the step that is nearest to each.

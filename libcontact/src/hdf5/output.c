@@ -236,8 +236,8 @@ static ct_status stress_rows(const ct_problem *problem, const double *displaceme
     if (from >= end) continue;
     part.elements += from * ct_brick_node_count(part.kind);
     part.element_count = (int32_t)(end - from);
-    status = ct_solid_stress(&part, &body->material,
-                             displacement + 3 * (int64_t)body->first_node, values, error);
+    status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
+                             values, error);
     if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
     values += 6 * (end - from);
   }
@@ -278,8 +278,7 @@ static void write_column(ct_task *task, const ct_output *o, const ct_problem *pr
   ct_hdf5_extend(task, c, first + c->rows);
   for (int64_t at = 0; at < c->rows && task->status == CT_OK; at += piece) {
     int64_t count = c->rows - at < piece ? c->rows - at : piece;
-    if (c->fill != NULL)
-      task->status = c->fill(o, problem, state, at, count, task->error);
+    if (c->fill != NULL) task->status = c->fill(o, problem, state, at, count, task->error);
     ct_hdf5_write_rows(task, c, first + at, count, ct_record_at(&o->now, c));
   }
 }
