@@ -20,7 +20,7 @@ import price
 MESHES = (12, 25)
 COLUMNS = ("method", "cells", "steps", "evaluations", "updates", "instructions", "over_plain")
 # The time loop, without records and ledger; each run begins with a state.
-LOOP, BEGIN = "ct_series_steps", "ct_state_create"
+LOOP, BEGIN = "ct_series_steps", "ct_scene_start"
 HERE = "import sys; sys.path.insert(0, {!r}); import instructions; instructions.run_all()"
 
 
