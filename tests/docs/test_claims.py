@@ -98,7 +98,7 @@ def test_claims_that_were_false_are_gone(claim):
 
 # Advice that holds for the explicit penalty alone says so, in its own paragraph.
 EXPLICIT = {
-    "docs/theory/contact.rst": (
+    "docs/theory/contact_bound.rst": (
         r"\\beta \\le 1",
         r"\\beta` between 3 and 5",
         r"\\beta \\ge 5",
@@ -122,7 +122,7 @@ def test_advice_on_penalty_and_step_has_its_scope(page, advice):
 
 
 def test_contact_advises_stresses_of_elements_on_unlike_meshes():
-    text = " ".join(PAGES["docs/theory/contact.rst"].split())
+    text = " ".join(PAGES["docs/theory/contact_bound.rst"].split())
     assert "report tractions at Gauss points" not in text and "unlike_meshes.8_11_4_point" in text
 
 
