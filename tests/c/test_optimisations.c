@@ -199,6 +199,115 @@ static void lattices(void)
   }
 }
 
+/* The same mesh with its nodes and elements in a random order; to[n] is the new number of node n.
+ */
+static ct_mesh *shuffle(const ct_mesh *m, int32_t *to)
+{
+  ct_error e;
+  ct_mesh *out;
+  int per = ct_brick_node_count(m->kind);
+  int32_t *at = integers(m->element_count);
+  need(ct_mesh_create_copy(m, &out, &e), &e);
+  for (int32_t n = 0; n < m->node_count; n++) {
+    int32_t k = pick(n + 1);
+    to[n] = to[k];
+    to[k] = n;
+  }
+  for (int32_t i = 0; i < m->element_count; i++) {
+    int32_t k = pick(i + 1);
+    at[i] = at[k];
+    at[k] = i;
+  }
+  for (int32_t n = 0; n < m->node_count; n++) memcpy(&out->nodes[3 * to[n]], &m->nodes[3 * n], 24);
+  for (int32_t i = 0; i < m->element_count; i++)
+    for (int a = 0; a < per; a++) out->elements[per * at[i] + a] = to[m->elements[per * i + a]];
+  free(at);
+  return out;
+}
+
+/* Largest difference of forces, of which those of `g` stand at to[n] (null: at n). */
+static double apart(const double *f, const double *g, const int32_t *to, int32_t nodes)
+{
+  double most = 0.0;
+  for (int32_t n = 0; n < nodes; n++)
+    for (int c = 0; c < 3; c++)
+      most = worst(most, f[3 * n + c] - g[3 * (to == NULL ? n : to[n]) + c]);
+  return most;
+}
+
+/* A distorted box whose numbers are shuffled: its forces and energies are those of the tables, and
+ * those of the box in its order. `turned`: the reference axes of its elements differ, so that
+ * octants of nodes hold several elements, whose order is that of their numbers. */
+static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
+{
+  ct_error e;
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 0.1 * cells[0], 0.1 * cells[1], 0.1 * cells[2], cells[0],
+                        cells[1], cells[2]);
+  distort(m, 0.01);
+  if (turned) turn_elements(m);
+  int32_t nodes = m->node_count, *to = integers(nodes);
+  ct_mesh *s = shuffle(m, to);
+  double *u = numbers(3 * nodes), *moved = numbers(3 * nodes), energy[3], control[3] = {0.0},
+         *f[3] = {numbers(3 * nodes), numbers(3 * nodes), numbers(3 * nodes)};
+  ct_optimisations on = {1, 1, 1, 1};
+  int same = 0, alike = 0, tried = 0;
+  for (int threads = 1; threads <= 3; threads++) {
+    ct_effect *effect[3], *hourglass;
+    void *scratch[3];
+    for (int k = 0; k < 3; k++) {
+      ct_solid_body block = {.mesh = k == 0 ? m : s,
+                             .material = STEEL,
+                             .kernel = kernel,
+                             .optimisations = k == 2 ? &on : &NONE,
+                             .threads = threads};
+      need(create_solid(&block, 1, &effect[k], &e), &e);
+      need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+    }
+    for (int turn = 0; turn < 4; turn++, tried++) {
+      for (int d = 0; d < 3 * nodes; d++) u[d] = uniform(1e-3) + 0.3 * (d % 3) * turn;
+      for (int32_t n = 0; n < nodes; n++) memcpy(&moved[3 * to[n]], &u[3 * n], 24);
+      for (int k = 0; k < 3; k++) {
+        ct_view view = {
+            .threads = threads, .displacement = k == 0 ? u : moved, .scratch = scratch[k]};
+        need(effect[k]->force(effect[k], &view, f[k], &e), &e);
+        need(effect[k]->energy(effect[k], &view, &energy[k], &e), &e);
+        if (kernel != CT_KERNEL_REDUCED) continue;
+        need(ct_solid_create_hourglass(effect[k], &hourglass, &e), &e);
+        need(hourglass->energy(hourglass, &view, &control[k], &e), &e);
+        ct_effect_free(hourglass);
+      }
+      double round = turned ? 1e-13 : 0.0, size = largest(f[0], 3 * nodes);
+      same += apart(f[1], f[2], NULL, nodes) == 0.0 && energy[1] == energy[2] &&
+              control[1] == control[2];
+      alike += size > 0.0 && apart(f[0], f[2], to, nodes) <= round * size &&
+               fabs(energy[0] - energy[2]) <= round * energy[0];
+    }
+    for (int k = 0; k < 3; k++) {
+      effect[k]->free_scratch(scratch[k]);
+      ct_effect_free(effect[k]);
+    }
+  }
+  tap_ok(same == tried && alike == tried,
+         "%d x %d x %d cells, shuffled%s%s: forces and energies of tables in %d of %d, of the "
+         "order of the box in %d",
+         cells[0], cells[1], cells[2], turned ? " and turned" : "",
+         kernel == CT_KERNEL_REDUCED ? ", reduced" : "", same, tried, alike);
+  for (int k = 0; k < 3; k++) free(f[k]);
+  free(u);
+  free(moved);
+  free(to);
+  ct_mesh_free(s);
+  ct_mesh_free(m);
+}
+
+static void shuffles(void)
+{
+  static const int CELLS[][3] = {{9, 7, 16}, {1, 1, 1}, {3, 1, 2}, {30, 2, 3}, {11, 12, 13}};
+  for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++)
+    for (int k = 0; k < 4; k++)
+      shuffled(k < 2 ? CT_KERNEL_AUTO : CT_KERNEL_REDUCED, k % 2, CELLS[i]);
+}
+
 /* A scene without contact has no memory, no work and no nodes of one. */
 static void without_contact(void)
 {
@@ -226,10 +335,10 @@ static int compare_places(const void *a, const void *b)
   return 0;
 }
 
-/* Two boxes of which one flies at the other, numbered in one of three ways: what happens at each
- * place. */
-static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations optimisations,
-                     int32_t *count)
+/* Two boxes of which one flies at the other, numbered in one of three ways or shuffled: what
+ * happens at each place. */
+static place *impact(ct_brick_kind kind, ct_layers layers, int shuffle_it,
+                     ct_optimisations optimisations, int32_t *count)
 {
   ct_error e;
   ct_scene *scene = new_scene();
@@ -238,6 +347,13 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
   for (int b = 0; b < 2; b++) {
     m[b] = mesh_of(
         kind, (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2}, {1, 0.2, 1.2}, {10, 2, 12}, layers});
+    if (shuffle_it) {
+      ct_mesh *regular = m[b];
+      int32_t *to = integers(regular->node_count);
+      m[b] = shuffle(regular, to);
+      free(to);
+      ct_mesh_free(regular);
+    }
     add_body(scene, b ? "right" : "left", m[b], &STEEL, CT_KERNEL_AUTO, b ? 0.0 : 1000.0, 0.0, 0.0);
   }
   add_contact_with(scene, 0, m[0], 0, 1, m[1], 1e-4, 0, 1.0, ct_contact_options_default(), 0.0,
@@ -266,20 +382,21 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
 static void orders(ct_brick_kind kind)
 {
   int32_t count, other;
-  place *first = impact(kind, CT_LAYERS_Z, (ct_optimisations){1, 1, 1, 1}, &count);
+  place *first = impact(kind, CT_LAYERS_Z, 0, (ct_optimisations){1, 1, 1, 1}, &count);
   int moved = 0;
   for (int32_t n = 0; n < count; n++) moved += first[n].x[0] > 0.0 && first[n].v[0] > 500.0;
   tap_ok(moved > 20, "%s: %d nodes of the body that was hit are fast",
          kind == CT_HEX8 ? "hex8" : "hex20", moved);
-  for (int k = 0; k < 5; k++) {
+  for (int k = 0; k < 7; k++) {
     ct_optimisations none = {0, 0, 0, 0};
-    static const char *names[] = {"z, nothing left out", "x", "x, nothing left out", "y",
-                                  "y, nothing left out"};
+    static const char *names[] = {
+        "z, nothing left out", "x",           "x, nothing left out",          "y",
+        "y, nothing left out", "z, shuffled", "z, shuffled, nothing left out"};
     place *places = impact(kind,
-                           k == 0  ? CT_LAYERS_Z
-                           : k < 3 ? CT_LAYERS_X
-                                   : CT_LAYERS_Y,
-                           k % 2 == 0 ? none : (ct_optimisations){1, 1, 1, 1}, &other);
+                           k == 0 || k > 4 ? CT_LAYERS_Z
+                           : k < 3         ? CT_LAYERS_X
+                                           : CT_LAYERS_Y,
+                           k > 4, k % 2 == 0 ? none : (ct_optimisations){1, 1, 1, 1}, &other);
     tap_ok(other == count && memcmp(first, places, (size_t)count * sizeof *places) == 0,
            "layers along %s: the same bits at each place", names[k]);
     free(places);
@@ -295,6 +412,7 @@ int main(void)
   }
   bulge();
   lattices();
+  shuffles();
   orders(CT_HEX8);
   orders(CT_HEX20);
   without_contact();

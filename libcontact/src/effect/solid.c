@@ -63,16 +63,24 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
+/* Where displacements stand in the order of a part that has its own; else null. */
+static double *room_of(const ct_solid_part *part, const ct_solid_scratch *scratch)
+{
+  return part->order != NULL ? scratch->values + part->first_room : NULL;
+}
+
 /* What is computed of part `i`, by which kernel, from where and to where. */
 static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *view, double *force)
 {
   const ct_solid_part *part = &solid->parts[i];
   const ct_solid_scratch *scratch = view->scratch;
   ct_part_call call = {.part = part,
-                       .displacement = view->displacement + 3 * (int64_t)part->first_node,
+                       .given = view->displacement + 3 * (int64_t)part->first_node,
+                       .room = room_of(part, scratch),
                        .f = force + 3 * (int64_t)part->first_node,
                        .ring_room = solid->ring_room,
                        .batch = ct_sleep_batches(scratch->sleep, i)};
+  call.displacement = call.room != NULL ? call.room : call.given;
   if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
   int plane = part->plane != NULL && ct_plane_holds(&call);
   call.ring = plane ? part->plane : part->ring;
@@ -93,8 +101,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   ct_status status = CT_OK;
   for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
     if (solid->parts[i].energies != NULL)
-      status =
-          ct_solid_check_volume(&solid->parts[i], i, calls[i].displacement, calls[i].values, error);
+      status = ct_solid_check_volume(&solid->parts[i], i, calls[i].given, calls[i].values, error);
   return status;
 }
 
@@ -167,6 +174,9 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
         ct_stream_add(&sum, &scratch->half_work[i], 1);
         continue;
       }
+      ct_part_call call = {.part = part, .given = u, .room = room_of(part, scratch)};
+      ct_part_arrange(&call, 1, 1);
+      if (call.room != NULL) u = call.room;
       if (sum.round == 1) begin_energies(part, u, values);
       for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
         int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
@@ -204,8 +214,8 @@ ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_erro
 {
   const solid_data *solid = effect->data;
   for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    ct_status status = ct_solid_part_nodes_omega2(part, &omega2[part->first_node], error);
+    const ct_solid_part part = ct_part_given(&solid->parts[i]);
+    ct_status status = ct_solid_part_nodes_omega2(&part, &omega2[part.first_node], error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
   }
@@ -231,6 +241,11 @@ static void place_values(solid_data *solid)
     part->first_value = solid->value_count;
     solid->value_count += part->value_count;
   }
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    part->first_room = solid->value_count;
+    if (part->order != NULL) solid->value_count += 3 * (int64_t)part->mesh->node_count;
+  }
 }
 
 static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_error *error)
@@ -245,8 +260,9 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_erro
       status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)blocks[i].first_node,
                          (int)next_node);
     if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
+    ct_solid_part given = ct_part_given(part);
     if (status == CT_OK)
-      status = ct_solid_part_omega2_bound(part, blocks[i].held, &part->omega_squared, error);
+      status = ct_solid_part_omega2_bound(&given, blocks[i].held, &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;
@@ -309,14 +325,13 @@ static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, 
   (void)error;
   while (ct_stream_again(&sum, 1))
     for (int32_t i = 0; i < solid->part_count; i++) {
-      const ct_solid_part *part = &solid->parts[i];
+      const ct_solid_part part = ct_part_given(&solid->parts[i]);
       double strain[8], hourglass[8];
-      for (int32_t b = 0; part->kernel == CT_KERNEL_REDUCED && b < part->batch_count; b++) {
-        ct_solid_reduced_energies(part, b, view->displacement + 3 * (int64_t)part->first_node,
+      for (int32_t b = 0; part.kernel == CT_KERNEL_REDUCED && b < part.batch_count; b++) {
+        ct_solid_reduced_energies(&part, b, view->displacement + 3 * (int64_t)part.first_node,
                                   strain, hourglass);
         ct_stream_add(&sum, hourglass,
-                      part->mesh->element_count - 8 * b < 8 ? part->mesh->element_count - 8 * b
-                                                            : 8);
+                      part.mesh->element_count - 8 * b < 8 ? part.mesh->element_count - 8 * b : 8);
       }
     }
   *energy = ct_stream_sum(&sum);
@@ -370,8 +385,12 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_ke
   double rows = 0.0, numbers = plane ? 16.0 : 4.0 * per;
   for (int32_t b = 0; b < part->batch_count; b++) rows += part->rows[b];
   if (!plane) numbers *= 1.0 - 7.0 / 8.0 * rows / part->batch_count;
+  // In an order of its own it reads the user's numbers twice and writes displacements anew, and
+  // lists have a number a corner.
+  double order = part->order != NULL ? 32.0 * nodes : 0.0;
+  if (part->ring != NULL && part->ring->list != NULL) order += 32.0 + 4.0 * nodes;
   double shape = plane || part->kernel == CT_KERNEL_BOX ? 0.0 : 24.0 * nodes,
          forces = plane || part->ring != NULL ? 0.0 : 48.0 * per + 32.0 * nodes;
-  if (bytes != NULL) *bytes = numbers + shape + 48.0 * nodes + forces;
+  if (bytes != NULL) *bytes = numbers + shape + 48.0 * nodes + forces + order;
   return CT_OK;
 }

@@ -41,7 +41,38 @@ static void call_batches(const ct_part_call *call, int32_t first, int32_t last, 
 static int32_t next_node(const ct_part_call *call, int32_t n)
 {
   int32_t shift = call->part->first_node, last = shift + call->part->mesh->node_count;
-  return call->summed == NULL ? n : ct_bits_next(call->summed, shift + n, last, 1) - shift;
+  return call->summed == NULL || call->part->order != NULL
+             ? n
+             : ct_bits_next(call->summed, shift + n, last, 1) - shift;
+}
+
+enum { NODES_HANDED_ON = 64 };
+
+/* Whether the node inside of a part is summed. */
+static int is_summed(const ct_part_call *call, int32_t node)
+{
+  const ct_solid_part *part = call->part;
+  return call->summed == NULL ||
+         ct_bits_get(call->summed, part->first_node + part->order->user[node]);
+}
+
+/* Sum at those of the nodes first ... last - 1 of a run that are summed, of a part with an order of
+ * its own: in pieces, from which they go to their places. */
+static void gather_ordered(const ct_part_call *call, const double *values, const ct_run *run,
+                           int32_t first, int32_t last)
+{
+  double sums[3 * NODES_HANDED_ON];
+  for (int32_t n = first, end; n < last; n = end) {
+    end = last - n < NODES_HANDED_ON ? last : n + NODES_HANDED_ON;
+    int32_t some = n;
+    while (some < end && !is_summed(call, some)) some++;
+    if (some == end) continue;
+    ct_force_ring_gather(call->ring, values, run, n - run->low, end - run->low, sums, NULL);
+    for (int32_t i = some; i < end; i++)
+      if (is_summed(call, i))
+        memcpy(&call->f[3 * (int64_t)call->part->order->user[i]], &sums[3 * (i - n)],
+               3 * sizeof(double));
+  }
 }
 
 /* Sum at those nodes of a run that have an active element; answers the first such node behind it.
@@ -51,7 +82,11 @@ static int32_t gather_run(const ct_part_call *call, const double *values, const 
   int32_t n = run->low, last = n + run->count;
   for (int32_t end; n < last; n = end) {
     end = ct_call_nodes(call, &n, last);
-    ct_force_ring_gather(call->ring, values, run, n - run->low, end - run->low, call->f);
+    if (call->part->order != NULL) gather_ordered(call, values, run, n, end);
+    else
+      ct_force_ring_gather(call->ring, values, run, n - run->low, end - run->low,
+                           &call->f[3 * (int64_t)n],
+                           &call->f[3 * (int64_t)(n + run->high - run->low)]);
   }
   return next_node(call, last);
 }
@@ -106,9 +141,34 @@ static void node_share(const ct_part_call *call, int share, int shares)
   }
 }
 
+/* One thread's share of the displacements of a part with an order of its own. */
+static void arrange_share(const ct_part_call *call, int share, int shares)
+{
+  const int32_t *user = call->part->order->user, nodes = call->part->mesh->node_count,
+                last = ct_share(nodes, share + 1, shares);
+  for (int32_t n = ct_share(nodes, share, shares); n < last; n++)
+    if (is_summed(call, n))
+      memcpy(&call->room[3 * (int64_t)n], &call->given[3 * (int64_t)user[n]],
+             3 * sizeof *call->room);
+}
+
+void ct_part_arrange(const ct_part_call *calls, int32_t count, int threads)
+{
+  int ordered = 0;
+  for (int32_t i = 0; i < count; i++) ordered |= calls[i].room != NULL;
+  if (!ordered) return;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
+#endif
+  for (int share = 0; share < threads; share++)
+    for (int32_t i = 0; i < count; i++)
+      if (calls[i].room != NULL) arrange_share(&calls[i], share, threads);
+}
+
 void ct_part_forces(const ct_part_call *calls, int32_t count, int threads)
 {
   int tables = 0;
+  ct_part_arrange(calls, count, threads); // elements of one share have nodes of another
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif

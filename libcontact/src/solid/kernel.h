@@ -6,6 +6,7 @@
 #include "../mesh/assembly.h"
 #include "../mesh/batch.h"
 #include "../mesh/mesh_internal.h"
+#include "order.h"
 #include "ring.h"
 
 #include <string.h>
@@ -27,7 +28,7 @@ typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch,
 
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
-  const ct_mesh *mesh;
+  const ct_mesh *mesh; /* the user's, or that of `order` */
   ct_material material;
   ct_lumping lumping;
   ct_optimisations optimisations;
@@ -54,6 +55,8 @@ typedef struct ct_solid_part {
    * its first one, plus l. */
   int32_t batch_count;
   uint8_t *rows;
+  /* Null, or the order that kernels and sums know; displacements come in it, forces leave it. */
+  ct_order *order;
   /* Coefficient of the hourglass control, when the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
   /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
@@ -62,10 +65,22 @@ typedef struct ct_solid_part {
   /* Where this part's values, and its batches, begin in the scratch of the effect, how many values
    * it has, and after how many of them energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
+  int64_t first_room; /* where displacements in `order` begin there */
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
    * - 1]; null where no element sleeps, or where the ring knows them. */
   int32_t *batch_begin, *batches_at;
 } ct_solid_part;
+
+/* The part in the order of the user, for what asks each element for itself. */
+static inline ct_solid_part ct_part_given(const ct_solid_part *part)
+{
+  ct_solid_part given = *part;
+  if (part->order == NULL) return given;
+  given.mesh = part->order->given;
+  given.order = NULL;
+  given.rows = NULL;
+  return given;
+}
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the
  * cache. */
@@ -106,8 +121,9 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
 static inline double *ct_batch_values(const ct_force_ring *ring, int per, double *values, int32_t b,
                                       int64_t *stride)
 {
+  int64_t first = ring != NULL ? 8 * (int64_t)b & (ring->size - 1) : 8 * (int64_t)b;
   *stride = ring != NULL ? ring->stride : 8;
-  return values + (ring != NULL ? 8 * (int64_t)b & (ring->size - 1) : 24 * (int64_t)per * b);
+  return values + (*stride == 8 ? 3 * per * first : first);
 }
 
 /* Write component c of the forces of the `per` nodes of 8 elements there. */

@@ -42,6 +42,7 @@ void ct_part_release(ct_solid_part *part)
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
   ct_release(part->box20);
+  ct_order_free(part->order);
   ct_force_ring_free(part->plane);
   ct_force_ring_free(part->ring);
   ct_assembly_free(part->assembly);
@@ -77,6 +78,22 @@ static ct_status prepare_rows(ct_solid_part *part)
   return CT_OK;
 }
 
+/* A ring for the forces of a body of linear hex8: in the order of the user where that has runs of
+ * nodes, else in an order of its own. */
+static ct_status prepare_ring(ct_solid_part *part, int threads)
+{
+  ct_status status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  int fits = part->plane == NULL && part->mesh->element_count <= INT32_MAX / 8;
+  if (status != CT_OK || part->ring != NULL || !fits) return status;
+  status = ct_order_create(part->mesh, &part->order);
+  if (status != CT_OK) return status;
+  part->mesh = &part->order->mesh;
+  status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  if (status == CT_OK && part->ring == NULL)
+    status = ct_force_ring_create_listed(part->mesh, part->order->element, threads, &part->ring);
+  return status;
+}
+
 /* What the kernel needs beside the mesh. */
 static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
 {
@@ -85,11 +102,12 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
   int plane = block->kernel == CT_KERNEL_PLANE ||
               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
   if (plane && part->box && hex8) status = choose_plane(part, block, threads);
+  if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
+    status = prepare_ring(part, threads);
   if (status == CT_OK) status = prepare_rows(part);
   if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
-  if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
-    status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
-  if (status == CT_OK && part->optimisations.sleep && part->ring == NULL)
+  if (status == CT_OK && part->optimisations.sleep &&
+      (part->ring == NULL || part->ring->list != NULL))
     status = ct_sleep_prepare(part);
   return status;
 }

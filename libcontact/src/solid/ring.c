@@ -18,10 +18,15 @@ enum { MOST_RINGS = 64 };
 /* Nodes of a run, on the average, below which tables are faster: rows of 8 bricks. */
 enum { SHORTEST_RUN = 3 };
 
+/* Nodes of a piece where corners are listed. */
+enum { PIECE = 64 };
+
 void ct_force_ring_free(ct_force_ring *ring)
 {
   if (ring == NULL) return;
   ct_release(ring->runs);
+  ct_release(ring->begin);
+  ct_release(ring->list);
   ct_release(ring);
 }
 
@@ -115,6 +120,38 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int3
   return CT_OK;
 }
 
+/* List the corners at each node, and pieces of the nodes in the place of runs. */
+static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_force_ring *ring)
+{
+  int32_t nodes = mesh->node_count, count = mesh->element_count;
+  int64_t corners = 8 * (int64_t)count;
+  ring->begin = ct_allocate((size_t)nodes + 2, sizeof *ring->begin);
+  ring->list = ct_allocate((size_t)corners, sizeof *ring->list);
+  ring->run_count = (nodes + PIECE - 1) / PIECE;
+  ring->runs = ct_allocate((size_t)ring->run_count, sizeof *ring->runs);
+  if (ring->begin == NULL || ring->list == NULL || ring->runs == NULL) return CT_ERROR_MEMORY;
+  // Count, then list: begin[n + 2] is the count of node n first, and where its list ends at last.
+  for (int64_t i = 0; i < corners; i++) ring->begin[mesh->elements[i] + 2]++;
+  for (int32_t n = 0; n < nodes; n++) ring->begin[n + 2] += ring->begin[n + 1];
+  for (int32_t i = 0; i < count; i++)
+    for (int a = 0; a < 8; a++) {
+      int32_t at = 8 * sequence[i] + a;
+      ring->list[ring->begin[mesh->elements[at] + 1]++] = at;
+    }
+  for (int32_t r = 0; r < ring->run_count; r++) {
+    int32_t low = PIECE * r, left = nodes - low;
+    ct_run *run = &ring->runs[r];
+    *run = (ct_run){.low = low, .high = low, .count = left < PIECE ? left : PIECE, .first = count};
+    memset(run->element, -1, sizeof run->element);
+    for (int32_t i = ring->begin[low]; i < ring->begin[low + run->count]; i++) {
+      int32_t e = ring->list[i] / 8;
+      run->first = e < run->first ? e : run->first;
+      run->last = e > run->last ? e : run->last;
+    }
+  }
+  return CT_OK;
+}
+
 /* The first and last elements of the runs, and a ring that holds what they still wait for and what
  * is computed at once (eq:lattice-ring). */
 static void size_ring(ct_force_ring *ring, int32_t element_count)
@@ -123,7 +160,7 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   int32_t top = -1;
   for (int32_t r = 0; r < ring->run_count; r++) {
     ct_run *run = &ring->runs[r];
-    run->first = INT32_MAX;
+    if (ring->list == NULL) run->first = INT32_MAX;
     for (int k = 0; k < ring->corners; k++) {
       int32_t first = run->element[k], last = first + run->count - 1;
       if (first < 0) continue;
@@ -136,8 +173,9 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   need += 8 * (CT_BLOCK + 2);
   ring->size = 8;
   while (ring->size < (need < all ? need : all)) ring->size *= 2;
-  ring->stride = ring->size + 8; // rows of the ring would fight for the same place in the cache
-  ring->value_count = 3 * ring->corners * ring->stride;
+  // Lists read whole batches; rows of the ring would fight for the same place in the cache.
+  ring->stride = ring->list != NULL ? 8 : ring->size + 8;
+  ring->value_count = 3 * ring->corners * (ring->size + 8);
 }
 
 ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out)
@@ -172,6 +210,18 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
   } else {
     ct_force_ring_free(ring);
   }
+  return status;
+}
+
+ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence, int threads,
+                                      ct_force_ring **out)
+{
+  ct_force_ring *ring = *out = ct_allocate(1, sizeof *ring);
+  if (ring == NULL) return CT_ERROR_MEMORY;
+  *ring = (ct_force_ring){.corners = 8, .threads = threads < MOST_RINGS ? threads : MOST_RINGS};
+  for (int a = 0; a < 8; a++) ring->local[a] = ct_brick_octant(CT_HEX8, a);
+  ct_status status = enter_lists(mesh, sequence, ring);
+  if (status == CT_OK) size_ring(ring, mesh->element_count);
   return status;
 }
 
@@ -228,11 +278,36 @@ static void gather_plane(const double *const v[4], const int64_t step[4], const 
     }
 }
 
+/* Sum at the nodes first ... last - 1 by their lists, the elements of an octant one after another.
+ */
+static void gather_lists(const ct_force_ring *ring, const double *values, int32_t first,
+                         int32_t last, double *sums)
+{
+  uint32_t mask = (uint32_t)(ring->size - 1);
+  for (int32_t n = first; n < last; n++, sums += 3) {
+    double t[8][4] = {{0.0}};
+    for (int32_t i = ring->begin[n]; i < ring->begin[n + 1]; i++) {
+      int a = ring->list[i] & 7;
+      uint32_t e = (uint32_t)ring->list[i] / 8 & mask;
+      const double *v = &values[24 * (int64_t)(e & ~7u) + 24 * a + (e & 7u)];
+      double *sum = t[ring->local[a]];
+      for (int c = 0; c < 3; c++) sum[c] += v[8 * c];
+    }
+    for (int c = 0; c < 3; c++)
+      sums[c] =
+          ((t[0][c] + t[1][c]) + (t[2][c] + t[3][c])) + ((t[4][c] + t[5][c]) + (t[6][c] + t[7][c]));
+  }
+}
+
 /* In pieces that are whole in the ring. */
 void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
-                          int32_t first, int32_t last, double *sums)
+                          int32_t first, int32_t last, double *low, double *high)
 {
   static const double zeros[ZEROS] = {0.0};
+  if (ring->list != NULL) {
+    gather_lists(ring, values, run->low + first, run->low + last, low);
+    return;
+  }
   int plane = ring->corners == 4;
   double apart[3] = {1.0, 1.0, 1.0};
   // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
@@ -248,8 +323,8 @@ void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const
       step[k] = there ? ring->stride : 0;
       if (piece > ring->size - place) piece = (int32_t)(ring->size - place);
     }
-    double *low = &sums[3 * (int64_t)(run->low + i)], *high = &sums[3 * (int64_t)(run->high + i)];
-    if (plane) gather_plane(v, step, apart, piece, low, high);
-    else gather_bricks(v, step, piece, low);
+    int64_t at = 3 * (int64_t)(i - first);
+    if (plane) gather_plane(v, step, apart, piece, &low[at], &high[at]);
+    else gather_bricks(v, step, piece, &low[at]);
   }
 }

@@ -26,6 +26,10 @@ typedef struct ct_force_ring {
   /* All nodes, or all of the lower layer, ascending. */
   ct_run *runs;
   int32_t run_count;
+  /* Null, or for a mesh whose runs would be short or whose octants hold several elements: corner a
+   * of element e as 8 e + a, list[begin[n]] ... list[begin[n + 1] - 1] those at node n. Runs are
+   * then pieces of the nodes, without elements. */
+  int32_t *begin, *list;
   /* Each of `threads` threads has a ring of `size` elements, a power of two, of `value_count`
    * numbers; the forces of one component of one node stand `stride` after those of the one
    * before. */
@@ -38,14 +42,19 @@ typedef struct ct_force_ring {
  * than one layer, or runs are so short that tables are faster. CT_ERROR_MEMORY. */
 ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out);
 
+/* The same for any mesh of hex8, by lists; elements of one octant are added in the order of their
+ * places in `sequence`. */
+ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence, int threads,
+                                      ct_force_ring **out);
+
 void ct_force_ring_free(ct_force_ring *ring);
 
 /* The run of a node of bricks, or of the lower layer. */
 const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node);
 
-/* Sum at the nodes first ... last - 1 of a run, in the order of ct_assembly_gather (eq:tree-sum).
- */
+/* Sum at the nodes first ... last - 1 of a run, in the order of ct_assembly_gather (eq:tree-sum),
+ * into `low`, shape (last - first, 3), and `high`, that of their partners in a plane. */
 void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
-                          int32_t first, int32_t last, double *sums);
+                          int32_t first, int32_t last, double *low, double *high);
 
 #endif

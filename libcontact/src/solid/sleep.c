@@ -25,6 +25,13 @@ struct ct_sleep {
   uint64_t *shared, *active, *front, *summed;
 };
 
+/* Entry i of a part's table of elements, as a node of the problem. */
+static int32_t node_at(const ct_solid_part *part, int64_t i)
+{
+  int32_t own = part->mesh->elements[i];
+  return part->first_node + (part->order != NULL ? part->order->user[own] : own);
+}
+
 /* Nodes of a batch, some more than once: first ... last - 1 of the mesh's table. */
 static void batch_nodes(const ct_solid_part *part, int32_t b, int64_t *first, int64_t *last)
 {
@@ -66,7 +73,7 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
 static int32_t batches_of(const ct_solid_part *part, int32_t node, int32_t own[8],
                           const int32_t **batches)
 {
-  if (part->ring == NULL) {
+  if (part->batch_begin != NULL) {
     *batches = &part->batches_at[part->batch_begin[node]];
     return part->batch_begin[node + 1] - part->batch_begin[node];
   }
@@ -129,7 +136,7 @@ static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
   s->batch[part->first_batch + b] = CT_ACTIVE;
   s->bodies[p].computed += (int32_t)((last - first) / ct_brick_node_count(part->mesh->kind));
   for (int64_t i = first; i < last; i++) {
-    int32_t own = part->mesh->elements[i], n = part->first_node + own, around[8];
+    int32_t own = part->mesh->elements[i], n = node_at(part, i), around[8];
     const int32_t *at;
     if (ct_bits_get(s->summed, n)) continue;
     ct_bits_put(s->summed, n, n + 1, 1);
@@ -160,10 +167,10 @@ static int choose_motion(const ct_solid_part *part, const double *u, const doubl
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
     batch_nodes(part, b, &i, &last);
-    int64_t node = part->first_node + part->mesh->elements[i];
+    int64_t node = node_at(part, i);
     memcpy(own->displacement, &u[3 * node], sizeof own->displacement);
     memcpy(own->velocity, &v[3 * node], sizeof own->velocity);
-    while (i < last && !stirs(own, u, v, past, part->first_node + part->mesh->elements[i])) i++;
+    while (i < last && !stirs(own, u, v, past, node_at(part, i))) i++;
     if (i == last) return 1;
   }
   return 0;
@@ -186,8 +193,7 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
   }
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
-    for (batch_nodes(part, b, &i, &last);
-         i < last && !ct_bits_get(s->front, begin + part->mesh->elements[i]);)
+    for (batch_nodes(part, b, &i, &last); i < last && !ct_bits_get(s->front, node_at(part, i));)
       i++;
     batch[b] = i < last ? CT_ACTIVE : CT_ASLEEP;
   }
@@ -225,9 +231,10 @@ void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *vel
 static void wake_around(ct_sleep *s, int32_t p, int32_t n, double *u)
 {
   const ct_solid_part *part = &s->parts[p];
-  int32_t around[8];
+  int32_t own = n - part->first_node, around[8];
   const int32_t *at;
-  for (int32_t k = batches_of(part, n - part->first_node, around, &at) - 1; k >= 0; k--)
+  if (part->order != NULL) own = part->order->inside[own];
+  for (int32_t k = batches_of(part, own, around, &at) - 1; k >= 0; k--)
     if (s->batch[part->first_batch + at[k]] != CT_ACTIVE) wake_batch(s, p, at[k], u);
 }
 
