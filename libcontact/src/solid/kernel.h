@@ -121,9 +121,9 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
 static inline double *ct_batch_values(const ct_force_ring *ring, int per, double *values, int32_t b,
                                       int64_t *stride)
 {
-  int64_t first = ring != NULL ? 8 * (int64_t)b & (ring->size - 1) : 8 * (int64_t)b;
   *stride = ring != NULL ? ring->stride : 8;
-  return values + (*stride == 8 ? 3 * per * first : first);
+  return values +
+         (ring != NULL ? ring->step * (8 * (int64_t)b & (ring->size - 1)) : 24 * (int64_t)per * b);
 }
 
 /* Write component c of the forces of the `per` nodes of 8 elements there. */

@@ -175,6 +175,7 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   while (ring->size < (need < all ? need : all)) ring->size *= 2;
   // Lists read whole batches; rows of the ring would fight for the same place in the cache.
   ring->stride = ring->list != NULL ? 8 : ring->size + 8;
+  ring->step = ring->list != NULL ? 24 : 1;
   ring->value_count = 3 * ring->corners * (ring->size + 8);
 }
 

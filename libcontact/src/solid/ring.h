@@ -31,10 +31,10 @@ typedef struct ct_force_ring {
    * then pieces of the nodes, without elements. */
   int32_t *begin, *list;
   /* Each of `threads` threads has a ring of `size` elements, a power of two, of `value_count`
-   * numbers; the forces of one component of one node stand `stride` after those of the one
-   * before. */
+   * numbers; the forces of one component of one node stand `stride` after those of the one before,
+   * those of the next 8 elements 8 `step` after these. */
   int threads;
-  int64_t size, stride, value_count;
+  int64_t size, stride, step, value_count;
 } ct_force_ring;
 
 /* The ring of a mesh of hex8 for `threads` threads, with `axis` that of its one layer as a plane,
