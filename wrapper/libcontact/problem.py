@@ -97,7 +97,9 @@ def c_material(material: Material) -> Any:
     return ffi.new("ct_material *", material.c("ct_material"))
 
 
-def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False, ordered: bool = False) -> int:
+def memory_estimate(
+    nodes: int, elements: int, width: int, lattice: bool = False, ordered: bool = False
+) -> int:
     """
     Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
     displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
