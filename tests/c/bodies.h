@@ -209,6 +209,42 @@ static inline int64_t mirror_faults(const double *v, const double *w, int64_t no
   return faults;
 }
 
+/* The same mesh with its nodes and elements in a random order; to[n] is the new number of node n.
+ */
+static inline ct_mesh *shuffle_mesh(const ct_mesh *m, int32_t *to)
+{
+  ct_error e;
+  ct_mesh *out;
+  int per = ct_brick_node_count(m->kind);
+  int32_t *at = integers(m->element_count);
+  need(ct_mesh_create_copy(m, &out, &e), &e);
+  for (int32_t n = 0; n < m->node_count; n++) {
+    int32_t k = pick(n + 1);
+    to[n] = to[k];
+    to[k] = n;
+  }
+  for (int32_t i = 0; i < m->element_count; i++) {
+    int32_t k = pick(i + 1);
+    at[i] = at[k];
+    at[k] = i;
+  }
+  for (int32_t n = 0; n < m->node_count; n++) memcpy(&out->nodes[3 * to[n]], &m->nodes[3 * n], 24);
+  for (int32_t i = 0; i < m->element_count; i++)
+    for (int a = 0; a < per; a++) out->elements[per * at[i] + a] = to[m->elements[per * i + a]];
+  free(at);
+  return out;
+}
+
+/* Largest difference of vectors at nodes, of which those of `g` stand at to[n] (null: at n). */
+static inline double apart(const double *f, const double *g, const int32_t *to, int32_t nodes)
+{
+  double most = 0.0;
+  for (int32_t n = 0; n < nodes; n++)
+    for (int c = 0; c < 3; c++)
+      most = worst(most, f[3 * n + c] - g[3 * (to == NULL ? n : to[n]) + c]);
+  return most;
+}
+
 /* Values of one element's nodes from an array of shape (nodes, 3). */
 static inline void take_element(const ct_mesh *mesh, int e, const double *from, double to[60])
 {
