@@ -239,6 +239,10 @@ def lattice_nodes(cells):
 
 NODES, ROWS = lattice_nodes(24)
 SHUFFLED = np.random.default_rng(1).permutation(ROWS)
+# Every other element has its reference axes turned about the third one.
+TURNED = np.where(
+    np.arange(len(ROWS))[:, None] % 2, SHUFFLED, SHUFFLED[:, [1, 2, 3, 0, 5, 6, 7, 4]]
+)
 
 
 def own_mesh(elements):
@@ -272,6 +276,7 @@ def bodies(box, **other):
         ),
         ("own_rows", None, {**ALONE, "body": own_mesh(ROWS)}),
         ("own_shuffled", None, {**ALONE, "body": own_mesh(SHUFFLED)}),
+        ("own_turned", None, {**ALONE, "body": own_mesh(TURNED)}),
         ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
         (
             "chung_lee",

@@ -97,17 +97,13 @@ def c_material(material: Material) -> Any:
     return ffi.new("ct_material *", material.c("ct_material"))
 
 
-def memory_estimate(
-    nodes: int, elements: int, width: int, lattice: bool = False, ordered: bool = False
-) -> int:
+def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
     Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
     displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
-    elements, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers and runs of nodes only,
-    an ``ordered`` body a second mesh, numbers, lists of corners and displacements in its own order.
+    elements, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers and runs of nodes only.
     """
     forces = nodes * 8 if lattice else nodes * 8 * 4 + elements * width * 3 * 8
-    forces = nodes * 60 + elements * 68 if ordered else forces
     return nodes * 31 * 8 + elements * width * 4 + forces
 
 
@@ -120,7 +116,11 @@ def memory_of(problem: Problem) -> int:
         lattice = problem._is_lattice(given) or problem._is_numbered_in_rows(given, body.mesh)
         linear = width == 8 and body.material.law == "linear"
         ordered = linear and not lattice and "congruent" in problem.parts.run.savings
-        total += memory_estimate(nodes, elements, width, lattice, ordered)
+        if ordered:
+            # A mesh in an order of its own, numbers, and displacements; and lists of corners, where an octant of a node holds two elements.
+            lattice = all(np.bincount(corner).max() == 1 for corner in body.mesh.elements.T)
+            total += nodes * 56 + elements * (36 if lattice else 68)
+        total += memory_estimate(nodes, elements, width, lattice or ordered)
         # What sleeps has the batches of each node, but of a lattice.
         total += nodes * 22 if "quiet" in problem.parts.run.savings and not lattice else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
