@@ -232,7 +232,8 @@ typedef struct ct_viscosity_def {
   int32_t cookie;
   /** Coefficient Q₁ of the part that grows with the strain rate, >= 0; 0.06 is usual. */
   double linear;
-  /** Coefficient Q₂ of the part that grows with its square, >= 0; 1.2 is usual. */
+  /** Coefficient Q₂ of the part that grows with its square while it is small, >= 0; 1.2 is usual.
+   * If it is not zero, the stable step is that of Q₁ + 0.06, :eq:`viscous-bound`. */
   double quadratic;
   /** Numbers of the bodies, shape (body_count); null: all. */
   const int32_t *bodies;

@@ -19,7 +19,7 @@ class Viscosity(OnBodies):
     linear
         Coefficient of the strain rate (:doc:`/theory/viscosity`).
     quadratic
-        Coefficient of the square of the strain rate.
+        Coefficient of the square of the strain rate; with any other than 0 the stable step is that of ``linear`` + 0.06.
     """
 
     without = "no [viscosity]: fronts ring behind them as the mesh lets them"
