@@ -159,15 +159,20 @@ def viscous(scene: ct.Scene, linear: float, quadratic: float) -> ct.Scene:
 
 @measurement
 def viscosity() -> Numbers:
-    """Stable Courant numbers of a cube with ν = 0 and linear viscosity; overshoot and width of the front in a rod of 200 cubes, for SHOCKS."""
+    """Stable Courant numbers of a cube with ν = 0 and viscosity; overshoot and width of the front in a rod of 200 cubes, for SHOCKS."""
     found = {}
-    for name, linear in (("courant_0", 0.0), ("courant_006", 0.06), ("courant_05", 0.5)):
+    for name, linear, quadratic in (
+        ("courant_0", 0.0, 0.0),
+        ("courant_006", 0.06, 0.0),
+        ("courant_both", 0.06, 1.2),
+        ("courant_05", 0.5, 0.0),
+    ):
         cube = scene_of().add_body(
             "cube",
             material="elastic",
             box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
         )
-        found[name] = stable_step(viscous(cube, linear, 0.0).set_time(end=1.0, fraction=0.5))
+        found[name] = stable_step(viscous(cube, linear, quadratic).set_time(end=1.0, fraction=0.5))
     for name, (linear, quadratic, v0) in SHOCKS.items():
         found[f"{name}_overshoot"], found[f"{name}_width"] = shock(linear, quadratic, v0)
     return found

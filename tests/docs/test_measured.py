@@ -46,9 +46,10 @@ def test_the_file_holds_what_is_computed(name, monkeypatch):
 
 def test_closed_forms():
     """Measured numbers beside the formulas that their pages derive."""
-    courant = {Q1: 1 / (3 * Q1 + math.sqrt(9 * Q1**2 + 1)) for Q1 in (0.0, 0.06, 0.5)}
+    courant = {Q1: 1 / (3 * Q1 + math.sqrt(9 * Q1**2 + 1)) for Q1 in (0.0, 0.06, 0.12, 0.5)}
     assert [
-        FILE["viscosity"][name] for name in ("courant_0", "courant_006", "courant_05")
+        FILE["viscosity"][name]
+        for name in ("courant_0", "courant_006", "courant_both", "courant_05")
     ] == pytest.approx(list(courant.values()), rel=1e-4)
     assert FILE["absorb"]["open"] == pytest.approx((math.sqrt(5) - 1) / 2, rel=1e-4) and FILE[
         "absorb"

@@ -69,7 +69,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q, low;
       double speed[CT_LANES_COUNT], below[CT_LANES_COUNT];
       ct_load_lanes(body->mesh, NULL, b, 8, velocity, lane, v);
-      // -- The rate at which the volume changes (eq:volume-rate)
+      // -- The closing speed l D of the rate at which the volume changes (eq:volume-rate)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         ct_mean_sum(e->b[j], U, &D[j]);
