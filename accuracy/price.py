@@ -239,7 +239,9 @@ def row(own: Case) -> dict[str, Any]:
     body = shown(own, result)
     updates, evaluations = work(result, own)
     # Each pass over the picture is one more force.
-    updates += own.keys.get("output.filter", 0) * len(result.bodies) * own.cells**2
+    passes = own.keys.get("output.filter", 0)
+    evaluations += passes
+    updates += passes * len(result.bodies) * own.cells**2
     total = result.energy["total"]
     found |= means | {
         "status": "done",

@@ -7,6 +7,7 @@ import io
 import multiprocessing
 import os
 import platform
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ BOOK = ROOT / "docs" / "theory"
 PRICES = ROOT / "wrapper" / "libcontact" / "prices.csv"
 LIBRARY = ("libcontact", "wrapper")
 TEXT = {"scene", "setting", "status", "machine", "compiler", "flags", "commit"}
+OTHER = re.compile(r"material\.|output\.")  # what a scene does not choose for its price
 COLUMNS = (*price.COLUMNS, "machine", "compiler", "flags", "commit")
 
 
@@ -74,10 +76,11 @@ def line(values: Any) -> str:
 
 
 def write_prices(rows: list[dict[str, Any]], path: Path) -> None:
-    """The list that the package has for its planner: error on Fig. 4's line over the plateau, and cost over that of the paper's setting."""
+    """The list that the package has for its planner, of one material and without the filter: error on Fig. 4's line over the plateau, and cost over that of the paper's setting."""
     head = ["scene", "cells", "setting", "cost", "error", "growth"]
-    done = [row for row in rows if row["status"] == "done"]
-    numbers = [(row["times_paper"], row["l1_fig4"] / price.PLATEAU, row["growth"]) for row in done]
+    done = [row for row in rows if row["status"] == "done" and not OTHER.search(row["setting"])]
+    plateau = price.plate(campaign.case("reference", 1, {})).plateau
+    numbers = [(row["times_paper"], row["l1_fig4"] / plateau, row["growth"]) for row in done]
     values = [[*(row[name] for name in head[:3]), *own] for row, own in zip(done, numbers)]
     path.write_text("".join(line(each) for each in (head, *values)), encoding="utf-8")
 

@@ -639,6 +639,14 @@ def accuracy() -> Numbers:
     front = ("width", "overshoot", "variation_fig5", "variation_along", "variation_fig5_at_056")
     found |= {f"sharp_{name}": sharp[name] for name in front} | {"sharp_updates": sharp["cost"]}
     found |= {f"step_{name}": best[name] for name in ("overshoot", "variation_along")}
+    for name, method in (
+        ("filtered", "default at 0.98, filtered"),
+        ("pullback", "pushforward–pullback"),
+    ):
+        own = rows[campaign.case("reference", 100, campaign.METHODS[method]).name]
+        found |= {f"{name}_{key[3:]}": own[key] for key in ("l1_fig4", "l1_fig5")}
+        found |= {f"{name}_{key}": own[key] for key in ("overshoot", "width")}
+        found[f"{name}_updates"] = own["cost"]
     found["averaged_instructions"] = drawings.counts()["averaged mass"]
     table = defaults.table.read(defaults.table.BOOK / "accuracy_defaults.csv")
     for name in defaults.SCENES:

@@ -297,10 +297,11 @@ def test_python_functions_are_not_planned():
         scene.plan(error=0.1, functional="bar.p_x.end")
 
 
-@pytest.mark.parametrize("after, enough", ((5, False), (57, True)))
-def test_ctrl_c_loses_no_trial(after, enough, monkeypatch):
+@pytest.mark.parametrize("enough", (False, True))
+def test_ctrl_c_loses_no_trial(enough, monkeypatch):
     """The signal comes within a trial: what was tried before makes the plan, or there is none."""
     true_try, count = planner.Planner._try, []
+    after = planner.FEWEST * len(planner.settings(True)) + 1 if enough else 5
 
     def stopped(self, *given):
         count.append(1)
@@ -337,9 +338,12 @@ def test_the_command(tmp_path, monkeypatch, capsys):
 
 
 def test_the_list_is_that_of_the_book():
-    """prices.csv holds the campaign's rows: cost, error over the plateau 7/3, growth."""
+    """prices.csv holds the campaign's rows of one material without the filter: cost, error over the plateau 7/3, growth."""
     with (ROOT / "docs" / "theory" / "accuracy.csv").open(encoding="utf-8") as file:
         table = [row for row in csv.DictReader(file) if row["status"] == "done"]
+    table = [
+        row for row in table if not ("poisson" in row["setting"] or "filter" in row["setting"])
+    ]
     with planner.PRICES.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     for own, row in zip(rows, table, strict=True):

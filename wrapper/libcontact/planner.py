@@ -183,6 +183,8 @@ def together(limits: list[Limit]) -> tuple[float, float]:
         The weighted mean, and what it is uncertain by.
     """
     values, widths = np.array([(each.value, each.uncertainty) for each in limits]).T
+    # Few meshes may lie on a line by chance: no method is taken to be surer than a quarter of them are.
+    widths = np.maximum(widths, np.sort(widths)[len(widths) // 4])
     weights = 1.0 / np.maximum(widths, 1e-9 * np.abs(values).max() + 1e-150) ** 2
     weights /= weights.sum()
     mean = float(weights @ values)
@@ -531,7 +533,8 @@ class Planner:
 
     def mesh(self, tried: Tried, goal: Goal) -> float:
         """The scale of the mesh that a setting needs, in whole elements."""
-        scale, far = self.true_scale(goal.scale(tried)), FARTHEST * tried.scales[-1]
+        far = FARTHEST * tried.scales[-1]
+        scale = self.true_scale(min(goal.scale(tried), 2.0 * far))
         if goal.seconds:
             return min(scale, far)
         while goal.error and scale <= far and tried.error_at(scale) > goal.error:
