@@ -34,6 +34,8 @@ from .warned import Turning
 # Without a wish of the scene: so many records, at least so many steps apart in a problem of many nodes, and so many values of nodes.
 MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
 CHUNK_SECONDS = 0.1
+# But a chunk begins by finding out what sleeps, which takes as long as two or three steps.
+CHUNK_STEPS = 16
 REST_STEPS = 20
 
 
@@ -351,8 +353,8 @@ class Loop:
 
     def _advance(self, target: int, due: int, advanced: Any, stop: list[int]) -> None:
         """
-        Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn; the state
-        that is ``due`` to be recorded is checked at once.
+        Steps to ``target`` in chunks of about a tenth of a second, or of 16 steps if these take longer, so that
+        Ctrl-C and the progress bar get their turn; the state that is ``due`` to be recorded is checked at once.
         """
         while self.state.step < target and not stop:
             count = min(self.chunk, target - self.state.step)
@@ -366,7 +368,7 @@ class Loop:
             next_count = (
                 2 * self.chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
             )
-            self.chunk = min(max(1, int(next_count)), 10**6)
+            self.chunk = min(max(CHUNK_STEPS, int(next_count)), 10**6)
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Call the C library in the middle of a run; what it refuses is a RunError of its kind, with the body's name."""
