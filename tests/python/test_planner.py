@@ -180,7 +180,7 @@ def test_the_error_by_hand(nu):
 def test_a_plan_of_plates_keeps_its_word(nu, end, tmp_path):
     scene = ct.Scene(plates(nu, end))
     before = scene.toml()
-    plan = scene.plan(error=0.06, trials=2.0, progress=False)
+    plan = scene.plan(error=0.06, trials=60.0, progress=False)
     assert scene.toml() == before
     plan.scene.save(tmp_path / "new.toml")
     run = run_of(ct.Scene.load(tmp_path / "new.toml"))
@@ -205,7 +205,7 @@ def bar(**change):
 
 def test_a_plan_of_a_bar_keeps_its_word():
     """The bar turns round: its momentum at the end is m v = 2.5 * 10."""
-    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=3.0, progress=False)
+    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0, progress=False)
     assert abs(run_of(plan.scene).momentum["p"][-1, 0] / 25.0 - 1.0) <= 1.2 * 0.05
     assert abs(plan.value - 25.0) <= 2.0 * plan.uncertainty < 25.0
     assert "bar.p_x.end = 2" in str(plan) and "sure" in plan.sure

@@ -577,8 +577,11 @@ class Planner:
         """Try, choose, and price the choice and its neighbours."""
         try:
             self.climb(goal, bar)
-            for each in self.judged(goal)[:FINALISTS]:
-                self.settle(each, goal)
+            settled = list[Tried]()
+            # Settling a finalist may make another setting the best one.
+            while new := [t for t in self.judged(goal)[:FINALISTS] if t not in settled]:
+                self.settle(new[0], goal)
+                settled.append(new[0])
         except KeyboardInterrupt:
             if all(len(each.scales) < FEWEST for each in self.tried):
                 raise
