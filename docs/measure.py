@@ -28,11 +28,13 @@ import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
+import two_speeds as speeds  # noqa: E402 (the prototype of the chapter)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
 import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
+import price  # noqa: E402 (one row of the campaign)
 
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
@@ -618,6 +620,31 @@ def dispersion() -> Numbers:
         phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
         found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
     return found
+
+
+@measurement
+def two_speeds() -> Numbers:
+    """Pushforward and pullback with two speeds: errors on the lines of Figs. 4 and 5, the field errors of two layers, and the limits. The prototype is the program of the chapter."""
+    one, two, iso = speeds.ONE, speeds.COMPONENTS, speeds.ISOTROPIC
+    mesh = speeds.Mesh(100)
+    found = {"four": speeds.errors(mesh, one, 0.7)[0], "one": speeds.errors(mesh, one, 0.7)[1]}
+    found["two"] = speeds.errors(mesh, two, 0.7)[1]
+    # As many updates of elements, nothing skipped: one evaluation a step, and a step of 0.92 edges.
+    bargain = campaign.case("reference", 138, campaign.SHARP | campaign.STIFF)
+    means = price.times_of(bargain)[1]
+    found |= {"bargain_four": means["l1_fig4"], "bargain": means["l1_fig5"]}
+    for name, keys in (("02", {"nu": 0.2}), ("04", {"nu": 0.4}), ("shaken", {"shaken": 0.2})):
+        mesh = speeds.Mesh(50, **keys)
+        for split, own in (("one", one), ("two", two)):
+            found[f"{split}_{name}"] = speeds.errors(mesh, own, 0.6)[1]
+    for split, halves in speeds.layers((one, two)).items():
+        for half, error in zip(("fast", "slow"), halves, strict=True):
+            found[f"{'one' if split == one else 'two'}_{half}"] = error
+    small = {name: speeds.Mesh(6, nu) for name, nu in (("02", 0.2), ("03", 0.3), ("04", 0.4))}
+    found["growth"] = speeds.growth(small["03"], iso, 0.5)
+    found |= {f"limit_{name}": speeds.limit(own, two) for name, own in small.items()}
+    small["03"].assemble(np.pi / 4)
+    return found | {"limit_turned": speeds.limit(small["03"], two)}
 
 
 @measurement

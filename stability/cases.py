@@ -18,6 +18,7 @@ import rest
 from dissipation import bar as measured_bar
 from lab import DEFAULT, Row, enforced, judge, material, scene
 from libcontact.mesh import Mesh
+from libcontact.model import INTEGRATORS
 from shapes import random_rotation
 
 import libcontact as ct
@@ -259,6 +260,8 @@ def plates(
     fraction: float | None,
     courant: float | None = None,
     right: tuple[int, int] | None = None,
+    integrator: str | None = None,
+    averaged: bool = False,
     **more: Any,
 ) -> Row:
     made = scene("plates")
@@ -276,12 +279,17 @@ def plates(
             f"{name}.y_min", fix="y"
         ).add_support(f"{name}.y_max", fix="y")
     made.add_contact("left.x_max", "right.x_min", **enforced(enforcement, beta))
+    if averaged:
+        made.add("averaging")
     made.set_time(
         end_c1t_over={"length": size, "value": 2.6 if cells < 80 else 0.56},
+        integrator=integrator,
         **({"courant": courant} if courant else {"fraction": fraction}),
     )
     made.set_output(every=5, fields=[])
     name = "plates" if right is None else f"plates, {cells} to {right[1]} faces"
+    if integrator or averaged:
+        name = "plates, averaged mass" if averaged else "plates, other integrators"
     return judge(
         name,
         made,
@@ -305,6 +313,18 @@ def plate_impact(short: bool) -> Iterator[Row]:
         ("bipenalty", 100.0, "energy"),
     ):
         yield plates(cells, enforcement, beta, 0.9, expected=expected)
+
+
+def plates_with_each_method(short: bool) -> Iterator[Row]:
+    """The plates with each integrator that damps and with the averaged mass, whatever the penalty of the default law."""
+    cells = 12 if short else 24
+    for method in (
+        *({"integrator": name} for name in INTEGRATORS if name != "central_difference"),
+        {"averaged": True},
+    ):
+        for beta in (None,) if short else (None, 4.0, 1e2, 1e4):
+            for fraction in (0.9,) if short else (0.3, 0.5, 0.7, 0.9, 0.99):
+                yield plates(cells, DEFAULT, beta, fraction, **method)
 
 
 def contact_and_reference(short: bool) -> Iterator[Row]:
@@ -762,6 +782,7 @@ CASES = [
     bouncing_bar,
     two_bars,
     plate_impact,
+    plates_with_each_method,
     contact_and_reference,
     unlike_meshes,
     dropped_cube,

@@ -114,12 +114,12 @@ def array(pointer: Any, count: int) -> np.ndarray:
     return np.frombuffer(ffi.buffer(pointer, 8 * count), np.float64)
 
 
-def largest_omega(problem: Problem) -> float:
-    """The largest frequency of the assembled system: one force for each unit displacement, then all eigenvalues."""
+def stiffness(problem: Problem) -> np.ndarray:
+    """The stiffness of the assembled bodies: one force for each unit displacement."""
     count = 3 * problem.pointer.node_count
     one, other, error, force = new_state(problem), new_state(problem), new_error(), np.empty(count)
-    u, root = array(one.displacement, count), np.sqrt(array(problem.pointer.inverse_mass, count))
-    stiffness = np.empty((count, count))
+    u = array(one.displacement, count)
+    matrix = np.empty((count, count))
     for d in range(count):
         u[d] = 1.0
         check(lib.ct_state_copy(problem.pointer, one, other, error), error)
@@ -129,11 +129,15 @@ def largest_omega(problem: Problem) -> float:
             ),
             error,
         )
-        stiffness[d] = -force
+        matrix[d] = -force
         u[d] = 0.0
-    return float(
-        np.sqrt(np.linalg.eigvalsh(root[:, None] * (0.5 * (stiffness + stiffness.T)) * root)[-1])
-    )
+    return 0.5 * (matrix + matrix.T)
+
+
+def largest_omega(problem: Problem) -> float:
+    """The largest frequency of the assembled system, from all eigenvalues."""
+    root = np.sqrt(array(problem.pointer.inverse_mass, 3 * problem.pointer.node_count))
+    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness(problem) * root)[-1]))
 
 
 def growth(problem: Problem, dt: float, steps: int) -> float:

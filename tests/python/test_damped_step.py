@@ -71,12 +71,18 @@ class Body:
         areas = np.where(x == x.max(), 0.5 ** sum(sides), 0.0)
         self.damping += np.diag(np.outer(areas, (self.c1, self.c2, self.c2)).ravel())
 
-    def grows(self, dt, inverse=None):
-        """Whether the largest root of a step with the velocity half a step back is above 1; `inverse`: of the mass."""
+    def grows(self, dt, inverse=None, r=1.0, l=0.0, push=1.0):  # noqa: E741
+        """Whether the largest root of a step with the velocity half a step back is above 1; `inverse`: of the mass; `r`, `l`, `push`: the drift of :eq:`stage`, where the
+        change of the acceleration is that over a push of so many steps."""
         inverse = np.diag(1 / self.mass) if inverse is None else inverse
         one, zero = np.eye(len(self.mass)), np.zeros_like(self.damping)
-        kick = np.block([[one - dt * inverse @ self.damping, -dt * inverse @ self.stiffness]])
-        step = np.vstack([kick, dt * kick + np.block([[zero, one]])])
+        velocity, displacement = np.hstack([one, zero]), np.hstack([zero, one])
+        solid, lag = dt * inverse @ self.stiffness, dt * inverse @ self.damping
+        kick = -np.hstack([lag, solid])  # Δt a
+        pushed = push * dt * (velocity + 0.5 * (1 + push) * kick)
+        step = np.vstack(
+            [velocity + kick, displacement + dt * (velocity + r * kick + l * (solid @ pushed))]
+        )
         return abs(np.linalg.eigvals(step)).max() > 1 + GROWTH
 
 
@@ -90,8 +96,8 @@ def box(cells):
     return {"box": {"size": [float(n) for n in cells], "cells": list(cells)}}
 
 
-def stable(made):
-    return made.set_time(end=1.0, fraction=0.5).explain().data["time"]["stable"]
+def stable(made, **time):
+    return made.set_time(end=1.0, fraction=0.5, **time).explain().data["time"]["stable"]
 
 
 @pytest.mark.parametrize("nu", NUS)
@@ -115,6 +121,30 @@ def test_bars_with_dashpots_of_each_kind(cells, nu):
         # Dashpots and stiffness are bounded apart, each by its worst motion.
         if not absorbs and linear <= 0.03:
             assert body.grows(dt / 0.9), case
+
+
+@pytest.mark.parametrize("nu", NUS)
+@pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
+def test_dashpots_with_other_integrators(cells, nu):
+    """Tchamwa and Wielgosz at their reported step, the pushforward at every fraction of it: its push is as long as the reported step."""
+    for (linear, quadratic), rate in itertools.product(
+        [(0.0, 0.0), (0.06, 1.2), (0.5, 0.0)], (0.0, 0.7)
+    ):
+        made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)
+        if linear:
+            made.add("viscosity", linear=linear, quadratic=quadratic)
+            body.damping += (linear + (STEEPEST if quadratic else 0.0)) * body.viscous
+        if rate:
+            made.add("damping", rate=rate)
+            body.damping += rate * np.diag(body.mass)
+        dt, r = stable(made, integrator="tchamwa_wielgosz"), 2 / 1.9
+        assert not body.grows(dt, r=r), (linear, rate)
+        assert linear or body.grows(dt / 0.95, r=r), rate
+        dt = stable(made, integrator="pushforward_pullback")
+        for push in (1.0, 1.05, 1.5, 4.0):
+            change = 0.7 / 6 * (push - 1 / push)
+            assert not body.grows(dt / push, l=change, push=push), (linear, rate, push)
+        assert linear or body.grows(dt / 0.95), rate
 
 
 @pytest.mark.parametrize("nu", NUS)

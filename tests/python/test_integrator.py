@@ -22,6 +22,15 @@ LIMITS = {
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 
+def imported(folder: str, name: str):
+    """A module of a folder that is no package."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / folder))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.pop(0)
+
+
 def plates(integrator: str, **keys) -> ct.Scene:
     """Two thick plates that meet, in plane strain, with quiet regions for a while; the right one is pushed at its far end too."""
     made = ct.Scene(title="plates", units=UNITS)
@@ -148,13 +157,31 @@ def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator,
     assert abs((p[-1] - p[0]) / (300.0 * 0.01 * 2 / 3) - 1.0) < 1.5e-2
 
 
+@pytest.mark.parametrize("nu", [0.2, 0.3])
+def test_the_push_has_the_stresses_of_the_program_of_the_chapter(nu):
+    """Bricks of one layer in plane strain are the quadrilaterals of docs/theory/two_speeds.py, which are assembled there by Gauss' rule."""
+    speeds = imported("docs/theory", "two_speeds")
+    n, steps, dt = 20, 22, 0.5 / 20
+    made = ct.Scene(title="plate", units=UNITS)
+    young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
+    made.add_material("soft", young=young, poisson=nu, density=1.0)
+    box = {"origin": [0, 0, 0], "size": [1, 1 / n, 1], "cells": [n, 1, n]}
+    made.add_body("plate", material="soft", velocity=[-1e-3, 0, 0], box=box)
+    for face in ("x_min", "z_min", "y_min", "y_max"):
+        made.add_support(f"plate.{face}", fix=face[0])
+    made.set_time(end=steps * dt, dt=dt, integrator="pushforward_pullback")
+    push = made.explain().data["time"]["stable"] / dt
+    body = run(made, output=False).state["plate"]
+    place = np.lexsort(body.centres[:, [2, 0]].round(9).T)
+    mesh = speeds.Mesh(n, nu)
+    ((_, *stress),) = speeds.plate(mesh, speeds.ONE, dt * n, [steps * dt], push)
+    assert push > 1.5 and np.abs(stress).max() > 0.3
+    np.testing.assert_allclose(body.stress[place][:, [0, 2]].T * 1e3, stress, atol=1e-10)
+
+
 def test_the_stable_step_is_safe_and_sharp():
     """The short form of stability/steps.py: 10 000 steps at 0.999 of the reported step stay bounded, 1.02 of the true one does not."""
-    sys.path.insert(0, str(Path(__file__).parents[2] / "stability"))
-    try:
-        steps = importlib.import_module("steps")
-    finally:
-        sys.path.pop(0)
+    steps = imported("stability", "steps")
     rows = [
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
         *steps.rows(("graded",), ("hex20",), 2_000),
