@@ -323,7 +323,7 @@ def plates_with_each_method(short: bool) -> Iterator[Row]:
         {"averaged": True},
     ):
         for beta in (None,) if short else (None, 4.0, 1e2, 1e4):
-            for fraction in (0.9,) if short else (0.3, 0.5, 0.7, 0.9, 0.99):
+            for fraction in (0.5, 0.9) if short else (0.3, 0.5, 0.7, 0.9, 0.99):
                 yield plates(cells, DEFAULT, beta, fraction, **method)
 
 
