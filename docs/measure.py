@@ -637,9 +637,8 @@ def two_speeds() -> Numbers:
         mesh = speeds.Mesh(50, **keys)
         for split, own in (("one", one), ("two", two)):
             found[f"{split}_{name}"] = speeds.errors(mesh, own, 0.6)[1]
-    for split, halves in speeds.layers((one, two)).items():
-        for half, error in zip(("fast", "slow"), halves, strict=True):
-            found[f"{'one' if split == one else 'two'}_{half}"] = error
+    halves = speeds.layers((one, two))
+    found |= {"one_slow": halves[one][1], "two_slow": halves[two][1]}
     small = {name: speeds.Mesh(6, nu) for name, nu in (("02", 0.2), ("03", 0.3), ("04", 0.4))}
     found["growth"] = speeds.growth(small["03"], iso, 0.5)
     found |= {f"limit_{name}": speeds.limit(own, two) for name, own in small.items()}
