@@ -47,6 +47,7 @@ static void total_mass(ct_brick_kind kind, ct_lumping lumping)
   ct_mesh_free(m);
 }
 
+/* Boxes and a tapered brick by hand (eq:row-sum, eq:hrz, eq:mass-hex20). */
 static void closed_forms(void)
 {
   // Each element of a box gives an eighth of its mass to each corner.

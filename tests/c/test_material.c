@@ -1,6 +1,8 @@
 /* Material constants against identities of elasticity and hand figures. */
 #include "bodies.h"
 
+#include <float.h>
+
 static void refused(double young, double poisson, double density, const char *word)
 {
   ct_material m = {young, poisson, density, CT_LINEAR};
@@ -10,7 +12,9 @@ static void refused(double young, double poisson, double density, const char *wo
          "E %g, nu %g, rho %g is refused: %s", young, poisson, density, e.text);
 }
 
-int main(void)
+/* Two constants and two speeds by hand, and against formulas that the library does not have
+ * (eq:lame, eq:wave-speeds). */
+static void constants(void)
 {
   ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
   double lambda, mu, c1, c2, off[4] = {0};
@@ -43,7 +47,12 @@ int main(void)
   ct_material none = {1.0, 0.0, 1.0, CT_LINEAR};
   ct_material_speeds(&none, &c1, &c2);
   tap_ok(c1 == 1.0, "nu = 0, E = rho = 1: c1 = 1, the bar's speed");
+}
 
+/* Both sides of each limit (eq:material-range). */
+static void limits(void)
+{
+  ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
   tap_ok(ct_material_check(&steel, NULL) == CT_OK, "steel is a material");
   tap_ok(ct_material_check(NULL, NULL) == CT_ERROR_ARGUMENT,
          "no material is refused, without a place for the error");
@@ -58,5 +67,15 @@ int main(void)
   refused(1.0, 0.3, 0.0, "density");
   refused(1.0, 0.3, NAN, "density");
   refused(1.0, 0.3, INFINITY, "density");
+  const ct_material least = {DBL_MIN, nextafter(-1.0, 0.0), DBL_MIN, CT_LINEAR},
+                    most = {DBL_MAX, nextafter(0.5, 0.0), DBL_MAX, CT_LINEAR};
+  tap_ok(ct_material_check(&least, NULL) == CT_OK && ct_material_check(&most, NULL) == CT_OK,
+         "what lies just within the limits is a material");
+}
+
+int main(void)
+{
+  constants();
+  limits();
   return tap_done();
 }

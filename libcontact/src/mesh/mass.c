@@ -50,7 +50,9 @@ CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double 
     ct_lanes_jacobian(per, at->dN[q], x, J, &det);
     volume[q] = density * (at->rule.weight[q] * det);
   }
+  // -- Integrals of ρ N_a, and of ρ N_a² where the diagonal is scaled
   for (int a = 0; a < per; a++) {
+    // Σ_q N_a ρ w det J (eq:row-sum)
     for (int q = 0; q < points; q++) t[q] = at->N[q][a] * volume[q];
     sum_points(points, t, &row[a]);
     for (int q = 0; at->hrz && q < points; q++) t[q] = at->N[q][a] * at->N[q][a] * volume[q];
