@@ -3,6 +3,7 @@
 
 static const char *KIND[2] = {"hex8", "hex20"};
 
+/* Nodes of a box stand where its cells want them (eq:mesh-lattice). */
 static void box_counts(ct_brick_kind kind)
 {
   // 3 x 4 x 5 cells: 4 * 5 * 6 corners; 3 * 5 * 6 + 4 * 4 * 6 + 4 * 5 * 5 mid-sides.
@@ -41,6 +42,7 @@ static void box_counts(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
+/* To the last bit, for any edges (eq:mesh-lattice). */
 static void mirrored_boxes(ct_brick_kind kind)
 {
   int faults = 0;
@@ -201,6 +203,7 @@ static void refused(ct_mesh *m, ct_status want, int64_t element, int64_t point, 
   tap_ok(ct_mesh_create_copy(m, &copy, NULL) == want && copy == NULL, "%s is not copied", what);
 }
 
+/* Faults of a mesh, among them elements that are inverted or flat (eq:jacobian-points). */
 static void refusals(ct_brick_kind kind)
 {
   int per = ct_brick_node_count(kind);
@@ -260,7 +263,8 @@ static void accepted(ct_mesh *m, const char *what)
 }
 
 /* Bricks that are degenerate at a corner: wedges, pyramids and quarter points are used, flat and
- * reversed corners are faults. */
+ * reversed corners are faults
+ * (eq:jacobian-nodes). */
 static void corners(ct_brick_kind kind)
 {
   static const int WEDGE[2][3] = {{2, 9, 9}, {6, 13, 13}}, PYRAMID[7] = {5, 6, 7, 12, 13, 14, 15};
@@ -351,7 +355,7 @@ static int node_at(const ct_mesh *m, double x, double y, double z)
 }
 
 /* A ring closes upon itself: counts, the volume of a polygon's prism, radii, and exact mirror
- * images of its nodes. */
+ * images of its nodes (eq:mesh-ring). */
 static void rings(ct_brick_kind kind)
 {
   static const int around[3] = {3, 8, 12};

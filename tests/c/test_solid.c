@@ -9,7 +9,7 @@ static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
 
 /* A linear displacement on a distorted mesh has its constant stress everywhere and no force at
- * inner nodes. */
+ * inner nodes (eq:jacobian, eq:jacobian-gradient, eq:hooke, eq:internal-force). */
 static void patch_test(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 3, 3);
@@ -111,7 +111,7 @@ static void stresses(ct_brick_kind kind, ct_law law)
 }
 
 /* The force is minus the gradient of the energy. The energy is quadratic, so central differences
- * have no error but rounding. */
+ * have no error but rounding (eq:internal-force, eq:solid-energy). */
 static void energy_gradient(ct_brick_kind kind)
 {
   int n = 3 * ct_brick_node_count(kind);
@@ -544,6 +544,7 @@ static void definite(ct_brick_kind kind)
   }
 }
 
+/* Forces and energies of a mirrored body have the mirrored bits (eq:tree-sum). */
 static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   for (int axis = 0; axis < 3; axis++) {

@@ -79,7 +79,7 @@ static void lattice_coordinates(const void *shape, const int32_t at[3], double x
   for (int d = 0; d < 3; d++) {
     double a = box->origin[d], b = box->origin[d] + box->size[d];
     double n = 2.0 * box->cells[d], i = at[d];
-    x[d] = ((n - i) * a + i * b) / n;
+    x[d] = ((n - i) * a + i * b) / n; // (eq:mesh-lattice)
   }
 }
 
@@ -195,7 +195,7 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, c
 }
 
 /* Cosine and sine of the angle 2π i / n, folded to the first eighth of the circle so that they
- * mirror exactly (eq:mesh-ring). */
+ * mirror exactly. */
 static void circle(int32_t i, int32_t n, double *c, double *s)
 {
   const double pi = 3.14159265358979323846;
@@ -218,6 +218,7 @@ static void ring_coordinates(const void *shape, const int32_t at[3], double x[3]
   double c, s, n = 2.0 * ring->cells[0],
                r = ((n - at[0]) * ring->radius[0] + at[0] * ring->radius[1]) / n;
   circle(at[1], 2 * ring->cells[1], &c, &s);
+  // -- Around the axis, and in layers along it (eq:mesh-ring)
   x[0] = ring->centre[0] + r * c;
   x[1] = ring->centre[1] + r * s;
   x[2] = ring->centre[2] + (double)(at[2] - ring->cells[2]) * ring->width / (2.0 * ring->cells[2]);
@@ -300,8 +301,7 @@ static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[
   return ct_cofactors(J, C);
 }
 
-/* At Gauss points: the determinant over the product of the edges there, which is 1 for a box
- * (eq:jacobian-points). */
+/* At Gauss points: the determinant over the product of the edges there, which is 1 for a box. */
 static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_rule *rule,
                              int32_t element, ct_error *error)
 {
@@ -309,6 +309,7 @@ static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_r
     double square[3], det = jacobian(kind, nodes, rule->xi[q], square),
                       scale = sqrt(square[0] * square[1] * square[2]);
     double relative = scale > 0.0 ? det / scale : det;
+    // det J > 10⁻¹² |J_1| |J_2| |J_3| (eq:jacobian-points)
     if (!(relative > 1e-12))
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, q},
                      "element %d is %s: Jacobian determinant %g at Gauss point %d", (int)element,
@@ -319,7 +320,7 @@ static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_r
 
 /* At nodes, where nothing is integrated: the determinant over the product of the edges at the
  * centre. It may be zero only where an edge has collapsed to a point, or leaves its node with a
- * tangent of zero (eq:jacobian-nodes). */
+ * tangent of zero. */
 static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int32_t *number,
                              int32_t element, ct_error *error)
 {
@@ -332,6 +333,7 @@ static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int3
     double det = jacobian(kind, nodes, xi, square);
     int vanishes = 0;
     for (int d = 0; d < 3; d++) vanishes |= square[d] <= 1e-18 * size[d];
+    // det J > 10⁻⁹ j_0, or zero at a node where a tangent vanishes (eq:jacobian-nodes)
     if (det > small || (vanishes && det >= -small)) continue;
     return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1},
                    "element %d is %s at its %s %d (node %d): Jacobian determinant %g, where it "

@@ -4,8 +4,8 @@
 #include "../base/tree.h"
 
 /* J[i][j] = Σ_a x_i,a ∂N_a/∂ξ_j over the 8 or 20 nodes of a brick: the Jacobian of the map when `x`
- * are coordinates, the displacement gradient in the reference directions when `x` are displacements
- * (eq:jacobian). */
+ * are coordinates, the displacement gradient in the reference directions when `x` are
+ * displacements. */
 static inline void ct_reference_gradient(int count, double (*dN)[3], double (*x)[3], double J[3][3])
 {
   for (int i = 0; i < 3; i++) {
@@ -14,6 +14,7 @@ static inline void ct_reference_gradient(int count, double (*dN)[3], double (*x)
     double middle =
         ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
     for (int j = 0; j < 3; j++) {
+      // Σ_a x_i ∂N_a/∂ξ_j (eq:jacobian)
       for (int a = 0; a < count; a++) t[a] = dN[a][j] * (x[a][i] - middle);
       J[i][j] = ct_tree_nodes(count, t, 1);
     }

@@ -20,6 +20,7 @@ void ct_add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], con
   double dot = (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2];
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
+      // ∂N_a/∂x_i and ∂N_b/∂x_j are p_i and q_j (eq:stiffness)
       A[3 * a + i][3 * b + j] +=
           lambda * p[i] * q[j] + mu * p[j] * q[i] + (i == j ? mu * dot : 0.0);
 }

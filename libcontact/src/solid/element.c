@@ -17,18 +17,19 @@ double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi
 {
   int per = ct_brick_node_count(kind);
   double dN[20][3], J[3][3], C[3][3];
-  // -- Map the derivatives of the shape functions to the body (eq:jacobian)
+  // -- Map the derivatives of the shape functions to the body
   ct_brick_gradient(kind, xi, dN);
   ct_reference_gradient(per, dN, x, J);
   double det = ct_cofactors(J, C);
   if (!(det > 0.0)) return 0.0;
   for (int a = 0; a < per; a++)
     for (int j = 0; j < 3; j++)
+      // Σ_k ∂N_a/∂ξ_k (J⁻¹)_kj (eq:jacobian-gradient)
       dNdx[a][j] = ((dN[a][0] * C[j][0] + dN[a][1] * C[j][1]) + dN[a][2] * C[j][2]) / det;
   return det;
 }
 
-/* Hooke's law for small strains, σ = Λ tr(ε) I + 2 μ ε, as a full 3 x 3 matrix (eq:hooke). */
+/* Hooke's law for small strains, σ = Λ tr(ε) I + 2 μ ε, as a full 3 x 3 matrix. */
 static void hooke(const ct_material *material, double G[3][3], double sigma[3][3])
 {
   double lambda, mu;
@@ -36,6 +37,7 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
   double trace = (G[0][0] + G[1][1]) + G[2][2];
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
+      // 2 μ ε_ij + Λ tr(ε) δ_ij (eq:hooke)
       sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
 }
 
@@ -59,6 +61,7 @@ static double energy_density(const ct_material *material, double G[3][3], double
 {
   double W = 0.0;
   if (material->law != CT_LINEAR) return ct_large_energy(material, G);
+  // ½ σ_ij ∂u_i/∂x_j = ½ σ_ij ε_ij, since σ is symmetric (eq:solid-energy)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) W += 0.5 * P[i][j] * G[i][j];
   return W;
@@ -99,7 +102,7 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
   double W = 0.0;
   for (int i = 0; i < 3 * per; i++) force[i] = 0.0;
 
-  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:internal-force)
+  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], G[3][3], P[3][3];
     double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
@@ -112,6 +115,7 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
     double dV = rule.weight[q] * det;
     for (int a = 0; a < per; a++)
       for (int i = 0; i < 3; i++)
+        // -σ_ij ∂N_a/∂x_j w det J (eq:internal-force)
         for (int j = 0; j < 3; j++) force[3 * a + i] -= P[i][j] * dNdx[a][j] * dV;
     if (energy != NULL) W += energy_density(material, G, P) * dV;
   }
