@@ -195,6 +195,8 @@ static void kernel_against_reference(ct_mesh *m, ct_solid_kernel kernel, const c
   ct_mesh_free(m);
 }
 
+/* The kernels of distorted bricks and of boxes (eq:reference-stress, eq:brick-modes,
+ * eq:brick20-gradient, eq:box-gradient, eq:box-moments, eq:box-stress, eq:box-force). */
 static void kernels(void)
 {
   static const int count[5] = {1, 7, 8, 9, 17};
@@ -380,6 +382,7 @@ static double element_frequency(const ct_mesh *m, const ct_material *material, d
   return w;
 }
 
+/* Closed forms for cubes, and Jacobi's method (eq:stiffness, eq:householder, eq:sturm). */
 static void frequencies(void)
 {
   static const double poisson[4] = {0.0, 0.3, 0.45, -0.4},
@@ -421,7 +424,8 @@ static void frequencies(void)
          high - 1.0);
 }
 
-/* The bound of the elements is above the largest eigenvalue of the assembled mesh, and not far. */
+/* The bound of the elements is above the largest eigenvalue of the assembled mesh, and not far
+ * (eq:element-bound). */
 static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 4, 4, 4, 4, 4, 4);
@@ -503,7 +507,7 @@ static double held_frequency(const ct_mesh *m, int el, const int held[3])
 
 /* Which elements surely have no eigenvalue above a number, against Jacobi's eigenvalues a little
  * below and above it; and the bound of the body is the largest of all. Elements grow along x, so
- * that a stiff one stands first, and last. */
+ * that a stiff one stands first, and last (eq:definite). */
 static void definite(ct_brick_kind kind)
 {
   static const int HELD[3][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}};

@@ -5,7 +5,7 @@
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 
 /* Both kernels at one displacement, for edges of 1 : 2 : 7 in any order and the whole range of
- * materials. */
+ * materials (eq:box20-own, eq:box20-couplings, eq:box20-force, eq:box20-amplitudes). */
 static void beside_the_general_kernel(void)
 {
   static const double edge[6][3] = {{1, 2, 7}, {2, 7, 1}, {7, 1, 2},

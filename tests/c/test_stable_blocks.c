@@ -42,7 +42,7 @@ static double whole(const ct_mesh *m, const ct_material *material, const block *
   return quotient;
 }
 
-/* Reported over true step of boxes of many sizes and shapes. */
+/* Reported over true step of boxes of many sizes and shapes (eq:block-bound, eq:block-fold). */
 static void sharpness(ct_solid_kernel kernel, const char *name)
 {
   static const int CELLS[][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 3, 2},

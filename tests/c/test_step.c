@@ -53,7 +53,7 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   ct_mesh_free(other);
 }
 
-/* The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0
+/* The discrete oscillator (eq:leapfrog, eq:leapfrog-start, eq:step-oscillator). The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0
  * sin(n phi) / sin(phi), phi = 2 asin(omega dt / 2). */
 static void vibration(double fraction)
 {
@@ -155,6 +155,8 @@ static double largest_kinetic(const ct_problem *q, int64_t blocks, int64_t steps
   return top;
 }
 
+/* Runs below and above the limit (eq:stability-limit), and the reported step (eq:step-bound,
+ * eq:element-bound). */
 static void stability(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 2, 2);
@@ -419,7 +421,7 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
 }
 
 /* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given
- * velocity, and the ledger knows. */
+ * velocity, and the ledger knows (eq:leapfrog-start). */
 static void loaded_start(void)
 {
   ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),

@@ -105,7 +105,7 @@ EXPLICIT = {
         r"stiffer system needs a smaller step",
         r"\*\*Too stiff\*\*",
     ),
-    "docs/theory/step.rst": (
+    "docs/theory/stable.rst": (
         r"which margin is wise",
         r":eq:`contact-bound`\. ?|:eq:`contact-bound`;",
         r"with the .*penalty :math:`k = \\beta EA/h`",

@@ -18,13 +18,14 @@ static inline double ct_tridiagonal_reach(int n, const double *diagonal, const d
 }
 
 /* Whether all eigenvalues of the tridiagonal matrix lie below x: all pivots of T - x are negative
- * (Sturm, eq:sturm). */
+ * (Sturm). */
 static inline int ct_tridiagonal_all_below(int n, const double *diagonal, const double *side,
                                            double x)
 {
   double pivot = diagonal[0] - x;
   for (int i = 1; i < n; i++) {
     if (!(pivot < 0.0)) return 0;
+    // p_i = d_i - x - b² / p_{i-1} (eq:sturm)
     pivot = diagonal[i] - x - side[i - 1] * side[i - 1] / pivot;
   }
   return pivot < 0.0;

@@ -136,7 +136,7 @@ CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per
 }
 
 /* Eliminate S = L D Lᵀ; bit l of the answer is 1 where all pivots are positive, so that S is
- * definite (eq:definite). */
+ * definite. */
 CT_INLINE unsigned eliminate(int n, ct_lanes *S)
 {
   unsigned definite = ~0u;
@@ -144,6 +144,7 @@ CT_INLINE unsigned eliminate(int n, ct_lanes *S)
   for (int k = 0; k < n; k++) {
     double pivot[CT_LANES_COUNT];
     memcpy(pivot, &row(S, k)[k], sizeof pivot);
+    // D_k > 0 (eq:definite)
     for (unsigned l = 0; l < CT_LANES_COUNT; l++) definite &= ~((unsigned)!(pivot[l] > 0.0) << l);
     ct_lanes inverse = 1.0 / row(S, k)[k];
     for (int i = k + 1; i < n; i++) {

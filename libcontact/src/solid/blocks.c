@@ -104,7 +104,7 @@ static ct_status find_box(const ct_solid_part *part, box *b, ct_error *error)
   return CT_OK;
 }
 
-/* A block, and the motions of it that are even (1) or odd (-1) about its three middle planes. */
+/* A block, and  * -1: it does not move. */s of it that are even (1) or odd (-1) about its three middle planes. */
 typedef struct block {
   int size[3], parity[3];
   const int *held;
@@ -118,6 +118,7 @@ static int fold(const block *b, const int node[3], int c, double *sign)
   *sign = 1.0;
   for (int d = 0; d < 3; d++) {
     // A plane turns round what points across it.
+    // σ = -π_d for c = d, else π_d (eq:block-fold)
     int image = d == c ? -b->parity[d] : b->parity[d], mirrored = b->size[d] - node[d];
     if (node[d] == mirrored && image < 0) return -1;
     if (node[d] > mirrored) *sign *= image;
@@ -151,7 +152,7 @@ static ct_status parity_omega2_bound(const block *b, double K[SIZE][SIZE], const
 {
   double A[SIZE][SIZE] = {{0.0}}, m[SIZE] = {0.0};
   int cell[3], count = 0;
-  // -- The elements of one corner; one in the middle is its own image (eq:block-fold)
+  // -- The elements of one corner; one in the middle is its own image
   for (cell[2] = 0; 2 * cell[2] < b->size[2]; cell[2]++)
     for (cell[1] = 0; 2 * cell[1] < b->size[1]; cell[1]++)
       for (cell[0] = 0; 2 * cell[0] < b->size[0]; cell[0]++) {
@@ -182,7 +183,7 @@ static void sizes_of(int32_t cells, int *first, int *last)
 }
 
 /* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one
- * element and the masses of its nodes (eq:block-bound). */
+ * element and the masses of its nodes. */
 static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
                                      double K[SIZE][SIZE], const double *mass,
                                      double *omega_squared, ct_error *error)
@@ -191,7 +192,7 @@ static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
   block b = {.held = held};
   *omega_squared = 0.0;
   for (int d = 0; d < 3; d++) sizes_of(cells[d], &first[d], &last[d]);
-  // -- The fastest motion of all blocks, of each parity on its own (eq:block-bound)
+  // -- The fastest motion of all blocks, of each parity on its own
   for (b.size[0] = first[0]; b.size[0] <= last[0]; b.size[0]++)
     for (b.size[1] = first[1]; b.size[1] <= last[1]; b.size[1]++)
       for (b.size[2] = first[2]; b.size[2] <= last[2]; b.size[2]++)
@@ -200,7 +201,7 @@ static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
           for (int d = 0; d < 3; d++) b.parity[d] = k >> d & 1 ? -1 : 1;
           ct_status status = parity_omega2_bound(&b, K, mass, &w, error);
           if (status != CT_OK) return status;
-          *omega_squared = fmax(*omega_squared, w);
+          *omega_squared = fmax(*omega_squared, w); // (eq:block-bound)
         }
   return CT_OK;
 }
@@ -281,7 +282,7 @@ static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_sha
     if (below >> e % CT_LANES_COUNT & 1) continue;
     status = element_omega2(part, x, held, &w, error);
     if (status != CT_OK && error != NULL) error->element = e;
-    *omega_squared = fmax(*omega_squared, w);
+    *omega_squared = fmax(*omega_squared, w); // (eq:element-bound)
     reached = fmax(reached, w);
   }
   return status;

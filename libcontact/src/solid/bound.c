@@ -84,7 +84,7 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
 static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], double side[SIZE])
 {
   for (int k = 0; k < n - 2; k++) {
-    // -- Reflect column k onto its first entry below the diagonal (eq:householder)
+    // -- Reflect column k onto its first entry below the diagonal
     double v[SIZE] = {0.0}, p[SIZE], norm = 0.0, vv = 0.0, pv = 0.0;
     for (int i = k + 1; i < n; i++) norm += A[i][k] * A[i][k];
     norm = sqrt(norm);
@@ -98,6 +98,7 @@ static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], doub
       p[i] *= 2.0 / vv;
       pv += p[i] * v[i];
     }
+    // p = p' - (p'·v / v·v) v, A - v pᵀ - p vᵀ (eq:householder)
     for (int i = k; i < n; i++) p[i] -= pv / vv * v[i];
     for (int i = k; i < n; i++)
       for (int j = k; j < n; j++) A[i][j] -= v[i] * p[j] + p[i] * v[j];
@@ -122,7 +123,7 @@ ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],
     if (!(mass[i] > 0.0))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i / 3},
                      "node %d of the element has mass %g", i / 3, mass[i]);
-  // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-bound)
+  // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-scaled)
   for (int i = 0; i < n; i++)
     for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i]) * sqrt(mass[j]));
   tridiagonal(n, A, diagonal, side);

@@ -60,9 +60,10 @@ typedef struct slope {
 } slope;
 
 /* Displacement gradients of a component from its modes: along x the bilinear terms are η, ζ, ηζ;
- * along y ξ, ζ, ζξ; along z ξ, η, ξη (eq:box-gradient). k = 1 / (4 edge). */
+ * along y ξ, ζ, ζξ; along z ξ, η, ξη. k = 1 / (4 edge). */
 static inline void slopes(const ct_lanes U[CT_MODES], const double k[3], slope D[3])
 {
+  // (eq:box-gradient)
   D[0] =
       (slope){k[0] * U[CT_XI], k[0] * U[CT_XI_ETA], k[0] * U[CT_ZETA_XI], k[0] * U[CT_XI_ETA_ZETA]};
   D[1] = (slope){k[1] * U[CT_ETA], k[1] * U[CT_XI_ETA], k[1] * U[CT_ETA_ZETA],
@@ -72,10 +73,11 @@ static inline void slopes(const ct_lanes U[CT_MODES], const double k[3], slope D
 }
 
 /* Modal forces of one component from the stress coefficients that its gradients along x, y, z work
- * on (eq:box-force). K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
+ * on. K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
 static inline void modal_force(const slope s[3], const double K1[3], const double K3[3],
                                const double K9[3], ct_lanes F[CT_MODES])
 {
+  // (eq:box-force)
   F[CT_XI] = K1[0] * s[0].one;
   F[CT_ETA] = K1[1] * s[1].one;
   F[CT_ZETA] = K1[2] * s[2].one;
@@ -86,11 +88,12 @@ static inline void modal_force(const slope s[3], const double K1[3], const doubl
 }
 
 /* Stress coefficients from the slopes D[i][j] of u_i along x_j: s[i][j] holds the terms of σ_ij
- * that the slope of u_i along x_j has (eq:box-stress). */
+ * that the slope of u_i along x_j has. */
 static inline void box_stress(slope D[3][3], double lambda, double mu, slope s[3][3])
 {
   double stiff = lambda + 2.0 * mu;
   slope X = D[0][0], Y = D[1][1], Z = D[2][2];
+  // (eq:box-stress)
   s[0][0] = (slope){stiff * X.one + lambda * (Y.one + Z.one), stiff * X.p + lambda * Z.q,
                     stiff * X.q + lambda * Y.q, stiff * X.pq};
   s[1][1] = (slope){stiff * Y.one + lambda * (X.one + Z.one), stiff * Y.p + lambda * Z.p,
@@ -116,7 +119,9 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
 {
   double volume = part->edge[0] * part->edge[1] * part->edge[2], k[3], K1[3], K3[3], K9[3];
   for (int d = 0; d < 3; d++) {
+    // -- V / (4 edge) times the mean squares
     k[d] = 0.25 / part->edge[d];
+    // ⟨1⟩, ⟨ξ²⟩ = 1/3, ⟨ξ²η²⟩ = 1/9 (eq:box-moments)
     K1[d] = volume * k[d];
     K3[d] = K1[d] / 3.0;
     K9[d] = K1[d] / 9.0;

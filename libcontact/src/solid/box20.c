@@ -26,12 +26,13 @@ static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1
                     MIXED[2] = {1.0, 2.0 / 3.0};
 
 /* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d
- * is worth (eq:box20-own). */
+ * is worth. */
 static double own_stiffness(const int degree[3], const double G[3])
 {
   double sum[3];
   for (int d = 0; d < 3; d++) {
     int p = degree[d], q = degree[(d + 1) % 3], r = degree[(d + 2) % 3];
+    // G k² d_p s_q s_r (eq:box20-own)
     sum[d] = G[d] * (SLOPE[p] * (SQUARE[q] * SQUARE[r]));
   }
   return (sum[0] + sum[1]) + sum[2];
@@ -55,19 +56,20 @@ ct_status ct_box20_prepare(ct_solid_part *part)
       degree[CT_BEND + 4 * d + m][f] = m / 2;
     }
   }
-  // -- Each mode with itself (eq:box20-own)
+  // -- Each mode with itself
   for (int i = 0; i < 3; i++) {
     double G[3];
     for (int d = 0; d < 3; d++)
       G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
     for (int m = 0; m < CT_MODES20; m++) B->own[i][m] = own_stiffness(degree[m], G);
   }
-  // -- Two components, by the degrees of their term along the three axes (eq:box20-couplings)
+  // -- Two components, by the degrees of their term along the three axes
   for (int t = 0; t < TERMS; t++) {
     static const int met[TERMS][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 0},
                                       {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
     double mean = (MIXED[met[t][0]] * MIXED[met[t][1]]) * SQUARE[met[t][2]];
     for (int d = 0; d < 3; d++) {
+      // V k_i k_j m m s (eq:box20-couplings)
       double both = (volume * (k[(d + 1) % 3] * k[(d + 2) % 3])) * mean;
       B->lambda[d][t] = part->lambda * both;
       B->mu[d][t] = part->mu * both;
@@ -77,8 +79,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
 }
 
 /* Modal forces of component i. A mode feels itself and, of each other component, at most the two
- * modes that are one degree lower along one of the two axes and one higher along the other
- * (eq:box20-force). Here x is axis i, and u, v, w are the components along x, y, z. */
+ * modes that are one degree lower along one of the two axes and one higher along the other.
+ * Here x is axis i, and u, v, w are the components along x, y, z. */
 CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][CT_MODES20],
                             ct_lanes F[CT_MODES20])
 {
@@ -90,6 +92,7 @@ CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][CT_MODES20],
   const ct_lanes *u = U[i], *v = U[j], *w = U[k];
   const double *K = B->own[i], *Lv = B->lambda[k], *Lw = B->lambda[j], *Mv = B->mu[k],
                *Mw = B->mu[j];
+  // K U + Λ C U + μ C U (eq:box20-force)
   F[x] = K[x] * u[x] + (Lv[FLAT] * v[y] + Lw[FLAT] * w[z]);
   F[y] = K[y] * u[y] + Mv[FLAT] * v[x];
   F[z] = K[z] * u[z] + Mw[FLAT] * w[x];

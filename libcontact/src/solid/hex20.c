@@ -84,7 +84,7 @@ CT_INLINE void scale_modes(ct_lanes U[CT_MODES20])
 }
 
 /* 8 ∂u/∂ξ_d at the 27 points from the scaled modes: what is linear along d does not depend on ξ_d,
- * and what is square has the factor 2 ξ_d (eq:brick20-gradient). */
+ * and what is square has the factor 2 ξ_d. */
 CT_INLINE void point_gradients(const ct_lanes U[CT_MODES20], int d, ct_lanes G[27])
 {
   const int e = (d + 1) % 3, f = (d + 2) % 3;
@@ -97,6 +97,7 @@ CT_INLINE void point_gradients(const ct_lanes U[CT_MODES20], int d, ct_lanes G[2
   bilinear_points(&slope[0], &slope[1], &slope[2], &slope[3], b);
   for (int k = 0; k < 9; k++) {
     ct_lanes *at = &G[STEP[e] * (k % 3) + STEP[f] * (k / 3)];
+    // a(η, ζ) + 2 ξ b(η, ζ) at ξ = -g, 0, g (eq:brick20-gradient)
     at[0] = a[k] - b[k];
     at[STEP[d]] = a[k];
     at[2 * STEP[d]] = a[k] + b[k];

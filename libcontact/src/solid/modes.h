@@ -3,7 +3,7 @@
 
 #include "../base/lanes.h"
 
-/* The nodal values of a hex8 as amplitudes of ξ, η, ζ, ξη, ηζ, ζξ, ξηζ (eq:brick-modes): U_m = Σ_a
+/* The nodal values of a hex8 as amplitudes of ξ, η, ζ, ξη, ηζ, ζξ, ξηζ: U_m = Σ_a
  * m(ξ_a) u_a. Differences are taken first, so equal nodal values give exactly zero, and the sums
  * pair along ξ, η, ζ (eq:tree-sum). */
 enum { CT_XI, CT_ETA, CT_ZETA, CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI, CT_XI_ETA_ZETA, CT_MODES };
@@ -23,6 +23,7 @@ static inline void ct_square_modes(const ct_lanes t[4], ct_lanes *sum, ct_lanes 
 
 static inline void ct_brick_modes(const ct_lanes u[8], ct_lanes U[CT_MODES])
 {
+  // Σ_a m(ξ_a) u_a, along ξ, η, ζ (eq:brick-modes)
   ct_lanes along_xi[4] = {u[1] - u[0], u[2] - u[3], u[5] - u[4], u[6] - u[7]};
   ct_lanes along_eta[4] = {u[3] - u[0], u[2] - u[1], u[7] - u[4], u[6] - u[5]};
   ct_lanes along_zeta[4] = {u[4] - u[0], u[5] - u[1], u[7] - u[3], u[6] - u[2]};

@@ -19,11 +19,12 @@ CT_INLINE void ct_bend_modes(const int edge[4][3], const ct_lanes u[20], ct_lane
 {
   ct_lanes bend[4];
   for (int e = 0; e < 4; e++)
+    // (u₋ - u₀) + (u₊ - u₀) (eq:box20-amplitudes)
     bend[e] = (u[edge[e][0]] - u[edge[e][2]]) + (u[edge[e][1]] - u[edge[e][2]]);
   ct_square_modes(bend, &U[0], &U[1], &U[2], &U[3]);
 }
 
-/* Nodal values of one component to modes (eq:box20-amplitudes). */
+/* Nodal values of one component to modes. */
 CT_INLINE void ct_brick20_modes(double ends, const ct_lanes u[20], ct_lanes U[CT_MODES20])
 {
   ct_brick_modes(u, U);

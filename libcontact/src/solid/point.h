@@ -19,8 +19,7 @@ CT_INLINE void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *
 }
 
 /* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik
- * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements
- * (eq:reference-stress). */
+ * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements. */
 CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
                                ct_lanes P[3][3])
 {
@@ -38,6 +37,7 @@ CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda
     }
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
+      // Σ_k σ_ik C_kj (eq:reference-stress)
       P[i][j] = (s[i][0] * C[0][j] + s[i][1] * C[1][j]) + s[i][2] * C[2][j];
 }
 

@@ -126,10 +126,12 @@ double ct_integrator_limit(const ct_integrator *integrator)
 double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate)
 {
   const double s = stiffening(integrator);
+  // 2 / √Σω̂² (eq:step-bound)
   if (rate == 0.0) return 2.0 / sqrt(s * omega_squared);
   // -- A lag of the velocity costs every method as much as the leapfrog; two stages share the cost
   // (eq:integrator-damped-bound)
   if (integrator->scheme == CT_NOH_BATHE)
     return 4.0 / (sqrt(s) * (rate + sqrt(rate * rate + 4.0 * omega_squared)));
+  // 4 / (D + √(D² + 4 W)) (eq:damped-step-bound)
   return 4.0 / (rate + sqrt(rate * rate + 4.0 * s * omega_squared));
 }

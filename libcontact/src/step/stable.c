@@ -59,7 +59,7 @@ static int is_contact(ct_effect_kind kind)
 }
 
 /* What bounds the step of all effects, and of all but the contacts: sums of ω² and of the damping
- * rate (eq:step-bound, eq:damped-step-bound). */
+ * rate. */
 static ct_status sum_bounds(const ct_problem *problem, ct_state *state, double omega_squared[2],
                             double rate[2], ct_error *error)
 {
@@ -68,6 +68,7 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, double o
     ct_status status = ct_stable_share(problem, state, k, &own, &own_rate, error);
     if (status != CT_OK) return status;
     for (int without = 0; without < (is_contact(problem->effects[k]->kind) ? 1 : 2); without++) {
+      // Σ ω̂² and Σ of the rates (eq:step-bound)
       omega_squared[without] += own;
       rate[without] += own_rate;
     }

@@ -233,7 +233,7 @@ ct_status ct_state_equip(ct_state *state, ct_error *error)
 /* Degrees of freedom of a thread at least. */
 enum { LEAST_DOFS = 65536 };
 
-/* Half a step back from t = 0 (eq:leapfrog-start, eq:stage-start). */
+/* Half a step back from t = 0. */
 static void step_back(const ct_problem *problem, ct_state *state)
 {
   double back = -ct_integrator_share(&problem->integrator) * problem->dt,
@@ -244,6 +244,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t d = 0; d < dofs; d++) {
+    // -- Half a step back from the initial velocity (eq:leapfrog-start, eq:stage-start)
     state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                                  state->workspace->total[d]);
     if (past != NULL && state->workspace->pushed == NULL)
