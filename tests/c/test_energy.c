@@ -52,7 +52,7 @@ static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t
   return worst_of;
 }
 
-/* One plate that hits a rigid plane: all forces are linear. */
+/* One plate that hits a rigid plane: all forces are linear (eq:work-balance, eq:work-sum). */
 static void reference_run(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
@@ -156,7 +156,7 @@ static void close_touching(touching *t)
 }
 
 /* What is there at t = 0 is the motion of the start and what an overlap stores, whatever the
- * contact does next. */
+ * contact does next (eq:energy-start, eq:work-start). */
 static void first_row(void)
 {
   for (int e = 0; e < ENFORCEMENTS; e++)
@@ -261,7 +261,8 @@ static void pressed_at_rest(void)
   }
 }
 
-/* Meshes 1 : 7.3 along the contact, densities 2 : 1, different velocities. */
+/* Meshes 1 : 7.3 along the contact, densities 2 : 1, different velocities (eq:work-balance,
+ * eq:impulse-balance). */
 static void unlike_plates(void)
 {
   ct_material heavy = STEEL;
@@ -338,7 +339,8 @@ static void flying_block(void)
   close_run(state, scene, box);
 }
 
-/* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself. */
+/* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself
+ * (eq:discrete-energy). */
 static void discrete_kinetic(void)
 {
   ct_material m = {2.0, 0.3, 0.5, CT_LINEAR};
@@ -364,7 +366,8 @@ static void discrete_kinetic(void)
 
 /* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base
  * the rest of its momentum: to 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a
- * copy within a block of steps goes on with the same bits. */
+ * copy within a block of steps goes on with the same bits (eq:impulse-parts, eq:impulse-balance).
+ */
 static void many_impulses(void)
 {
   static const int64_t at[] = {1000, 25600, 25601, 102399, 200000};
@@ -462,7 +465,8 @@ static void check_row(const ct_problem *p, ct_state *state, const ct_ledger *row
   free(v);
 }
 
-/* The row of a monitor, and the same state moved far away, whose strain is the same. */
+/* The row of a monitor, and the same state moved far away, whose strain is the same
+ * (eq:stored-by-forces). */
 static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, const char *what)
 {
   ct_material soft = STEEL;

@@ -72,6 +72,7 @@ static void zeros(void)
   }
 }
 
+/* Along each axis, the forces of the bricks (eq:plane-modes, eq:plane-stress, eq:plane-force). */
 static void forces(void)
 {
   for (int axis = 0; axis < 3; axis++) {

@@ -382,7 +382,8 @@ static double element_frequency(const ct_mesh *m, const ct_material *material, d
   return w;
 }
 
-/* Closed forms for cubes, and Jacobi's method (eq:stiffness, eq:householder, eq:sturm). */
+/* Closed forms for cubes, and Jacobi's method (eq:stiffness, eq:element-scaled, eq:householder,
+ * eq:sturm). */
 static void frequencies(void)
 {
   static const double poisson[4] = {0.0, 0.3, 0.45, -0.4},

@@ -53,8 +53,9 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   ct_mesh_free(other);
 }
 
-/* The discrete oscillator (eq:leapfrog, eq:leapfrog-start, eq:step-oscillator). The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0
- * sin(n phi) / sin(phi), phi = 2 asin(omega dt / 2). */
+/* The discrete oscillator (eq:leapfrog, eq:leapfrog-start, eq:step-oscillator). The dilatation of a
+ * cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0 sin(n phi) / sin(phi),
+ * phi = 2 asin(omega dt / 2). */
 static void vibration(double fraction)
 {
   const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)),

@@ -20,7 +20,7 @@ static ct_problem with_step(const ct_problem *p, double dt)
 }
 
 /* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work
- * of its weight are m g t and m g (v t + g t² / 2). */
+ * of its weight are m g t and m g (v t + g t² / 2) (eq:step-change). */
 static void falling(void)
 {
   static const int parts[4] = {3, 1, 2, 5};

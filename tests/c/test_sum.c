@@ -68,6 +68,7 @@ static void integers_are_exact(void)
          wrong);
 }
 
+/* Against lists of numbers that do not overlap (eq:order-free-sum). */
 static void error_bound(void)
 {
   static double v[MOST];

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from libcontact.loop import default_interval
 
 DRAWN = runpy.run_path(str(Path(__file__).resolve().parents[2] / "docs" / "figures" / "solid.py"))
 NODES, moduli, stiffness = (DRAWN[name] for name in ("NODES", "moduli", "stiffness"))
@@ -40,3 +41,39 @@ def test_orders_of_the_stress():
         if kind == "hex8":
             assert fine["Gauss points"] == pytest.approx(0.11, abs=0.005)
             assert fine["centre"] == pytest.approx(0.011, abs=0.0005)
+
+
+@pytest.mark.parametrize(
+    "steps, nodes, records",
+    [
+        (10, 1000, 10),
+        (400, 10**5, 100),
+        (400, 10**8, 10),
+        (40, 10**6, 10),
+        (10**6, 10**6, 100),
+        (10**6, 5 * 10**6, 20),
+    ],
+)
+def test_records_where_a_scene_names_none(steps, nodes, records):
+    """min(100, max(S / 4, 10⁶ / N), max(10, 10⁸ / N)) records (eq:default-records), here by hand."""
+    assert steps / default_interval(steps, nodes) == pytest.approx(records, rel=0.01)
+
+
+def test_growth_beyond_the_limit():
+    """At ωΔt = 2.05 a step multiplies the motion by 1.56 (eq:stability-limit), and 20 steps by 7500."""
+    growth = np.abs(np.roots([1, -(2 - 2.05**2), 1])).max()
+    assert growth == pytest.approx(1.56, abs=0.005) and growth**20 == pytest.approx(7500, rel=0.01)
+
+
+def test_a_large_step_by_hand():
+    """The mass on a spring of the chapters step and energy: back after six steps (eq:step-oscillator), with a constant energy."""
+    u, v, energies = [1.0], [0.5], []
+    for _ in range(6):
+        v.append(v[-1] - u[-1])
+        energies.append((v[-2] * v[-1] + u[-1] ** 2) / 2)
+        u.append(u[-1] + v[-1])
+    assert u == [1, 0.5, -0.5, -1, -0.5, 0.5, 1] and energies == [0.375] * 6
+
+
+def test_orders_of_a_plain_sum_and_of_the_grids():
+    DRAWN["orders"]()  # asserts that all orders have the same bits

@@ -103,7 +103,7 @@ def stable(made, **time):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_bars_with_dashpots_of_each_kind(cells, nu):
-    """The reported step is stable: viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. With dampers or weak viscosity, one by a ninth larger is not."""
+    """The reported step is stable (eq:damped-step-bound): viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. With dampers or weak viscosity, one by a ninth larger is not."""
     viscosities = [(0.0, 0.0), (0.03, 0.0), (0.06, 1.2), (0.5, 0.0)]
     for (linear, quadratic), rate, absorbs in itertools.product(viscosities, (0.0, 0.7), (0, 1)):
         made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)

@@ -26,6 +26,7 @@ static inline int ct_grid_init(ct_grid *grid, double top, int64_t count)
 /* Add x to the two sums. */
 static inline void ct_grid_add(const ct_grid *grid, double x, double *sum_coarse, double *sum_fine)
 {
+  // q = G round(x / G), r = g round((x - q) / g) (eq:order-free-sum)
   double q = (x + grid->coarse) - grid->coarse;
   *sum_coarse += q;
   *sum_fine += ((x - q) + grid->fine) - grid->fine;

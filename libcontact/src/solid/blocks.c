@@ -104,14 +104,14 @@ static ct_status find_box(const ct_solid_part *part, box *b, ct_error *error)
   return CT_OK;
 }
 
-/* A block, and  * -1: it does not move. */s of it that are even (1) or odd (-1) about its three middle planes. */
+/* A block, and the motions of it that are even (1) or odd (-1) about its three middle planes. */
 typedef struct block {
   int size[3], parity[3];
   const int *held;
 } block;
 
 /* The degree of freedom of the block's corner with which component c of a node moves, and its sign;
- * -1: it does not move (eq:block-fold). */
+ * -1: it does not move. */
 static int fold(const block *b, const int node[3], int c, double *sign)
 {
   int at = 0;

@@ -57,21 +57,23 @@ typedef struct slope {
   ct_lanes p, q, p_by_q, q_by_p;
 } slope;
 
-/* From the four corners of a layer; both layers count (eq:plane-modes). */
+/* From the four corners of a layer; both layers count. */
 static inline slope slopes(const ct_lanes u[4], const double k[2])
 {
   ct_lanes low = u[1] - u[0], high = u[3] - u[2], both = 2.0 * (high - low);
+  // k_p U_p, k_q U_q, k_p U_pq, k_q U_pq (eq:plane-modes)
   return (slope){k[0] * (2.0 * (low + high)), k[1] * (2.0 * ((u[2] - u[0]) + (u[3] - u[1]))),
                  k[0] * both, k[1] * both};
 }
 
-/* Nodal forces of one component in the plane from its modal forces F along p, q and pq
- * (eq:plane-force). The order of the sums is that of the brick. */
+/* Nodal forces of one component in the plane from its modal forces F along p, q and pq. The order
+ * of the sums is that of the brick. */
 static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {
     double s = k == 0 ? -1.0 : 1.0;
     ct_lanes even = s * F[1], odd = F[0] + s * F[2];
+    // The same in both layers (eq:plane-force)
     f[2 * k] = axis == 0 ? -((even - F[0]) - s * F[2]) : odd - even;
     f[2 * k + 1] = axis == 0 ? -((F[0] + even) + s * F[2]) : -(even + odd);
   }

@@ -76,8 +76,8 @@ void ct_ledger_reactions(const ct_problem *problem, ct_state *state, double shar
                      state->impulse + ct_state_starts(problem, k).impulse);
 }
 
-/* Work and impulse of the effects beside the first and the reactions (eq:work-balance,
- * eq:impulse-balance), of a stage whose kick is `share` of the step (eq:stage-work). */
+/* Work and impulse of the effects beside the first and the reactions, of a stage whose kick is
+ * `share` of the step. */
 static void count_work(const ct_problem *problem, ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
@@ -92,10 +92,12 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
       while (w->shared[at] < node) at++;
       const double *before = &w->shared_velocity[3 * (int64_t)at],
                    *force = &w->force[k][3 * (int64_t)i];
+      // -- Work and impulse of one node
       for (int64_t c = 0; c < 3; c++) {
         double f = share * force[c];
+        // f (v⁻ + v⁺) (eq:work-balance, eq:stage-work)
         work[3 * (int64_t)i + c] += f * (before[c] + after[c]);
-        impulse[3 * (int64_t)i + c] += f;
+        impulse[3 * (int64_t)i + c] += f; // (eq:impulse-balance)
       }
     }
   }
@@ -111,7 +113,7 @@ void ct_ledger_fold(ct_state *state)
 {
   int64_t count = state->impulse_count / 2;
   for (int64_t i = 0; i < count; i++) {
-    state->impulse[count + i] += state->impulse[i];
+    state->impulse[count + i] += state->impulse[i]; // (eq:impulse-parts)
     state->impulse[i] = 0.0;
   }
 }

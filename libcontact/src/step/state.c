@@ -274,12 +274,13 @@ const uint64_t *ct_workspace_begun(const ct_state *state)
              : state->workspace->constraints->begun;
 }
 
-/* The velocity whose product with a force is what the work up to t = 0 must be short of
- * (eq:work-start); `has_begun`: a force begins at the node. */
+/* The velocity whose product with a force is what the work up to t = 0 must be short of;
+ * `has_begun`: a force begins at the node. */
 static inline double start_velocity(const ct_problem *problem, const ct_state *state, double share,
                                     int has_begun, int64_t dof)
 {
   if (!has_begun) return state->velocity[dof];
+  // v₋ + ¼ Δt a for the leapfrog, whose share is ½ (eq:work-start)
   return ct_kick(state->velocity[dof], 0.5 * share * problem->dt, problem->inverse_mass[dof],
                  state->workspace->total[dof]);
 }

@@ -18,17 +18,18 @@ static int64_t parts_of(const ct_problem *coarse, const ct_problem *fine)
                                                                                 : 0;
 }
 
-/* The velocity before the kick of the smaller step, with v_n as it is (eq:step-change). */
+/* The velocity before the kick of the smaller step, with v_n as it is. */
 static void move_velocities(const ct_problem *problem, const ct_state *from, ct_state *to)
 {
   double less = ct_integrator_share(&problem->integrator) * (from->problem->dt - problem->dt);
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    // v + ½ (Δt - Δt') f / m (eq:step-change)
     to->velocity[d] =
         ct_kick(from->velocity[d], less, problem->inverse_mass[d], from->workspace->total[d]);
 }
 
-/* Sums of which the smaller step makes the work and the impulse that they made of the larger one
- * (eq:step-change). */
+/* Sums of which the smaller step makes the work and the impulse that they made of the larger one.
+ */
 static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
                          int64_t parts)
 {
@@ -44,6 +45,7 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
       for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++) {
         int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
         double f = share * force[c];
+        // -- r (W + f v) - f v', r (I + ½ f) - ½ f (eq:step-change)
         if (effect->phase != CT_PHASE_REACTION)
           work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
         if (k == 0) continue;

@@ -105,7 +105,7 @@ static void body_terms(const piece *of)
               u = AT(of->array[DISPLACEMENT], n, i),
               after = before +
                       of->kick * AT(of->array[INVERSE_MASS], n, i) * AT(of->array[TOTAL], n, i);
-      // -- v⁻ v⁺ (eq:discrete-energy)
+      // -- v⁻ v⁺ of each component (eq:discrete-energy)
       product[i] = before * after;
       // -- Σ f (v⁻ + v⁺) + f_n v_{n-1/2} (eq:work-sum, eq:stage-work)
       work[i] = AT(of->array[WORK_DONE], n, i) + 2.0 * of->share * f * before;
@@ -155,7 +155,7 @@ static void make_body_terms(const piece *of)
     memcpy(&of->term[s][whole.count], term[s], (size_t)rest.count * sizeof *term[s]);
 }
 
-/* Where a force begins at t = 0 the kinetic energy is that of v_0 (eq:energy-start). */
+/* Where a force begins at t = 0 the kinetic energy is that of v_0. */
 static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
 {
   for (int32_t n = 0; begun != NULL && n < (int32_t)of->count; n++) {
@@ -165,7 +165,7 @@ static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
       double before = of->array[VELOCITY][d],
              after = ct_kick(before, of->kick, of->array[INVERSE_MASS][d], of->array[TOTAL][d]),
              middle = 0.5 * (before + after);
-      square[c] = middle * middle;
+      square[c] = middle * middle; // v_0² (eq:energy-start)
     }
     of->term[KINETIC][n] = 0.5 * of->mass[n] * ((square[0] + square[1]) + square[2]);
   }
