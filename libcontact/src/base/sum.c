@@ -84,7 +84,7 @@ int ct_stream_again(ct_stream *sums, int count)
   return again;
 }
 
-/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). Answers
+/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). Returns
  * the largest size; infinite if a number is not finite, as then a sum is not. */
 CT_CLONES
 static double add_parts(const ct_grid *of, const double *terms, int64_t count, double sum[2])

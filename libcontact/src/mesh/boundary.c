@@ -33,7 +33,7 @@ static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, in
     node[a] = mesh->elements[(size_t)element * per + (size_t)local[number][a]];
 }
 
-/* Write the sides all of whose nodes are `in`, of inner faces both; answers how many. Null `sides`:
+/* Write the sides all of whose nodes are `in`, of inner faces both; returns how many. Null `sides`:
  * only count. */
 static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, side *sides)
 {

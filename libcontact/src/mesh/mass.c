@@ -108,7 +108,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
 }
 
 /* The masses of upright boxes, which are an eighth of the element's at each node however they are
- * lumped; answers 0 where others are among them. */
+ * lumped; returns 0 where others are among them. */
 CT_CLONES
 static int box_masses(const ct_lanes *x, double density, double mass[20][CT_LANES_COUNT],
                       double total[CT_LANES_COUNT])

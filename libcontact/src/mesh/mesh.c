@@ -289,8 +289,8 @@ ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error)
   return status;
 }
 
-/* Jacobian of an element at a point, and the squares of its columns: half the edges of the brick
- * that the element looks like from there. Answers its determinant. */
+/* Jacobian of an element at a point, and the squares of its columns: half the edges of the
+ * brick that approximates the element there. Returns its determinant. */
 static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[3],
                        double square[3])
 {
@@ -357,7 +357,7 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
 }
 
-/* Gradients of the shape functions where a batch of elements is looked at: in the centre, at the
+/* Gradients of the shape functions where a batch of elements is checked: in the centre, at the
  * Gauss points, at the nodes. */
 typedef struct checks {
   int per, gauss, count;

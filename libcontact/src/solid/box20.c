@@ -25,8 +25,8 @@ typedef struct ct_box20 box20;
 static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1.0, 4.0 / 3.0},
                     MIXED[2] = {1.0, 2.0 / 3.0};
 
-/* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d
- * is worth. */
+/* Stiffness of a mode with itself, by its degrees along the axes; G[d] is the modulus of the
+ * gradient along d, with its factors. */
 static double own_stiffness(const int degree[3], const double G[3])
 {
   double sum[3];

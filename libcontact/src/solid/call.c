@@ -75,7 +75,7 @@ static void gather_ordered(const ct_part_call *call, const double *values, const
   }
 }
 
-/* Sum at those nodes of a run that have an active element; answers the first such node behind it.
+/* Sum at those nodes of a run that have an active element; returns the first such node behind it.
  */
 static int32_t gather_run(const ct_part_call *call, const double *values, const ct_run *run)
 {

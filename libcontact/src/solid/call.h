@@ -29,7 +29,7 @@ void ct_part_arrange(const ct_part_call *calls, int32_t count, int threads);
  * the other and waits for nobody in between. */
 void ct_part_forces(const ct_part_call *calls, int32_t count, int threads);
 
-/* The next nodes to be summed, from `first` on and before `last`; answers the end of their run
+/* The next nodes to be summed, from `first` on and before `last`; returns the end of their run
  * (ct_bits_run). */
 static inline int32_t ct_call_nodes(const ct_part_call *call, int32_t *first, int32_t last)
 {

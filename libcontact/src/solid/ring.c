@@ -32,7 +32,7 @@ void ct_force_ring_free(ct_force_ring *ring)
 
 /* Enter for each of the nodes begin ... end - 1, in a plane all of them, its elements by octant or
  * quadrant, -1 where there is none, and its partner in the other layer (of bricks: itself); of the
- * upper layer, a partner below -1. Answers 0 when a node is in both layers or has two elements in
+ * upper layer, a partner below -1. Returns 0 when a node is in both layers or has two elements in
  * one place. */
 static int enter_nodes(const ct_mesh *mesh, const ct_force_ring *ring, int32_t begin, int32_t end,
                        int32_t *twin, int32_t (*around)[8])
@@ -87,7 +87,7 @@ static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
   return 1;
 }
 
-/* Room for `count` runs, more than there are; answers whether there is. */
+/* Room for `count` runs, more than there are; returns whether there is. */
 static int make_room(ct_force_ring *ring, size_t count)
 {
   ct_run *larger = ct_allocate(count, sizeof *larger);

@@ -68,7 +68,7 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
   return status;
 }
 
-/* Batches of the elements of a node of the body, some maybe more than once; answers how many there
+/* Batches of the elements of a node of the body, some maybe more than once; returns how many there
  * are. Where there is a ring its runs know the elements. */
 static int32_t batches_of(const ct_solid_part *part, int32_t node, int32_t own[8],
                           const int32_t **batches)
@@ -160,7 +160,7 @@ static inline int stirs(const body *own, const double *u, const double *v, const
          (past != NULL && differ(&past[3 * n], rest));
 }
 
-/* Take the motion of the first batch whose nodes move alike; answers whether there is one. */
+/* Take the motion of the first batch whose nodes move alike; returns whether there is one. */
 static int choose_motion(const ct_solid_part *part, const double *u, const double *v,
                          const double *past, body *own)
 {
@@ -176,7 +176,7 @@ static int choose_motion(const ct_solid_part *part, const double *u, const doubl
   return 0;
 }
 
-/* Let a part sleep where it moves as the first batch does that may; answers whether it does
+/* Let a part sleep where it moves as the first batch does that may; returns whether it does
  * anywhere. */
 static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, const double *past)
 {

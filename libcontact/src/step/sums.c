@@ -100,7 +100,7 @@ static void body_terms(const piece *of)
     ct_quad product[3], work[3], half[3], v[3], x[3],
         P[3] = {{0.0}}, W[3] = {{0.0}}, H[3] = {{0.0}}, w[3] = {{0.0}}, r[3] = {{0.0}};
     for (int i = 0; i < 3; i++) {
-      // -- v_{n+1/2} as far beyond v_n as v_{n-1/2} is behind (eq:stage-velocity)
+      // -- v_{n+1/2} as far after v_n as v_{n-1/2} is before (eq:stage-velocity)
       ct_quad before = AT(of->array[VELOCITY], n, i), f = AT(of->array[OWN], n, i),
               u = AT(of->array[DISPLACEMENT], n, i),
               after = before +
@@ -171,7 +171,7 @@ static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
   }
 }
 
-/* Middle of the displacements of a body, which does not depend on the order of its nodes; answers
+/* Middle of the displacements of a body, which does not depend on the order of its nodes; returns
  * the largest component. */
 static double middle_of(int64_t count, const double *u, double middle[3])
 {
@@ -300,7 +300,7 @@ static void part_terms(int64_t count, const double *impulse, const double *done,
   }
 }
 
-/* Make the terms of the nodes i ... end - 1 of effect `k`; answers 0 where an effect has done
+/* Make the terms of the nodes i ... end - 1 of effect `k`; returns 0 where an effect has done
  * nothing, and they would all be zero. */
 static int make_effect_terms(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
                              int32_t end, double term[EFFECT_SUMS][CT_PIECE])
