@@ -13,6 +13,7 @@ static double worst(double so_far, double error)
   return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
 }
 
+/* What fixes the shape functions, and so eq:brick-hex8 and eq:brick-hex20. */
 static void interpolation_conditions(ct_brick_kind kind)
 {
   double delta = 0, unity = 0, linear = 0;
@@ -61,7 +62,7 @@ static void derivatives(ct_brick_kind kind)
 }
 
 /* The face's own interpolation of the brick's nodes runs over the right side, with its normal
- * outwards. */
+ * outwards and the second axis of eq:brick-sides. */
 static void sides(ct_brick_kind kind)
 {
   for (int side = 0; side < 6; side++) {

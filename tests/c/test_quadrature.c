@@ -25,6 +25,8 @@ static double integrate(const ct_rule *rule, int a, int b, int c)
   return sum;
 }
 
+/* Roots and weights of eq:quadrature-gauss, and their products along two axes
+ * (eq:quadrature-product). */
 static void quadrilateral_rule(ct_face_kind kind, int n)
 {
   ct_rule rule;
@@ -49,6 +51,7 @@ static void quadrilateral_rule(ct_face_kind kind, int n)
   tap_ok(order, "%d x %d points run with xi_1 fastest", n, n);
 }
 
+/* Orbits (eq:quadrature-orbit) with the places and weights of eq:quadrature-triangle. */
 static void triangle_rule(ct_face_kind kind, int count, int degree)
 {
   ct_rule rule;
@@ -70,6 +73,7 @@ static void triangle_rule(ct_face_kind kind, int count, int degree)
   tap_ok(inside, "%d points lie inside with positive weights", count);
 }
 
+/* Products along three axes (eq:quadrature-product). */
 static void brick_rule(ct_brick_kind kind, int n)
 {
   ct_rule rule;
@@ -87,12 +91,35 @@ static void brick_rule(ct_brick_kind kind, int n)
          "%d^3 points run with xi_1 fastest and xi_3 slowest", n);
 }
 
+/* Points at corners, middles of edges and centre (eq:quadrature-lobatto): exact for degree 3. */
+static void rule_with_ends(ct_face_kind kind)
+{
+  ct_rule rule;
+  double error = 0, least = 1;
+  int corners = 0;
+  tap_ok(ct_rule_lobatto(kind, &rule) == CT_OK, "a rule with points at the ends");
+  for (int a = 0; a <= 3; a++)
+    for (int b = 0; a + b <= 3; b++)
+      error = fmax(error, fabs(integrate(&rule, a, b, 0) -
+                               (kind == CT_T3 ? triangle(a, b) : line(a) * line(b))));
+  for (int p = 0; p < rule.count; p++) {
+    double x = rule.xi[p][0], y = rule.xi[p][1];
+    least = fmin(least, rule.weight[p]);
+    corners += kind == CT_T3 ? (x + y == 0) + (x == 1) + (y == 1) : fabs(x * y) == 1;
+  }
+  tap_close(error, 0, 1e-15, "it is exact to degree 3");
+  tap_ok(least > 0 && corners == (kind == CT_T3 ? 3 : 4),
+         "weights are positive, corners are points");
+}
+
 int main(void)
 {
   quadrilateral_rule(CT_Q4, 2);
   quadrilateral_rule(CT_Q8, 3);
   triangle_rule(CT_T3, 3, 2);
   triangle_rule(CT_T6, 6, 4);
+  rule_with_ends(CT_Q4);
+  rule_with_ends(CT_T3);
   brick_rule(CT_HEX8, 2);
   brick_rule(CT_HEX20, 3);
   ct_rule rule;

@@ -8,6 +8,7 @@
 static const double PROBE[5][2] = {
     {0.125, 0.25}, {-0.625, 0.75}, {0.875, -0.375}, {-1, 1}, {0.3, 0.1}};
 
+/* What fixes the shape functions, and so eq:segment-q4, eq:segment-q8 and eq:segment-triangle. */
 static void interpolation_conditions(ct_face_kind kind)
 {
   double delta = 0, unity = 0, slope = 0, padding = 0;
@@ -36,7 +37,8 @@ static void interpolation_conditions(ct_face_kind kind)
 }
 
 /* Central differences have no truncation error here: along one axis the N_i are at most quadratic,
- * so any step will do and 1/2 is exact. */
+ * so any step will do and 1/2 is exact. These derivatives make the tangents (eq:segment-tangents).
+ */
 static void derivatives(ct_face_kind kind)
 {
   const double h = 0.5;
@@ -73,6 +75,8 @@ static void surface(ct_face_kind kind, const double xi[2], double y[3], double t
   t2[2] = -1 + 0.3 * twist * r - 0.8 * q * s + k * (0.1 * r * r - 1.4 * r * s);
 }
 
+/* Points (eq:segment-point), tangents (eq:segment-tangents), normals (eq:segment-normal) and area
+ * elements (eq:segment-area) of that surface. */
 static void closed_form_surface(ct_face_kind kind)
 {
   ct_face face = {kind, {{0}}};
@@ -103,7 +107,7 @@ static void closed_form_surface(ct_face_kind kind)
 }
 
 /* Nodes of the face seen in a mirror: flip of xi_1, flip of xi_2, or (triangles) exchange of xi_1
- * and xi_2. */
+ * and xi_2. The sum over the nodes keeps its bits (eq:segment-tree). */
 static void mirrored_bits(ct_face_kind kind)
 {
   static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7},

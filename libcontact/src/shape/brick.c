@@ -7,10 +7,6 @@ static const signed char NODE[20][3] = {
     {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
     {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}};
 
-static const signed char SIDE[6][8] = {{3, 0, 4, 7, 11, 16, 15, 19}, {1, 2, 6, 5, 9, 18, 13, 17},
-                                       {0, 1, 5, 4, 8, 17, 12, 16},  {2, 3, 7, 6, 10, 19, 14, 18},
-                                       {1, 0, 3, 2, 8, 11, 10, 9},   {4, 5, 6, 7, 12, 13, 14, 15}};
-
 int ct_brick_node_count(ct_brick_kind kind)
 {
   switch (kind) {
@@ -50,7 +46,7 @@ void ct_brick_shape(ct_brick_kind kind, const double xi[3], double N[20])
     double f[3], df[3];
     factors(i, xi, f, df);
     double product = (f[0] * f[1]) * f[2];
-    // -- Corner of the trilinear brick (eq:brick-hex8)
+    // -- Corner of the trilinear brick, mid-edge of the other (eq:brick-hex8, eq:brick-hex20)
     N[i] = (i < 8 ? 0.125 : 0.25) * product;
     // -- Corner of the serendipity brick (eq:brick-hex20)
     if (kind == CT_HEX20 && i < 8)
@@ -78,6 +74,11 @@ void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[20][3])
 
 void ct_brick_face(ct_brick_kind kind, int side, int nodes[8])
 {
+  // -- Corners and mid-sides of each side, x_min first; corner 0 to 1 is the first axis, corner 0
+  // to 3 the second one (eq:brick-sides)
+  static const signed char SIDE[6][8] = {
+      {3, 0, 4, 7, 11, 16, 15, 19}, {1, 2, 6, 5, 9, 18, 13, 17}, {0, 1, 5, 4, 8, 17, 12, 16},
+      {2, 3, 7, 6, 10, 19, 14, 18}, {1, 0, 3, 2, 8, 11, 10, 9},  {4, 5, 6, 7, 12, 13, 14, 15}};
   int count = ct_face_node_count(ct_brick_face_kind(kind));
   for (int i = 0; i < 8; i++) nodes[i] = i < count ? SIDE[side][i] : -1;
 }

@@ -2,12 +2,6 @@
 
 #include <math.h>
 
-/* The Gauss-Legendre rules with two and three points: nodes and weights (eq:quadrature-gauss). */
-static const double NODE[2][3] = {{-0.577350269189625765, 0.577350269189625765},
-                                  {-0.774596669241483377, 0, 0.774596669241483377}};
-static const double WEIGHT[2][3] = {
-    {1, 1}, {0.555555555555555556, 0.888888888888888889, 0.555555555555555556}};
-
 /* Product of a rule with n points x, weights w, along each of `dimensions` axes, xi_1 fastest. */
 static void product_rule(int dimensions, int n, const double *x, const double *w, ct_rule *rule)
 {
@@ -23,8 +17,14 @@ static void product_rule(int dimensions, int n, const double *x, const double *w
       }
 }
 
+/* Product of the Gauss-Legendre rule with two or three points. */
 static void gauss_product(int dimensions, int n, ct_rule *rule)
 {
+  // -- Roots of the Legendre polynomials, and weights (eq:quadrature-gauss)
+  static const double NODE[2][3] = {{-0.577350269189625765, 0.577350269189625765},
+                                    {-0.774596669241483377, 0, 0.774596669241483377}};
+  static const double WEIGHT[2][3] = {
+      {1, 1}, {0.555555555555555556, 0.888888888888888889, 0.555555555555555556}};
   product_rule(dimensions, n, NODE[n - 2], WEIGHT[n - 2], rule);
 }
 
@@ -47,8 +47,10 @@ ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule)
   rule->count = 0;
   if (kind == CT_Q4 || kind == CT_Q8) {
     gauss_product(2, kind == CT_Q4 ? 2 : 3, rule);
-  } else if (kind == CT_T3) {
-    // -- Symmetric rules of a triangle (eq:quadrature-triangle)
+    return CT_OK;
+  }
+  // -- Symmetric rules of a triangle (eq:quadrature-triangle)
+  if (kind == CT_T3) {
     add_orbit(rule, 1.0 / 6, 1.0 / 6);
   } else if (kind == CT_T6) {
     double root = sqrt(38 - 44 * sqrt(0.4)), share = sqrt(213125 - 53320 * sqrt(10));

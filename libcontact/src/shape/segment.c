@@ -122,6 +122,7 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
   if (face == NULL || xi == NULL || y == NULL) return;
   double N[8];
   ct_segment_shape(face->kind, xi, N);
+  // -- Sum of weight times node (eq:segment-point)
   node_sum(face, N, 1, y);
 }
 
@@ -129,6 +130,7 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
 {
   double dN[8][2];
   ct_segment_gradient(face->kind, xi, dN);
+  // -- Sums of derivative times node (eq:segment-tangents)
   node_sum(face, &dN[0][0], 2, t1);
   node_sum(face, &dN[0][1], 2, t2);
 }
@@ -138,6 +140,7 @@ ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]
   fill(n, 3, NAN);
   double t1[3], t2[3], normal[3];
   ct_segment_tangents(face, xi, t1, t2);
+  // -- Vector product of the tangents, divided by its length (eq:segment-normal)
   if (!ct_vector_unit_normal(t1, t2, normal)) return CT_ERROR_GEOMETRY;
   for (int k = 0; k < 3; k++) n[k] = normal[k];
   return CT_OK;
@@ -147,6 +150,7 @@ double ct_segment_area_element(const ct_face *face, const double xi[2])
 {
   double t1[3], t2[3], n[3];
   ct_segment_tangents(face, xi, t1, t2);
+  // -- Length of the vector product (eq:segment-area)
   ct_vector_cross(t1, t2, n);
   return sqrt(ct_vector_dot(n, n));
 }
