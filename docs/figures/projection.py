@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import libcontact as ct
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from method import FACES, SQUARE, arrow, bent_face, draw_face, outline, solid_axes  # noqa: E402
+from method import SQUARE, arrow, bent_face, draw_face, outline, solid_axes  # noqa: E402
 
 BLUE, ORANGE, GREEN, RED, VIOLET, GREY = (
     "#3b8bd4",
@@ -137,4 +137,212 @@ def rules():
         ax.set(xlabel="ξ₁", aspect="equal", xticks=ticks, yticks=ticks, xlim=room, ylim=room)
         ax.set_title(title, fontsize=9)
     figure.axes[0].set_ylabel("ξ₂")
+    return figure
+
+
+def stationary(nodes, point, reach=1.0):
+    """Stationary points of f on a Q8 face: coordinates, and how many curvatures are negative."""
+    starts = np.stack(np.meshgrid(*[np.linspace(-reach, reach, 15)] * 2), -1).reshape(-1, 2)
+    found, step = [], 1e-4
+    for xi in starts:
+        for _ in range(40):
+            around = xi + step * np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
+            f = squares(nodes, point, around).reshape(3, 3)
+            g = np.array([f[2, 1] - f[0, 1], f[1, 2] - f[1, 0]]) / (2 * step)
+            H = np.empty((2, 2))
+            H[0, 0], H[1, 1] = f[2, 1] + f[0, 1] - 2 * f[1, 1], f[1, 2] + f[1, 0] - 2 * f[1, 1]
+            H[0, 1] = H[1, 0] = (f[2, 2] + f[0, 0] - f[2, 0] - f[0, 2]) / 4
+            H /= step**2
+            move = np.linalg.solve(H, -g)
+            xi = xi + move
+            if not np.all(np.abs(xi) < 1.4):
+                break
+            if np.abs(move).max() < 1e-7:
+                if not any(np.linalg.norm(xi - old) < 1e-3 for old, _ in found):
+                    found.append((xi, int((np.linalg.eigvalsh(H) < 0).sum())))
+                break
+    return found
+
+
+def contours(ax, nodes, point, reach=1.3, count=26):
+    """Lines of equal distance on a Q8 face and somewhat beyond it, and the edges of the face."""
+    grid = np.linspace(-reach, reach, 161)
+    height = np.sqrt(squares(nodes, point, np.stack(np.meshgrid(grid, grid), -1)))
+    levels = np.quantile(height, np.linspace(0.002, 0.97, count))
+    ax.contour(grid, grid, height, np.unique(levels), colors=GREY, linewidths=0.6)
+    ax.plot(*outline("Q8").T, color="black", lw=1)
+    ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+    ax.set(xticks=[-1, 0, 1], yticks=[-1, 0, 1])
+    ax.grid(False)
+
+
+def valleys():
+    """A face with eight nodes, and lines of equal distance with all stationary points."""
+    nodes = bent_face()
+    figure = Figure(figsize=(7.5, 3.5))
+    ax = solid_axes(figure, 121, elev=22, azim=-60)
+    draw_face(ax, "Q8", nodes)
+    ax.plot(*POINT, "o", color=ORANGE, ms=7)
+    ax.text(*(POINT + [0.12, 0, -0.1]), r"$\mathbf{y}_s$")
+    flat = figure.add_subplot(122)
+    contours(flat, nodes, POINT)
+    names = (("minimum", "o", GREEN), ("saddle", "D", ORANGE), ("maximum", "s", RED))
+    known = set()
+    for xi, negative in stationary(nodes, POINT, 1.2):
+        label, mark, colour = names[negative]
+        flat.plot(*xi, mark, color=colour, ms=8, label=None if label in known else label)
+        known.add(label)
+        if np.abs(xi).max() <= 1:
+            ax.plot(*ct.face_points("Q8", nodes, xi[None])[0], mark, color=colour, ms=6)
+    best = ct.project("Q8", nodes, [POINT], method="certified").xi[0]
+    flat.plot(*best, "*", color="black", ms=12, label="closest point")
+    flat.set(xlabel="ξ₁", ylabel="ξ₂")
+    figure.legend(loc="outside lower center", ncols=4)
+    ax.set_box_aspect((2.2, 2, 1.5), zoom=1.25)
+    return figure
+
+
+def border():
+    """A minimum inside the face, on an edge, and at a corner, with the gradient there."""
+    nodes = np.column_stack([SQUARE, 0.25 * SQUARE[:, 0] ** 2 + 0.1 * SQUARE[:, 1]])
+    figure = Figure(figsize=(7.5, 2.9))
+    points = {
+        "inside": [0.3, 0.2, 0.6],
+        "on an edge": [1.5, 0.1, 0.6],
+        "at a corner": [1.6, 1.4, 0.6],
+    }
+    for ax, (title, point) in zip(figure.subplots(1, 3, sharey=True), points.items()):
+        contours(ax, nodes, np.array(point), reach=2.0, count=20)
+        free = ct.project("Q8", nodes, [point], method="newton").xi[0]
+        best = ct.project("Q8", nodes, [point], method="certified").xi[0]
+        ax.plot(*free, "o", mfc="none", color=BLUE, ms=9)
+        ax.plot(*best, "*", color=GREEN, ms=12)
+        step = 1e-5 * np.eye(2)
+        f = squares(nodes, point, best + np.concatenate([step, -step]))
+        gradient = (f[:2] - f[2:]) / 2e-5
+        if np.linalg.norm(gradient) > 1e-3:
+            ax.annotate(
+                "",
+                best - 0.55 * gradient / np.linalg.norm(gradient),
+                best,
+                arrowprops={"arrowstyle": "-|>", "color": RED, "lw": 2},
+            )
+        ax.set(title=title, xlabel="ξ₁")
+    figure.axes[0].set_ylabel("ξ₂")
+    return figure
+
+
+def basins():
+    """Where three methods end from every start."""
+    figure = Figure(figsize=(7.5, 3.1))
+    for ax, method in zip(figure.subplots(1, 3, sharey=True), ("newton", "simplex", "bfgs")):
+        found = draw_starts(ax, "Q8", bent_face(), POINT, method, cells=121)
+        ax.set_title(f"{method}: {100 * found:.0f} %")
+        ax.set_xlabel("ξ₁")
+        ax.grid(False)
+    figure.axes[0].set_ylabel("ξ₂")
+    legend_of_ends(figure)
+    return figure
+
+
+def ordinary_faces(count=200):
+    """Slightly bent Q8 faces at random, and a point near each."""
+    random = np.random.default_rng(5)
+    flat = np.column_stack([SQUARE, np.zeros(8)])
+    for _ in range(count):
+        yield (
+            flat + random.uniform(-0.1, 0.1, (8, 3)),
+            [*random.uniform(-0.6, 0.6, 2), random.uniform(-0.4, 0.4)],
+        )
+
+
+def cost():
+    """Evaluations over the tolerance, the median of all faces, for each method."""
+    figure = Figure(figsize=(7.5, 3.6))
+    ax = figure.subplots()
+    faces_and_points = list(ordinary_faces(80))
+    tolerances = 10.0 ** -np.arange(1, 11)
+    styles = {
+        "simplex": (ORANGE, "-", "o"),
+        "nelder_mead": (ORANGE, "--", "s"),
+        "simplex_newton": (ORANGE, ":", "D"),
+        "steepest_descent": (RED, "-", "o"),
+        "bfgs": (RED, "--", "s"),
+        "broyden": (VIOLET, "-", "o"),
+        "least_squares": (GREEN, "-", "o"),
+        "newton": (BLUE, "-", "o"),
+        "robust": ("black", "-", "s"),
+    }
+    for method, (colour, line, mark) in styles.items():
+        looks = [
+            np.median(
+                [
+                    ct.project("Q8", nodes, [point], method=method, tolerance=t).evaluations[0]
+                    for nodes, point in faces_and_points
+                ]
+            )
+            for t in tolerances
+        ]
+        ax.loglog(tolerances, looks, line, marker=mark, ms=4, color=colour, label=method)
+    ax.invert_xaxis()
+    ax.set(xlabel="tolerance", ylabel="evaluations", yticks=[3, 10, 30, 100, 300])
+    ax.set_yticklabels(["3", "10", "30", "100", "300"])
+    ax.legend(bbox_to_anchor=(1.0, 1.0), loc="upper left")
+    return figure
+
+
+def lowest():
+    """Error of the simplex over the gap, and the floor that it cannot pass."""
+    figure = Figure(figsize=(5.6, 3.0))
+    ax = figure.subplots()
+    nodes = np.column_stack([SQUARE[:4], np.zeros(4)])
+    gaps = 10.0 ** np.arange(-6, 4.1, 0.5)
+    points = np.column_stack([np.full((len(gaps), 2), [0.3125, -0.4]), gaps])
+    for method, colour, mark in (("simplex", ORANGE, "o"), ("robust", BLUE, "s")):
+        found = ct.project("Q4", nodes, points, method=method)
+        error = np.abs(found.xi - points[:, :2]).max(axis=1)
+        ax.loglog(gaps, np.maximum(error, 1e-17), mark, color=colour, ms=4, label=method)
+    ax.loglog(gaps, np.sqrt(2.2e-16) * gaps, "-", color="black", lw=1, label=r"$\sqrt{\epsilon}\,g_n/h$")
+    ax.set(xlabel="gap / half-width of the face", ylabel="error of ξ")
+    ax.legend()
+    return figure
+
+
+def moves():
+    """The three moves of the rolling simplex, with the lines of equal height of a plane valley."""
+    figure = Figure(figsize=(7.5, 2.7))
+    unit = np.array([[-0.5, -(3**0.5) / 6], [0.5, -(3**0.5) / 6], [0, 3**0.5 / 3]])
+    axes = figure.subplots(1, 3)
+    shown = (
+        ("reflect the highest", np.array([1.2, 0.9]), 2.6),
+        ("reflect the second highest", np.array([0.25, -0.1]), 0.0),
+        ("halve", np.array([0.25, -0.1]), 0.0),
+    )
+    for ax, (title, minimum, turn) in zip(axes, shown):
+        turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        x = unit @ turned.T
+        f = ((x - minimum) ** 2 * [1.0, 1.5]).sum(1)
+        low, second, high = np.argsort(f)
+        image = x[low] + x[second] - x[high]
+        value = ((image - minimum) ** 2 * [1.0, 1.5]).sum()
+        grid = np.linspace(-1.1, 1.6, 101)
+        a, b = np.meshgrid(grid, grid)
+        height = (a - minimum[0]) ** 2 + 1.5 * (b - minimum[1]) ** 2
+        ax.contour(a, b, np.sqrt(height), 12, colors=GREY, linewidths=0.5)
+        ax.fill(*x.T, facecolor=ORANGE, alpha=0.35, edgecolor=ORANGE)
+        new = x.copy()
+        if title == "halve":
+            new = x[low] + (x - x[low]) / 2
+        elif value < f[high]:
+            new[high] = image
+        else:
+            ax.plot(*image, "x", color=RED, ms=7)
+            new[second] = x[low] + x[high] - x[second]
+        assert (value < f[high]) == (title == "reflect the highest")
+        ax.fill(*new.T, facecolor="none", edgecolor=BLUE, lw=2)
+        middle = x.mean(axis=0)
+        for vertex, name in ((low, "l"), (second, "s"), (high, "h")):
+            ax.text(*(x[vertex] + 0.28 * (x[vertex] - middle)), name, ha="center", va="center")
+        ax.set(title=title, aspect="equal", xlim=(-0.9, 1.4), ylim=(-0.9, 1.1))
+        ax.set_axis_off()
     return figure

@@ -14,8 +14,9 @@ static ct_project_options with(ct_method method)
   return options;
 }
 
-/* A flat square or right triangle: the closest point is the clamped one. Points swept from deep
- * inside to far outside. */
+/* A flat square or right triangle: the closest point (eq:projection-minimum) is the clamped one,
+ * and its distance has the sign of eq:projection-signed. Points swept from deep inside to far
+ * outside. */
 static void flat_face_edges_and_vertices(ct_face_kind kind)
 {
   static const double SWEEP[9] = {-3, -1.25, -1, -0.5, 0, 0.3, 0.75, 1, 2.5};
@@ -139,7 +140,9 @@ static void status_on_an_edge(ct_face_kind kind)
          FACE_NAME[kind], far_beyond, far_false);
 }
 
-/* f is a quartic along each axis: the five-point differences below have no truncation error. */
+/* f is a quartic along each axis: the five-point differences below have no truncation error. They
+ * check the gradient (eq:projection-gradient), the Hessian (eq:projection-hessian), and the
+ * derivatives of the patch (eq:projection-patch-derivatives). */
 static void function_derivatives(ct_face_kind kind)
 {
   double first = 0, second = 0;
@@ -167,8 +170,8 @@ static void function_derivatives(ct_face_kind kind)
   tap_close(second, 0, 1e-11, "%s: Hessian of f against differences", FACE_NAME[kind]);
 }
 
-/* Two ways to f: the shape functions here, the polynomial inside the methods (seen through the
- * trace). */
+/* Two ways to f (eq:projection-f): the shape functions here, the polynomial inside the methods,
+ * seen through the trace. */
 typedef struct watch {
   const ct_face *face;
   const double *point;
@@ -186,6 +189,8 @@ static void compare_f(const double xi[2], double f, void *user)
   w->calls++;
 }
 
+/* So the coefficients are right: eq:projection-patch, eq:projection-patch-q4,
+ * eq:projection-patch-q8, eq:projection-patch-t6; and f is eq:projection-f. */
 static void trace_shows_f(ct_face_kind kind)
 {
   double off = 0;
@@ -208,8 +213,9 @@ static void trace_shows_f(ct_face_kind kind)
   tap_close(off, 0, 1e-14, "%s: the methods' f is that of the shape functions", FACE_NAME[kind]);
 }
 
-/* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort.
- */
+/* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort;
+ * inside the gap is perpendicular to the tangents (eq:projection-stationary), on the boundary f
+ * does not fall towards the inside. */
 static void brute_force(ct_face_kind kind)
 {
   const int cells = 48;
@@ -411,6 +417,7 @@ static void newton_on_linear_triangles(void)
   tap_close(error, 0, 1e-12, "T3: newton solves the normal equations");
 }
 
+/* What no search by values can pass (eq:simplex-floor). */
 static void simplex_floor(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -436,10 +443,10 @@ static void simplex_floor(void)
          "simplex respects its budget");
 }
 
-/* The closest point is the centroid of the first simplex, so all three values are equal: by hand,
- * the first image is not lower and the second highest vertex is reflected too (3 + 2 calls). No
- * vertex may be the centre of fewer than 4 iterations before each of the 34 halvings down to 1e-10,
- * and before the end. */
+/* The closest point is the centroid of the first simplex (eq:simplex-start), so all three values
+ * are equal: by hand, the first image is not lower and the second highest vertex is reflected too
+ * (3 + 2 calls). No vertex may be the centre of fewer than 4 iterations before each of the 34
+ * halvings down to 1e-10, and before the end. */
 static void simplex_steps_by_hand(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -456,6 +463,69 @@ static void simplex_steps_by_hand(void)
          "simplex halves when a vertex has stayed 4 times (%d iterations)", out.iterations);
 }
 
+/* The rolling simplex once more, written from the equations of the chapter with values of the shape
+ * functions: the start (eq:simplex-start), the highest and the lowest vertex (eq:simplex-high,
+ * eq:simplex-low), the centre of the others (eq:simplex-centre), the reflection
+ * (eq:simplex-reflection), the age (eq:simplex-age) and the halving (eq:simplex-halving). Answers
+ * the lowest vertex after so many iterations. */
+static void roll(const ct_face *face, const double point[3], int iterations, double lowest[2])
+{
+  double x[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}}, f[3];
+  int age[3] = {0, 0, 0}, l = 0, h = 0;
+  for (int n = 0; n <= iterations; n++) {
+    for (int i = 0; i < 3; i++) {
+      double y[3];
+      ct_segment_point(face, x[i], y);
+      f[i] = 0;
+      for (int k = 0; k < 3; k++) f[i] += (y[k] - point[k]) * (y[k] - point[k]);
+    }
+    for (int i = l = h = 0; i < 3; i++) l = f[i] < f[l] ? i : l, h = f[i] > f[h] ? i : h;
+    for (int a = 0; a < 2; a++) lowest[a] = x[l][a];
+    if (n == iterations) return;
+    int moved = h;
+    double image[2][2], y[3], value = 0;
+    for (int tried = 0; tried < 2; tried++)
+      for (int a = 0; a < 2; a++) {
+        int i = tried == 0 ? h : 3 - h - l;
+        image[tried][a] = x[0][a] + x[1][a] + x[2][a] - 2 * x[i][a];
+      }
+    ct_segment_point(face, image[0], y);
+    for (int k = 0; k < 3; k++) value += (y[k] - point[k]) * (y[k] - point[k]);
+    if (value >= f[h]) moved = 3 - h - l;
+    for (int i = 0; i < 3; i++) age[i]++;
+    for (int a = 0; a < 2; a++) x[moved][a] = image[moved != h][a];
+    age[moved] = 0;
+    // The vertex that has stayed is the lowest one, and may be the moved one.
+    ct_segment_point(face, x[moved], y);
+    f[moved] = 0;
+    for (int k = 0; k < 3; k++) f[moved] += (y[k] - point[k]) * (y[k] - point[k]);
+    for (int i = l = 0; i < 3; i++) l = f[i] < f[l] ? i : l;
+    if (age[l] < 4) continue;
+    for (int i = 0; i < 3; i++)
+      for (int a = 0; a < 2; a++) x[i][a] = 0.5 * (x[i][a] + x[l][a]);
+    for (int i = 0; i < 3; i++) age[i] = 0;
+  }
+}
+
+static void simplex_against_the_equations(void)
+{
+  double off = 0;
+  for (int trial = 0; trial < 50; trial++) {
+    ct_face face = random_face(CT_Q8, 0.2);
+    double point[3] = {uniform(0.8), uniform(0.8), uniform(0.5)}, lowest[2];
+    for (int iterations = 1; iterations <= 24; iterations++) {
+      ct_project_options options = with(CT_SIMPLEX);
+      ct_projection out;
+      options.iteration_limit = iterations;
+      ct_project(&face, point, &options, &out);
+      roll(&face, point, iterations, lowest);
+      for (int a = 0; a < 2; a++) off = worst(off, out.xi[a] - lowest[a]);
+    }
+  }
+  tap_close(off, 0, 1e-14, "simplex: 24 iterations as the equations of the paper say");
+}
+
+/* Also: a minimum is one only where f is convex (eq:projection-convex). */
 static void hard_cases(void)
 {
   /* A trough z = x^2 / 2: above the centre of curvature the closest point splits into x = +- sqrt(2
@@ -597,6 +667,7 @@ int main(void)
   newton_on_linear_triangles();
   simplex_floor();
   simplex_steps_by_hand();
+  simplex_against_the_equations();
   hard_cases();
   bad_input();
   many_points_are_single_points();

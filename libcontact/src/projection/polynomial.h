@@ -78,7 +78,7 @@ PART void triangle(const real v[8][3], const real p[3], int quadratic, real c[8]
 PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
 {
   real largest[3], far[3], sum[3];
-  // -- Subtract the point first (eq:projection-shift)
+  // -- Subtract the point first
   if (ct_is_triangular(patch->kind)) triangle(v, p, patch->kind == CT_T6, patch->c);
   else quadrilateral(v, p, patch->c);
   if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
@@ -106,6 +106,7 @@ PART real value(const patches *patch, const real xi[2], real d[3])
     real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
     d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
   }
+  // -- Square of the distance (eq:projection-f)
   return dot(d, d);
 }
 
@@ -140,7 +141,7 @@ PART void look(const patches *patch, iterates *at)
   at->f = value(patch, at->xi, d);
   tangents(patch, at->xi, t1, t2);
   curves(patch, at->xi, t11, t22, t12);
-  // -- Gradient (eq:projection-gradient)
+  // -- Gradient, zero at a minimum (eq:projection-gradient, eq:projection-stationary)
   at->g[0] = 2 * dot(d, t1);
   at->g[1] = 2 * dot(d, t2);
   // -- Hessian (eq:projection-hessian)

@@ -70,6 +70,7 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   out->evaluations = closest.evaluations;
   out->iterations = closest.iterations;
   out->certified = closest.certified;
+  // -- The closest point (eq:projection-minimum)
   for (int a = 0; a < 2; a++) out->xi[a] = closest.xi[a];
   for (int k = 0; k < 3; k++) out->point[k] = point[k] + closest.d[k];
   // -- Distance, and its sign on the side of the normal (eq:projection-signed)

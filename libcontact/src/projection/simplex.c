@@ -41,9 +41,9 @@ static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, do
 {
   const double *p = s->x[(i + 1) % 3], *q = s->x[(i + 2) % 3];
   for (int a = 0; a < 2; a++) {
-    // -- Centre of the others, and the reflection with alpha = 1 (eq:simplex-centre,
-    // eq:simplex-reflection)
+    // -- Centre of the others (eq:simplex-centre)
     double centre = 0.5 * (p[a] + q[a]);
+    // -- Reflection in it, with alpha = 1 (eq:simplex-reflection)
     image[a] = centre + (centre - s->x[i][a]);
   }
   return ct_iterate_value(patch, image, closest);
