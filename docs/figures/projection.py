@@ -346,3 +346,33 @@ def moves():
         ax.set(title=title, aspect="equal", xlim=(-0.9, 1.4), ylim=(-0.9, 1.1))
         ax.set_axis_off()
     return figure
+
+
+def models():
+    """A section of a bent face, its tangent and its circle of curvature at an iterate, and where each leads."""
+    figure = Figure(figsize=(6.4, 3.3))
+    ax = figure.subplots()
+    bend, at, point = 0.8, 0.9, np.array([0.0, 0.8])
+    x = np.linspace(-1.1, 1.6, 200)
+    ax.plot(x, bend * x**2 / 2, color="black", lw=2)
+    y = np.array([at, bend * at**2 / 2])
+    tangent = np.array([1.0, bend * at]) / np.hypot(1.0, bend * at)
+    normal = np.array([-tangent[1], tangent[0]])
+    radius = (1 + (bend * at) ** 2) ** 1.5 / bend
+    flat = y + ((point - y) @ tangent) * tangent
+    centre = y + radius * normal
+    away = (point - centre) / np.linalg.norm(point - centre)
+    round_ = centre + radius * away
+    ax.plot(*(y + np.outer([-1.6, 0.9], tangent)).T, color=GREEN, lw=1.2, label="tangent")
+    angle = np.linspace(-0.95, 0.5, 100)
+    circle = centre + radius * (np.outer(np.sin(angle), tangent) - np.outer(np.cos(angle), normal))
+    ax.plot(*circle.T, color=BLUE, lw=1.2, label="circle")
+    for end, mark, colour in ((flat, "s", GREEN), (round_, "^", BLUE), ([0, 0], "*", "black")):
+        ax.plot(*np.array([point, end]).T, "--", color=colour, lw=0.9)
+        ax.plot(*end, mark, color=colour, ms=11 if mark == "*" else 8)
+    ax.plot(*y, "o", mfc="none", color="black", ms=9)
+    ax.plot(*point, "o", color=ORANGE, ms=8)
+    ax.set(aspect="equal", ylim=(-0.75, 1.15), xlim=(-1.1, 1.6))
+    ax.set_axis_off()
+    ax.legend(loc="lower right")
+    return figure

@@ -75,7 +75,9 @@ static path walk(int method, const ct_face *face, const double point[3], const d
 
 static double off(const path *p, int i) { return fmax(fabs(p->xi[i][0]), fabs(p->xi[i][1])); }
 
-/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is
+/* Orders of convergence: least squares (eq:projection-gauss-newton), sphere (eq:sphere-curvature,
+ * eq:sphere-closest), torus (eq:torus-turn, eq:torus-closest), Newton (eq:projection-newton).
+ * At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is
  * projected there. To first order least squares leaves g times the curvature of each error; the
  * sphere k = curvature in the direction of the point leaves an error too unless p = q; Newton and
  * the torus have an error of second order. */
@@ -128,8 +130,8 @@ static void one_step(void)
   }
 }
 
-/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks
- * the error by (c - 1) / (c + 1) a step. */
+/* Steepest descent (eq:steepest-length) with exact steps on the parabola f = x^2 + c y^2 from the
+ * worst start shrinks the error by (c - 1) / (c + 1) a step. */
 static void zigzag(void)
 {
   double c = 9, start[2] = {0.9, 0.1}, point[3] = {0, 0, 0};
@@ -141,8 +143,10 @@ static void zigzag(void)
             "steepest descent zigzags at the rate of theory");
 }
 
-/* A sheared net on a saddle, z = r x y: the principal directions are the diagonals and the tangents
- * are not orthogonal. */
+/* Frame, curvatures and step back of a local shape (eq:projection-frame, eq:projection-curvatures,
+ * eq:projection-pull-back), and principal curvatures (eq:torus-principal). A sheared net on a
+ * saddle, z = r x y: the principal directions are the diagonals and the tangents are not
+ * orthogonal. */
 static void sheared_and_twisted(void)
 {
   ct_face face = parabolic_face(CT_Q8, 0, 0);
@@ -161,7 +165,8 @@ static void sheared_and_twisted(void)
          "the torus in any direction (%d iterates)", p.count);
 }
 
-/* Along the axis of symmetry of a cylinder Broyden's method is the secant rule. */
+/* Along the axis of symmetry of a cylinder Broyden's method (eq:broyden-step, eq:broyden-update) is
+ * the secant rule. */
 static void broyden_is_the_secant_rule(void)
 {
   ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0);
@@ -176,7 +181,8 @@ static void broyden_is_the_secant_rule(void)
   tap_close(off_rule, 0, 1e-12, "broyden in one dimension is the secant rule");
 }
 
-/* The first moves of Nelder and Mead on a plane, by hand. */
+/* The first moves of Nelder and Mead on a plane, by hand: expansion (eq:nelder-expansion) and
+ * contraction (eq:nelder-contraction). */
 static void nelder_mead_by_hand(void)
 {
   ct_face flat = parabolic_face(CT_Q4, 0, 0);
@@ -207,6 +213,182 @@ static void nelder_mead_changes_its_form(void)
   tap_close(e, 0, 1e-8, "nelder_mead walks along a narrow bent valley (%d evaluations)",
             changing.evaluations);
   tap_ok(fabs(regular.xi[0] - xi[0]) > 1e-3, "the regular simplex is halved to nothing there");
+}
+
+/* f of the shape functions. */
+static double value_at(const ct_face *face, const double point[3], const double xi[2])
+{
+  double y[3], f = 0;
+  ct_segment_point(face, xi, y);
+  for (int k = 0; k < 3; k++) f += (y[k] - point[k]) * (y[k] - point[k]);
+  return f;
+}
+
+/* One iteration of Nelder and Mead on sorted vertices x with values f, from the equations of the
+ * chapter: the line (eq:nelder-line), reflection (eq:nelder-reflection), expansion
+ * (eq:nelder-expansion), contraction (eq:nelder-contraction), shrinking (eq:nelder-shrink). Answers
+ * whether it shrinks. */
+static int nelder_mead_iteration(const ct_face *face, const double point[3], double x[3][2],
+                                 double f[3])
+{
+  static const double LAMBDA[3] = {-1, -2, 0.5};
+  double trial[3][2], v[3];
+  int keep = -1;
+  for (int i = 0; i < 3; i++) {
+    for (int a = 0; a < 2; a++)
+      trial[i][a] = 0.5 * (x[0][a] + x[1][a]) * (1 - LAMBDA[i]) + LAMBDA[i] * x[2][a];
+    v[i] = value_at(face, point, trial[i]);
+  }
+  if (v[0] < f[0]) keep = v[1] < f[0] ? 1 : 0;
+  else if (v[0] <= f[1]) keep = 0;
+  else {
+    if (v[0] < f[2]) { // the image is the third vertex: the contraction starts from it
+      f[2] = v[0];
+      for (int a = 0; a < 2; a++) x[2][a] = trial[0][a];
+      for (int a = 0; a < 2; a++) trial[2][a] = 0.25 * (x[0][a] + x[1][a]) + 0.5 * x[2][a];
+      v[2] = value_at(face, point, trial[2]);
+    }
+    if (v[2] <= f[2]) keep = 2;
+  }
+  for (int i = 0; i < 3; i++)
+    for (int a = 0; a < 2; a++) {
+      if (keep < 0) x[i][a] = 0.5 * (x[i][a] + x[0][a]);
+      else if (i == 2) x[i][a] = trial[keep][a];
+    }
+  for (int i = 0; i < 3; i++) f[i] = value_at(face, point, x[i]);
+  return keep < 0;
+}
+
+static void sort_vertices(double x[3][2], double f[3])
+{
+  for (int pass = 0; pass < 2; pass++)
+    for (int i = 0; i < 2; i++)
+      if (f[i + 1] < f[i]) {
+        double t = f[i];
+        f[i] = f[i + 1], f[i + 1] = t;
+        for (int a = 0; a < 2; a++) t = x[i][a], x[i][a] = x[i + 1][a], x[i + 1][a] = t;
+      }
+}
+
+static void nelder_mead_against_the_equations(void)
+{
+  double off = 0;
+  int shrunk = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    ct_face face = parabolic_face(CT_Q8, uniform(4), uniform(4));
+    double point[3] = {uniform(1), uniform(1), uniform(3)}, start[2] = {uniform(0.5), uniform(0.5)},
+           f[3];
+    double x[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
+    for (int i = 0; i < 3; i++) {
+      for (int a = 0; a < 2; a++) x[i][a] += start[a];
+      f[i] = value_at(&face, point, x[i]);
+    }
+    ct_projection out;
+    path p = walk(CT_NELDER_MEAD, &face, point, start, &out);
+    for (int n = 0; n < 14 && n < p.count; n++) {
+      sort_vertices(x, f);
+      for (int a = 0; a < 2; a++) off = worst(off, p.xi[n][a] - x[0][a]);
+      shrunk += nelder_mead_iteration(&face, point, x, f);
+    }
+  }
+  tap_close(off, 0, 1e-12, "nelder_mead: 14 iterations as the equations say");
+  tap_ok(shrunk > 0, "%d of them shrink", shrunk);
+}
+
+/* Where a line search along s ends (eq:projection-armijo, eq:projection-parabola). Answers in how
+ * many trials. */
+static int searched(const ct_face *face, const double point[3], const double xi[2],
+                    const double g[2], const double s[2], double next[2])
+{
+  double part = 1, slope = g[0] * s[0] + g[1] * s[1], f0 = value_at(face, point, xi);
+  for (int trial = 1;; trial++) {
+    for (int a = 0; a < 2; a++) next[a] = xi[a] + part * s[a];
+    double rise = value_at(face, point, next) - f0;
+    if (rise <= 1e-4 * part * slope || trial == 40) return trial;
+    part *= fmin(0.5, fmax(0.1, -0.5 * part * slope / (rise - part * slope)));
+  }
+}
+
+/* Steepest descent (eq:steepest-length) and BFGS (eq:bfgs-step, eq:bfgs-update, eq:bfgs-scale) with
+ * their line search, from the equations of the chapter: matrices in full. */
+static void line_searches_against_the_equations(void)
+{
+  double off = 0;
+  int shortened = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    ct_face face = parabolic_face(CT_Q8, uniform(4), uniform(4));
+    double point[3] = {uniform(1), uniform(1), uniform(3)}, start[2] = {uniform(0.9), uniform(0.9)};
+    ct_projection out;
+    for (int m = 0; m < 2; m++) {
+      path p = walk(m == 0 ? CT_STEEPEST_DESCENT : CT_BFGS, &face, point, start, &out);
+      double B[2][2] = {{0}}, before[2] = {0, 0}, g[2], H[3], next[2], s[2];
+      for (int n = 0; n < 5 && n + 1 < p.count; n++) {
+        function_at(&face, point, p.xi[n], NULL, g, H);
+        double length = hypot(g[0], g[1]),
+               bend = H[0] * g[0] * g[0] + 2 * H[2] * g[0] * g[1] + H[1] * g[1] * g[1];
+        if (length < 1e-3) break;
+        if (n == 0) B[0][0] = B[1][1] = 0.5 / length;
+        if (n > 0 && m == 1) {
+          double y[2] = {g[0] - before[0], g[1] - before[1]}, A[2][2], C[2][2];
+          for (int a = 0; a < 2; a++) s[a] = p.xi[n][a] - p.xi[n - 1][a];
+          double sy = s[0] * y[0] + s[1] * y[1];
+          if (n == 1 && sy > 0) B[0][0] = B[1][1] = sy / (y[0] * y[0] + y[1] * y[1]);
+          for (int a = 0; a < 2; a++)
+            for (int b = 0; b < 2; b++) A[a][b] = (a == b) - s[a] * y[b] / sy;
+          for (int a = 0; a < 2; a++)
+            for (int b = 0; b < 2; b++) {
+              C[a][b] = s[a] * s[b] / sy;
+              for (int i = 0; i < 2; i++)
+                for (int j = 0; j < 2; j++) C[a][b] += A[a][i] * B[i][j] * A[b][j];
+            }
+          for (int a = 0; a < 2 && sy > 0; a++)
+            for (int b = 0; b < 2; b++) B[a][b] = C[a][b];
+        }
+        double step = bend > 0 ? fmin(length * length * length / bend, 1) : 1;
+        for (int a = 0; a < 2; a++)
+          s[a] = m == 0 ? -step * g[a] / length : -(B[a][0] * g[0] + B[a][1] * g[1]);
+        shortened += searched(&face, point, p.xi[n], g, s, next) > 1;
+        for (int a = 0; a < 2; a++)
+          off = worst(off, (p.xi[n + 1][a] - next[a]) / (1 + fabs(next[a])));
+        for (int a = 0; a < 2; a++) before[a] = g[a];
+      }
+    }
+  }
+  tap_close(off, 0, 1e-8, "steepest_descent and bfgs step as the equations say");
+  tap_ok(shortened > 100, "their line search shortens %d steps", shortened);
+}
+
+/* The simplex down to an eighth of its edge, then Newton (eq:simplex-newton). */
+static void simplex_then_newton(void)
+{
+  int same = 1;
+  for (int trial = 0; trial < 100; trial++) {
+    ct_face face = random_face(CT_Q8, 0.2);
+    double point[3] = {uniform(0.8), uniform(0.8), uniform(0.5)};
+    ct_project_options first = with(CT_SIMPLEX), second = with(CT_NEWTON),
+                       both = with(CT_SIMPLEX_NEWTON);
+    ct_projection a, b, c;
+    first.tolerance = 1.0 / 8, second.use_start = 1;
+    ct_project(&face, point, &first, &a);
+    for (int k = 0; k < 2; k++) second.start[k] = a.xi[k];
+    ct_project(&face, point, &second, &b);
+    ct_project(&face, point, &both, &c);
+    same &=
+        c.xi[0] == b.xi[0] && c.xi[1] == b.xi[1] && c.evaluations == a.evaluations + b.evaluations;
+  }
+  tap_ok(same, "simplex_newton is the simplex, then newton");
+}
+
+/* A method that converges linearly goes on until the rest is below the tolerance
+ * (eq:projection-remainder): least squares with the rate 0.85. */
+static void remainder_of_a_slow_method(void)
+{
+  ct_face cylinder = parabolic_face(CT_Q8, 0.85, 0);
+  double point[3] = {0, 0, 1}, start[2] = {0.01, 0};
+  ct_projection out;
+  (void)walk(CT_LEAST_SQUARES, &cylinder, point, start, &out);
+  tap_ok(fabs(out.xi[0]) > 1e-12, "least squares at the rate 0.85 does not go on for ever");
+  tap_close(out.xi[0], 0, 1.01e-10, "but until the rest is below the tolerance");
 }
 
 /* A trough has a saddle of f above the centre of curvature: whoever ends there must not call it an
@@ -295,6 +477,10 @@ int main(void)
   broyden_is_the_secant_rule();
   nelder_mead_by_hand();
   nelder_mead_changes_its_form();
+  nelder_mead_against_the_equations();
+  line_searches_against_the_equations();
+  simplex_then_newton();
+  remainder_of_a_slow_method();
   saddles_are_no_answers();
   for (int m = 0; m < method_count(); m++) budgets_copies_and_bad_input(m);
   return tap_done();
