@@ -109,7 +109,8 @@ static double point_over_edge(const double *a, const double *b, const double *in
   return (double)(pt / square);
 }
 
-/* On a straight edge the closest point is known. Close to the edge robust finds it to the tolerance
+/* On a straight edge the closest point is known, and how far rounding moves it
+ * (eq:robust-resolved). Close to the edge robust finds it to the tolerance
  * and says CT_OK. Far away the rounding of the distance moves xi by more than the tolerance; then
  * CT_OK would be false. */
 static void status_on_an_edge(ct_face_kind kind)
@@ -240,8 +241,8 @@ static void brute_force(ct_face_kind kind)
   tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", FACE_NAME[kind]);
 }
 
-/* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples
- * alone miss the lowest on some 1 in 100. */
+/* Samples (eq:robust-samples) show the valleys. Faces z = p x^2 + q y^2 + r x y, so strongly bent
+ * that several valleys lie on them: the samples alone miss the lowest on some 1 in 100. */
 static void folded_faces(ct_face_kind kind)
 {
   const int cells = 60;
@@ -285,8 +286,9 @@ static void centres_of_curvature(ct_face_kind kind)
          FACE_NAME[kind], missed);
 }
 
-/* What robust costs: a nearly plane face a few looks, and a loose tolerance never more than a tight
- * one. */
+/* What robust costs: a nearly plane face a few looks, as it is mild (eq:robust-mild, from
+ * eq:robust-bend and eq:robust-straight), the first guess good (eq:robust-guess) and the end seen
+ * in time (eq:robust-quadratic); and a loose tolerance never more than a tight one. */
 static void costs_in_looks(ct_face_kind kind)
 {
   int most = 0, dearer = 0;
@@ -311,6 +313,63 @@ static void costs_in_looks(ct_face_kind kind)
   tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", FACE_NAME[kind], most);
   tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces",
          FACE_NAME[kind], dearer);
+}
+
+/* The first two iterates of a search. */
+typedef struct pair {
+  double xi[2][2];
+  int count;
+} pair;
+
+static void first_two(const double xi[2], double f, void *user)
+{
+  pair *p = (pair *)user;
+  (void)f;
+  if (p->count < 2)
+    for (int a = 0; a < 2; a++) p->xi[p->count][a] = xi[a];
+  p->count++;
+}
+
+/* On nearly plane faces, with points beside and beyond them, the first step of robust is the lowest
+ * point of the model (eq:robust-model) in the trust region and on the face, be it inside, on a side
+ * (eq:robust-side) or on the slanted side (eq:robust-slant). A fine grid of allowed steps has none
+ * lower; and f falls by a tenth of the promise (eq:robust-accept). */
+static void first_step_of_robust(ct_face_kind kind)
+{
+  const int cells = 100;
+  int steps = 0, unkept = 0;
+  double lower = 0, wide = triangular(kind) ? 0.5 : 1, low = triangular(kind) ? 0 : -1;
+  for (int trial = 0; trial < 200; trial++) {
+    ct_face face = random_face(kind, triangular(kind) ? 0.003 : 0.03);
+    double point[3] = {uniform(2), uniform(2), uniform(0.3)}, xi[2], g[2], H[3], f[2];
+    pair p = {{{0}}, 0};
+    ct_project_options options = with(CT_ROBUST);
+    ct_projection out;
+    random_xi(kind, 0.02, xi);
+    options.use_start = 1, options.trace = first_two, options.user = &p;
+    for (int a = 0; a < 2; a++) options.start[a] = xi[a];
+    ct_project(&face, point, &options, &out);
+    if (p.count < 2) continue;
+    function_at(&face, point, xi, &f[0], g, H);
+    function_at(&face, point, p.xi[1], &f[1], NULL, NULL);
+    double s[2] = {p.xi[1][0] - xi[0], p.xi[1][1] - xi[1]}, best = 0, taken = 0;
+    for (int i = -1; i <= cells; i++)
+      for (int j = 0; j <= cells; j++) {
+        double x = i < 0 ? s[0] : wide * (2.0 * i / cells - 1),
+               y = i < 0 ? s[1] : wide * (2.0 * j / cells - 1);
+        double q = g[0] * x + g[1] * y + 0.5 * (H[0] * x * x + H[1] * y * y) + H[2] * x * y,
+               u = xi[0] + x, v = xi[1] + y;
+        if (i < 0) taken = q;
+        if (u >= low && v >= low && u <= 1 && v <= 1 && (!triangular(kind) || u + v <= 1))
+          best = fmin(best, q);
+      }
+    steps++;
+    lower = fmax(lower, taken - best);
+    unkept += f[0] - f[1] < -0.1 * taken;
+  }
+  tap_ok(steps > 150 && unkept == 0, "%s: f falls as promised in %d first steps of robust",
+         FACE_NAME[kind], steps);
+  tap_close(lower, 0, 1e-13, "%s: no allowed step has a lower model", FACE_NAME[kind]);
 }
 
 static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2],
@@ -525,7 +584,8 @@ static void simplex_against_the_equations(void)
   tap_close(off, 0, 1e-14, "simplex: 24 iterations as the equations of the paper say");
 }
 
-/* Also: a minimum is one only where f is convex (eq:projection-convex). */
+/* Also: a minimum is one only where f is convex (eq:projection-convex), and far away rounding hides
+ * whether f falls (eq:robust-noise). */
 static void hard_cases(void)
 {
   /* A trough z = x^2 / 2: above the centre of curvature the closest point splits into x = +- sqrt(2
@@ -661,6 +721,7 @@ int main(void)
     brute_force(kind);
     if (kind == CT_Q8 || kind == CT_T6) folded_faces(kind), centres_of_curvature(kind);
     costs_in_looks(kind);
+    first_step_of_robust(kind);
     for (int m = 0; m < 3; m++)
       copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
   }

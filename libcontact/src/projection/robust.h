@@ -33,6 +33,7 @@ static const double TRIANGLE[7][2] = {
 
 PART real model_value(const model *q, const real s[2])
 {
+  // -- Value of the model (eq:robust-model)
   real linear = q->g[0] * s[0] + q->g[1] * s[1];
   return linear +
          (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
@@ -205,9 +206,11 @@ PART mask is_mild(const patches *patch, const iterates *at)
 {
   const real(*c)[3] = patch->c;
   real bent[3];
+  // -- How much the face bends (eq:robust-bend)
   for (int k = 0; k < 3; k++)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
                                            2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  // -- Against the tangents (eq:robust-straight)
   real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
        straight = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
@@ -432,7 +435,7 @@ RARE void search_samples(const patches *patch, const ct_project_options *options
   for (int i = 0; i < samples; i++) from[i] = cold & valley[i];
   best->f = pick(cold, every(HUGE_VAL), best->f);
   descend_from(from, patch, options, sought, count, best);
-  // -- Look again where the face may hide something (eq:robust-hidden)
+  // -- Look again where the face may hide something (eq:certified-bound)
   mask hidden = cold & not(proven_at_sight(patch, best->xi, cold, count));
   for (int i = 0; i < samples; i++) from[i] = hidden & not(valley[i]);
   if (any(hidden)) descend_from(from, patch, options, sought, count, best);
