@@ -302,7 +302,9 @@ def lowest():
         found = ct.project("Q4", nodes, points, method=method)
         error = np.abs(found.xi - points[:, :2]).max(axis=1)
         ax.loglog(gaps, np.maximum(error, 1e-17), mark, color=colour, ms=4, label=method)
-    ax.loglog(gaps, np.sqrt(2.2e-16) * gaps, "-", color="black", lw=1, label=r"$\sqrt{\epsilon}\,g_n/h$")
+    ax.loglog(
+        gaps, np.sqrt(2.2e-16) * gaps, "-", color="black", lw=1, label=r"$\sqrt{\epsilon}\,g_n/h$"
+    )
     ax.set(xlabel="gap / half-width of the face", ylabel="error of ξ")
     ax.legend()
     return figure
@@ -401,4 +403,259 @@ def trust():
         ax.set(title=title, aspect="equal", xlabel="s₁", xticks=[-1, 0, 1], yticks=[-1, 0, 1])
         ax.grid(False)
     figure.axes[0].set_ylabel("s₂")
+    return figure
+
+
+def coefficients(nodes, point):
+    """The vectors c_0 to c_7 of a Q8 face as seen from the point, by solving for them."""
+    powers = lambda xi: np.stack(
+        [
+            np.ones(len(xi)),
+            xi[:, 0],
+            xi[:, 1],
+            xi[:, 0] * xi[:, 1],
+            xi[:, 0] ** 2,
+            xi[:, 1] ** 2,
+            xi[:, 0] ** 2 * xi[:, 1],
+            xi[:, 0] * xi[:, 1] ** 2,
+        ],
+        axis=1,
+    )
+    return np.linalg.solve(powers(SQUARE), nodes - point)
+
+
+def derivatives(c, xi):
+    """d, the tangents, and the second derivatives 11, 22, 12 at one point."""
+    x, y = xi
+    d = c[0] + c[1] * x + c[2] * y + c[3] * x * y + c[4] * x**2 + c[5] * y**2
+    d = d + c[6] * x**2 * y + c[7] * x * y**2
+    t1 = c[1] + c[3] * y + 2 * c[4] * x + y * (2 * c[6] * x + c[7] * y)
+    t2 = c[2] + c[3] * x + 2 * c[5] * y + x * (c[6] * x + 2 * c[7] * y)
+    return d, t1, t2, 2 * (c[4] + c[6] * y), 2 * (c[5] + c[7] * x), c[3] + 2 * (c[6] * x + c[7] * y)
+
+
+def secant_bound(c, base, centre, w):
+    """Gradient at the base, and the quadratic form that lies below f on the piece (certified-spread)."""
+    d, t1, t2, t11, t22, t12 = derivatives(c, base)
+    x, y = centre - base
+    a1 = t1 + (x * t11 + y * t12) / 2 + x * y * c[6]
+    a2 = t2 + (y * t22 + x * t12) / 2 + x * y * c[7]
+    v = abs(x) * w + abs(y) * w + w * w
+    m11 = a1 @ a1 + d @ (t11 + 2 * c[6] * y)
+    m22 = a2 @ a2 + d @ (t22 + 2 * c[7] * x)
+    m12 = a1 @ a2 + d @ t12
+    m11 -= abs(a1 @ t11) * w + abs(a1 @ t12 + 2 * d @ c[6]) * w + 2 * abs(a1 @ c[6]) * v
+    m22 -= abs(a2 @ t22) * w + abs(a2 @ t12 + 2 * d @ c[7]) * w + 2 * abs(a2 @ c[7]) * v
+    spread = abs(a1 @ t22 + a2 @ t12) / 2 * w + abs(a1 @ t12 + a2 @ t11) / 2 * w
+    spread += abs(a1 @ c[7] + a2 @ c[6]) * v
+    g = 2 * np.array([d @ t1, d @ t2])
+    return d @ d, g, m11, m22, abs(m12) + spread
+
+
+def pieces(c, best, target):
+    """The pieces of a face, each with the bound that settles it: 0 from the closest point, 1 from its own centre."""
+    stack, done = [(np.zeros(2), 1.0)], []
+    while stack:
+        centre, w = stack.pop()
+        _, _, m11, m22, twist = secant_bound(c, best, centre, w)
+        if m11 >= 0 and m22 >= 0 and m11 * m22 >= twist**2:
+            done.append((centre, w, 0))
+            continue
+        f, g, m11, m22, twist = secant_bound(c, centre, centre, w)
+        worst = (m11 + m22) / 2 - np.hypot((m11 - m22) / 2, twist)
+        if f - np.abs(g).sum() * w + min(worst, 0) * 2 * w**2 >= target:
+            done.append((centre, w, 1))
+            continue
+        stack += [(centre + w / 2 * np.array(s), w / 2) for s in SQUARE[:4]]
+        assert len(done) < 3000
+    return done
+
+
+def certificate():
+    """A section of f with the parabola below it, and the pieces of a face with their bounds."""
+    nodes = bent_face()
+    best = ct.project("Q8", nodes, [POINT], method="certified").xi[0]
+    c = coefficients(nodes, POINT)
+    lowest_ = squares(nodes, POINT, best)
+    target = (np.sqrt(lowest_) - 1e-6) ** 2
+    figure = Figure(figsize=(7.5, 3.4))
+    section, flat = figure.subplots(1, 2)
+    across = np.linspace(-1, 1, 200)
+    along = np.column_stack([across, np.full(200, best[1])])
+    section.plot(across, squares(nodes, POINT, along), color="black", label="f")
+    centre, w = np.array([0.75, best[1]]), 0.25
+    f0, g, m11, _, _ = secant_bound(c, best, centre, w)
+    x = np.linspace(0.5, 1, 50)
+    bound = f0 + g[0] * (x - best[0]) + m11 * (x - best[0]) ** 2
+    section.plot(x, bound, color=BLUE, label="from the closest point")
+    centre = np.array([0.25, best[1]])
+    f1, g, m11, _, _ = secant_bound(c, centre, centre, w)
+    x = np.linspace(0, 0.5, 50)
+    section.plot(
+        x,
+        f1 + g[0] * (x - centre[0]) + m11 * (x - centre[0]) ** 2,
+        color=ORANGE,
+        label="from the centre",
+    )
+    section.axhline(target, color=GREY, ls="--", lw=1, label="target")
+    section.set(xlabel="ξ₁", ylabel="f", ylim=(0.8 * lowest_, 1.6 * lowest_))
+    section.legend(fontsize=9)
+    for centre, w, kind in pieces(c, best, target):
+        corner = centre + w * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        colour = (BLUE, ORANGE)[kind]
+        flat.fill(*corner.T, facecolor=colour, alpha=0.45, edgecolor="black", lw=0.4)
+    flat.plot(*best, "*", color="black", ms=12)
+    flat.set(xlabel="ξ₁", ylabel="ξ₂", aspect="equal", xticks=[-1, 0, 1], yticks=[-1, 0, 1])
+    flat.grid(False)
+    return figure
+
+
+def rays():
+    """A gap along a line and the distance; the curves whose crossings are the hits, with the squares of the search."""
+    figure = Figure(figsize=(7.5, 3.3))
+    side, flat = figure.subplots(1, 2)
+    x = np.linspace(-1.2, 1.5, 200)
+    bend = lambda s: 0.35 * s**2
+    side.plot(x, bend(x), color="black", lw=2)
+    point, direction = np.array([0.2, 0.9]), np.array([0.55, -1.0])
+    roots = np.roots(
+        [0.35, -direction[1] / direction[0], direction[1] / direction[0] * point[0] - point[1]]
+    )
+    hit = min((r for r in roots.real), key=lambda r: abs(r - point[0]))
+    near = x[((np.column_stack([x, bend(x)]) - point) ** 2).sum(1).argmin()]
+    for end, colour, name in ((near, BLUE, "closest point"), (hit, ORANGE, "along the line")):
+        side.plot([point[0], end], [point[1], bend(end)], color=colour)
+        side.plot(end, bend(end), "o", color=colour, ms=8, label=name)
+    side.plot(*point, "o", color="black", ms=8)
+    side.set(aspect="equal", xlim=(-1.2, 1.6), ylim=(-0.2, 1.3))
+    side.set_axis_off()
+    side.legend(loc="upper left", bbox_to_anchor=(0.0, 1.15))
+    nodes, start, e = bent_face(), np.array([-1.5, 0.2, 0.72]), np.array([1.0, 0.05, -0.05])
+    e /= np.linalg.norm(e)
+    u1 = np.cross(e, [0, 0, 1])
+    u1 /= np.linalg.norm(u1)
+    u = np.array([u1, np.cross(e, u1)])
+    c = coefficients(nodes, start)
+    grid = np.linspace(-1, 1, 161)
+    points = ct.face_points("Q8", nodes, np.stack(np.meshgrid(grid, grid), -1)) - start
+    stack, cut = [(np.zeros(2), 1.0)], []
+    while stack:
+        centre, w = stack.pop()
+        d, t1, t2, *_ = derivatives(c, centre)
+        G, J = u @ d, np.column_stack([u @ t1, u @ t2])
+        p = np.abs(u @ c.T)
+        bends = 2 * (p[:, 4] + p[:, 6]) + 2 * (p[:, 5] + p[:, 7])
+        spread = 0.5 * (bends + 2 * (p[:, 3] + 2 * (p[:, 6] + p[:, 7]))) * w**2
+        inverse = np.linalg.inv(J)
+        empty = np.any(np.abs(G) > np.abs(J).sum(axis=1) * w + spread)
+        empty |= np.any(np.abs(inverse @ G) > w + np.abs(inverse) @ spread)
+        single = np.max(2 / w * np.abs(inverse) @ spread) < 0.5
+        if empty or single:
+            cut.append((centre, w, empty))
+        else:
+            stack += [(centre + w / 2 * np.array(s), w / 2) for s in SQUARE[:4]]
+    for centre, w, empty in cut:
+        corner = centre + w * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        colour = "none" if empty else GREEN
+        flat.fill(*corner.T, facecolor=colour, alpha=0.35, edgecolor=GREY, lw=0.5)
+    for i, colour in ((0, BLUE), (1, ORANGE)):
+        flat.contour(grid, grid, points @ u[i], [0.0], colors=colour, linewidths=1.6)
+    hit = ct.project_ray("Q8", nodes, [start], [e])
+    flat.plot(*hit.xi[0], "*", color="black", ms=11)
+    flat.set(xlabel="ξ₁", ylabel="ξ₂", aspect="equal", xticks=[-1, 0, 1], yticks=[-1, 0, 1])
+    flat.grid(False)
+    return figure
+
+
+def control():
+    """An edge with a mid-side node, its control points, and its two boxes."""
+    figure = Figure(figsize=(5.6, 3.0))
+    ax = figure.subplots()
+    nodes = np.array([[0.0, 0.0], [2.5, 1.3], [1.0, 1.0]])
+    knots = np.array([nodes[0], 2 * nodes[2] - (nodes[0] + nodes[1]) / 2, nodes[1]])
+    xi = np.linspace(-1, 1, 100)[:, None]
+    bernstein = np.hstack([(1 - xi) ** 2, 2 * (1 - xi**2), (1 + xi) ** 2]) / 4
+    ax.plot(*(bernstein @ knots).T, color="black", lw=2)
+    ax.plot(*knots.T, "--s", color=ORANGE, lw=0.9, ms=7, label="control points")
+    ax.plot(*nodes.T, "o", color="black", ms=6, label="nodes")
+    low, high = knots.min(axis=0), knots.max(axis=0)
+    box = np.array([low, [high[0], low[1]], high, [low[0], high[1]], low])
+    ax.plot(*box.T, color=BLUE, lw=1.2, label="box along the axes")
+    first = (nodes[1] - nodes[0]) / np.linalg.norm(nodes[1] - nodes[0])
+    frame = np.array([first, [-first[1], first[0]]])
+    turned = knots @ frame.T
+    low, high = turned.min(axis=0), turned.max(axis=0)
+    box = np.array([low, [high[0], low[1]], high, [low[0], high[1]], low]) @ frame
+    ax.plot(*box.T, color=GREEN, lw=1.2, label="box along the face")
+    ax.set(aspect="equal", xlim=(-0.6, 2.8), ylim=(-0.2, 2.2))
+    ax.set_axis_off()
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def tree():
+    """Four levels of a tree of boxes over a wavy line, and the boxes that a query opens."""
+    figure = Figure(figsize=(7.5, 3.9))
+    x = np.linspace(0, 8, 65)
+    line = np.column_stack([x, 0.7 * np.sin(1.3 * x) + 0.25 * np.sin(3.1 * x)])
+    point = np.array([5.1, 1.35])
+    faces = [line[i : i + 2] for i in range(64)]
+
+    def box(part):
+        return np.concatenate(part).min(axis=0), np.concatenate(part).max(axis=0)
+
+    def far(part):
+        low, high = box(part)
+        return np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0))
+
+    levels = [[faces]]
+    for _ in range(3):
+        count = len(levels[-1][0]) // 4
+        levels.append(
+            [part[i : i + count] for part in levels[-1] for i in range(0, len(part), count)]
+        )
+    fine = np.concatenate([a + np.linspace(0, 1, 50)[:, None] * (b - a) for a, b in faces])
+    best = np.linalg.norm(fine - point, axis=1).min()
+    for ax, level in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, levels):
+        ax.plot(*line.T, color="black", lw=1.2)
+        opened = 0
+        for part in level:
+            low, high = box(part)
+            corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+            near = far(part) <= best
+            opened += near
+            ax.fill(
+                *corners.T,
+                facecolor=BLUE if near else "none",
+                alpha=0.4 if near else 1.0,
+                edgecolor=BLUE,
+                lw=0.8,
+            )
+        ax.plot(*point, "o", color=ORANGE, ms=7)
+        ax.set_title(
+            f"{len(level)} box{'es' if len(level) > 1 else ''}, {opened} opened", fontsize=10
+        )
+        ax.set(aspect="equal", ylim=(-1.1, 1.7))
+        ax.set_axis_off()
+    return figure
+
+
+def lanes():
+    """Evaluations in three blocks of eight lanes."""
+    figure = Figure(figsize=(7.5, 2.6))
+    random = np.random.default_rng(11)
+    flat = np.column_stack([SQUARE, np.zeros(8)])
+    for ax, title in zip(
+        figure.subplots(1, 3, sharey=True, sharex=True), ("block 1", "block 2", "block 3")
+    ):
+        looks = []
+        for _ in range(8):
+            nodes = flat + random.uniform(-0.2, 0.2, (8, 3))
+            point = [*random.uniform(-0.9, 0.9, 2), random.uniform(-0.3, 0.3)]
+            looks.append(ct.project("Q8", nodes, [point]).evaluations[0])
+        ax.barh(range(1, 9), looks, color=BLUE)
+        ax.plot([0, max(looks), max(looks), 0, 0], [0.4, 0.4, 8.6, 8.6, 0.4], color="black", lw=1)
+        ax.set(title=title, xlabel="evaluations", yticks=[1, 4, 8])
+        ax.grid(False)
+    figure.axes[0].set_ylabel("lane")
     return figure

@@ -124,6 +124,7 @@ static void random_boxes(int count, int lattice, const char *what)
   free(extra);
 }
 
+/* Few boxes, equal boxes, and distances from a box (eq:box-distance). */
 static void special_boxes(void)
 {
   ct_bounds one = {{0, 0, 0}, {1, 1, 1}}, touching = {{1, 1, 1}, {2, 2, 2}},
@@ -194,8 +195,8 @@ static const struct {
   const char *name;
 } KIND[] = {{CT_Q4, "Q4"}, {CT_Q8, "Q8"}, {CT_T3, "T3"}, {CT_T6, "T6"}};
 
-/* The boxes of bent faces hold their points; how much larger than the points' own box is the box
- * along the axes. */
+/* The boxes of bent faces hold their points (eq:face-bounds, eq:oriented-box); how much larger than
+ * the points' own box is the box along the axes. */
 static void face_boxes(int k)
 {
   int out = 0, far = 0, wide = 0;
@@ -236,7 +237,8 @@ static void face_boxes(int k)
          KIND[k].name);
 }
 
-/* A parabola through (-1, 0), (0, 1), (1, 0) has its control point at 2: the box is known. */
+/* Control points (eq:control-points). A parabola through (-1, 0), (0, 1), (1, 0) has its own at 2:
+ * the box is known. */
 static void parabola(void)
 {
   ct_face face = {CT_Q8,
@@ -352,6 +354,7 @@ static int same_bits(const ct_nearest *a, const ct_nearest *b, int count)
 
 enum { CLOUD = 3000 };
 
+/* Nearest faces against looking at all, whatever the search starts from (eq:warm-bound). */
 static void nearest_faces(int k)
 {
   patchwork p;
@@ -673,7 +676,8 @@ static void sphere(void)
          coarse, fine, log2(coarse / fine));
 }
 
-/* The closed form of the triangle against the general projection, needles included. */
+/* The closed form of the triangle (eq:triangle-inside, eq:triangle-edge) against the general
+ * projection, needles included. */
 static void triangles(void)
 {
   double off = 0.0, at = 0.0;
@@ -808,7 +812,8 @@ static void repeated(void)
   ct_search_free(search);
 }
 
-/* The tree is kept while a surface moves as one, and built anew when it is crumpled. */
+/* The cost of a tree (eq:tree-cost). The tree is kept while a surface moves as one, and built anew
+ * when it is crumpled. */
 static void rebuilding(void)
 {
   patchwork p;

@@ -154,10 +154,11 @@ double ct_contact_reach(const ct_contact *contact)
                                                                            : contact->fixed->near;
 }
 
-/* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
+/* Refit trees and list candidates when the surfaces have moved by a part of the skin. */
 ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  // -- The lists still hold all that can come near (eq:skin)
   if (contact->built && contact->begun && reaches_deepest(a, contact->fixed->near) &&
       reaches_deepest(b, contact->fixed->near) &&
       motion(a) + motion(b) <= 0.25 * contact->fixed->skin)

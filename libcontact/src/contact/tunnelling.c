@@ -90,8 +90,7 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
   // Gaps that are closed at the start are seen until they have opened by as much again
   // (eq:initial-adjust).
   fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * fixed->options.adjust);
-  // -- Half of a mean width, which a few faces that are much narrower or wider hardly change
-  // (eq:skin-mean)
+  // -- Half a mean width of the faces (eq:skin-mean)
   fixed->skin = 0.5 * exp(sum / count);
   return status;
 }

@@ -111,6 +111,7 @@ double ct_oriented_square(const ct_oriented *box, const double point[3])
   double d[3], sum = 0.0;
   for (int c = 0; c < 3; c++) d[c] = point[c] - box->middle[c];
   for (int k = 0; k < 3; k++) {
+    // -- What is beyond the box along each of its axes (eq:oriented-box)
     double beyond = fabs(ct_vector_dot(box->axis[k], d)) - box->half[k];
     sum += beyond > 0.0 ? beyond * beyond : 0.0;
   }

@@ -19,6 +19,7 @@ static inline double ct_bounds_square(const ct_bounds *box, const double point[3
 {
   double d[3];
   for (int c = 0; c < 3; c++) {
+    // -- Below the box, inside, or above it (eq:box-distance)
     double below = box->low[c] - point[c], above = point[c] - box->high[c],
            out = below > above ? below : above;
     d[c] = out > 0.0 ? out : 0.0;

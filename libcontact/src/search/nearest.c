@@ -157,6 +157,7 @@ static double bound_from(const double point[3], const ct_nearest *last)
     square += d * d;
     largest = fmax(largest, fabs(last->point[c]));
   }
+  // -- The last closest point is a point of the surface (eq:warm-bound)
   double far = sqrt(square) + 64.0 * DBL_EPSILON * largest;
   return far * far;
 }
@@ -166,7 +167,6 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
 {
   for (size_t i = first; i < last; i++) {
     // -- Begin with the face that is given, or with the distance from the last closest point
-    // (eq:warm-bound)
     int32_t face = start != NULL ? start[i] : -1;
     double bound = face < 0 && i > first ? bound_from(&points[3 * i], &out[i - 1]) : HUGE_VAL;
     ct_search_point(search, &points[3 * i], face, bound, tolerance, NULL, NULL, &out[i]);
