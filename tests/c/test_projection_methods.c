@@ -358,6 +358,23 @@ static void line_searches_against_the_equations(void)
   tap_ok(shortened > 100, "their line search shortens %d steps", shortened);
 }
 
+/* The least fall that a line search takes (eq:projection-armijo). On the square f = (x - a)^2 + ...
+ * bfgs steps by 1/2 first, which changes f by 1/4 - a, with the slope -a. The step is kept if f
+ * falls by a ten-thousandth of a, else the bottom of the parabola is at a. */
+static void least_fall(void)
+{
+  ct_face flat = parabolic_face(CT_Q4, 0, 0);
+  static const double SHARE[3] = {-5e-5, 5e-5, 2e-4};
+  for (int i = 0; i < 3; i++) {
+    double a = 0.25 * (1 + SHARE[i]), point[3] = {a, 0, 0.1}, start[2] = {0, 0};
+    ct_projection out;
+    path p = walk(CT_BFGS, &flat, point, start, &out);
+    tap_close(p.xi[1][0], SHARE[i] > 1e-4 ? 0.5 : 0.25, 1e-4,
+              "bfgs %s a step on which f falls by %g of the slope",
+              SHARE[i] > 1e-4 ? "takes" : "shortens", SHARE[i]);
+  }
+}
+
 /* The simplex down to an eighth of its edge, then Newton (eq:simplex-newton). */
 static void simplex_then_newton(void)
 {
@@ -479,6 +496,7 @@ int main(void)
   nelder_mead_changes_its_form();
   nelder_mead_against_the_equations();
   line_searches_against_the_equations();
+  least_fall();
   simplex_then_newton();
   remainder_of_a_slow_method();
   saddles_are_no_answers();

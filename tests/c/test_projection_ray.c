@@ -19,7 +19,10 @@ static int on_face(ct_face_kind kind, double x, double y, double slack)
   return fabs(x) <= 1 + slack && fabs(y) <= 1 + slack;
 }
 
-/* On z = p x^2 / 2 (a plane for p = 0) the way along the line solves a quadratic equation. */
+/* On z = p x^2 / 2 (a plane for p = 0) the distance along the line solves a quadratic equation. So
+ * the equations across the line (eq:ray-across), the bounds (eq:ray-bend), the squares without a
+ * root (eq:ray-empty, eq:ray-mixed) or with one at most (eq:ray-unique), and Newton's step
+ * (eq:ray-newton) lose no hit and invent none. */
 static void parabolic_cylinder(ct_face_kind kind, double p)
 {
   ct_face face = parabolic_face(kind, p, 0);

@@ -1,0 +1,327 @@
+/* Each bound of the certificate by itself: against many samples of a piece of a face, none may be
+ * too high, and on small pieces each must come near. */
+#include "../../libcontact/src/projection/proof.c"
+
+#include "faces.h"
+#include "tap.h"
+
+enum { SAMPLES = 17, CASES = 400 };
+
+/* A random face with a point near it, a base on it, and a piece. */
+typedef struct scene {
+  ct_face face;
+  ct_patch patch;
+  double point[3];
+  cell piece;
+  base about;
+  proof p;
+} scene;
+
+static void make(scene *s, ct_face_kind kind, double bend, double half)
+{
+  double xi[2];
+  s->face = random_face(kind, bend);
+  for (int k = 0; k < 3; k++) s->point[k] = uniform(1);
+  ct_patch_init(&s->patch, kind, s->face.node, s->point);
+  random_xi(kind, 0.3, xi);
+  for (int a = 0; a < 2; a++) s->piece.centre[a] = xi[a], s->piece.half[a] = half;
+  random_xi(kind, 0.1, xi);
+  base_at(&s->patch, xi, &s->about);
+  proof_about(&s->p, &s->patch, 1e-10, s->about.distance);
+}
+
+/* Sample i, j of a piece, its corners among them. */
+static void sample_at(const cell *c, int triangular_, int i, int j, double xi[2])
+{
+  double x = 2.0 * i / (SAMPLES - 1) - 1, y = 2.0 * j / (SAMPLES - 1) - 1;
+  if (triangular_) { // centroid, and a third of the legs
+    double u = 0.5 * (x + 1), v = 0.5 * (y + 1) * (1 - u);
+    x = 3 * u - 1, y = 3 * v - 1;
+  }
+  xi[0] = c->centre[0] + x * c->half[0], xi[1] = c->centre[1] + y * c->half[1];
+}
+
+static double lowest_in(const scene *s, const cell *c)
+{
+  double lowest = HUGE_VAL, xi[2], d[3];
+  for (int i = 0; i < SAMPLES; i++)
+    for (int j = 0; j < SAMPLES; j++) {
+      sample_at(c, s->p.triangular, i, j, xi);
+      lowest = fmin(lowest, value(&s->patch, xi, d));
+    }
+  return lowest;
+}
+
+/* The secant form is exact at the centre of a piece (eq:certified-secants, eq:certified-form) and
+ * below f - f0 - g.s everywhere in it (eq:certified-spread). */
+static void secants(ct_face_kind kind)
+{
+  double off = 0, above = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    scene s;
+    form m;
+    double d[3], xi[2];
+    make(&s, kind, 0.3, 0.02);
+    cell dot_ = {{s.piece.centre[0], s.piece.centre[1]}, {0, 0}};
+    for (int wide = 0; wide < 2; wide++) {
+      const cell *c = wide ? &s.piece : &dot_;
+      secant_form(&s.p, &s.about, c, &m);
+      for (int i = 0; i < (wide ? SAMPLES : 1); i += 4)
+        for (int j = 0; j < (wide ? SAMPLES : 1); j += 4) {
+          sample_at(c, s.p.triangular, i, j, xi);
+          double x = xi[0] - s.about.xi[0], y = xi[1] - s.about.xi[1];
+          double rest = value(&s.patch, xi, d) - s.about.f - (s.about.g[0] * x + s.about.g[1] * y);
+          double squares = m.m11 * x * x + m.m22 * y * y;
+          double low = squares + fmin(2 * m.low * x * y, 2 * m.high * x * y);
+          if (!wide) off = worst(off, rest - low);
+          above = fmax(above, low - rest);
+        }
+    }
+  }
+  tap_close(off, 0, 1e-11, "%s: the secant form is exact at the centre", FACE_NAME[kind]);
+  tap_close(above, 0, 1e-12, "%s: and below f in the whole piece", FACE_NAME[kind]);
+}
+
+/* Positive forms (eq:certified-positive) and the lowest value of a parabola (eq:certified-parabola,
+ * and so eq:certified-rest) against closed forms; a form turned to its axes (eq:certified-turned)
+ * within a box (eq:certified-valley) against samples. */
+static void forms(void)
+{
+  int positive = 1, parabola = 1, sound = 1, near = 1, valleys_ = 0;
+  for (int trial = 0; trial < 4000; trial++) {
+    double a = uniform(2), b = uniform(2), t = uniform(1), g[2] = {uniform(1), uniform(1)};
+    form m = {a, b, t, t};
+    double twist = fabs(t), lower = 0.5 * (a + b) - hypot(0.5 * (a - b), t);
+    if (fabs(lower) > 1e-6) positive &= is_positive(&m, twist) == (lower > 0);
+    if (lower > 1e-3) {
+      double plus = (b * g[0] * g[0] - 2 * t * g[0] * g[1] + a * g[1] * g[1]) / (a * b - t * t),
+             minus = (b * g[0] * g[0] + 2 * t * g[0] * g[1] + a * g[1] * g[1]) / (a * b - t * t),
+             drop = 0.25 * fmax(plus, minus);
+      parabola &= holds_parabola(&m, twist, g, 1.001 * drop) == 1;
+      parabola &= holds_parabola(&m, twist, g, 0.999 * drop) == 0;
+    }
+    double w[2] = {0.3, 0.2}, low = 0;
+    for (int i = 0; i <= 60; i++)
+      for (int j = 0; j <= 60; j++) {
+        double x = w[0] * (i / 30.0 - 1), y = w[1] * (j / 30.0 - 1);
+        low = fmin(low, g[0] * x + g[1] * y + a * x * x + b * y * y + 2 * t * x * y);
+      }
+    sound &= !holds_in_valley(&m, g, w, -0.999 * low);
+    // A valley along an axis: the bound is the lowest value itself.
+    form v = {2, fabs(b) - 0.5, 0, 0};
+    double slope[2] = {g[0], g[1]}, far = w[1],
+           floor_ = v.m22 > 0 && fabs(g[1]) <= 2 * v.m22 * far
+                        ? 0.25 * g[1] * g[1] / v.m22
+                        : fmax(far * (fabs(g[1]) - v.m22 * far), 0);
+    double exact = 0.25 * g[0] * g[0] / 2 + floor_;
+    if (v.m22 > 2) continue;
+    near &= holds_in_valley(&v, slope, w, 1.001 * exact) == 1;
+    near &= holds_in_valley(&v, slope, w, 0.999 * exact) == 0;
+    valleys_++;
+  }
+  tap_ok(positive, "a form is positive where its lower eigenvalue is");
+  tap_ok(parabola, "the lowest value of a parabola is that of the closed form");
+  tap_ok(sound, "no bound in a valley is above the samples");
+  tap_ok(near && valleys_ > 1000, "along the axes it is the lowest value (%d valleys)", valleys_);
+}
+
+typedef int prover(const proof *p, const base *b, const cell *c);
+
+static int by_closest(const proof *p, const base *b, const cell *c)
+{
+  return proven_from_closest(p, b, c) != 0;
+}
+
+/* From the closest point (eq:certified-shares, eq:certified-slope), from the centre of a piece
+ * (eq:certified-worst) and by all terms of f (eq:certified-series, eq:certified-series-bound): no
+ * proof of what samples refute; and on small pieces about a closest point, or about any centre, the
+ * bound is near. */
+static void provers(ct_face_kind kind)
+{
+  static prover *const WAY[3] = {by_closest, proven_from_centre, proven_by_series};
+  static const char *const NAME[3] = {"from the closest point", "from the centre", "by the series"};
+  for (int way = 0; way < 3; way++) {
+    int lies = 0, missed = 0, proven = 0, tried = 0;
+    for (int trial = 0; trial < CASES; trial++) {
+      scene s;
+      double half = ldexp(1, -(trial % 6));
+      if (triangular(kind)) half /= 3;
+      make(&s, kind, triangular(kind) ? 0.05 : 0.15, half);
+      ct_projection out;
+      ct_project_options options = ct_project_options_default();
+      options.method = CT_CERTIFIED;
+      ct_project(&s.face, s.point, &options, &out);
+      if (out.status != CT_OK) continue;
+      if (trial % 6 == 0 && way < 2)
+        for (int a = 0; a < 2; a++) s.piece.centre[a] = triangular(kind) ? 1.0 / 3 : 0;
+      if (way == 0) base_at(&s.patch, out.xi, &s.about);
+      else base_at(&s.patch, s.piece.centre, &s.about);
+      double lowest = lowest_in(&s, &s.piece);
+      s.p.target = lowest * (1 + 1e-9) + 1e-9;
+      lies += WAY[way](&s.p, &s.about, &s.piece);
+      s.p.target = 0.5 * lowest;
+      proven += WAY[way](&s.p, &s.about, &s.piece);
+      // -- A small piece: from the closest point nearly all of f can be shown
+      double step = 1e-3, gap = 2 * (fabs(s.about.g[0]) + fabs(s.about.g[1])) * step * step;
+      cell small = {{s.about.xi[0], s.about.xi[1]}, {step, step}};
+      gap += way == 0 ? 1e-12 : 40 * step * step;
+      lowest = lowest_in(&s, &small);
+      if (way == 0) { // on the face, with the closest point in it, perhaps on its edge
+        if (triangular(kind) && out.where != CT_INTERIOR) continue;
+        lowest = s.about.f;
+        for (int a = 0; a < 2 && !triangular(kind); a++)
+          small.centre[a] = fmin(fmax(small.centre[a], step - 1), 1 - step);
+      }
+      s.p.target = lowest - gap;
+      tried++;
+      missed += !WAY[way](&s.p, &s.about, &small);
+    }
+    tap_ok(lies == 0 && proven > 0, "%s, %s: %d bounds, none above the samples", FACE_NAME[kind],
+           NAME[way], proven);
+    tap_ok(missed <= tried / 50, "%s, %s: near on small pieces (%d of %d not)", FACE_NAME[kind],
+           NAME[way], missed, tried);
+  }
+}
+
+/* Bounds of the derivatives over the face (eq:certified-derivatives): samples never exceed them,
+ * and on faces with one coefficient alone they reach those of the tangents. */
+static void derivative_bounds(void)
+{
+  int above = 0;
+  double off = 0;
+  for (int trial = 0; trial < 107; trial++) {
+    scene s;
+    make(&s, CT_Q8, 0.4, 0.1);
+    if (trial < 7)
+      for (int j = 0; j < 8; j++)
+        for (int k = 0; k < 3; k++) s.patch.c[j][k] = j == trial + 1 && k == 0;
+    proof_about(&s.p, &s.patch, 1e-10, 1);
+    double most_[2] = {0, 0};
+    for (int i = 0; i < SAMPLES; i++)
+      for (int j = 0; j < SAMPLES; j++) {
+        double xi[2] = {2.0 * i / (SAMPLES - 1) - 1, 2.0 * j / (SAMPLES - 1) - 1};
+        base b;
+        base_at(&s.patch, xi, &b);
+        most_[0] = fmax(most_[0], sqrt(dot(b.t1, b.t1)));
+        most_[1] = fmax(most_[1], sqrt(dot(b.t2, b.t2)));
+        above += sqrt(dot(b.t11, b.t11)) > s.p.curve[0] * (1 + 1e-12);
+        above += sqrt(dot(b.t22, b.t22)) > s.p.curve[1] * (1 + 1e-12);
+        above += sqrt(dot(b.t12, b.t12)) > s.p.curve[2] * (1 + 1e-12);
+      }
+    for (int a = 0; a < 2; a++) {
+      above += most_[a] > s.p.tangent[a] * (1 + 1e-12);
+      if (trial < 7) off = worst(off, most_[a] - s.p.tangent[a]);
+    }
+  }
+  tap_ok(above == 0, "no derivative exceeds its bound");
+  tap_close(off, 0, 1e-15, "bounds of tangents are reached");
+}
+
+/* Where slopes empty a piece (eq:certified-third, eq:certified-slopes), a
+ * component of the gradient has one sign at all samples; and they empty every small piece with a
+ * slope. */
+static void slopes(ct_face_kind kind)
+{
+  int lies = 0, emptied = 0, missed = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    scene s;
+    make(&s, kind, 0.2, 0.3 * ldexp(1, -(trial % 6)));
+    base_at(&s.patch, s.piece.centre, &s.about);
+    cell c = s.piece;
+    if (slope_in_cell(&s.p, &s.about, &c) == EMPTY) {
+      int same[2] = {1, 1};
+      emptied++;
+      for (int i = 0; i < SAMPLES; i++)
+        for (int j = 0; j < SAMPLES; j++) {
+          double xi[2], g[2];
+          sample_at(&s.piece, s.p.triangular, i, j, xi);
+          function_at(&s.face, s.point, xi, NULL, g, NULL);
+          for (int a = 0; a < 2; a++) same[a] &= g[a] * s.about.g[a] > 0;
+        }
+      lies += !same[0] && !same[1];
+    }
+    c = s.piece;
+    c.half[0] = c.half[1] = 1e-4;
+    if (fmax(fabs(s.about.g[0]), fabs(s.about.g[1])) > 0.02)
+      missed += slope_in_cell(&s.p, &s.about, &c) != EMPTY;
+  }
+  tap_ok(lies == 0 && emptied > CASES / 4, "%s: %d pieces emptied by slopes, none wrongly",
+         FACE_NAME[kind], emptied);
+  tap_ok(missed == 0, "%s: no small piece with a slope is left", FACE_NAME[kind]);
+}
+
+/* Parts along and across a face add up to f (eq:certified-narrow); a piece that is beyond
+ * (eq:certified-beyond) has no sample that is not, and small pieces are settled. */
+static void narrow_faces(void)
+{
+  double off = 0;
+  int lies = 0, beyond = 0, missed = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    scene s;
+    narrow n;
+    make(&s, CT_Q8, 0.2, 0.2 * ldexp(1, -(trial % 5)));
+    narrow_about(&s.p, &s.about, &n);
+    double lowest = HUGE_VAL, middle = 0;
+    for (int i = 0; i < SAMPLES; i++)
+      for (int j = 0; j < SAMPLES; j++) {
+        double xi[2], d[3], u[3], v[3];
+        sample_at(&s.piece, 0, i, j, xi);
+        double f = value(&s.patch, xi, d);
+        off = worst(off, value(&n.along, xi, u) + value(&n.across, xi, v) - f);
+        lowest = fmin(lowest, fabs(u[0]));
+        if (i == SAMPLES / 2 && j == SAMPLES / 2) middle = fabs(u[0]);
+      }
+    n.proof.target = lowest * lowest * (1 + 1e-9) + 1e-12;
+    lies += is_beyond(&s.p, &n, &s.piece);
+    n.proof.target = 0.25 * lowest * lowest;
+    beyond += is_beyond(&s.p, &n, &s.piece);
+    cell small = {{s.piece.centre[0], s.piece.centre[1]}, {1e-4, 1e-4}};
+    n.proof.target = pow(fmax(middle - 1e-3, 0), 2);
+    missed += !is_beyond(&s.p, &n, &small);
+  }
+  tap_close(off, 0, 1e-13, "the parts along and across add up to f");
+  tap_ok(lies == 0 && beyond > CASES / 8, "%d pieces beyond, none wrongly", beyond);
+  tap_ok(missed == 0, "small pieces are settled");
+}
+
+/* Curvatures across and along (eq:valley-curvatures); and the way down a bent valley
+ * (eq:valley-along, eq:valley-across) that is a thousand times steeper across. */
+static void down_a_valley(void)
+{
+  double off = 0;
+  for (int trial = 0; trial < 1000; trial++) {
+    double H[3] = {uniform(1), uniform(1), uniform(1)}, q[2], k[2];
+    ct_principal(H, q, k);
+    off = worst(off, hypot(q[0], q[1]) - 1);
+    off = worst(off, H[0] * q[0] + H[2] * q[1] - k[0] * q[0]);
+    off = worst(off, H[2] * q[0] + H[1] * q[1] - k[0] * q[1]);
+    off = worst(off, k[0] + k[1] - H[0] - H[1]);
+  }
+  tap_close(off, 0, 1e-12, "the direction across is an eigenvector");
+  ct_face face = parabolic_face(CT_Q8, 0, 0);
+  for (int i = 0; i < 8; i++)
+    face.node[i][1] = 0.03 * face.node[i][1] + 0.02 * face.node[i][0] * face.node[i][0];
+  double point[3] = {0.7, 0.02 * 0.49 + 0.03 * 0.2, 1e-3}, xi[2] = {-0.8, 0.1}, d[3];
+  ct_patch patch;
+  ct_closest count = {.evaluations = 0};
+  ct_patch_init(&patch, CT_Q8, face.node, point);
+  tap_ok(ct_follow_valley(&patch, xi, &count) == 1, "down a valley");
+  tap_close(fmax(fabs(xi[0] - 0.7), fabs(xi[1] - 0.2)), 0, 1e-6, "to its lowest point");
+  tap_close(sqrt(value(&patch, xi, d)), 1e-3, 1e-9, "where the distance is the gap");
+  tap_ok(count.evaluations < 300, "in %d evaluations", count.evaluations);
+}
+
+int main(void)
+{
+  static const ct_face_kind KIND[3] = {CT_Q4, CT_Q8, CT_T6};
+  for (int k = 0; k < 3; k++) {
+    secants(KIND[k]);
+    provers(KIND[k]);
+    slopes(KIND[k]);
+  }
+  derivative_bounds();
+  forms();
+  narrow_faces();
+  down_a_valley();
+  return tap_done();
+}
