@@ -234,8 +234,8 @@ static void near_the_surface(void)
          "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
 }
 
-/* A closest point that is wrong by `shift`: if that is nevertheless called proven, it must be as
- * near as the true one within half the tolerance. */
+/* The target (eq:certified-target). A closest point that is wrong by `shift`: if that is
+ * nevertheless called proven, it must be as near as the true one within half the tolerance. */
 static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
 {
   ct_project_options options = ct_project_options_default();
