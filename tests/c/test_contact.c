@@ -778,7 +778,8 @@ static void between(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A contact that has followed a motion gives what a new one gives at its end. */
+/* A contact that has followed a motion gives what a new one gives at its end: the lists reach far
+ * enough (eq:skin, with the skin of eq:skin-mean). */
 static void history(void)
 {
   patch a, b;

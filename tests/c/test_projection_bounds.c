@@ -167,7 +167,12 @@ static void provers(ct_face_kind kind)
       gap += way == 0 ? 1e-12 : 40 * step * step;
       lowest = lowest_in(&s, &small);
       if (way == 0) { // on the face, with the closest point in it, perhaps on its edge
-        if (triangular(kind) && out.where != CT_INTERIOR) continue;
+        if (triangular(kind) && out.where == CT_VERTEX) continue;
+        if (triangular(kind) && out.where == CT_EDGE)
+          for (int a = 0; a < 2; a++) {
+            static const double INWARDS[3][2] = {{0, 1}, {-0.5, -0.5}, {1, 0}};
+            small.centre[a] += step * INWARDS[out.index][a];
+          }
         lowest = s.about.f;
         for (int a = 0; a < 2 && !triangular(kind); a++)
           small.centre[a] = fmin(fmax(small.centre[a], step - 1), 1 - step);
