@@ -132,7 +132,7 @@ static int by_closest(const proof *p, const base *b, const cell *c)
   return proven_from_closest(p, b, c) != 0;
 }
 
-/* From the closest point (eq:certified-shares, eq:certified-slope), from the centre of a piece
+/* From the closest point (eq:certified-shares), from the centre of a piece
  * (eq:certified-worst) and by all terms of f (eq:certified-series, eq:certified-series-bound): no
  * proof of what samples refute; and on small pieces about a closest point, or about any centre, the
  * bound is near. */
@@ -186,6 +186,33 @@ static void provers(ct_face_kind kind)
     tap_ok(missed <= tried / 50, "%s, %s: near on small pieces (%d of %d not)", FACE_NAME[kind],
            NAME[way], missed, tried);
   }
+}
+
+/* Corners from which f rises into the face, seldom the closest points: what the slope adds
+ * (eq:certified-slope) must not prove more than samples show, on pieces of all sizes. */
+static void corners_with_a_slope(void)
+{
+  int lies = 0, lower = 0, proven = 0;
+  for (int trial = 0; trial < 20000; trial++) {
+    scene s;
+    make(&s, CT_Q8, trial % 5 ? 0.6 : 0.2, ldexp(1, -(trial % 3)));
+    for (int k = 0; k < 3; k++) s.point[k] *= 2;
+    ct_patch_init(&s.patch, CT_Q8, s.face.node, s.point);
+    proof_about(&s.p, &s.patch, 1e-10, 1);
+    double xi[2] = {trial % 8 < 4 ? -1 : 1, trial % 2 ? -1 : 1};
+    if (trial % 3 == 0) s.piece.centre[0] = s.piece.centre[1] = 0;
+    base_at(&s.patch, xi, &s.about);
+    if (s.about.g[0] * xi[0] > 0 || s.about.g[1] * xi[1] > 0) continue;
+    double lowest = lowest_in(&s, &s.piece);
+    s.p.target = s.about.f - 1e-6;
+    lower += lowest < s.p.target;
+    int claimed = proven_from_closest(&s.p, &s.about, &s.piece) != 0;
+    proven += claimed;
+    lies += claimed && lowest < s.p.target;
+  }
+  tap_ok(lies == 0 && lower > 100 && proven > 100,
+         "from corners %d pieces are proven, none of the %d that hold something closer", proven,
+         lower);
 }
 
 /* Bounds of the derivatives over the face (eq:certified-derivatives): samples never exceed them,
@@ -325,6 +352,7 @@ int main(void)
     slopes(KIND[k]);
   }
   derivative_bounds();
+  corners_with_a_slope();
   forms();
   narrow_faces();
   down_a_valley();
