@@ -255,9 +255,9 @@ static void derivative_bounds(void)
 static void slopes(ct_face_kind kind)
 {
   int lies = 0, emptied = 0, missed = 0;
-  for (int trial = 0; trial < CASES; trial++) {
+  for (int trial = 0; trial < 16 * CASES; trial++) {
     scene s;
-    make(&s, kind, 0.2, 0.3 * ldexp(1, -(trial % 6)));
+    make(&s, kind, trial % 2 ? 0.2 : 0.7, 0.3 * ldexp(1, -(trial % 6)));
     base_at(&s.patch, s.piece.centre, &s.about);
     cell c = s.piece;
     if (slope_in_cell(&s.p, &s.about, &c) == EMPTY) {
@@ -277,7 +277,7 @@ static void slopes(ct_face_kind kind)
     if (fmax(fabs(s.about.g[0]), fabs(s.about.g[1])) > 0.02)
       missed += slope_in_cell(&s.p, &s.about, &c) != EMPTY;
   }
-  tap_ok(lies == 0 && emptied > CASES / 4, "%s: %d pieces emptied by slopes, none wrongly",
+  tap_ok(lies == 0 && emptied > CASES, "%s: %d pieces emptied by slopes, none wrongly",
          FACE_NAME[kind], emptied);
   tap_ok(missed == 0, "%s: no small piece with a slope is left", FACE_NAME[kind]);
 }
@@ -340,7 +340,7 @@ static void down_a_valley(void)
   tap_ok(ct_follow_valley(&patch, xi, &count) == 1, "down a valley");
   tap_close(fmax(fabs(xi[0] - 0.7), fabs(xi[1] - 0.2)), 0, 1e-6, "to its lowest point");
   tap_close(sqrt(value(&patch, xi, d)), 1e-3, 1e-9, "where the distance is the gap");
-  tap_ok(count.evaluations < 300, "in %d evaluations", count.evaluations);
+  tap_ok(count.evaluations < 30, "in %d evaluations", count.evaluations);
 }
 
 int main(void)
