@@ -141,6 +141,38 @@ static void status_on_an_edge(ct_face_kind kind)
          FACE_NAME[kind], far_beyond, far_false);
 }
 
+/* High above the inside of an affine face the status changes from ok to "not certified" at the
+ * height where rounding moves the closest point by the tolerance (eq:robust-resolved). */
+static void status_high_above(ct_face_kind kind)
+{
+  int wrong = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    ct_face face = affine_face(kind);
+    double y[3], g[2], H[3], n[3], length[2], t[2][3], move[2], xi[2] = {0.3, 0.2}, point[3];
+    ct_segment_point(&face, xi, y);
+    function_at(&face, y, xi, NULL, g, H);
+    for (int a = 0; a < 2; a++) {
+      length[a] = sqrt(0.5 * H[a]);
+      for (int k = 0; k < 3; k++)
+        t[a][k] = face.node[a + 1][k] - face.node[triangular(kind) ? 0 : a][k];
+    }
+    for (int k = 0; k < 3; k++)
+      n[k] = t[0][(k + 1) % 3] * t[1][(k + 2) % 3] - t[0][(k + 2) % 3] * t[1][(k + 1) % 3];
+    double norm = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), room = H[0] * H[1] - H[2] * H[2];
+    move[0] = H[1] * length[0] + fabs(H[2]) * length[1];
+    move[1] = H[0] * length[1] + fabs(H[2]) * length[0];
+    double tolerance = 1e-10 * (triangular(kind) ? 0.5 : 1),
+           height = tolerance * room / (4 * 2.220446049250313e-16 * fmax(move[0], move[1]));
+    for (int high = 0; high < 2; high++) {
+      for (int k = 0; k < 3; k++) point[k] = y[k] + (high ? 1.02 : 0.98) * height * n[k] / norm;
+      ct_projection out;
+      ct_project(&face, point, NULL, &out);
+      wrong += out.status != (high ? CT_NOT_CERTIFIED : CT_OK);
+    }
+  }
+  tap_ok(wrong == 0, "%s: high above, the status changes where rounding says", FACE_NAME[kind]);
+}
+
 /* f is a quartic along each axis: the five-point differences below have no truncation error. They
  * check the gradient (eq:projection-gradient), the Hessian (eq:projection-hessian), and the
  * derivatives of the patch (eq:projection-patch-derivatives). */
@@ -716,6 +748,7 @@ int main(void)
     flat_face_edges_and_vertices(kind);
     numbers_of_edges_and_corners(kind);
     status_on_an_edge(kind);
+    status_high_above(kind);
     function_derivatives(kind);
     trace_shows_f(kind);
     brute_force(kind);
