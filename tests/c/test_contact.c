@@ -778,8 +778,7 @@ static void between(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A contact that has followed a motion gives what a new one gives at its end: the lists reach far
- * enough (eq:skin, with the skin of eq:skin-mean). */
+/* A contact that has followed a motion gives what a new one gives at its end. */
 static void history(void)
 {
   patch a, b;
