@@ -25,6 +25,7 @@ static void warped_pair(ct_face_kind ka, ct_face_kind kb, patch *a, patch *b)
   }
 }
 
+/* eq:contact-potential, eq:contact-force, eq:gap, eq:gap-variation. */
 static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
 {
   patch a, b;
@@ -123,7 +124,7 @@ static void add_pass_of_b(const patch *a, int n, const patch *b, double pressure
 }
 
 /* Two squares of area 0.75, pressed into each other by delta: force eps delta A, energy eps delta^2
- * A / 2, on any meshes. */
+ * A / 2, on any meshes. (eq:contact-potential, eq:contact-force) */
 static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
 {
   patch a = new_patch(ka, na, na, 0, 0, 1, 0.75, 1), b = new_patch(kb, nb, nb, 0, 0, 1, 0.75, 0);
@@ -203,7 +204,7 @@ static void one_q8(void)
 }
 
 /* The gap from far apart to far inside, in units of the face; at a first look there is no contact
- * beyond the depth (the face's diagonal). */
+ * beyond the depth (the face's diagonal). (eq:gap) */
 static void gap_sweep(double h)
 {
   static const double size[14] = {10,   3,    1.5,  1.41, 1,     0.1,   1e-2,
@@ -247,7 +248,7 @@ static void gap_sweep(double h)
 }
 
 /* A plate of thickness 0.1, closed all around, and a patch that presses on its top: the plate's far
- * side must stay out of it. */
+ * side must stay out of it. (eq:far-side) */
 static void far_side(double inside)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 0.1, 4, 4, 1);
@@ -361,7 +362,7 @@ static double roof_distance(double z0, double c, double q, const double p[3], do
 
 /* Two folded surfaces, z = c (|x| + q |y|) below and z = z0 + C (|x| + q |y|) above: every point
  * that is inside the other body must meet it once, at the distance of the exact surface, whether
- * its closest point lies on a face, an edge or the corner. */
+ * its closest point lies on a face, an edge or the corner. (eq:pseudo-normal, eq:gap) */
 static void fold(double c, double C, double z0, double q, const char *what)
 {
   patch a = new_patch(CT_Q4, 8, 8, -1, -1, 2, 2, 1),
@@ -409,7 +410,7 @@ static void fold(double c, double C, double z0, double q, const char *what)
 }
 
 /* The bound of the contact's omega^2 against the largest eigenvalue of its own stiffness, by
- * differences of forces. */
+ * differences of forces. (eq:contact-stiffness, eq:contact-bound) */
 static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
 {
   patch a, b;
@@ -471,7 +472,7 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
 }
 
 /* Two equal Q4 squares: the uniform mode is the highest, omega^2 = eps A / 2 m, and the bound is
- * sharp, near or far apart. */
+ * sharp, near or far apart. (eq:contact-bound) */
 static void sharp_bound(void)
 {
   patch a = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 0);
@@ -532,7 +533,7 @@ static void bound_on_ties(void)
 }
 
 /* Critical Courant number of two equal bars, and of a bar on a wall, with the penalty beta E A / h.
- */
+ * (eq:penalty-factor, eq:contact-bound) */
 static void bars(double beta, int wall)
 {
   const double h = 0.5;
@@ -739,7 +740,7 @@ static void methods(ct_face_kind kind)
 
 /* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to
  * the ceiling, each when that is nearer, though their closest points on the floor stay inside it.
- * The same for a face that slides from one cell to the next. */
+ * The same for a face that slides from one cell to the next. (eq:closest-face, eq:warm-lanes) */
 static void between(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 1, 0, 0, 3, 1, 1), b = new_patch(kind, 1, 1, 0.1, 0.1, 0.8, 0.8, 1);
@@ -804,7 +805,7 @@ static void history(void)
 }
 
 /* A point exactly over the edge between two faces belongs to the first of them, wherever it came
- * from. */
+ * from. (eq:closest-face) */
 static void tie(void)
 {
   patch a = new_patch(CT_Q4, 2, 1, -1, -1, 2, 2, 1),

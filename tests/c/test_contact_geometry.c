@@ -12,7 +12,7 @@ static void lift(patch *p, double z)
 }
 
 /* A patch that is pressed through another one, to five times the depth, in small steps: force and
- * energy of the gap all the way, and back. */
+ * energy of the gap all the way, and back. (eq:point-status, eq:held) */
 static void held(ct_face_kind kind)
 {
   patch a = new_patch(kind, 2, 2, 0, 0, 2, 2, 1), b = new_patch(kind, 2, 2, 0, 0, 2, 2, 0);
@@ -44,7 +44,7 @@ static void held(ct_face_kind kind)
 }
 
 /* Points that are deeper than the depth at the first look are in no contact, not when they come
- * nearer either, but once they have been outside. */
+ * nearer either, but once they have been outside. (eq:point-status) */
 static void buried(void)
 {
   static const double z[7] = {-1.0, -0.5, -0.2, -0.01, 0.01, -0.01, -0.2};
@@ -89,7 +89,7 @@ static double depth_in(const double p[3], const double low[3], const double high
 /* A thin closed plate is pressed through a larger one, to 1.6 thicknesses: each point belongs to
  * the side by which it came in, or to the side faces around when these are nearer. Up to one
  * thickness the energy has a closed form; beyond, points have come out below, and still they are
- * pushed back. */
+ * pushed back. (eq:far-side, eq:held) */
 static void thin_plates(void)
 {
   const double t = 0.1, low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1},
@@ -286,7 +286,7 @@ static double unseen(const patch *base, const patch *top, ct_contact_rule rule, 
 }
 
 /* A cube of one face a side on a floor of faces of the same size, in random orientations: how deep
- * its lowest corner is before a point sees it. And two cubes that meet edge on edge. */
+ * its lowest corner is before a point sees it. And two cubes that meet edge on edge. (eq:unseen) */
 static void corners_and_edges(void)
 {
   const double floor_low[3] = {-4, -4, -1}, floor_size[3] = {8, 8, 1},
@@ -414,7 +414,7 @@ static double area_over(int nx, int ny, double x0, double y0, const double low[2
 /* An open patch slides off another one at a depth, and back on: each point counts in full while it
  * is over the other surface, and not at all beyond the border, whichever way it goes
  * (eq:border-jump). So energy and force change by the columns of points that the two borders pass.
- */
+ * (eq:warm-lanes) */
 static void open_border(void)
 {
   const double delta = 0.05, y0 = 0.513;
@@ -617,6 +617,51 @@ static void seen_before_it_comes_in(void)
   free(before);
 }
 
+/* How far surfaces may come nearer in a step: the width of the narrowest face, which is its area
+ * over the longest edge and of a triangle twice that, or three quarters of the thinnest place
+ * (eq:contact-near); and a step of the surfaces' velocities is refused from there on
+ * (eq:tunnelling). */
+static void safe_approach(void)
+{
+  static const double low[3] = {0, 0, 0}, far[3] = {0, 0, 5}, size[3] = {4, 2, 9},
+                      thin[3] = {4, 2, 0.4};
+  static const int cells[3] = {2, 4, 4}, flat[3] = {2, 4, 1};
+  static const char *const name[] = {"thick boxes", "a thin box", "triangles"};
+  static const double want[] = {0.5, 0.3, 0.0};
+  for (int k = 0; k < 3; k++) {
+    patch a = k == 2 ? new_patch(CT_T3, 2, 2, 0, 0, 2, 2, 1)
+                     : new_box(low, k ? thin : size, k ? flat : cells),
+          b = k == 2 ? new_patch(CT_T3, 2, 2, 0, 0, 2, 2, 0) : new_box(far, size, cells);
+    if (k == 2) lift(&b, 5.0);
+    ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
+    update(contact, &a, &b);
+    double approach = contact->fixed->approach, expected = want[k];
+    if (k == 2) expected = 1.0 / sqrt(2.0); // legs of 1: area ½, longest edge √2
+    tap_close(approach, expected, 1e-12, "%s: the largest safe approach", name[k]);
+    free_patch(&a);
+    free_patch(&b);
+    ct_contact_free(contact);
+  }
+  patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 0);
+  lift(&b, 0.1);
+  ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
+  update(contact, &a, &b);
+  int nodes =
+      a.surface.node_count > b.surface.node_count ? a.surface.node_count : b.surface.node_count;
+  double *up = numbers(3 * nodes), *down = numbers(3 * nodes);
+  for (int n = 0; n < nodes; n++) up[3 * n + 2] = 3.0, down[3 * n + 2] = -2.0;
+  const double *const velocity[2] = {up, down};
+  const double limit = contact->fixed->approach / 5.0;
+  ct_error e;
+  tap_ok(ct_tunnelling_check(contact, velocity, 0.999 * limit, 0.0, &e) == CT_OK &&
+             ct_tunnelling_check(contact, velocity, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
+         "surfaces that come nearer by more than that in a step are refused");
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+  free(up), free(down);
+}
+
 /* Two blocks of one outline press on each other and slide by little, so that points of side walls
  * come to stand beside the other block: what is asked twice at one place has one answer. */
 static void asked_twice(void)
@@ -662,6 +707,7 @@ int main(void)
   open_border();
   closed_border();
   ratios();
+  safe_approach();
   asked_twice();
   return tap_done();
 }

@@ -111,7 +111,7 @@ typedef struct opening {
 
 /* The start gap of points that open again, as worked out with pencil and paper from
  * eq:initial-shift: it follows the deeper one of the last two gaps, up to zero, and never goes
- * back. */
+ * back. (eq:initial-release) */
 static void start_gap_opens(void)
 {
   static const opening by_hand[] = {
@@ -170,7 +170,7 @@ typedef struct course {
 
 /* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil
  * and paper from eq:initial-adjust: the start gap stays until the point has opened by more than
- * this for two steps. */
+ * this for two steps. (eq:initial-facing, eq:initial-release) */
 static void start_gaps_are_adjusted(void)
 {
   static const course courses[] = {
@@ -289,7 +289,7 @@ static hand two_warped_patches(ct_face_kind kind)
 }
 
 /* With start gaps of both signs: no force at the start, then minus the gradient of one potential,
- * and both momenta. */
+ * and both momenta. (eq:initial-shift) */
 static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
 {
   hand h = two_warped_patches(kind);
@@ -338,7 +338,8 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
 
 /* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands
  * at the start gap is pressed by the other half; where it has opened farther the start gap follows,
- * divided by what is left of the fade. The work is that of the trapezoid. */
+ * divided by what is left of the fade. The work is that of the trapezoid. (eq:initial-fade,
+ * eq:initial-work) */
 static void start_gap_fades(void)
 {
   const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5,
@@ -372,7 +373,7 @@ static void start_gap_fades(void)
 /* A point is in contact at any depth if it came in from outside, and in no contact if it begins
  * deep. One that was outside and is deeper than the depth at once (which a run refuses,
  * eq:tunnelling) has no face near: no contact, and a new point afterwards. What tells these apart
- * is the sign in the memory. */
+ * is the sign in the memory. (eq:point-status) */
 static void history_in_memory(void)
 {
   static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1},

@@ -31,7 +31,7 @@ static void free_recovered(recovered *r)
 }
 
 /* Two equal squares pressed into each other: the traction is eps delta at every node, and the areas
- * are those of the square. */
+ * are those of the square. (eq:recovered-traction) */
 static void uniform_overlap(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 2, 0, 0, 1, 0.75, 1), b = new_patch(kind, 3, 2, 0, 0, 1, 0.75, 0);
@@ -97,7 +97,8 @@ static void add(double sum[6], const double x[3], const double f[3])
   }
 }
 
-/* Areas times tractions against the forces of all points, those of both passes. */
+/* Areas times tractions against the forces of all points, those of both passes.
+ * (eq:recovered-traction) */
 static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
 {
   patch a, b;

@@ -48,6 +48,7 @@ static double alone(const ct_constraint *c, double free, double W)
   return fmax(-(free + ramp.b) / (ramp.C + W), 0.0);
 }
 
+/* eq:ramp. */
 static void one_point(void)
 {
   double off = 0.0;
@@ -71,7 +72,8 @@ static void one_point(void)
 /* One mass in an open well: while contact lasts its total is the same to round-off with a = 0, for
  * any stiffness and step, and otherwise falls by ¼ a k (g_{n+1} - g_{n-1})² in a step
  * (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to the next it
- * falls by the mean of two losses. */
+ * falls by the mean of two losses. (eq:controlled-energy, eq:controlled-store,
+ * eq:contact-step-work) */
 static void lasting(double a)
 {
   double off = 0.0, law = 0.0, lost = 0.0;
@@ -102,6 +104,38 @@ static void lasting(double a)
          "a = %g, k over seven decades: in lasting contact the total falls by the dashpot's loss, "
          "off by %.1e (law off by %.1e)",
          a, off, law);
+}
+
+/* A mass that a pressure holds on the spring of its contact, at small steps: the swing about the
+ * place of rest falls in each period by exp(-2π ζ / √(1 - ζ²)), as with a dashpot of the damping
+ * ratio ζ (eq:surface-damping); and with a spring far too fast for the step a gap changes its sign
+ * and shrinks by (1 - ζ) / (1 + ζ). */
+static void damping_ratio(double zeta)
+{
+  const double k = 7.0, m = 2.0, omega = sqrt(k / m), dt = 1e-3 / omega, rest = -1.0;
+  double before = rest - 0.5, g = before, top[2] = {0.0, 0.0};
+  int tops = 0;
+  for (int n = 0; tops < 2 && n < 100000; n++) {
+    ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                       .stiffness = k,
+                       .dissipation = zeta,
+                       .gap = g,
+                       .before = before};
+    double W = dt * dt / m, v = (g - before) / dt + dt * k * rest / m;
+    c.dashpot = ct_law_dashpot(&c, W);
+    double after = g + dt * v + W * alone(&c, g + dt * v, W);
+    if (g > before && g > after) top[tops++] = g - rest;
+    before = g, g = after;
+  }
+  const double want = 2.0 * acos(-1.0) * zeta / sqrt(1.0 - zeta * zeta);
+  tap_close(log(top[0] / top[1]) / want, 1.0, 2e-3, "zeta = %g: the logarithm of two swings", zeta);
+  ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                     .stiffness = 1e12,
+                     .dissipation = zeta,
+                     .before = -1.0};
+  c.dashpot = ct_law_dashpot(&c, 1.0);
+  tap_close(-alone(&c, -5.0, 1.0) + 5.0, -(1.0 - zeta) / (1.0 + zeta), 1e-9,
+            "zeta = %g: a gap of 1 inside becomes (1 - zeta) / (1 + zeta) outside", zeta);
 }
 
 /* A bar of hex8 that flies against a wall, on the Doyen data. */
@@ -164,6 +198,7 @@ static double largest_rise(const ct_problem *problem, ct_state *state, int64_t s
   return rise;
 }
 
+/* eq:controlled-energy, eq:controlled-loss. */
 static void energy_never_grows(void)
 {
   static const double SHARE[] = {0.0, 0.2, 1.0}, LEAST[] = {0.98, 0.94, 0.75},
@@ -310,6 +345,7 @@ static double imbalance(const pair *p)
   return fmax(largest(sum, 3), largest(moment, 3)) / top;
 }
 
+/* eq:constraint-force, eq:near-constraints. */
 static void conservation(void)
 {
   for (int e = 0; e < IMPLICITS; e++)
@@ -397,7 +433,8 @@ static int64_t with_force(const ct_solver *s)
   return count;
 }
 
-/* The forces of many points against a dense solution. */
+/* The forces of many points against a dense solution. (eq:constraint-problem, eq:constraint-force)
+ */
 static void many_points(void)
 {
   for (int e = 0; e < IMPLICITS; e++) {
@@ -631,7 +668,7 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
 /* The total of the ledger is the mean of what bodies and points have half a step before and after,
  * each of them computed here, from displacements, velocities, forces of the solid and gaps. So what
  * a point stores is told once and the same to both steps that it belongs to, whatever the point
- * meets. */
+ * meets. (eq:controlled-store, eq:controlled-energy) */
 static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], int ground,
                                double dissipation)
 {
@@ -817,6 +854,8 @@ int main(void)
 {
   one_point();
   for (int i = 0; i < 3; i++) lasting(0.5 * i * i);
+  damping_ratio(0.15);
+  damping_ratio(0.5);
   energy_never_grows();
   start_in_touch();
   conservation();

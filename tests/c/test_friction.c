@@ -69,6 +69,7 @@ static double sole(const incline *t, int c)
   return sum / area;
 }
 
+/* eq:friction-return. */
 static void the_return(void)
 {
   double s[3] = {3.0, 0.0, 4.0}, small[3] = {0.3, 0.0, 0.4};
@@ -81,7 +82,7 @@ static void the_return(void)
 }
 
 /* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and
- * no further, and it comes back. */
+ * no further, and it comes back. (eq:friction-law) */
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
@@ -103,7 +104,8 @@ static void sticks(ct_brick_kind kind, const char *name)
   free_incline(&t);
 }
 
-/* Above it: a uniform acceleration g (sin a - mu cos a), over many borders of the slab's faces. */
+/* Above it: a uniform acceleration g (sin a - mu cos a), over many borders of the slab's faces.
+ * (eq:friction-law, eq:friction-components) */
 static void slides(ct_brick_kind kind, double tolerance, const char *name)
 {
   const double mu = 0.3, g[3] = {6.0, 0.0, -8.0}; // tan a = 0.75
@@ -136,7 +138,8 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
   free_incline(&t);
 }
 
-/* The ledger of a block that is thrown along the slab and comes to rest. */
+/* The ledger of a block that is thrown along the slab and comes to rest. (eq:friction-dissipation)
+ */
 static void ledger(void)
 {
   const double g[3] = {0.0, 0.0, -10.0};
@@ -166,7 +169,7 @@ static void ledger(void)
 }
 
 /* Two free bodies, one turning and sliding on the other: momentum and moment of momentum of the
- * friction forces. */
+ * friction forces. (eq:friction-couple, eq:friction-components, eq:friction-force) */
 static void momentum(ct_brick_kind kind, const char *name)
 {
   ct_mesh *a = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1),
@@ -293,7 +296,8 @@ static void pull_of(const pressed *t, double sum[3])
 }
 
 /* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border
- * near; of the points of a some see b, the rest nothing. */
+ * near; of the points of a some see b, the rest nothing. (eq:friction-law, eq:friction-trial,
+ * eq:friction-force) */
 static void patch_law(void)
 {
   pressed t = new_pressed(0.5, 0.8, 0.0, -1);
@@ -321,7 +325,7 @@ static void patch_law(void)
 }
 
 /* What is held turns with the bodies: forces after a rigid rotation in steps are the rotated
- * forces. */
+ * forces. (eq:friction-trial) */
 static void rotation(void)
 {
   pressed t = new_pressed(0.5, 0.8, 0.0, -1);
@@ -386,7 +390,7 @@ static void mirrored(void)
 }
 
 /* The bound lies above the largest eigenvalue of M⁻¹K of contact and friction in stick, by power
- * iteration. */
+ * iteration. (eq:friction-bound) */
 static void bound(double rho)
 {
   pressed t = new_pressed(0.5, rho, 0.0, -1);
@@ -420,6 +424,8 @@ static void bound(double rho)
   ct_state *state = new_state(t.problem);
   for (int k = 0; k < 2; k++)
     need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
+  tap_close(shares[1] / shares[0], fmax(rho, 0.5), 1e-14,
+            "rho = %g: its bound is the larger of rho and mu, times that of the contact", rho);
   tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1],
          "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient,
          shares[1]);

@@ -358,7 +358,7 @@ static void compare(const ct_problem *problem, ct_state *state, const ct_contact
 }
 
 /* In each step of a scene a host makes the same call with the scene's coordinates, velocities and
- * other forces, over one array of nodes and over two. */
+ * other forces, over one array of nodes and over two. (eq:host-step) */
 static void like_the_scene(pair p, const char *name, ct_contact_options options, double end,
                            double bits)
 {
@@ -517,7 +517,7 @@ static double step_host(host *h, int64_t n)
 }
 
 /* In no step does the energy of bodies and contact grow, and what bodies gain is the work that the
- * contact reports. */
+ * contact reports. (eq:host-work) */
 static void never_grows(pair p, const char *name, double end, double allowed, double least)
 {
   static const double BETA[] = {1.0, 10.0, 40.0, 100.0};
@@ -675,7 +675,7 @@ static double by_hand(double K, double free, double before, double mobility)
 }
 
 /* Steps of unlike lengths by hand, the first of them from v_0, with a load, over a wall that stands
- * or moves; the increments given or left to the library. */
+ * or moves; the increments given or left to the library. (eq:host-step) */
 static void steps_by_hand(double wall, int given)
 {
   static const double DT[] = {0.01, 0.01, 0.02, 0.015, 0.015, 0.015};

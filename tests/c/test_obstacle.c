@@ -78,6 +78,26 @@ static void operations(void)
   }
 }
 
+/* The bound of the largest ω² for blocks of one element: each corner has a quarter of the face and
+ * an eighth of the mass, and shape functions of linear faces add up to 1 (eq:obstacle-bound). */
+static void stiffness(void)
+{
+  against t = begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 1, 1, 1), &SOFT, 0.0, 0.0, 0.0);
+  add_obstacle(
+      &t,
+      (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 700.0}, 2,
+      0.0, 0.0);
+  finish(&t, 1.0, 0.5);
+  ct_error e;
+  double omega2 = 0.0;
+  ct_view view = {.threads = 1};
+  need(t.problem->effects[1]->omega2_bound(t.problem->effects[1], &view, &omega2, &e), &e);
+  tap_close(omega2 / (700.0 * 0.5 / (6.0 * SOFT.density / 8.0)), 1.0, 1e-14,
+            "largest omega^2 of one face");
+  end(&t);
+}
+
+/* eq:obstacle-gap, eq:obstacle-motion. */
 static void gaps(void)
 {
   double n[3], p[3] = {3.0, 4.0, 7.0};
@@ -108,7 +128,8 @@ static void gaps(void)
   tap_ok(off == 0, "motion by a velocity and an amplitude (%d off)", off);
 }
 
-/* Force against central differences of the energy, on a distorted body that is partly inside. */
+/* Force against central differences of the energy, on a distorted body that is partly inside.
+ * (eq:obstacle-potential, eq:obstacle-force) */
 static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, -0.5, -0.5, 0, 1, 1, 1, 2, 2, 1);
@@ -191,7 +212,7 @@ static void bar(void)
 }
 
 /* A wall that comes with a velocity meets a bar at rest: the same in another frame. Its work is
- * external, and total stays. */
+ * external, and total stays. (eq:obstacle-motion, eq:obstacle-work) */
 static void moving_wall(int amplitude)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
@@ -319,7 +340,7 @@ static void mirrored(void)
 }
 
 /* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that
- * stands for a half-space, and all comes to rest. */
+ * stands for a half-space, and all comes to rest. (eq:hertz) */
 static void hertz(void)
 {
   const ct_material rubber = {.young = 1000.0, .poisson = 0.3, .density = 1.0};
@@ -464,6 +485,7 @@ static void refusals(void)
 int main(void)
 {
   operations();
+  stiffness();
   gaps();
   gradient(CT_HEX8, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}},
            "plane, Q4");

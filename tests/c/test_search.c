@@ -413,6 +413,7 @@ static const double CUBE[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
 static const int32_t CUBE_Q[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                      {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 
+/* eq:pseudo-normal. */
 static void cube(ct_face_kind kind)
 {
   int32_t faces[12][3];
@@ -586,7 +587,8 @@ static double winding(const ct_surface *s, const double point[3])
   return angle / (4.0 * 3.14159265358979323846);
 }
 
-/* Closed curved surfaces: next to corners the tangents, not the chords, say what is inside. */
+/* Closed curved surfaces: next to corners the tangents, not the chords, say what is inside.
+ * (eq:edge-direction, eq:pseudo-normal) */
 static void curved_corners(ct_face_kind kind, double middles)
 {
   int wrong = 0, corners = 0, asked = 0;
@@ -615,7 +617,7 @@ static void curved_corners(ct_face_kind kind, double middles)
 }
 
 /* Mid-side nodes at the quarter points: all tangents at the corner vanish, and its normal is still
- * that of the cube. */
+ * that of the cube. (eq:edge-direction) */
 static void quarter_point_corner(ct_face_kind kind)
 {
   static const int MIDDLE[3] = {13, 14, 18}; // of the edges at node 6

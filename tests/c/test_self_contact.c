@@ -105,7 +105,7 @@ static void forces(const ct_contact *contact, int nodes, double *f)
 }
 
 /* Forces of a folded strip: minus the gradient of the energy; momentum; no point meets its
- * neighbourhood. */
+ * neighbourhood. (eq:self-adjacent, eq:gap-bound) */
 static void folded(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -163,7 +163,8 @@ static void folded(ct_face_kind kind)
 }
 
 /* The layers as two surfaces of their own must say the same, as the bend between them touches
- * nothing; also where a small depth leaves the lists of the reference shape empty. */
+ * nothing; also where a small depth leaves the lists of the reference shape empty.
+ * (eq:local-minimum, eq:self-adjacent) */
 static void like_two(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -241,7 +242,7 @@ static void bound(ct_face_kind kind)
 }
 
 /* A layer that travels over the straight part of the other one: the forces at the end are the bits
- * of a contact that was made for the end alone, on any number of threads. */
+ * of a contact that was made for the end alone, on any number of threads. (eq:local-minimum) */
 static void history(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -278,7 +279,7 @@ static void history(ct_face_kind kind)
 }
 
 /* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must
- * not touch itself. */
+ * not touch itself. (eq:self-depth) */
 static void closed(ct_brick_kind kind, double thickness, int layers)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, thickness, 8, 4, layers);
@@ -375,7 +376,7 @@ static void ring(const ct_mesh *m, double angle, double *x)
 }
 
 /* A C whose ends are pushed into each other: the ends meet as two surfaces would, and nothing else
- * does. */
+ * does. (eq:self-adjacent) */
 static void c_shape(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 3, 2);
@@ -486,7 +487,7 @@ static void carve(ct_mesh *m, int shape, int layers)
 }
 
 /* Concave bodies of cubes with nodes moved at random: an undeformed body does not touch itself, and
- * one that moves by little, little (eq:gap-bound). */
+ * one that moves by little, little (eq:gap-bound). (eq:self-adjacent, eq:self-status) */
 static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
 {
   double at_rest = 0.0, shaken = 0.0;

@@ -111,6 +111,7 @@ def test_removal_needs_a_time():
 
 
 def test_a_step_through_a_body_is_refused():
+    # eq:tunnelling
     """A thin plate flies at another one by more than the thickness in a step."""
     scene = blocks(
         -0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9

@@ -346,6 +346,7 @@ def test_other_defaults_are_what_zero_means_in_c():
 
 
 def test_the_default_penalty_is_the_one_that_is_built():
+    # eq:penalty-default
     data = ct.Scene.load(ct.example("plates")).data
     given = data["contact"][0].pop("beta", None)
     data["contact"][0].pop("enforcement", None)

@@ -237,6 +237,7 @@ def test_friction_takes_the_pressure_of_closed_gaps():
 
 
 def test_only_surfaces_that_face_each_other_are_adjusted():
+    # eq:initial-facing
     """A large distance closes the gap under a block, not those between the walls of the block and the slab around it."""
     points = blocks(0.02, adjust=0.3).run(progress=False).contact[0]
     near = points[points["start_gap"] != 0.0]

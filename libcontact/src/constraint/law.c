@@ -94,13 +94,13 @@ double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, 
 
 double ct_law_lag(const ct_constraint *c)
 {
+  // -- What the leapfrog's energy lacks at t_n because of the force (eq:controlled-energy)
   return 0.25 * c->force * ((c->after + c->before) - 2.0 * c->gap);
 }
 
 double ct_law_energy(const ct_constraint *c)
 {
-  // -- Mean of the two half steps around t_n, and what the leapfrog's energy lacks there
-  // (eq:controlled-energy)
+  // -- The mean of the stores of two half steps (eq:controlled-energy)
   return 0.5 * (stored_between(c, c->before, c->gap) + ct_law_stored(c)) + ct_law_lag(c);
 }
 

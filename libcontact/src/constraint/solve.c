@@ -84,6 +84,7 @@ static void find_places(ct_solver *s, int32_t set, const ct_constraint *c, int64
 CT_INLINE void fill_face(int32_t count, const double *N, const double direction[WIDE], double *G)
 {
   for (int32_t a = 0; a < count; a++) {
+    // -- b_a n (eq:constraint-force)
     for (int i = 0; i < PARTS; i++)
       ((ct_quad *)&G[WIDE * a])[i] = N[a] * ((const ct_quad *)direction)[i];
     G[WIDE * a + 3] = fabs(N[a]);
@@ -268,8 +269,10 @@ static void add_times(int64_t count, const double *a, const double *x, double *r
  * (eq:constraint-problem). */
 static int apply(ct_solver *s, const double *force, double *out)
 {
+  // -- W λ = G (A Gᵀ λ) (eq:constraint-problem)
   if (!move_nodes(s, force)) return 0;
   times_G(0, s->entries, s->count, s->entry_place, s->G, s->moved, out);
+  // -- and C λ (eq:constraint-function)
   add_times(s->count, s->C, force, out);
   s->iterations++;
   return 1;
@@ -302,6 +305,7 @@ static void choose_active(ct_solver *s)
     ct_constraint *c = s->rows[j];
     double force = c->force;
     c->force = 0.0;
+    // -- Neither touched now nor without the force of the step (eq:near-constraints)
     if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_presses(c)) continue;
     s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
@@ -351,6 +355,7 @@ static int fix_laws(ct_solver *s)
     ct_ramp ramp = ct_law_ramp(c);
     s->C[r] = ramp.C;
     s->b[r] = ramp.b;
+    // -- 1 / D (eq:constraint-bound)
     s->scale[r] = 1.0 / (bound + ramp.C);
   }
   return 1;
@@ -359,6 +364,7 @@ static int fix_laws(ct_solver *s)
 /* The slope at the forces now. */
 static int find_rest(ct_solver *s)
 {
+  // -- r = (W + C) λ + g_free + b (eq:constraint-function)
   if (!apply(s, s->force, s->rest)) return 0;
   for (int64_t r = 0; r < s->count; r++) s->rest[r] += s->free[r] + s->b[r];
   return 1;
@@ -385,6 +391,7 @@ static descent descend(int64_t count, const double *rest, const double *scale, c
   double most = 0.0, top = 0.0, lift = 0.0;
 #pragma omp simd reduction(max : most, top, lift)
   for (int64_t r = 0; r < count; r++) {
+    // -- What a step down takes from a force, which stays positive (eq:constraint-iteration)
     double down = rest[r] * scale[r], step = down < force[r] ? down : force[r], size = fabs(step),
            up = force[r] > 0.0 ? 0.0 : size;
     guide[r] = force[r] > 0.0 ? down : 0.0;
@@ -463,6 +470,7 @@ static int releases(ct_solver *s)
 {
   double gain[2];
   for (int pressed = 0; pressed < 2; pressed++) {
+    // -- Σ r_j δ_j of the rows without a force, and of those with one (eq:proportioning)
     for (int64_t r = 0; r < s->count; r++)
       s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * s->answer[r] : 0.0;
     gain[pressed] = ct_sum(s->terms, s->count);

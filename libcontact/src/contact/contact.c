@@ -25,10 +25,15 @@ ct_contact_options ct_contact_options_default(void)
                               .initial_penetration = CT_INITIAL_KEEP};
 }
 
-double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
+double ct_contact_penalty(double beta, double young, double h)
+{
+  // -- ε = β E / h (eq:penalty-factor)
+  return beta * young / h;
+}
 
 double ct_contact_penalty_default(ct_enforcement enforcement, double modulus, double h)
 {
+  // -- 40 ρ c₁² / h, or 4 where a stiff penalty costs steps (eq:penalty-default)
   return (enforcement == CT_ENFORCE_ENERGY_CONTROLLED ? 40.0 : 4.0) * modulus / h;
 }
 

@@ -92,6 +92,7 @@ static void components(const double t1[3], const double t2[3], const double v[3]
   double g11 = ct_vector_dot(t1, t1), g22 = ct_vector_dot(t2, t2), g12 = ct_vector_dot(t1, t2);
   double b1 = ct_vector_dot(v, t1), b2 = ct_vector_dot(v, t2);
   double det = g11 * g22 - g12 * g12;
+  // -- c^α = g^{αβ} (v · t_β), the inverse of a matrix of two rows (eq:friction-components)
   c[0] = (g22 * b1 - g12 * b2) / det;
   c[1] = (g11 * b2 - g12 * b1) / det;
 }
@@ -146,6 +147,7 @@ static void trial_slip(const call *now, int s, int64_t i, const slip_record *las
   ct_segment_shape(other->search->kind, last->place, N);
   ct_side_interpolate(other->search, other->search->x, face, N, origin, closest);
   ct_side_position(side, i, origin, y);
+  // -- The way from the old partner, and the slip that was stored (eq:friction-trial)
   for (int c = 0; c < 3; c++)
     v[c] = ((y[c] - closest[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
 }
@@ -166,6 +168,7 @@ static void rub(const friction_data *data, double k, const double normal[3], sli
   double slid = ct_friction_return(limit, p->s);
   // -- What sliding has taken (eq:friction-dissipation)
   p->lost += p->k * limit * slid;
+  // -- T = -ϱ k s (eq:friction-law)
   for (int c = 0; c < 3; c++) p->force[c] = -p->k * p->s[c];
 }
 
@@ -261,6 +264,7 @@ CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, 
     const ct_point *point = &now->side[k]->points[i];
     const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
     if (!(p->k > 0.0)) continue;
+    // -- N_a T on the own face; -N̄_b T and the couple on the other (eq:friction-force)
     ct_heap_add(room, grid, point->row.own, point->row.own_shape, p->force, &own);
     if (now->data->rigid) continue;
     const int32_t *node = ct_side_row_nodes(other, point->other);
@@ -367,6 +371,7 @@ static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *v
 double ct_friction_stiffness(const ct_effect *effect)
 {
   const friction_data *data = effect->data;
+  // -- The factor on the bound of the contact (eq:friction-bound)
   return fmax(data->rho, data->mu);
 }
 

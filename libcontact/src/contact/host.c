@@ -155,6 +155,7 @@ static double increment_of(const ct_contact_prediction *p, const side_prediction
 {
   if (side->increment != NULL) return side->increment[dof];
   double force = side->force == NULL ? 0.0 : side->force[dof];
+  // -- Δt v_{n+1/2} = Δt (v_{n-1/2} + κ f / m) (eq:host-step)
   return p->dt * (side->velocity[dof] + p->kick * side->inverse_mass[dof] * force);
 }
 
@@ -177,6 +178,7 @@ static void predict(const ct_contact_fixed *fixed, const ct_contact_prediction *
     int64_t dof, own = CT_SOLVER_WIDE * (int64_t)n;
     const side_prediction *from = find_node(fixed, side, n, &dof);
     for (int c = 0; c < 3; c++, dof++, own++) {
+      // -- Motion without the contact, that of a unit force, and the last one (eq:host-step)
       solver->increment[own] = increment_of(p, from, dof);
       solver->mobility[own] = p->dt * p->kick * from->inverse_mass[dof];
       solver->past[own] = before * from->velocity[dof];
@@ -256,6 +258,7 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
       for (int c = 0; c < 3; c++, dof++, own++) {
         double after =
             increment_of(p, from, dof) / p->dt + p->kick * from->inverse_mass[dof] * h->force[own];
+        // -- Half of the kick times the velocity before it, or after it (eq:host-work)
         h->terms[own] = 0.5 * p->kick * h->force[own] * (k == 0 ? from->velocity[dof] : after);
       }
     }

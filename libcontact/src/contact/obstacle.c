@@ -46,11 +46,12 @@ static obstacle_record load(const double *memory)
 static double gap_of(const ct_obstacle_def *o, const double a[3], const double r[3], double n[3])
 {
   double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
+  // -- A plane: g = r · a, n = a (eq:obstacle-gap)
   if (o->shape == CT_OBSTACLE_PLANE) {
     memcpy(n, a, 3 * sizeof *n);
     return along;
   }
-  // -- Away from the centre or the axis (eq:obstacle-gap)
+  // -- Sphere and cylinder: away from the centre or the axis (eq:obstacle-gap)
   for (int c = 0; c < 3; c++) from[c] = o->shape == CT_OBSTACLE_SPHERE ? r[c] : r[c] - along * a[c];
   double distance = sqrt(ct_vector_dot(from, from));
   for (int c = 0; c < 3; c++) n[c] = from[c] / distance;
@@ -160,6 +161,7 @@ static void count_motion(ct_obstacle_state *s, const obstacle_record *last)
   for (int c = 0; c < 3; c++) {
     for (int64_t i = 0; i < points; i++) s->terms[i] = -s->side.points[i].force[c];
     s->reaction[c] = ct_sum(s->terms, points);
+    // -- Minus the mean force on the obstacle times its motion (eq:obstacle-work)
     if (last->begun != 0.0)
       s->work -= 0.5 * (s->reaction[c] + last->reaction[c]) * (s->place[c] - last->place[c]);
   }
@@ -341,6 +343,7 @@ static ct_status sum_springs(obstacle_data *data, ct_error *error)
     const int32_t *node = &search->faces[i / side->rule.count * search->per];
     double sum = 0.0;
     for (int a = 0; a < search->per; a++) sum += fabs(N[a]);
+    // -- Row sums ε w J |N_i| Σ |N_j| (eq:obstacle-bound)
     for (int a = 0; a < search->per; a++)
       rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }

@@ -59,6 +59,7 @@ static double deepest(const ct_pass *p, int64_t i, int32_t target, const ct_proj
   if (ct_segment_normal(&reference, closest->xi, own) != CT_OK) return p->deep;
   // -- On an edge or a corner, beneath all faces there (eq:pseudo-normal)
   (void)ct_search_normal(body, target, closest->where, closest->index, closest->xi, own, normal);
+  // -- Half of the reference distance if there was material between them (eq:self-depth)
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
@@ -71,6 +72,7 @@ static double motion_over(const ct_pass *p, int64_t i, int32_t target)
   double own[3], top = 0.0;
   ct_side_interpolate(p->side->search, p->side->moved, face_of(p, i),
                       p->side->points[i].row.own_shape, NULL, own);
+  // -- m = S max |Δy - Δu_b|, with S = 3 on quadratic faces (eq:gap-bound)
   for (int a = 0; a < search->per; a++) {
     const double *theirs =
         &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
@@ -105,6 +107,7 @@ static int looks_at(const ct_pass *p, const ct_point *point, const double own[3]
                     const double normal[3])
 {
   double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
+  // -- It faces the point, or its normal is within 60° of the last one (eq:self-adjacent)
   if (along < -0.25 * length) return 1;
   return along < 0.5 * length && last_normal(p, point, last) &&
          ct_vector_dot(last, normal) > 0.5 * length;
@@ -160,6 +163,7 @@ static int project(const ct_pass *p, int64_t i, int32_t target, const double *st
 static int is_far(const double own[3], const double last[3], const double normal[3])
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
+  // -- Opposite to the last place, or not beside it and as the point's own face (eq:far-side)
   return along < -half || (along < half && !ct_pass_looks_across(own, normal));
 }
 
@@ -173,7 +177,9 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
       (p->self && !is_admissible(p, i, best->own, y, target, &closest)))
     return;
   if (best->same_side) (void)outward_at(p, target, &closest, normal);
+  // -- The search on one side passes over far sides (eq:held)
   if (best->same_side && is_far(best->own, best->last, normal)) return;
+  // -- The nearest face; of two as near, the one with the lower number (eq:closest-face)
   if (closest.distance < best->distance ||
       (closest.distance == best->distance && target < best->face)) {
     best->face = target;
@@ -200,6 +206,7 @@ static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const
   double closest[3];
   ct_segment_shape(p->other->search->kind, xi, point->N);
   ct_side_interpolate(p->other->search, p->other->search->x, target, point->N, origin, closest);
+  // -- d = ȳ - y; inside, where d points outwards, the gap is negative (eq:gap)
   for (int c = 0; c < 3; c++) point->d[c] = closest[c] - y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->row.gap = ct_vector_dot(point->d, point->outward) > 0.0 ? -distance : distance;
@@ -279,6 +286,7 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
                         const double xi[2])
 {
   int met = found == INSIDE || found == OUTSIDE;
+  // -- The status for the next step (eq:point-status)
   point->status = found == INSIDE    ? CT_POINT_INSIDE
                   : found == OUTSIDE ? CT_POINT_OUTSIDE
                   : found == FAR     ? CT_POINT_BURIED

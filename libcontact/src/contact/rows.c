@@ -45,6 +45,7 @@ int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, con
 void ct_side_take_rows(ct_side *side)
 {
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+    // -- F = λ n (eq:constraint-force)
     for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
 }
 
@@ -62,18 +63,23 @@ void ct_side_apply_penalty(ct_side *side)
   }
 }
 
+/* Energy of a point with the force F: ½ k g², written as ½ F · d, with a start gap as -½ |F| g. */
+static double potential_of(const ct_point *p)
+{
+  const double *F = p->force;
+  if (p->shift != 0.0) return -0.5 * sqrt(ct_vector_dot(F, F)) * p->row.gap;
+  // -- One term of the potential (eq:contact-potential, eq:obstacle-potential)
+  return 0.5 * ct_vector_dot(F, p->d);
+}
+
 double ct_side_potential(const ct_side *sides, int count)
 {
   ct_stream sum = {0};
-  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d; with a start gap -½ |force| g
-  // (eq:contact-potential, eq:obstacle-potential)
   while (ct_stream_again(&sum, 1))
     for (int s = 0; s < count; s++)
       for (const ct_point *p = sides[s].points; p < sides[s].points + sides[s].fixed->point_count;
            p++) {
-        const double *f = p->force, term = p->shift == 0.0
-                                               ? 0.5 * ct_vector_dot(f, p->d)
-                                               : -0.5 * sqrt(ct_vector_dot(f, f)) * p->row.gap;
+        const double term = potential_of(p);
         ct_stream_add(&sum, &term, 1);
       }
   return ct_stream_sum(&sum);
@@ -120,6 +126,7 @@ CT_INLINE void spread_faces(int room, const ct_grid *grid, ct_side *side, ct_sid
   for (int32_t face = 0; face < side->search->face_count; face++)
     for (int q = 0; q < side->fixed->rule.count; q++, point++) {
       if (!ct_point_has_force(point)) continue;
+      // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force, eq:obstacle-force)
       const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
       ct_heap_add(room, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, &own);
       if (other != NULL)

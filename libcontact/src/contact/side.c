@@ -36,6 +36,7 @@ static ct_status weigh(ct_side_fixed *fixed, int body, ct_error *error)
       if (!(J > 1e-14 * square))
         return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, q},
                        "face %d of surface %d has no area at point %d", (int)f, body, q);
+      // -- w J_ref, constant in time (eq:contact-potential)
       fixed->weight[(int64_t)f * fixed->rule.count + q] = fixed->rule.weight[q] * J;
     }
   }

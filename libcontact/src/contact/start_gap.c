@@ -28,6 +28,7 @@ int ct_start_gap_counts(const ct_contact_options *options)
 static double left(const ct_contact_options *options, double time)
 {
   if (!ct_start_gap_fades(options) || time <= 0.0) return 1.0;
+  // -- φ = ½ (1 + cos(π t / T)) (eq:initial-fade)
   return time < options->removal_time
              ? 0.5 * (1.0 + cos(3.14159265358979323846 * time / options->removal_time))
              : 0.0;
@@ -57,6 +58,7 @@ static int is_facing(const ct_side *side, int64_t i)
   double own[3];
   ct_side_area(side, i, own);
   double least = FACING * sqrt(ct_vector_dot(own, own));
+  // -- The normals point at each other, and along the gap (eq:initial-facing)
   return -ct_vector_dot(own, n) >= least * sqrt(ct_vector_dot(n, n)) &&
          ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
 }
@@ -81,6 +83,7 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
 {
   double gap = touching_gap(side, &side->points[i]);
   if (fabs(gap) <= rounding) return gap;
+  // -- Kept, adjusted, or none (eq:initial-adjust)
   if (fabs(gap) > options->adjust) return gap < 0.0 && keeps(options) ? gap : 0.0;
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
 }
@@ -90,6 +93,7 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
 static double later_gap(const ct_contact_options *options, const ct_side *side, double s,
                         double last, double gap, double share)
 {
+  // -- Released once it has opened for two steps (eq:initial-release)
   double open = fmin(gap, last) - options->adjust;
   if (s == 0.0 || !(open > s * share + unsure(side))) return s;
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;

@@ -70,6 +70,7 @@ static double recover_corner(const recovery *r, int32_t node, double traction[3]
     for (int32_t i = around->first[node]; i < around->first[node + 1]; i++)
       add_face(r, around->place[i] / per, around->place[i] % per, sum);
   }
+  // -- Force over area (eq:recovered-traction)
   double area = ct_stream_sum(&sum[0]);
   for (int c = 0; c < 3; c++) traction[c] = area > 0.0 ? ct_stream_sum(&sum[1 + c]) / area : 0.0;
   return area;

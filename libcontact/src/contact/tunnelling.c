@@ -64,6 +64,7 @@ static double width_of(const ct_search *search, int32_t face)
     longest = fmax(longest, sqrt(ct_vector_dot(along, along)));
   }
   double J = ct_segment_area_element(&nodes, ct_search_middle(search));
+  // -- Area over the longest edge; of a triangle, twice that (eq:contact-near)
   return (search->edges == 4 ? 4.0 : 1.0) * J / longest;
 }
 
@@ -150,6 +151,7 @@ ct_status ct_tunnelling_check(const ct_contact *contact, const double *const vel
   ct_bounds speed[2], place[2];
   const ct_search *search[2] = {contact->side[0].search, contact->side[fixed->sides - 1].search};
   for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity[s], &speed[s]);
+  // -- The largest approach in the step, and how much of it is safe (eq:tunnelling)
   double nearer = dt * farthest(&speed[0], &speed[1]);
   if (!(nearer > fixed->approach)) return CT_OK;
   // -- Where the surfaces are farther apart than that, no harm is done

@@ -156,6 +156,7 @@ static int is_settled(const ct_pass *p, const block *b, int l)
   double inside = 1.0 - p->project.tolerance, own[3],
          normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
   if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  // -- Inside its face, and no other face is as near (eq:warm-lanes)
   if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) ||
       b->rival[l])
     return 0;

@@ -49,6 +49,7 @@ static int edge_normal(const ct_search *search, int32_t face, int e, const doubl
   if (other < 0) return 0;
   ct_search_face(search, other, &neighbour);
   if (ct_segment_normal(&neighbour, xi, theirs) == CT_OK)
+    // -- The sum of both normals (eq:pseudo-normal)
     for (int c = 0; c < 3; c++) normal[c] += theirs[c];
   return 1;
 }
@@ -67,6 +68,7 @@ static void edge_direction(const ct_search *search, int32_t face, int k, int bac
   for (int c = 0; c < 3; c++) along[c] = chord[c] = last[c] - first[c];
   if (search->per == search->edges) return;
   const double *middle = &search->x[3 * (int64_t)nodes[search->edges + (backwards ? before : k)]];
+  // -- t = 4 (x_m - x_1) - (x_2 - x_1) (eq:edge-direction)
   for (int c = 0; c < 3; c++) along[c] = 4.0 * (middle[c] - first[c]) - chord[c];
   // -- A tangent that is zero to rounding has no direction of its own (eq:edge-direction)
   if (!(ct_vector_dot(along, along) > 1e-18 * ct_vector_dot(chord, chord)))

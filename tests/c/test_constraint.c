@@ -1,0 +1,275 @@
+/* The parts of the constraint solver, on random rows, against matrices that this file fills itself.
+ * The source is included, so that each part can be called alone. */
+#include "../../libcontact/src/constraint/solve.c"
+#include "bodies.h"
+
+enum { NODES = 9, ROWS = 14, OWN = 4, OTHER = 4, DOFS = 3 * NODES };
+
+/* Random rows on few nodes, with the matrices of the book. */
+typedef struct rows {
+  ct_solver *s;
+  ct_constraint row[ROWS];
+  int32_t own[ROWS][OWN], other[ROWS][OTHER];
+  double own_shape[ROWS][OWN], other_shape[ROWS][OTHER];
+  double G[ROWS][DOFS], A[DOFS], W[ROWS][ROWS];
+} rows;
+
+/* Some different nodes, ascending from a random one. */
+static void take_nodes(int32_t count, int32_t *nodes, double *shape)
+{
+  int32_t first = pick(NODES);
+  for (int32_t a = 0; a < count; a++) nodes[a] = (first + 2 * a) % NODES, shape[a] = uniform(1.0);
+}
+
+static void fill(rows *r)
+{
+  static const ct_row_set set = {ROWS, NODES, NULL, OWN + OTHER};
+  int32_t place[NODES];
+  ct_error e;
+  need(ct_solver_create(&set, 1, NODES, place, &r->s), &e);
+  r->s->share = 1.0;
+  for (int i = 0; i < NODES; i++)
+    for (int c = 0; c < 3; c++) {
+      r->A[3 * i + c] = 1.0 + 0.5 * uniform(1.0);
+      r->s->mobility[WIDE * i + c] = r->A[3 * i + c];
+      r->s->increment[WIDE * i + c] = 0.2 * uniform(1.0);
+      r->s->past[WIDE * i + c] = 0.2 * uniform(1.0);
+    }
+  for (int j = 0; j < ROWS; j++) {
+    ct_constraint *c = &r->row[j];
+    take_nodes(OWN, r->own[j], r->own_shape[j]);
+    take_nodes(OTHER, r->other[j], r->other_shape[j]);
+    *c = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                         .own_count = OWN,
+                         .other_count = j % 3 == 0 ? 0 : OTHER,
+                         .own = r->own[j],
+                         .other = r->other[j],
+                         .own_shape = r->own_shape[j],
+                         .other_shape = r->other_shape[j],
+                         .stiffness = pow(10.0, uniform(1.0)),
+                         .dissipation = 0.15,
+                         .gap = uniform(0.5),
+                         .force = fmax(0.0, uniform(1.0))};
+    double length = 0.0;
+    for (int k = 0; k < 3; k++) c->normal[k] = uniform(1.0), length += c->normal[k] * c->normal[k];
+    for (int k = 0; k < 3; k++) c->normal[k] /= sqrt(length);
+    r->s->rows[j] = c;
+  }
+  r->s->first[1] = ROWS;
+}
+
+/* G and W = G A Gᵀ of the active rows, from nodes, shape functions and normals. */
+static void fill_dense(rows *r)
+{
+  memset(r->G, 0, sizeof r->G);
+  for (int64_t j = 0; j < r->s->count; j++) {
+    const ct_constraint *c = r->s->active[j];
+    for (int k = 0; k < 3; k++) {
+      for (int a = 0; a < OWN; a++) r->G[j][3 * c->own[a] + k] += c->own_shape[a] * c->normal[k];
+      for (int a = 0; a < c->other_count; a++)
+        r->G[j][3 * c->other[a] + k] -= c->other_shape[a] * c->normal[k];
+    }
+  }
+  for (int64_t i = 0; i < r->s->count; i++)
+    for (int64_t j = 0; j < r->s->count; j++) {
+      r->W[i][j] = 0.0;
+      for (int d = 0; d < DOFS; d++) r->W[i][j] += r->G[i][d] * r->A[d] * r->G[j][d];
+    }
+}
+
+static void prepare(rows *r)
+{
+  fill(r);
+  fill_entries(r->s);
+  find_alike(r->s->first[1], r->s->entries);
+  choose_active(r->s);
+  list_touched(r->s);
+  (void)fix_laws(r->s);
+  fill_dense(r);
+}
+
+static void release(rows *r) { ct_pool_free(r->s); }
+
+/* F of the forces (eq:constraint-function). */
+static double function_of(const rows *r, const double *force)
+{
+  double F = 0.0;
+  for (int64_t i = 0; i < r->s->count; i++) {
+    F += force[i] * (0.5 * r->s->C[i] * force[i] + r->s->free[i] + r->s->b[i]);
+    for (int64_t j = 0; j < r->s->count; j++) F += 0.5 * force[i] * r->W[i][j] * force[j];
+  }
+  return F;
+}
+
+/* What a row does to its nodes (eq:constraint-force), and the gaps that forces open
+ * (eq:constraint-problem) with the slope of F, which here is a difference of F itself
+ * (eq:constraint-function). */
+static void slopes(void)
+{
+  double off_force = 0.0, off_gap = 0.0, off_slope = 0.0;
+  for (int trial = 0; trial < 50; trial++) {
+    rows r;
+    prepare(&r);
+    const ct_solver *s = r.s;
+    for (int64_t j = 0; j < s->count; j++) {
+      double dense[DOFS] = {0.0};
+      const ct_entries e = s->entries[j];
+      for (int a = 0; a < e.own + e.other; a++)
+        for (int c = 0; c < 3; c++)
+          dense[3 * (s->entry_place[e.place + a] / WIDE) + c] += s->G[WIDE * (e.first + a) + c];
+      off_force = worst(off_force, largest_difference(dense, r.G[j], DOFS));
+    }
+    (void)find_rest(r.s);
+    for (int64_t j = 0; j < s->count; j++) {
+      double gap = s->free[j], force[ROWS];
+      for (int64_t k = 0; k < s->count; k++) gap += r.W[j][k] * s->force[k];
+      off_gap = worst(off_gap, s->rest[j] - s->b[j] - s->C[j] * s->force[j] - gap);
+      memcpy(force, s->force, sizeof force);
+      force[j] += 1e-3;
+      double up = function_of(&r, force);
+      force[j] -= 2e-3;
+      off_slope = worst(off_slope, (up - function_of(&r, force)) / 2e-3 - s->rest[j]);
+    }
+    release(&r);
+  }
+  tap_ok(off_force < 1e-14, "a row acts on its nodes with b_a n, off by %.1e", off_force);
+  tap_ok(off_gap < 1e-12, "gaps are free + G A G^T lambda, off by %.1e", off_gap);
+  tap_ok(off_slope < 1e-10, "the slope is that of F, off by %.1e", off_slope);
+}
+
+/* D_j - C_j = Σ |b_ja| A_a Σ_k |b_ka|, worked out row by row with the largest A of a node
+ * (eq:constraint-bound); a step takes min(r / D, λ) of each force and F does not rise
+ * (eq:constraint-iteration). */
+static void step(void)
+{
+  double off_bound = 0.0, off_step = 0.0, rise = -1.0;
+  for (int trial = 0; trial < 50; trial++) {
+    rows r;
+    prepare(&r);
+    ct_solver *s = r.s;
+    double crowd[NODES] = {0.0}, before[ROWS];
+    for (int64_t k = 0; k < s->count; k++) {
+      const ct_constraint *c = s->active[k];
+      for (int a = 0; a < OWN; a++) crowd[c->own[a]] += fabs(c->own_shape[a]);
+      for (int a = 0; a < c->other_count; a++) crowd[c->other[a]] += fabs(c->other_shape[a]);
+    }
+    for (int64_t j = 0; j < s->count; j++) {
+      const ct_constraint *c = s->active[j];
+      double D = s->C[j];
+      for (int a = 0; a < OWN; a++)
+        D += fabs(c->own_shape[a]) * largest(&r.A[3 * c->own[a]], 3) * crowd[c->own[a]];
+      for (int a = 0; a < c->other_count; a++)
+        D += fabs(c->other_shape[a]) * largest(&r.A[3 * c->other[a]], 3) * crowd[c->other[a]];
+      off_bound = worst(off_bound, s->scale[j] * D - 1.0);
+    }
+    (void)find_rest(s);
+    memcpy(before, s->force, sizeof before);
+    double start = function_of(&r, before), taken[ROWS];
+    for (int64_t j = 0; j < s->count; j++) taken[j] = fmin(s->rest[j] * s->scale[j], before[j]);
+    (void)step_down(s);
+    for (int64_t j = 0; j < s->count; j++)
+      off_step = worst(off_step, before[j] - taken[j] - s->force[j]);
+    rise = fmax(rise, function_of(&r, s->force) - start);
+    release(&r);
+  }
+  tap_ok(off_bound < 1e-13, "D is the bound of the rows of W + C, off by %.1e", off_bound);
+  tap_ok(off_step < 1e-14 && rise < 1e-14,
+         "a step takes min(r / D, lambda) (off by %.1e), and F does not rise (%.1e)", off_step,
+         rise);
+}
+
+/* Rows without a force are taken in where they have more to gain than the pressed ones
+ * (eq:proportioning). */
+static void release_of_rows(void)
+{
+  int wrong = 0, taken = 0, trials = 400;
+  for (int trial = 0; trial < trials; trial++) {
+    rows r;
+    prepare(&r);
+    ct_solver *s = r.s;
+    double gain[2] = {0.0, 0.0}, small = pow(10.0, uniform(2.0) - 2.0);
+    for (int64_t j = 0; j < s->count; j++) s->force[j] *= small;
+    (void)find_rest(s);
+    for (int64_t j = 0; j < s->count; j++)
+      gain[s->force[j] > 0.0] += s->rest[j] * fmin(s->rest[j] * s->scale[j], s->force[j]);
+    (void)descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
+    wrong += releases(s) != (gain[0] > gain[1]);
+    taken += gain[0] > gain[1];
+    release(&r);
+  }
+  tap_ok(wrong == 0 && taken > 40 && taken < trials - 40,
+         "rows are taken in where they have more to gain: %d of %d times, %d wrong", taken, trials,
+         wrong);
+}
+
+/* The rows that a step can close, and no others (eq:near-constraints). */
+static void near_rows(void)
+{
+  int wrong = 0, left_out = 0;
+  for (int trial = 0; trial < 100; trial++) {
+    rows r;
+    fill(&r);
+    double most = 0.0, free[ROWS];
+    for (int j = 0; j < ROWS; j++) {
+      ct_constraint *c = &r.row[j];
+      c->gap *= 6.0;
+      free[j] = c->gap = fabs(c->gap) - 0.3;
+      for (int k = 0; k < 3; k++) {
+        for (int a = 0; a < OWN; a++)
+          free[j] += c->own_shape[a] * c->normal[k] * r.s->increment[WIDE * c->own[a] + k];
+        for (int a = 0; a < c->other_count; a++)
+          free[j] -= c->other_shape[a] * c->normal[k] * r.s->increment[WIDE * c->other[a] + k];
+      }
+      most = fmax(most, fmax(fabs(free[j] - c->gap), -c->gap));
+    }
+    fill_entries(r.s);
+    find_alike(r.s->first[1], r.s->entries);
+    choose_active(r.s);
+    for (int j = 0, next = 0; j < ROWS; j++) {
+      int near = fmin(r.row[j].gap, free[j]) <= 2.0 * most,
+          listed = next < r.s->count && r.s->active[next] == &r.row[j];
+      wrong += near != listed;
+      next += listed;
+      left_out += !near;
+    }
+    release(&r);
+  }
+  tap_ok(wrong == 0 && left_out > 50, "rows that the motions can close: %d left out, %d wrong",
+         left_out, wrong);
+}
+
+/* The whole solution: no force is negative, slopes vanish where points press and are not negative
+ * elsewhere, and the finite number of rounds is small. */
+static void solution(void)
+{
+  double off = 0.0, below = 0.0;
+  int rounds = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    rows r;
+    fill(&r);
+    if (!ct_solver_solve(r.s)) off = 1.0;
+    fill_dense(&r);
+    for (int64_t j = 0; j < r.s->count; j++) {
+      double rest = r.s->free[j] + r.s->b[j] + r.s->C[j] * r.s->force[j];
+      for (int64_t k = 0; k < r.s->count; k++) rest += r.W[j][k] * r.s->force[k];
+      if (r.s->force[j] > 0.0) off = worst(off, rest);
+      else below = fmax(below, -rest);
+      below = fmax(below, -r.s->force[j]);
+    }
+    rounds = r.s->iterations > rounds ? r.s->iterations : rounds;
+    release(&r);
+  }
+  tap_ok(off < 1e-8 && below < 1e-8 && rounds < 100,
+         "the minimum: slopes of pressed rows %.1e, of others not below %.1e; at most %d rounds",
+         off, -below, rounds);
+}
+
+int main(void)
+{
+  slopes();
+  step();
+  release_of_rows();
+  near_rows();
+  solution();
+  return tap_done();
+}
