@@ -4,6 +4,26 @@ import numpy as np
 from matplotlib.figure import Figure
 
 
+def wall_terms(method, epsilon, K, f, h):
+    """Add what a method puts on the gap, the first unknown, to the matrix of a bar (E = area = 1)."""
+    gap = np.eye(len(f))[0]
+    if method == "penalty":
+        K = K + epsilon * np.outer(gap, gap)  # ½ ε g² (eq:continuum-penalty)
+    if method == "nitsche":
+        p = np.zeros(len(f))
+        p[:2] = np.array([1.0, -1.0]) / h  # pressure of the element at the wall: p · u
+        law = p - epsilon * gap
+        # ((p - ε g)² - p²) / 2ε (eq:continuum-nitsche)
+        K = K + (np.outer(law, law) - np.outer(p, p)) / epsilon
+        if np.linalg.eigvalsh(K).min() <= 0.0:
+            return None, f  # no minimum: the energy falls without limit
+    if method == "multiplier":
+        # one more unknown: U - p g (eq:continuum-multiplier)
+        K = np.block([[K, -gap[:, None]], [-gap[None], np.zeros((1, 1))]])
+        f = np.append(f, 0.0)
+    return K, f
+
+
 def pressed(method, stiffness, elements=10, pushed=-1.0):
     """Gap at the wall of a bar of length, stiffness and area 1 whose far end is pushed by `pushed`."""
     h = 1.0 / elements
@@ -17,23 +37,11 @@ def pressed(method, stiffness, elements=10, pushed=-1.0):
                 if nodes[i] == elements:
                     continue
                 if nodes[j] == elements:
-                    f[nodes[i]] += block[i, j] * pushed
+                    f[nodes[i]] -= block[i, j] * pushed
                 else:
                     K[nodes[i], nodes[j]] += block[i, j]
-    if method == "penalty":
-        K[0, 0] += stiffness
-    if method == "nitsche":
-        # Pressure of the element at the wall: p = B u; the law acts on p and on the gap together.
-        B = np.zeros(elements)
-        B[:2] = np.array([1.0, -1.0]) / h
-        law = B / stiffness - np.eye(elements)[0]
-        K += stiffness * np.outer(law, law) - np.outer(B, B) / stiffness
-        if np.linalg.eigvalsh(K).min() <= 0.0:
-            return np.nan  # no minimum: the energy falls without limit
-    if method == "multiplier":
-        K = np.block([[K, -np.eye(elements)[:, :1]], [-np.eye(elements)[:1], np.zeros((1, 1))]])
-        f = np.append(f, 0.0)
-    return np.linalg.solve(K, f)[0]
+    K, f = wall_terms(method, stiffness, K, f, h)
+    return np.nan if K is None else np.linalg.solve(K, f)[0]
 
 
 def three_ways():
