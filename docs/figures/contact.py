@@ -1,5 +1,7 @@
 """Pictures of the chapters on contact: laws, faces, statuses, enforcement, friction, obstacles."""
 
+import warnings
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -192,10 +194,9 @@ def after_impact(fraction, landings=3, **law):
     for place in range(landings):
         at = 0.02 + place / landings * fraction / cells
         scene = bar_scene(cells, at, **law).set_time(end=2.3 + at, dt=fraction / cells)
-        try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the growth that the picture is to show
             run = scene.run(progress=False, output=False)
-        except ct.Error:
-            return np.nan
         worst = max(worst, run.energy["total"][-1] / run.energy["total"][0])
     return worst
 
@@ -204,13 +205,13 @@ def growth():
     """Energy after an impact over the length of the step, for the explicit penalty and the default."""
     figure = Figure(figsize=(7.5, 3.2))
     ax = figure.subplots()
-    part = np.linspace(0.2, 0.98, 10)
-    for beta, colour in ((0.5, BLUE), (1.0, ORANGE), (5.0, GREEN), (10.0, RED)):
+    part = np.linspace(0.4, 0.99, 5)
+    for beta, colour in ((1.0, ORANGE), (5.0, GREEN), (10.0, RED)):
         # Reported step of a bar on a wall: 1 / sqrt(1 + β) of that of the elements.
         steps = part / np.sqrt(1 + beta)
         ratio = [after_impact(s, beta=beta, enforcement="penalty") for s in steps]
         ax.plot(steps, ratio, "o-", ms=3.5, color=colour, label=f"explicit, β = {beta:g}")
-    steps = np.linspace(0.1, 0.98, 8)
+    steps = np.linspace(0.2, 0.98, 4)
     ratio = [after_impact(s) for s in steps]
     ax.plot(steps, ratio, "s-", ms=3.5, color="black", label="default")
     ax.axhline(1.0, color=GREY, lw=0.8)
@@ -517,7 +518,7 @@ def rubbed():
     """Motion to and fro of a patch that is pressed on a larger one, and the friction on it, by the library."""
     low, faces = patch(0.0, True, 3, 3.0)
     high, others = patch(-0.01, False, 1)
-    high = high + [1.2, 1.2, 0]
+    high = high + [1.25, 1.25, 0]  # no border of a face is crossed on the way
     mu, depth = 0.5, 0.01
     contact = ct.Contact(
         ct.Surface("Q4", high, others),
@@ -551,7 +552,7 @@ def zones():
     scene = ct.Scene(title="stick and slip", units=UNITS)
     scene.add_material("rubber", young=1.0, poisson=0.3, density=1.0)
     cells, mu = 40, 0.5
-    box = {"origin": [0, 0, 0], "size": [2, 0.05, 1], "cells": [cells, 1, cells // 2]}
+    box = {"origin": [0, 0, 0], "size": [2, 0.05, 0.5], "cells": [cells, 1, cells // 4]}
     scene.add_body("block", material="rubber", box=box)
     scene.add_support("block.y_min", fix="y")
     scene.add_support("block.y_max", fix="y")
@@ -560,17 +561,17 @@ def zones():
     press = {"time": [0, 15, 200], "value": [0, 1, 1]}
     pull = {"time": [0, 20, 50, 200], "value": [0, 0, 1, 1]}
     scene.add("load", surface="block.z_max", traction=[0, 0, -0.01], history=press)
-    scene.add("load", surface="block.z_max", traction=[0.0028, 0, 0], history=pull)
+    scene.add("load", surface="block.z_max", traction=[0.004, 0, 0], history=pull)
     scene.add("damping", rate=0.6)
     scene.set_time(end=90.0, fraction=0.9).set_output(every=10**6, fields=[])
     state = scene.run(progress=False, output=False).state["block"]
-    low = state.centres[:, 2] < 1.0 / (cells // 2)
+    low = state.centres[:, 2] < 0.5 / (cells // 4)
     order = np.argsort(state.centres[low, 0])
     x, stress = state.centres[low, 0][order], state.stress[low][order]
-    pressure, shear = -stress[:, 2], np.abs(stress[:, 4])
+    pressure, shear = -stress[:, 2], np.abs(stress[:, 5])
     figure = Figure(figsize=(7.5, 3.0))
     ax = figure.subplots()
-    slips = shear > 0.97 * mu * pressure
+    slips = shear > 0.95 * mu * pressure
     edges = np.linspace(0, 2, cells + 1)
     for a, b, slip in zip(edges, edges[1:], slips):
         ax.axvspan(a, b, ymax=0.06, color=RED if slip else GREEN, alpha=0.8, lw=0)
