@@ -203,6 +203,33 @@ static void one_q8(void)
   free_patch(&b);
 }
 
+/* The bound of one pair of Q8 faces of area 1 with masses 1: shape functions of both signs count by
+ * their sizes, Σ k |b_i| Σ_j |b_j| of both passes (eq:contact-bound). */
+static void bound_of_q8(void)
+{
+  patch a = new_patch(CT_Q8, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q8, 1, 1, 0, 0, 1, 1, 0);
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = EPSILON;
+  ct_contact *contact = open_contact(&a, &b, options);
+  update(contact, &a, &b);
+  double mass[9], row[8] = {0}, omega2;
+  ct_rule rule;
+  ct_error e;
+  ct_rule_face(CT_Q8, &rule);
+  for (int q = 0; q < rule.count; q++) {
+    double N[8], sum = 0.0;
+    ct_segment_shape(CT_Q8, rule.xi[q], N);
+    for (int i = 0; i < 8; i++) sum += 2.0 * fabs(N[i]);
+    for (int i = 0; i < 8; i++) row[i] += EPSILON * 0.25 * rule.weight[q] * fabs(N[i]) * sum;
+  }
+  for (int i = 0; i < 9; i++) mass[i] = 1.0;
+  need(ct_contact_omega2_bound(contact, mass, mass, &omega2), &e);
+  tap_close(omega2 / largest(row, 8), 1.0, 1e-12, "a pair of Q8 faces: the bound by hand");
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
 /* The gap from far apart to far inside, in units of the face; at a first look there is no contact
  * beyond the depth (the face's diagonal). (eq:gap) */
 static void gap_sweep(double h)
@@ -1053,6 +1080,7 @@ int main(void)
   flat_overlap(CT_Q8, CT_Q8, 2, 3);
   flat_overlap(CT_T6, CT_Q4, 3, 4);
   one_q8();
+  bound_of_q8();
   gap_sweep(1.0);
   gap_sweep(0x1p-13);
   far_side(0.02);
