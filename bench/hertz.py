@@ -104,7 +104,7 @@ def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]
 
 def exact(force: float) -> tuple[float, float]:
     """Contact radius, and how much deeper the middle of the surface is than the rim, at a force."""
-    a = (0.75 * force * RADIUS / MODULUS) ** (1 / 3)
+    a = (0.75 * force * RADIUS / MODULUS) ** (1 / 3)  # (eq:hertz)
     r = RIM * CONTACT
     rim = ((2 * a**2 - r**2) * math.asin(a / r) + r * a * math.sqrt(1 - (a / r) ** 2)) / (
         math.pi * RADIUS

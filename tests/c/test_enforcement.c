@@ -48,7 +48,7 @@ static double alone(const ct_constraint *c, double free, double W)
   return fmax(-(free + ramp.b) / (ramp.C + W), 0.0);
 }
 
-/* eq:ramp. */
+/* eq:energy-controlled, eq:bipenalty, eq:ramp. */
 static void one_point(void)
 {
   double off = 0.0;

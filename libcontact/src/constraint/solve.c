@@ -233,6 +233,7 @@ static void move_touched(int32_t count, const int32_t *place, const double *mobi
   for (int32_t k = 0; k < count; k++)
     for (int i = 0; i < PARTS; i++) {
       ct_quad *sum = (ct_quad *)&sums[place[k]] + i;
+      // -- A (Gᵀ λ), of which G takes the gaps (eq:constraint-problem)
       ((ct_quad *)&moved[place[k]])[i] = *sum * ((const ct_quad *)&mobility[place[k]])[i];
       *sum = none;
     }
@@ -269,10 +270,10 @@ static void add_times(int64_t count, const double *a, const double *x, double *r
  * (eq:constraint-problem). */
 static int apply(ct_solver *s, const double *force, double *out)
 {
-  // -- W λ = G (A Gᵀ λ) (eq:constraint-problem)
+  // -- W λ = G (A Gᵀ λ)
   if (!move_nodes(s, force)) return 0;
   times_G(0, s->entries, s->count, s->entry_place, s->G, s->moved, out);
-  // -- and C λ (eq:constraint-function)
+  // -- and C λ
   add_times(s->count, s->C, force, out);
   s->iterations++;
   return 1;
@@ -364,8 +365,8 @@ static int fix_laws(ct_solver *s)
 /* The slope at the forces now. */
 static int find_rest(ct_solver *s)
 {
-  // -- r = (W + C) λ + g_free + b (eq:constraint-function)
   if (!apply(s, s->force, s->rest)) return 0;
+  // -- r = (W + C) λ + g_free + b (eq:constraint-function)
   for (int64_t r = 0; r < s->count; r++) s->rest[r] += s->free[r] + s->b[r];
   return 1;
 }

@@ -49,9 +49,9 @@ static void add_rows(const ct_side *side, const ct_side *other, const ct_search 
     const int per = side->search->per, other_per = other->search->per;
     const int32_t *node = &side->search->faces[i / side->fixed->rule.count * per],
                   *other_node = &other->search->faces[(int64_t)face * other_per];
-    // -- k |b_i| Σ |b_j| of one point (eq:contact-bound)
     for (int a = 0; a < per; a++) sum += fabs(own[a]);
     for (int a = 0; a < other_per; a++) sum += fabs(N[a]);
+    // -- k |b_i| Σ |b_j| of one point (eq:contact-bound)
     for (int a = 0; a < per; a++) rows[node[a]] += k * sum * fabs(own[a]);
     for (int a = 0; a < other_per; a++) other_rows[other_node[a]] += k * sum * fabs(N[a]);
   }

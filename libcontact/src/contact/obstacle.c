@@ -46,16 +46,16 @@ static obstacle_record load(const double *memory)
 static double gap_of(const ct_obstacle_def *o, const double a[3], const double r[3], double n[3])
 {
   double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
-  // -- A plane: g = r · a, n = a (eq:obstacle-gap)
+  // -- A plane: g = r · a, n = a
   if (o->shape == CT_OBSTACLE_PLANE) {
     memcpy(n, a, 3 * sizeof *n);
     return along;
   }
-  // -- Sphere and cylinder: away from the centre or the axis (eq:obstacle-gap)
+  // -- Sphere and cylinder: away from the centre or the axis
   for (int c = 0; c < 3; c++) from[c] = o->shape == CT_OBSTACLE_SPHERE ? r[c] : r[c] - along * a[c];
   double distance = sqrt(ct_vector_dot(from, from));
   for (int c = 0; c < 3; c++) n[c] = from[c] / distance;
-  return distance - o->radius;
+  return distance - o->radius; // (eq:obstacle-gap)
 }
 
 /* Answers 0 where there is no direction. */
@@ -76,9 +76,9 @@ double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], d
 
 void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3])
 {
-  // -- Velocity and amplitude (eq:obstacle-motion)
   double factor =
       obstacle->amplitude.count > 0 ? ct_amplitude_value(&obstacle->amplitude, time) : 0.0;
+  // -- Velocity and amplitude (eq:obstacle-motion)
   for (int c = 0; c < 3; c++)
     motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
 }

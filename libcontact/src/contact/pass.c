@@ -72,13 +72,13 @@ static double motion_over(const ct_pass *p, int64_t i, int32_t target)
   double own[3], top = 0.0;
   ct_side_interpolate(p->side->search, p->side->moved, face_of(p, i),
                       p->side->points[i].row.own_shape, NULL, own);
-  // -- m = S max |Δy - Δu_b|, with S = 3 on quadratic faces (eq:gap-bound)
   for (int a = 0; a < search->per; a++) {
     const double *theirs =
         &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
     const double d[3] = {own[0] - theirs[0], own[1] - theirs[1], own[2] - theirs[2]};
     top = fmax(top, ct_vector_dot(d, d));
   }
+  // -- m = S max |Δy - Δu_b|, with S = 3 on quadratic faces (eq:gap-bound)
   return most * sqrt(top) + CT_CLOSEST_POINT_ERROR * search->size;
 }
 

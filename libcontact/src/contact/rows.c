@@ -53,9 +53,9 @@ void ct_side_apply_penalty(ct_side *side)
 {
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
     double n[3], k = p->row.stiffness;
-    // -- Force of the point, k d where it is inside (eq:contact-force, eq:obstacle-force)
     int inside = p->other >= 0 && p->row.gap < 0.0,
         counted = inside && p->shift != 0.0 && ct_side_direction(side, p, n);
+    // -- Force of the point, k d where it is inside (eq:contact-force, eq:obstacle-force)
     for (int c = 0; c < 3; c++)
       p->force[c] = counted                     ? -k * p->row.gap * n[c]
                     : inside && p->shift == 0.0 ? k * p->d[c]
@@ -126,7 +126,7 @@ CT_INLINE void spread_faces(int room, const ct_grid *grid, ct_side *side, ct_sid
   for (int32_t face = 0; face < side->search->face_count; face++)
     for (int q = 0; q < side->fixed->rule.count; q++, point++) {
       if (!ct_point_has_force(point)) continue;
-      // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force, eq:obstacle-force)
+      // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
       const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
       ct_heap_add(room, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, &own);
       if (other != NULL)
