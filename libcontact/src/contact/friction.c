@@ -262,9 +262,9 @@ CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, 
           theirs = {s->coarse, s->fine, other->search->per, NULL, {0}, {0}};
   for (int64_t i = 0; i < side->point_count; i++, p++) {
     const ct_point *point = &now->side[k]->points[i];
-    // -- N_a T on the own face; -N̄_b T and the couple on the other (eq:friction-force)
     const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
     if (!(p->k > 0.0)) continue;
+    // -- N_a T on the own face; -N̄_b T and the couple on the other (eq:friction-force)
     ct_heap_add(room, grid, point->row.own, point->row.own_shape, p->force, &own);
     if (now->data->rigid) continue;
     const int32_t *node = ct_side_row_nodes(other, point->other);
