@@ -64,7 +64,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count lib install wheel figures test docs measured bench stability accuracy check-c fuzz kill threads memory info clean setup
+.PHONY: help all format count count-book lib install wheel figures test docs measured bench stability accuracy check-c fuzz kill threads memory info clean setup
 .PHONY: _figures _test _docs _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
@@ -87,6 +87,7 @@ help:
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make count            how large the project is; REVISIONS=\"A B\" compares revisions"
+	@echo "make count-book       words, figures, equations, listings of each chapter; REVISION=A of a revision"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -353,6 +354,9 @@ format: $(VENV)/.test
 
 count: $(VENV)/.test
 	$(VENV)/bin/python tests/count.py $(REVISIONS)
+
+count-book: $(VENV)/.test
+	$(VENV)/bin/python tests/count_book.py $(REVISION)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:
