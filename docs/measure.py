@@ -29,6 +29,7 @@ import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 import two_speeds as speeds  # noqa: E402 (the prototype of the chapter)
+import face as free_face  # noqa: E402 (the program of the chapter on the exact solution)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
@@ -610,7 +611,7 @@ def dispersion() -> Numbers:
     run = waves.column()
     found = {"run_late": waves.TRAVEL - run.half_height, "run_overshoot": run.overshoot}
     fine = np.linspace(40.0, 62.0, 2201)
-    long = ct.Front(fine, waves.long_front(fine, (1 - 0.125**2) / 24))
+    long = ct.Front(fine, waves.long_front(fine, 0.125))
     found |= {"airy_late": waves.TRAVEL - long.half_height, "airy_overshoot": long.overshoot}
     for name, (normal, options) in FRONTS.items():
         front = ct.dispersion_front(40.0, normal, np.linspace(20.0, 46.0, 2601), **options)
@@ -620,6 +621,33 @@ def dispersion() -> Numbers:
         phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
         found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
     return found
+
+
+# -- Impact of two plates --------------------------------------------------------------------------------------------------
+
+
+@measurement
+def exact() -> Numbers:
+    """Speeds and angle of the waves for ν = 0.3, where the fronts cross the line of Fig. 5, and one point by Cagniard's path: x = 0.4, z = 0.8, t = 0.56."""
+    c2, c_r = ct.exact.speeds(0.3)
+    x, t = 0.4, 0.56
+    point = free_face.path_point(x, 0.2, t, 1.0)
+    own = free_face.face(x, 0.2, t).sum(axis=0)[1]
+    start, touch = ct.exact.fronts(t)["head"][0]
+    late = free_face.face(x, 0.1, 1.0)[:, 1]
+    return {
+        "head_angle": np.degrees(np.arcsin(c2)),
+        "c_r": c_r,
+        "c_r_over_c2": c_r / c2,
+        "fig5_p": 1 - np.sqrt(t * t - x * x),
+        "fig5_head": start[1] + (touch[1] - start[1]) * (x - start[0]) / (touch[0] - start[0]),
+        "p_re": point.real,
+        "p_im": point.imag,
+        "s_y": own,
+        "sigma_z": ct.exact.plates(x, 0.8, t).stress.sigma_z,
+        "late_p": late[0],
+        "late_s": late[1],
+    }
 
 
 @measurement

@@ -33,7 +33,8 @@ static double dot(const double a[3], const double b[3])
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* A row of masses and springs (eq:dispersion-axis), with both masses and with leapfrog steps. */
+/* A row of masses and springs (eq:dispersion-axis), with both masses and with leapfrog steps
+ * (eq:dispersion-leapfrog, eq:dispersion-axis-group). */
 static void closed_form_on_the_axis(void)
 {
   double off[2] = {0.0}, off_step = 0.0, off_group = 0.0;
@@ -152,6 +153,7 @@ static void wave_residual(const ct_dispersion_def *def, const double k[3], const
   ct_mesh_free(mesh);
 }
 
+/* eq:bloch-matrices, eq:bloch-cholesky, eq:jacobi-rotation: on the nodes of a real mesh. */
 static void waves_solve_the_mesh(void)
 {
   for (int kind = 0; kind < 2; kind++) {
@@ -183,6 +185,7 @@ static double coefficient(const ct_dispersion_def *def, const double n[3], int b
   return (4.0 * at[0] - at[1]) / 3.0;
 }
 
+/* eq:dispersion-long, eq:dispersion-diagonal. */
 static void long_waves(void)
 {
   static const double AXIS[3] = {1.0, 0.0, 0.0},
@@ -234,6 +237,7 @@ static void isotropic_at_zero(void)
   tap_close(polar, 0.0, 3e-5, "P waves move along their direction");
 }
 
+/* eq:group-velocity, eq:dispersion-slope: by differences. */
 static void group_is_the_derivative(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
@@ -280,6 +284,7 @@ static void symmetric(void)
 }
 
 /* The roots as the chapter on integrators writes their polynomials. */
+/* eq:dispersion-stage, eq:dispersion-root, eq:dispersion-memory, eq:dispersion-quadratic. */
 static void integrators_by_their_polynomials(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
@@ -418,6 +423,7 @@ static void front_of_a_run(const run *r)
   tap_close(largest_difference(computed, predicted, near), 0.0, 1e-6, "... and all stresses");
 }
 
+/* eq:front-planes, eq:front-start, eq:front-time, eq:front-stress, eq:front-sum: against runs. */
 static void fronts(void)
 {
   static const run RUNS[] = {{CT_HEX8, 0, CT_CENTRAL_DIFFERENCE, 0.125, 320},

@@ -103,6 +103,7 @@ static void equations_hold(double nu)
   tap_ok(count[1] > 20 && count[3] > 20, "nu = %g: points in the regions", nu);
 }
 
+/* eq:exact-sum, eq:exact-plane, eq:exact-face: the waves of the faces cancel the plane wave. */
 static void faces_are_free(double nu)
 {
   unsigned seed = 3;
@@ -122,8 +123,8 @@ static void faces_are_free(double nu)
   tap_ok(plane < 1e-12, "nu = %g: v_x and tau vanish on the plane of symmetry: %.1e", nu, plane);
 }
 
-/* Across the plane front, away from the corner waves: [sigma] from [v] by the jump condition;
- * across the circles continuous. */
+/* eq:exact-plane. Across the plane front, away from the corner waves: [sigma] from [v] by the jump
+ * condition; across the circles continuous. */
 static void fronts_jump(double nu)
 {
   const double lambda = nu / (1.0 - nu), e = 1e-11;
@@ -165,6 +166,7 @@ static void on_the_front(double nu)
          "nu = %g: where the front meets the face all is continuous along the face: %.1e", nu, off);
 }
 
+/* eq:exact-sum: the two faces change places. */
 static void mirror_is_exact(double nu)
 {
   unsigned seed = 11;
@@ -180,7 +182,8 @@ static void mirror_is_exact(double nu)
   tap_ok(differ == 0, "nu = %g: the same bits at -z", nu);
 }
 
-/* Rayleigh's equation in slowness, not squared. */
+/* Rayleigh's equation, not squared (eq:exact-rayleigh-cubic); infinite velocity with its sign
+ * (eq:exact-logarithm). */
 static void rayleigh_speed(double nu)
 {
   double c2, c_r;
@@ -201,7 +204,10 @@ static void rayleigh_speed(double nu)
 }
 
 /* Values by mpmath, 30 digits: Gauss-Legendre on the integrals of Cagniard in the plane of the
- * slowness. */
+ * slowness. They need every term: eq:exact-kappa, eq:exact-cagniard, eq:exact-face, eq:exact-head,
+ * eq:exact-uniform, eq:exact-periods, eq:exact-kernels, eq:exact-residue, eq:exact-theta,
+ * eq:exact-primitive, eq:exact-infinity, eq:exact-alpha, eq:exact-linear; nu = 0.26308 also
+ * eq:exact-circle. */
 static void quadrature_values(void)
 {
   static const double want[][9] = {
@@ -245,6 +251,7 @@ static void quadrature_values(void)
   }
 }
 
+/* eq:exact-linear: what is left when the large terms of both waves have gone. */
 static void corner_is_self_similar(void)
 {
   double a[5], b[5];
@@ -262,6 +269,7 @@ static void corner_is_self_similar(void)
   tap_ok(memcmp(a, b, sizeof a) == 0, "the corner at t = 0 has the values behind all fronts");
 }
 
+/* eq:exact-validity, and points outside the plate. */
 static void bad_input_is_refused(void)
 {
   ct_error error;

@@ -26,6 +26,9 @@ static void line_difference(double nu, size_t branches, double mean[5])
   }
 }
 
+/* Every factor of a mode: eq:series-boundary, eq:series-free, eq:series-dispersion,
+ * eq:series-interlace, eq:series-projection, eq:series-norm, eq:series-sum, eq:series-fields,
+ * eq:series-grid. */
 static void sum_tends_to_the_closed_form(void)
 {
   static const size_t branches[3] = {10, 50, 300};

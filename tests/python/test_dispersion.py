@@ -1,11 +1,19 @@
 """Waves of a mesh: against meshes that numpy assembles, against runs of scenes, and the arrays of the Python face."""
 
+import importlib.util
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import libcontact as ct
+
+spec = importlib.util.spec_from_file_location(
+    "chapter", Path(__file__).resolve().parents[2] / "docs" / "theory" / "dispersion.py"
+)
+chapter = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(chapter)
 
 # -- A periodic mesh, assembled here from polynomials -----------------------------------------------------------------------
 
@@ -159,6 +167,38 @@ def test_front_of_a_run(element, integrator, courant, steps):
     assert predicted.overshoot == pytest.approx(computed.overshoot, abs=1e-6)
     assert computed.overshoot > 0.1
     assert np.allclose(predicted.stress, computed.stress, rtol=0, atol=1e-6)
+
+
+# -- The row of masses of the chapter -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("courant", [0.0, 0.125, 0.8])
+def test_the_row_of_the_chapter(courant):
+    """eq:dispersion-axis, eq:dispersion-leapfrog, eq:dispersion-axis-group: as the waves of bricks along an axis."""
+    k = np.linspace(0.05, 3.1, 40)
+    omega, group = chapter.row(k, courant)
+    waves = ct.dispersion(k[:, None] * [1.0, 0.0, 0.0], courant=courant)
+    assert np.allclose(omega, waves.omega[:, 2], rtol=0, atol=1e-12)
+    assert np.allclose(group, waves.group[:, 2, 0], rtol=0, atol=1e-12)
+    consistent = ct.dispersion(k[:, None] * [1.0, 0.0, 0.0], mass="consistent").omega[:, 2]
+    assert np.allclose(chapter.row(k, consistent=True)[0], consistent, rtol=0, atol=1e-12)
+
+
+def test_the_front_of_the_row():
+    """eq:front-row-start, eq:front-row: as the sum of the waves of bricks."""
+    place = np.linspace(0.0, 62.0, 125)
+    for steps, courant in ((448, 0.125), (50, 0.8)):
+        bricks = ct.dispersion_front(steps * courant, distance=place, courant=courant).stress
+        assert np.allclose(chapter.row_front(place, steps, courant), bricks, rtol=0, atol=1e-11)
+
+
+def test_the_front_of_long_waves():
+    """eq:front-width, eq:front-airy, eq:dispersion-long: after 2000 elements the row is Airy's curve."""
+    place = np.linspace(1980.0, 2010.0, 301)
+    for steps, courant in ((4000, 0.5), (2500, 0.8)):
+        row = chapter.row_front(place, steps, courant)
+        # Terms of higher order in k shift the ripples; they fall with the cube root of the distance.
+        assert np.allclose(chapter.long_front(place, courant, 2000.0), row, rtol=0, atol=0.02)
 
 
 # -- Arrays and refusals --------------------------------------------------------------------------------------------------

@@ -195,7 +195,7 @@ def fronts(t: float, nu: float = 0.3, points: int = 91) -> dict[str, list[Floats
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     quarter = np.column_stack([np.cos(angle), np.sin(angle)])
     # The straight head wave starts at the point of the P front on the face and touches the S circle.
-    touch = np.array([c2, np.sqrt(1.0 - c2 * c2)]) * c2 * t
+    touch = np.array([c2, np.sqrt(1.0 - c2 * c2)]) * c2 * t  # (eq:plates-head)
     by_depth = {
         "circular_p": t * quarter,
         "circular_s": c2 * t * quarter,

@@ -100,6 +100,7 @@ void ct_bloch_mass(const ct_bloch *bloch, const double k[3], double M[4][4])
 {
   double r[3];
   memset(M, 0, sizeof(double) * 16);
+  // (eq:bloch-matrices)
   for (int a = 0; a < bloch->per; a++)
     for (int b = 0; b < bloch->per; b++)
       M[bloch->family[a]][bloch->family[b]] += cos(phase(bloch, k, a, b, r)) * bloch->M[a][b];
@@ -121,7 +122,7 @@ static void stiffness(const ct_bloch *bloch, const double k[3], double K[SIZE][S
     }
 }
 
-/* Slope ∂ω²/∂k of one wave (eq:group-velocity). */
+/* Slope ∂ω²/∂k of one wave. */
 static void add_slope(const ct_bloch *bloch, const double k[3], ct_bloch_wave *wave)
 {
   for (int a = 0; a < bloch->per; a++)
@@ -131,6 +132,7 @@ static void add_slope(const ct_bloch *bloch, const double k[3], ct_bloch_wave *w
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) product += u[i] * bloch->K[3 * a + i][3 * b + j] * v[j];
       product -= wave->omega2 * bloch->M[a][b] * ct_vector_dot(u, v);
+      // (eq:group-velocity)
       for (int d = 0; d < 3; d++) wave->slope[d] += minus_sine * r[d] * product;
     }
 }
@@ -163,6 +165,7 @@ static void solve(int n, double L[4][4], int transposed, double x[SIZE])
 /* Rotate the rows and columns p, q of A so that A_pq is 0, and the columns of V with them. */
 static void rotate(int n, double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int q)
 {
+  // (eq:jacobi-rotation)
   const double half = 0.5 * (A[q][q] - A[p][p]) / A[p][q];
   const double t = (half < 0.0 ? -1.0 : 1.0) / (fabs(half) + sqrt(1.0 + half * half));
   const double c = 1.0 / sqrt(1.0 + t * t), s = c * t;
@@ -178,7 +181,7 @@ static void rotate(int n, double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int
   A[p][q] = A[q][p] = 0.0;
 }
 
-/* Jacobi's method: A becomes diagonal, the columns of V its eigenvectors (eq:jacobi-rotation). */
+/* Jacobi's method: A becomes diagonal, the columns of V its eigenvectors. */
 static void diagonalize(int n, double A[SIZE][SIZE], double V[SIZE][SIZE])
 {
   for (int i = 0; i < n; i++)

@@ -55,13 +55,14 @@ static gain step_gain(const ct_integrator *integrator, double x)
 }
 
 /* The real root ρ <= 0 of the third degree that no motion has, and its derivative by x; 0 if the
- * step has no memory (eq:dispersion-memory). */
+ * step has no memory. */
 static double memory_root(const gain *g, double *slope)
 {
   const double (*B)[3] = g->B, (*d)[3] = g->d;
   *slope = 0.0;
   if (B[0][2] == 0.0) return 0.0;
   const double a = 1.0 + B[0][0], memory = B[0][2] * B[2][0];
+  // (eq:dispersion-memory)
   const double I1 = a + 1.0, I2 = a - B[0][1] * B[1][0] - memory, I3 = -memory;
   const double d1 = d[0][0], d3 = -B[0][2] * d[2][0], d2 = d1 - B[0][1] * d[1][0] + d3;
   double low = -1.0 - fmax(fabs(I1), fmax(fabs(I2), fabs(I3))), high = 0.0;
@@ -92,6 +93,7 @@ ct_clock ct_clock_of(const ct_integrator *integrator, double Omega)
   const double root = sqrt(fabs(inside));
   if (inside > 0.0) {
     const ct_complex m = 0.5 * T + root * I;
+    // Angle and damping (eq:dispersion-root), and the slope (eq:dispersion-slope)
     const ct_complex slope = (T_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m);
     return (ct_clock){atan2(root, 1.0 + 0.5 * T), -0.5 * log1p(T + D), 2.0 * Omega * cimag(slope)};
   }

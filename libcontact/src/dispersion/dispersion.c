@@ -163,7 +163,7 @@ static void displacements(const front *f, double k, double u[CT_CELL_SIZE])
 }
 
 /* The stress across the planes at element centres from displacements u sin(k s), without the factor
- * cos(k s) (eq:front-stress). */
+ * cos(k s). */
 static double centre_stress(const front *f, double k, const double u[CT_CELL_SIZE])
 {
   static const double CENTRE[3] = {0.0, 0.0, 0.0};
@@ -179,7 +179,7 @@ static double centre_stress(const front *f, double k, const double u[CT_CELL_SIZ
     volume += sine * ct_vector_dot(v, dN[a]);
     along += sine * ct_vector_dot(f->normal, v) * ct_vector_dot(f->normal, dN[a]);
   }
-  return lambda * volume + 2.0 * mu * along;
+  return lambda * volume + 2.0 * mu * along; // (eq:front-stress)
 }
 
 ct_status ct_dispersion_front(const ct_dispersion_def *def, const int32_t normal[3], double time,

@@ -73,13 +73,14 @@ static ct_complex carlson_rf(ct_complex a, ct_complex b, ct_complex c)
   return (1.0 + e2 * (-0.1 + e2 / 24.0 - 3.0 * e3 / 44.0) + e3 / 14.0) / csqrt(mean);
 }
 
-/* u - K from p, gamma1, gamma2 (eq:exact-uniform). */
+/* u - K from p, gamma1, gamma2. */
 static ct_complex torus_w(const ct_plates *e, ct_complex p, ct_complex gamma1, ct_complex gamma2)
 {
+  // (eq:exact-uniform)
   return -gamma1 * carlson_rf(e->modulus1 * p, e->modulus1, gamma2 / e->kappa);
 }
 
-/* theta1(z)/(2 q^(1/4)) and theta4(z) of nome q, given sin z (eq:exact-theta). */
+/* theta1(z)/(2 q^(1/4)) and theta4(z) of nome q, given sin z. */
 static void thetas(double q, ct_complex sine, ct_complex *theta1, ct_complex *theta4)
 {
   const double q2 = q * q, q4 = q2 * q2, q6 = q4 * q2, q8 = q4 * q4;
@@ -87,6 +88,7 @@ static void thetas(double q, ct_complex sine, ct_complex *theta1, ct_complex *th
                    c6 = c2 * (2.0 * c4 - 1.0);
   const ct_complex c8 = 2.0 * square(c4) - 1.0;
   const ct_complex d1 = 1.0 + 2.0 * c2, d2 = d1 + 2.0 * c4, d3 = d2 + 2.0 * c6;
+  // (eq:exact-theta)
   *theta1 = sine * (1.0 - q2 * d1 + q6 * d2 - q6 * q6 * d3);
   *theta4 = 1.0 - 2.0 * (q * c2 - q4 * c4 + q8 * q * c6 - q8 * q8 * c8);
 }
@@ -180,13 +182,14 @@ static void primitives(const ct_plates *e, int wave, const ct_torus *point, doub
   for (int f = 0; f < FIELDS; f++) out[f] = cimag(sum[f]) - e->origin[wave][f];
 }
 
-/* Numerators N of F dp/du = N/R (eq:exact-kernels); the pole factor 1/gamma1 of the dilatational
+/* Numerators N of F dp/du = N/R; the pole factor 1/gamma1 of the dilatational
  * wave is kept. */
 static void numerators(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2,
                        ct_complex n[WAVES][FIELDS])
 {
   const ct_complex q = p * p, a = e->epsilon + 2.0 * square(g1), g = 2.0 / e->kappa * g2 / g1;
   const double h = 2.0 / e->kappa;
+  // (eq:exact-kernels)
   n[WAVE_P][SX] = g * a * (e->epsilon + 2.0 * q);
   n[WAVE_P][SY] = g * a * a;
   n[WAVE_P][SXY] = -2.0 * h * p * g2 * a;
@@ -199,11 +202,11 @@ static void numerators(const ct_plates *e, ct_complex p, ct_complex g1, ct_compl
   n[WAVE_S][VY] = -2.0 * e->epsilon * h * q * g2;
 }
 
-/* kappa dR/du (eq:exact-residue). */
+/* kappa dR/du. */
 static ct_complex rayleigh_slope(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2)
 {
   const ct_complex q = p * p, g = g1 * g2, a = e->epsilon + 2.0 * square(g1);
-  return p * (8.0 * g * (g - a) - 4.0 * q * (g1 * g1 + g2 * g2));
+  return p * (8.0 * g * (g - a) - 4.0 * q * (g1 * g1 + g2 * g2)); // (eq:exact-residue)
 }
 
 /* Enter a pole at W = b with the weight `weight` on the numerators there. */
@@ -219,14 +222,13 @@ static void pole_add(ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2, c
     for (int f = 0; f < FIELDS; f++) a->residue[w][f] *= weight;
 }
 
-/* Speed of the Rayleigh wave over c2, squared: the root in (0, 1) of the cubic
- * (eq:exact-rayleigh-cubic). */
+/* Speed of the Rayleigh wave over c2, squared: the root in (0, 1) of the cubic. */
 static double rayleigh_root(double kappa2)
 {
   const double b = 24.0 - 16.0 / kappa2, c = 16.0 - 16.0 / kappa2;
   double low = 0.0, high = 1.0, x = 0.85;
   for (int i = 0; i < 100; i++) {
-    const double value = ((x - 8.0) * x + b) * x - c;
+    const double value = ((x - 8.0) * x + b) * x - c; // (eq:exact-rayleigh-cubic)
     if (value > 0.0) high = x;
     else low = x;
     double next = x - value / ((3.0 * x - 16.0) * x + b);
@@ -428,8 +430,8 @@ static ct_torus cagniard_point(const ct_plates *e, int wave, const ct_cagniard *
   return point;
 }
 
-/* On the face itself p is real, both waves have the same point, and the fronts are met from behind
- * (eq:exact-logarithm). */
+/* On the face itself p is real, both waves have the same point, and the fronts are met from behind.
+ */
 static void face_point(const ct_plates *e, ct_torus *point)
 {
   const double p = creal(point->p), p_r = 1.0 / e->c_r;
@@ -480,32 +482,33 @@ static void face_waves(const ct_plates *e, double x, double y, double t, double 
   out[SXY] = -out[SXY];
 }
 
-/* Why a point is outside the validity of the closed form; null when it is inside
- * (eq:exact-validity). */
+/* Why a point is outside the validity of the closed form; null when it is inside. */
 static const char *refusal(double x, double z, double t, double length)
 {
   (void)z;
+  // (eq:exact-validity)
   if (t >= 2.0) return "t >= 2: the waves of one free face have reached the other";
   if (t + x >= 2.0 * length) return "t + x >= 2 length: the waves of the far end have arrived";
   if (x > length) return "x > length lies outside the plate";
   return NULL;
 }
 
-/* v_y on the face itself at x = c_R t: infinite, with the sign of the residue (eq:exact-logarithm).
- */
+/* v_y on the face itself at x = c_R t: infinite, with the sign of the residue. */
 static double rayleigh_infinity(const ct_plates *e)
 {
   const ct_pole *a = &e->pole[0];
+  // (eq:exact-logarithm)
   return cimag(a->residue[WAVE_P][VY] + a->residue[WAVE_S][VY]) > 0.0 ? -INFINITY : INFINITY;
 }
 
-/* Sum of the plane wave and of the waves of both faces (eq:exact-sum). */
+/* Sum of the plane wave and of the waves of both faces. */
 static void plates_point(const ct_plates *e, double x, double z, double t, double out[FIELDS])
 {
   double upper[FIELDS], lower[FIELDS];
   face_waves(e, x, 1.0 - z, t, upper);
   face_waves(e, x, 1.0 + z, t, lower);
   const int behind = x <= t;
+  // The plane wave (eq:exact-plane) and the faces (eq:exact-sum)
   out[SX] = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
   out[SY] = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
   out[SXY] = lower[SXY] - upper[SXY];

@@ -55,7 +55,7 @@ static ct_trig trig(double square)
   return (ct_trig){even, -r * odd, odd / r, unit};
 }
 
-/* The Rayleigh-Lamb function of omega (eq:series-dispersion), divided by the exponentials of
+/* The Rayleigh-Lamb function of omega, divided by the exponentials of
  * `trig`. */
 typedef struct ct_dispersion {
   double kappa2, xi;
@@ -68,7 +68,7 @@ static double dispersion(double omega, void *parameters)
                beta2 = d->kappa2 * omega * omega - xi2;
   const ct_trig a = trig(alpha2), b = trig(beta2);
   const double e = beta2 - xi2;
-  return e * e * a.c * b.sinc + 4.0 * xi2 * a.s * b.c;
+  return e * e * a.c * b.sinc + 4.0 * xi2 * a.s * b.c; // (eq:series-dispersion)
 }
 
 /* The root in [low, high], which holds exactly one. */
@@ -96,10 +96,10 @@ static double sine_energy(double beta2, const ct_trig *t)
   return series * t->unit;
 }
 
-/* The mode at (xi, omega) with its projection on the initial velocity (eq:series-projection). */
+/* The mode at (xi, omega) with its projection on the initial velocity. */
 static ct_mode mode_at(const ct_series *s, double xi, double omega, double weight, double *size)
 {
-  // -- Amplitudes from the free face (eq:series-boundary)
+  // -- Amplitudes from the free face (eq:series-free)
   ct_mode m = {xi,  omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi,
                0.0, 0.0};
   const ct_trig ta = trig(m.alpha2), tb = trig(m.beta2);
@@ -108,7 +108,7 @@ static ct_mode mode_at(const ct_series *s, double xi, double omega, double weigh
   const int first = fabs(xi * a1) + fabs(b1) > fabs(xi * a2) + fabs(b2);
   m.a = first ? a1 : a2;
   m.b = first ? b1 : b2;
-  // -- Mean of u_x and kinetic energy (eq:series-norm)
+  // -- Mean of u_x and kinetic energy (eq:series-projection, eq:series-norm)
   const double mean = -(xi * m.a * ta.sinc + m.b * tb.sinc);
   const double energy =
       0.5 * m.a * m.a *
@@ -176,10 +176,11 @@ static ct_status wave_number(ct_series *s, const ct_branches *how, double xi, do
 }
 
 /* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to
- * 4000 (eq:series-grid). */
+ * 4000. */
 static ct_status tabulate(ct_series *s, size_t branches, const ct_branches *how,
                           const gsl_integration_glfixed_table *rule)
 {
+  // (eq:series-grid)
   const double all = 60.0 + 3.0 * PI * (double)branches / sqrt(s->kappa2 - 1.0),
                end = fmax(4000.0, all);
   for (size_t panel = 0; (double)panel * how->width < end; panel++) {
@@ -314,7 +315,7 @@ static void wave_factors(const ct_mode_block *m, double x, double t, ct_wave_fac
   }
 }
 
-/* Add a block of modes at height z >= 0 (eq:series-fields). */
+/* Add a block of modes at height z >= 0. */
 CT_CLONES
 static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double epsilon, double z,
                       double field[5])
@@ -330,7 +331,7 @@ static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double e
     const double u = -(xi * a * ca[i] + b * cb[i]), w = xi * b * sinc - a * sa[i];
     const double divergence = -m->omega[i] * m->omega[i] * a * ca[i];
     const double w_z = xi * b * cb[i] - m->alpha2[i] * a * ca[i], u_z = xi * a * sa[i] + b * sb[i];
-    // -- Hooke's law and velocity
+    // -- Hooke's law and velocity (eq:series-fields)
     sum[0] += (divergence + 2.0 / epsilon * xi * u) * f->cos_sin[i];
     sum[1] += (divergence + 2.0 / epsilon * w_z) * f->cos_sin[i];
     sum[2] += (u_z - xi * w) / epsilon * f->sin_sin[i];
