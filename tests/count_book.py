@@ -4,7 +4,7 @@ Words are those of the prose: directives, listings, displayed formulas and their
 A figure is a ``drawn``, ``figure`` or ``image`` directive. A labelled equation is a definition or a step if its class says so. Any
 other is computed if a listing of its own page names it (``eq:label``), and open if none does. "Own line" counts the listings that
 name an equation of their page. A forward reference is a link to a chapter or to an equation that comes later in the order of the
-contents, and does not stand in a box "Later".
+contents, and does not stand in a box "Later"; pages of contents have none.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def measure(root: Path) -> dict[str, dict[str, int]]:
             else:
                 there = (Path(page).parent / target).as_posix()
             chapter = there.split("/")[0] in FOLDERS
-            ahead += chapter and place.get(there, -1) > place[page]
+            ahead += chapter and not page.endswith("/index") and place.get(there, -1) > place[page]
         counts[page] = {
             "words": words(prose),
             "figures": sum(part[0] in ("drawn", "figure", "image") for part in parts),

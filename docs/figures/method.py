@@ -236,32 +236,6 @@ def ledger():
     return figure
 
 
-def fronts():
-    """Fig. 3 of the paper: the fronts of the exact solution at three times."""
-    figure = Figure(figsize=(7.5, 2.9))
-    names = {
-        "plane_p": ("plane P", "#3b8bd4"),
-        "circular_p": ("P from the edge", "#e8762b"),
-        "circular_s": ("S", "#3fa34d"),
-        "head": ("head wave", "#9b6fd0"),
-        "rayleigh": ("Rayleigh", "#d64550"),
-    }
-    for ax, t in zip(figure.subplots(1, 3, sharey=True), (0.28, 0.56, 0.84)):
-        for name, curves in ct.exact.fronts(t).items():
-            label, colour = names[name]
-            for i, curve in enumerate(curves):
-                style = "o" if len(curve) == 1 else "-"
-                ax.plot(
-                    *curve.T, style, color=colour, ms=5, lw=1.4, label=label if i == 0 else None
-                )
-        ax.set(title=f"c₁t/d = {t}", xlabel="x / d", xlim=(0, 1), ylim=(0, 1), aspect="equal")
-        ax.grid(False)
-    figure.axes[0].set_ylabel("z / d")
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
-    return figure
-
-
 LOWER = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1]], dtype=float)
 UPPER = LOWER * [1, 1, -1]
 

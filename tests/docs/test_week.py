@@ -26,6 +26,7 @@ def test_a_program_prints_what_the_page_shows(name):
 
 
 def test_small_steps_follow_the_sine():
+    """eq:week-leapfrog, eq:week-penalty, against eq:week-by-hand."""
     dt = 1e-4
     gaps, velocities = wall.bounce(100.0, dt, gap=0.2)
     t = dt * np.arange(len(gaps)) - 0.2
@@ -35,6 +36,7 @@ def test_small_steps_follow_the_sine():
 
 
 def test_the_ramp_never_gains_and_the_penalty_does():
+    """eq:week-ramp and eq:week-penalty."""
     rng = np.random.default_rng(5)
     for step in rng.uniform(0.01, 6.0, 40):
         assert wall.rebound(step, controlled=True, samples=20).max() <= 1 + 1e-12
@@ -44,6 +46,7 @@ def test_the_ramp_never_gains_and_the_penalty_does():
 
 
 def test_the_longest_step_is_exact_in_a_bar():
+    """eq:week-element, eq:week-courant, against eq:week-impact-stress."""
     times, stresses, forces, _ = bar.impact(penalty=1e12, travel=1.9)
     assert np.abs(forces[1:] - 1).max() < 1e-9
     x = np.delete(np.arange(201), 100)
@@ -55,6 +58,7 @@ def test_the_longest_step_is_exact_in_a_bar():
 
 
 def test_the_bars_contact_adds_no_energy():
+    """eq:week-two: with another W the work does not balance."""
     rng = np.random.default_rng(7)
     for _ in range(6):
         courant, penalty = rng.uniform(0.1, 0.98), 10 ** rng.uniform(1, 6)
@@ -81,6 +85,7 @@ def test_the_plain_penalty_shortens_the_step():
 )
 @pytest.mark.parametrize("cells", [20, 35])
 def test_the_readers_plates_are_the_librarys(scene, wall, agree, cells):
+    """eq:week-hooke, eq:week-b, eq:week-potential: stresses of another program."""
     data = ct.Scene.load(ct.example(scene)).data
     for body in data["body"]:
         body["box"]["cells"], body["box"]["size"][1] = [cells, 1, cells], plates.D / cells
@@ -90,3 +95,15 @@ def test_the_readers_plates_are_the_librarys(scene, wall, agree, cells):
     own = plates.centre_stress(plates.impact(cells, wall=wall)[1], cells)
     off = own - theirs * plates.C1 / (plates.LAMBDA * plates.SPEED)
     assert np.abs(off).max() < agree
+
+
+def test_the_ramp_is_the_spring_at_the_mean_gap():
+    """eq:week-ramp: with the gap that the force leads to, it is half the spring's force at both gaps, eq:week-mean."""
+    for free, before, W, k in (
+        (-0.3, -0.1, 0.2, 7.0),
+        (-0.2, 0.4, 0.5, 3.0),
+        (0.1, -0.05, 0.1, 9.0),
+    ):
+        force = wall.ramp(free, before, W, k)
+        after = free + W * force
+        assert force == pytest.approx(0.5 * k * max(0.0, -after - min(before, 0.0)), rel=1e-13)
