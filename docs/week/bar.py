@@ -7,20 +7,17 @@ from wall import ramp
 def impact(elements=100, courant=1.0, travel=3.0, penalty=1e3, controlled=True):
     """Equal bars of length, stiffness, density and speed 1. Times, stresses of all elements, contact forces."""
     h = 1.0 / elements
-    dt, last, first = (
-        courant * h,
-        elements,
-        elements + 1,
-    )  # last node of the left bar, first of the right
+    dt = courant * h  # (eq:week-courant)
+    last, first = elements, elements + 1  # last node of the left bar, first of the right
     mass = np.full(2 * elements + 2, h)
     mass[[0, last, first, -1]] = h / 2.0
     u, v = np.zeros_like(mass), np.repeat([1.0, -1.0], elements + 1)
-    W = dt**2 * (1.0 / mass[last] + 1.0 / mass[first])
+    W = dt**2 * (1.0 / mass[last] + 1.0 / mass[first])  # (eq:week-two)
     before, times, stresses, forces = 0.0, [], [], []
     for n in range(round(travel / dt)):
         stress = np.diff(u) / h
         stress[last] = 0.0  # between the bars there is no element
-        force = np.diff(stress, prepend=0.0, append=0.0)
+        force = np.diff(stress, prepend=0.0, append=0.0)  # (eq:week-element)
         free = u + dt * (v + dt * force / mass)
         gap, gap_free = u[first] - u[last], free[first] - free[last]
         if controlled:

@@ -12,13 +12,14 @@ CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 def strain_matrix(xi, eta, h):
     """B of a square of edge h: strains (xx, zz, 2xz) = B u, u = (ux, uz) of each corner."""
-    slope = CORNERS * (1 + CORNERS[:, ::-1] * (eta, xi)) / (2 * h)
+    slope = CORNERS * (1 + CORNERS[:, ::-1] * (eta, xi)) / (2 * h)  # (eq:week-b)
     B = np.zeros((3, 8))
     B[0, 0::2] = B[2, 1::2] = slope[:, 0]
     B[1, 1::2] = B[2, 0::2] = slope[:, 1]
     return B
 
 
+# Hooke's law (eq:week-hooke)
 ELASTIC = np.array([[LAMBDA + 2 * MU, LAMBDA, 0], [LAMBDA, LAMBDA + 2 * MU, 0], [0, 0, MU]])
 
 

@@ -5,7 +5,7 @@ import numpy as np
 
 def ramp(gap_free, gap_before, W, penalty):
     """Contact force, from the gap without it and the gap one step before."""
-    return max(0.0, -gap_free - min(gap_before, 0.0)) / (2.0 / penalty + W)
+    return max(0.0, -gap_free - min(gap_before, 0.0)) / (2.0 / penalty + W)  # (eq:week-ramp)
 
 
 def bounce(penalty, dt, gap=1.0, controlled=False):
@@ -16,7 +16,8 @@ def bounce(penalty, dt, gap=1.0, controlled=False):
         if controlled:
             force = ramp(free, gaps[-2], dt * dt, penalty)
         else:
-            force = penalty * max(0.0, -gaps[-1])
+            force = penalty * max(0.0, -gaps[-1])  # (eq:week-penalty)
+        # The leapfrog (eq:week-leapfrog)
         velocities.append(velocities[-1] + dt * force)
         gaps.append(gaps[-1] + dt * velocities[-1])
         if len(gaps) > 10_000:
