@@ -2,6 +2,7 @@
 #include "../../libcontact/src/effect/amplitude.h"
 #include "bodies.h"
 
+/* Before, on and after its points, and at a jump (eq:amplitude). */
 int main(void)
 {
   static const double time[5] = {0.0, 1.0, 1.0, 3.0, 4.0}, value[5] = {0.0, 2.0, 5.0, 5.0, -1.0};

@@ -10,7 +10,7 @@ static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity,
 }
 
 /* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion
- * is constant. */
+ * is constant (eq:gravity-force, eq:gravity-potential). */
 static void free_fall(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);

@@ -51,7 +51,8 @@ static double *force_at(const loaded *l, const double *u)
   return force;
 }
 
-/* The resultant is traction times area, less pressure times area along the normal. */
+/* The resultant is traction times area, less pressure times area along the normal
+ * (eq:load-force). */
 static void resultants(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 3, 2, 5, 2, 3, 4);
@@ -75,7 +76,7 @@ static void resultants(ct_brick_kind kind, const char *name)
 }
 
 /* A pressure that follows, all around a body: no force and no moment, however the body is deformed;
- * and the bound of its stiffness is one. */
+ * and the bound of its stiffness is one (eq:load-force, eq:load-bound). */
 static void closed_surface(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 1, 1, 1, 2, 2, 2);

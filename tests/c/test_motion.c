@@ -17,7 +17,8 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps, NULL);
 }
 
-/* A distorted block whose base goes there, waits and comes back, while the rest flies. */
+/* A distorted block whose base goes there, waits and comes back, while the rest flies
+ * (eq:motion-velocity, eq:motion-force). */
 static void there_and_back(ct_brick_kind kind)
 {
   static const double time[4] = {0.0, 0.3, 0.5, 0.9}, value[4] = {0.0, 1.0, 1.0, -0.5};
@@ -83,8 +84,8 @@ static void there_and_back(ct_brick_kind kind)
   close_run(other, scene, m);
 }
 
-/* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration.
- */
+/* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration
+ * (eq:motion-force). */
 static void inertia(void)
 {
   enum { POINTS = 400 };

@@ -3,7 +3,8 @@
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
 
-/* A distorted block whose base moves at a constant velocity while the rest has another one. */
+/* A distorted block whose base moves at a constant velocity while the rest has another one
+ * (eq:support-mass, eq:reaction). */
 static void moving_base(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 2, 2, 2, 4);

@@ -36,6 +36,7 @@ static void face_force(const ct_facets *facets, const ct_face *face, const doubl
 {
   double area[25][3], J[25], terms[25];
   ct_facets_areas(facets, face, area, J);
+  // -- Integrate N_a (t J - p y,1 x y,2) over the face (eq:load-force)
   for (int a = 0; a < facets->per; a++)
     for (int c = 0; c < 3; c++) {
       for (int q = 0; q < facets->rule.count; q++)
@@ -86,6 +87,7 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
   if (!load->given.following || load->given.pressure == 0.0) return CT_OK;
   for (int32_t i = 0; i < load->given.amplitude.count; i++)
     largest = fmax(largest, fabs(load->given.amplitude.value[i]));
+  // -- Rows of |∂f/∂u| of each face (eq:load-bound)
   for (int32_t f = 0; f < facets->face_count; f++) {
     ct_face face;
     double *row = &values[(int64_t)f * facets->per];
@@ -101,6 +103,7 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
         row[a] += facets->rule.weight[q] * fabs(facets->N[q][a]) * change;
     }
   }
+  // -- The largest row over its mass
   for (int32_t i = 0; i < facets->node_count; i++) {
     double sum = 0.0;
     for (int32_t k = facets->incidence.first[i]; k < facets->incidence.first[i + 1]; k++)

@@ -16,7 +16,7 @@ static double force_to(double target, double u, double v, double carried, double
   // While the start is made nothing has been prescribed yet: the node keeps its velocity.
   if (view->dt == 0.0) return -others;
   // -- r = m (v_{n+1/2} - v_{n-1/2}) / Δt - Σ f with v_{n+1/2} = (s(t_{n+1}) - u_n) / Δt
-  // (eq:motion-force, eq:stage-motion)
+  // (eq:motion-velocity, eq:motion-force, eq:stage-motion)
   return mass * (((target - u) / view->dt - v - carried) / view->r_dt) - others;
 }
 

@@ -53,6 +53,8 @@ ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double
       int32_t holder = held->holder[3 * (int64_t)i + c];
       if (holder == 0) continue;
       int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+      // -- No force moves the component, and it starts with the velocity of its support
+      // (eq:support-mass)
       inverse_mass[dof] = 0.0;
       velocity[dof] = held->motions[holder - 1].displacement[c];
     }

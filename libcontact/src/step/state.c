@@ -478,6 +478,7 @@ void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int
   const double *total = &w->total[3 * (int64_t)node], *own = total;
   if (problem->effects[k]->phase == CT_PHASE_REACTION) {
     const double *inverse_mass = &problem->inverse_mass[3 * (int64_t)node];
+    // -- What a support holds is in balance with all other forces (eq:reaction)
     for (int c = 0; c < 3; c++) force[c] = inverse_mass[c] == 0.0 ? -total[c] : 0.0;
     return;
   }

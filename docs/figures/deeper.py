@@ -1,0 +1,307 @@
+"""Pictures of the chapters on integrators, masses, loads, supports, dashpots, large strain and reduced integration."""
+
+import warnings
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import libcontact as ct
+
+BLUE, ORANGE, GREEN, RED, VIOLET, GREY = (
+    "#3b8bd4",
+    "#e8762b",
+    "#3fa34d",
+    "#d64550",
+    "#9b6fd0",
+    "#8a8a8a",
+)
+
+
+def scene_of(young=1.0, poisson=0.0, density=1.0, **law):
+    """A scene with one material, "elastic", and no body yet."""
+    scene = ct.Scene(title="picture", units={"length": "m", "mass": "kg", "time": "s"})
+    return scene.add_material("elastic", young=young, poisson=poisson, density=density, **law)
+
+
+def bar(scene, cells=100, length=1.0, sides=True, **keys):
+    """A bar along x of cubes, one across; its sides are held, so that it is a row of masses and springs."""
+    edge = length / cells
+    box = {"origin": [0, 0, 0], "size": [length, edge, edge], "cells": [cells, 1, 1]}
+    scene.add_body("bar", material="elastic", box=box, **keys)
+    for face in ("y_min", "y_max", "z_min", "z_max") if sides else ():
+        scene.add_support(f"bar.{face}", fix="yz")
+    return scene
+
+
+def done(scene):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that ω Δt near the limit is a coarse step, and the like
+        return scene.run(progress=False, output=False)
+
+
+# -- Integrators -----------------------------------------------------------------------------------
+
+SCHEMES = {
+    "central_difference": ("central difference", 2.0),
+    "chung_lee": ("Chung, Lee", 28 / 27),
+    "noh_bathe": ("Noh, Bathe", 0.54),
+    "tchamwa_wielgosz": ("Tchamwa, Wielgosz", 0.9),
+    "pushforward_pullback": ("pushforward, pullback", 0.7),
+}
+
+
+def stretch(view):
+    """Forces that pull the two ends of a free cube apart at t = 0 and never again."""
+    force = np.zeros_like(view.reference)
+    if view.time == 0.0:
+        force[:, 0] = 1e-6 * (view.reference[:, 0] - 0.5)
+    return force
+
+
+def free_cube(integrator, fraction, softer=1.0, steps=40):
+    """
+    The stretch of a free cube over its steps, and Ω = ω Δt. With E = ρ = h = 1 the motion has ω = 2. A second cube, of this stiffness and at rest, sets the
+    stable step; the first one may be softer.
+    """
+    scene = bar(scene_of(young=softer), cells=1)
+    scene.add_material("stiff", young=1.0, poisson=0.0, density=1.0)
+    box = {"origin": [3, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}
+    scene.add_body("clock", material="stiff", box=box)
+    scene.add_effect("kick", "bar", np.arange(8), stretch)
+    scene.add_probe("end", body="bar", point=[1, 0, 0], quantities=["displacement"])
+    scene.set_time(end=1.0, fraction=fraction, integrator=integrator)
+    dt = fraction * scene.explain().data["time"]["stable"]
+    scene.set_time(end=steps * dt, dt=dt, integrator=integrator, energy_limit=1e9)
+    run = done(scene)
+    return run.probes["end"]["displacement"][:, 0], 2 * np.sqrt(softer) * run.dt
+
+
+def found_roots(u, count):
+    """Factors of the motion per step, from the recurrence u_{n+count} = Σ c_i u_{n+i} that the steps obey."""
+    rows = np.stack([u[i : len(u) - count + i] for i in range(count)], axis=1)
+    c = np.linalg.lstsq(rows, u[count:], rcond=1e-11)[0]
+    return np.roots(np.concatenate([[1.0], -c[::-1]]))
+
+
+def amplification(integrator, omega, push=None):
+    """The matrix of one step for (u, Δt v, Δt² a of the evaluation before), eq:stage with a = -ω² u."""
+    _, parameter = SCHEMES[integrator]
+    stages = [(1.0, 1.0, 1.0, 0.0)]  # τ, c, r, l
+    if integrator == "chung_lee":
+        stages = [(1.0, 1.0, parameter, 1 - parameter)]
+    elif integrator == "tchamwa_wielgosz":
+        stages = [(1.0, 1.0, 2 / (1 + parameter), 0.0)]
+    elif integrator == "noh_bathe":
+        p, s = parameter, 1 - parameter
+        stages = [(p, 1 - s / (2 * p), p, 0.0), (s, s / (2 * p), 0.5, -(2 * p - 1) * s / (2 * p))]
+    step, x = np.eye(3), omega**2
+    for tau, c, r, carried in stages:
+        step = [[1 - tau * r * x, tau, tau * carried], [-c * x, 1, 0], [-x, 0, 0]] @ step
+    if integrator == "pushforward_pullback":
+        mu = parameter / 6 * (push**2 - 1)
+        step = np.zeros((3, 3))
+        step[:2, :2] = [[1 - x - mu * (1 + push) * x**2 / 2, 1 + mu * x], [-x, 1]]
+    return step
+
+
+def principal(roots):
+    """The root that belongs to the oscillation: the largest of those with an angle, or of all."""
+    turning = roots[np.abs(roots.imag) > 1e-9]
+    return max(turning if len(turning) else roots, key=abs)
+
+
+def radii():
+    """Spectral radius and error of the period: eigenvalues of the amplification matrix, and those found from runs of the library."""
+    figure = Figure(figsize=(7.5, 3.8))
+    radius, period = figure.subplots(1, 2)
+    colours = (GREY, BLUE, ORANGE, GREEN, VIOLET)
+    limits = (2.0, 1.867, 3.745, 1.902, 1.0)
+    for (name, (label, _)), colour, limit in zip(SCHEMES.items(), colours, limits, strict=True):
+        two = 2.0 if name == "noh_bathe" else 1.0  # two evaluations of the forces in a step
+        push = 2.0 if name == "pushforward_pullback" else None
+        omega = np.linspace(0.02, limit, 300)
+        roots = [np.linalg.eigvals(amplification(name, w, push)) for w in omega]
+        largest = np.array([np.abs(r).max() for r in roots])
+        radius.plot(omega / two, largest, color=colour, label=label)
+        angle = np.array([abs(np.angle(principal(r))) for r in roots])
+        turns = np.flatnonzero(np.diff(angle) <= 1e-9)
+        end = turns[0] if len(turns) else len(omega)
+        period.plot(
+            omega[:end] / two, 100 * (omega[:end] / angle[:end] - 1), color=colour, lw=1.4
+        )
+        for part in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
+            # The push is twice the step at half of the stable step.
+            u, found = free_cube(name, 0.5, part**2) if push else free_cube(name, part)
+            root = found_roots(u[2:], 3 if name == "chung_lee" else 2)  # after the pull
+            radius.plot(found / two, np.abs(root).max(), "o", color=colour, ms=4)
+            if found < omega[end - 1]:
+                error = 100 * (found / abs(np.angle(principal(root))) - 1)
+                period.plot(found / two, error, "o", color=colour, ms=4)
+    radius.set(
+        xlabel="ω Δt per evaluation", ylabel="spectral radius", xlim=(0, 2.05), ylim=(0.3, 1.03)
+    )
+    period.set(
+        xlabel="ω Δt per evaluation", ylabel="error of the period, %", xlim=(0, 2.05), ylim=(-36, 8)
+    )
+    period.axhline(0, color="black", lw=0.8)
+    figure.legend(*radius.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+def steps_of_front():
+    """The front of a step of stress after 56 elements, with each integrator at half of its stable step."""
+    figure = Figure(figsize=(7.5, 5.2))
+    axes = figure.subplots(5, 1, sharex=True, sharey=True)
+    colours = (GREY, BLUE, ORANGE, GREEN, VIOLET)
+    for ax, (name, (label, _)), colour in zip(axes, SCHEMES.items(), colours, strict=True):
+        scene = bar(scene_of(), cells=100, length=100.0, velocity=[-1, 0, 0])
+        scene.add_support("bar.x_min", fix="x")
+        body = done(scene.set_time(end=56.0, fraction=0.5, integrator=name)).state["bar"]
+        order = np.argsort(body.centres[:, 0])
+        ax.plot([0, 56, 56, 80], [1, 1, 0, 0], color="black", lw=0.8)
+        ax.plot(body.centres[order, 0], -body.stress[order, 0], ".-", ms=4, lw=1, color=colour)
+        ax.set_title(label, loc="left", fontsize=9)
+        ax.set(xlim=(10, 70), ylim=(-0.25, 1.4))
+    figure.supylabel("stress over the exact one", fontsize=10)
+    axes[-1].set_xlabel("distance from the wall, elements")
+    return figure
+
+
+# -- Loads, supports, weight -----------------------------------------------------------------------
+
+AMPLITUDES = {
+    "step": ([0.0], [1.0]),
+    "ramp": ([0.0, 1.0], [0.0, 1.0]),
+    "pulse": ([0.0, 0.5, 1.0], [0.0, 1.0, 0.0]),
+    "jump": ([1.0, 1.0], [0.0, 1.0]),
+}
+
+
+def amplitudes():
+    """Four amplitudes of a load at the end of a long bar, and the velocity of this end in runs of the library."""
+    figure = Figure(figsize=(7.5, 3.6))
+    axes = figure.subplots(2, 4, sharex=True, sharey="row")
+    t = np.linspace(-0.5, 2, 501)
+    for column, (name, (time, value)) in enumerate(AMPLITUDES.items()):
+        axes[0, column].plot(t, np.interp(t, time, value) if name != "jump" else 1.0 * (t >= 1))
+        axes[0, column].plot(time, value, "o", ms=5)
+        axes[0, column].set_title(name)
+        scene = bar(scene_of(), cells=150, length=3.0)
+        scene.add(
+            "load",
+            surface="bar.x_max",
+            traction=[1.0, 0, 0],
+            history={"time": time, "value": value},
+        )
+        scene.add_probe("end", body="bar", point=[3, 0, 0], quantities=["velocity"])
+        run = done(scene.set_time(end=2.0, fraction=0.9))
+        axes[1, column].plot(
+            run.probes["end"]["time"], run.probes["end"]["velocity"][:, 0], color=ORANGE, lw=1.2
+        )
+        axes[1, column].set_xlabel("time")
+    axes[0, 0].set(ylabel="amplitude h", ylim=(-0.1, 1.3), xlim=(-0.5, 2))
+    axes[1, 0].set(ylabel="velocity of the end", ylim=(-0.2, 1.5))
+    return figure
+
+
+def nodal_forces():
+    """Share of the nodes in a uniform traction on the two faces of bricks, from the library: masses times first accelerations."""
+    figure = Figure(figsize=(7.5, 2.9))
+    for ax, element in zip(figure.subplots(1, 2), ("hex8", "hex20"), strict=True):
+        scene = scene_of()
+        box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}
+        scene.add_body("cube", material="elastic", element=element, box=box)
+        scene.add("load", surface="cube.z_max", traction=[0, 0, 1.0])
+        run = done(scene.set_time(end=1e-3, dt=1e-3))
+        body = run.state["cube"]
+        place = body.mesh.nodes
+        corners = np.isin(place, (0.0, 1.0)).all(axis=1)
+        mass = np.full(len(place), 1 / 8)
+        if element == "hex20":
+            mass = np.where(corners, 7 / 248, 2 / 31)
+        # From rest, one step gives the velocity f Δt / m half a step later.
+        force = mass * body.displacement[:, 2] / (0.5 * run.dt**2)
+        top = np.flatnonzero(np.abs(place[:, 2] - 1) < 1e-9)
+        ax.fill([0, 1, 1, 0], [0, 0, 1, 1], color=GREY, alpha=0.15)
+        for n in top:
+            up = force[n] > 0
+            colour = BLUE if up else RED
+            ax.plot(*place[n, :2], "o", ms=6, color=colour)
+            inwards = np.array([0.34, 0.2]) * (np.array([0.5, 0.5]) - place[n, :2])
+            ax.text(*(place[n, :2] + inwards), f"{force[n]:+.3f}", ha="center", va="center")
+        ax.set(title={"hex8": "Q4", "hex20": "Q8"}[element], aspect="equal")
+        ax.set(xlim=(-0.1, 1.1), ylim=(-0.1, 1.1))
+        ax.set_axis_off()
+    return figure
+
+
+def fall():
+    """A stone thrown up: twelve long steps on the parabola, and its energies."""
+    scene = scene_of(young=100.0)
+    box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}
+    scene.add_body("stone", material="elastic", box=box, velocity=[0, 0, 5])
+    scene.add("gravity", acceleration=[0, 0, -10])
+    scene.add_probe("stone", body="stone", point=[0, 0, 0], quantities=["displacement"])
+    run = done(scene.set_time(end=1.0, dt=1 / 12).set_output(every=1))
+    figure = Figure(figsize=(7.5, 3.0))
+    height, energy = figure.subplots(1, 2)
+    t = np.linspace(0, 1, 201)
+    height.plot(t, 5 * t - 5 * t**2, color="black", lw=1, label="v₀t − ½gt²")
+    height.plot(run.probes["stone"]["time"], run.probes["stone"]["displacement"][:, 2], "o")
+    height.set(xlabel="time", ylabel="height")
+    height.legend()
+    for name, colour in (("kinetic", BLUE), ("gravity", ORANGE), ("total", "black")):
+        energy.plot(run.energy["time"], run.energy[name], ".-", color=colour, label=name, lw=1)
+    energy.axhline(12.5, color=GREY, lw=1, ls="--", label="½mv₀²")
+    energy.set(xlabel="time", ylabel="energy")
+    energy.legend()
+    return figure
+
+
+def reaction():
+    """The force of a rigid wall on a bar that flies against it, over ρ c v₀ A, and the impulse of the support."""
+    scene = bar(scene_of(), cells=100, velocity=[-1, 0, 0])
+    scene.add_support("bar.x_min", fix="x")
+    scene.add_probe("wall", resultant="support[4]", body="bar", quantities=["force"])
+    run = done(scene.set_time(end=1.8, fraction=0.5))
+    figure = Figure(figsize=(7.5, 2.9))
+    force, impulse = figure.subplots(1, 2)
+    t, f = run.probes["wall"]["time"], run.probes["wall"]["force"][:, 0] / 1e-4
+    force.plot(t, f, lw=1)
+    force.plot([0, 1.8], [1, 1], color="black", lw=1)
+    force.set(xlabel="time c t / L", ylabel="reaction / ρ c v₀ A", ylim=(-0.1, 1.7))
+    impulse.plot(t, np.cumsum(f) * run.dt)
+    impulse.plot([0, 1.8], [0, 1.8], color="black", lw=1)
+    impulse.set(xlabel="time c t / L", ylabel="its impulse / ρ A L v₀")
+    return figure
+
+
+def pushed(time, value):
+    """A long bar whose end follows a path: displacement and force of the end."""
+    scene = bar(scene_of(), cells=100, length=2.0)
+    history = {"time": time, "value": value}
+    scene.add_support("bar.x_min", fix="x", travel=[0.1, 0, 0], history=history)
+    scene.add_probe("end", body="bar", point=[0, 0, 0], quantities=["displacement"])
+    scene.add_probe("force", resultant="support[4]", body="bar", quantities=["force"])
+    run = done(scene.set_time(end=1.8, fraction=0.7))
+    end, force = run.probes["end"], run.probes["force"]
+    return end["time"], end["displacement"][:, 0], force["time"], force["force"][:, 0] / 4e-4
+
+
+def paths():
+    """Two paths of the end of a bar, with straight lines and rounded, and the forces that they take."""
+    figure = Figure(figsize=(7.5, 3.4))
+    place, force = figure.subplots(2, 1, sharex=True)
+    t = np.linspace(0, 1, 81)
+    smooth = (t - np.sin(2 * np.pi * t) / (2 * np.pi)).tolist()
+    for label, time, value, colour in (
+        ("straight", [0.0, 1.0], [0.0, 1.0], ORANGE),
+        ("rounded", t.tolist(), smooth, BLUE),
+    ):
+        when, u, then, f = pushed(time, value)
+        place.plot(when, u, color=colour, label=label)
+        force.plot(then, f, color=colour, lw=1.2)
+    place.set(ylabel="displacement")
+    place.legend()
+    force.set(xlabel="time", ylabel="force / ρ c² A", ylim=(-0.15, 0.35))
+    return figure
