@@ -3,7 +3,8 @@
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};
 
-/* Each step takes the share alpha dt of the velocity: (1 - alpha dt)^n, near exp(-alpha t). */
+/* Each step takes the share alpha dt of the velocity: (1 - alpha dt)^n, near exp(-alpha t) (eq:damping-force,
+ * eq:damping-decay). */
 static void decay(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
@@ -47,6 +48,84 @@ static void decay(void)
          "a negative rate: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
+}
+
+/* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes as a loop
+ * written here says: the same rates and the same motion (eq:relaxation-rate, eq:relaxation-force). */
+static void relaxation_by_hand(void)
+{
+  static const ct_material bar = {.young = 9.0, .poisson = 0.0, .density = 2.0};
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_scene *scene = new_scene();
+  int32_t body = add_body(scene, "cube", mesh, &bar, CT_KERNEL_AUTO, 0.1, 0, 0);
+  add_support(scene, body, mesh, 0, 0.0, "xyz", 0.0);
+  ct_damping_def damping = {COOKIE, .relaxation = 1};
+  add_made(scene, ct_damping_create_effect, &damping);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.1, .threads = 1}, NULL, NULL);
+  ct_state *state = new_state(problem);
+  double k = 9.0, m = 1.0, dt = problem->dt, u = 0.0, v = 0.1, rate = 0.0, off = 0.0;
+  double u0 = 0.0, f0 = 0.0, age = 0.0;
+  for (int n = 1; n <= 80; n++) {
+    double f = -k * u;
+    if (age == 0.0 || 0.5 * rate * dt * age >= 1.0 || rate == 0.0) {
+      double square = -(u - u0) * (f - f0) / ((u - u0) * m * (u - u0));
+      if (age > 0.0 && square > 0.0) rate = 2.0 * sqrt(square);
+      u0 = u, f0 = f, age = 0.0;
+    }
+    age += 1.0;
+    double a = 0.5 * rate * dt;
+    v = ((1.0 - a) * v + dt * f / m) / (1.0 + a);
+    u += dt * v;
+    advance(problem, state, 1);
+    off = worst(off, state->displacement[3 * (mesh->node_count - 1)] - u);
+  }
+  tap_close(rate, 2.0 * 3.0, 1e-12, "one oscillator: the rate is twice its frequency");
+  tap_close(off, 0.0, 1e-14, "and its motion is that of a loop by hand");
+  close_run(state, scene, mesh);
+}
+
+/* The residual of a bar that swings, from forces and velocities: the larger of two ratios
+ * (eq:residual). */
+static void residual_by_hand(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 4, 1, 1, 4, 1, 1);
+  ct_scene *scene = new_scene();
+  int32_t body = add_body(scene, "bar", mesh, &SOFT, CT_KERNEL_AUTO, 0.3, 0, 0);
+  add_support(scene, body, mesh, 0, 0.0, "xyz", 0.0);
+  ct_gravity_def gravity = {COOKIE, .acceleration = {20, 0, 0}};
+  add_made(scene, ct_gravity_create_effect, &gravity);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  ct_state *state = new_state(p);
+  ct_error e;
+  double off = 0.0, *force = numbers(3 * p->node_count), *total = numbers(3 * p->node_count);
+  int by_forces = 0, by_energy = 0;
+  for (int n = 0; n < 60; n++) {
+    double residual, sum = 0.0, most = 0.0, kinetic = 0.0, stored = 0.0;
+    advance(p, state, 1);
+    need(ct_energy_residual(p, state, &residual, &e), &e);
+    memset(total, 0, 3 * (size_t)p->node_count * sizeof *total);
+    for (int32_t k = 0; k < p->effect_count; k++) {
+      double own;
+      need(ct_energy_stored(p, state, k, &own, &e), &e);
+      need(ct_state_force(p, state, k, force, &e), &e);
+      stored += fabs(own);
+      for (int d = 0; d < 3 * p->node_count; d++)
+        total[d] += force[d], most = fmax(most, fabs(force[d]));
+    }
+    for (int d = 0; d < 3 * p->node_count; d++) {
+      sum = fmax(sum, p->inverse_mass[d] == 0.0 ? 0.0 : fabs(total[d]));
+      kinetic += 0.5 * p->mass[d / 3] * state->velocity[d] * state->velocity[d];
+    }
+    off = worst(off, residual - fmax(sum / most, sqrt(kinetic / stored)));
+    by_forces += sum / most > sqrt(kinetic / stored), by_energy += residual > 1.01 * sum / most;
+  }
+  tap_ok(by_forces > 3 && by_energy > 3, "forces decide in %d states, energies in %d", by_forces,
+         by_energy);
+  tap_close(off, 0.0, 1e-12, "the residual is the larger ratio");
+  free(force), free(total);
+  close_run(state, scene, mesh);
 }
 
 /* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear
@@ -131,6 +210,8 @@ static void unrest_of_free_bodies(void)
 int main(void)
 {
   decay();
+  relaxation_by_hand();
+  residual_by_hand();
   relaxation();
   unrest_of_free_bodies();
   return tap_done();

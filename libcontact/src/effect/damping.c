@@ -34,7 +34,7 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
  * sample's displacements and forces on the effect's nodes. */
 enum { RATE, AGE, SAMPLE };
 
-/* At one node, what the change since the sample says: -Δu · Δf and Δu · M Δu. */
+/* At one node, from the changes since the sample: -Δu · Δf and Δu · M Δu (eq:relaxation-rate). */
 static void node_change(const ct_effect *effect, const ct_view *view, int32_t i, double *stiff,
                         double *mass)
 {
@@ -52,7 +52,8 @@ static void node_change(const ct_effect *effect, const ct_view *view, int32_t i,
   *mass = data->mass[node] * ((square[0] + square[1]) + square[2]);
 }
 
-/* ω² that the change since the sample shows: -Δu · Δf / Δu · M Δu, or 0 where it shows none. */
+/* ω² by the changes since the sample: -Δu · Δf / Δu · M Δu, or 0 where they show no stiffness
+ * (eq:relaxation-rate). */
 static double rayleigh(const ct_effect *effect, const ct_view *view)
 {
   double stiff[CT_PIECE], mass[CT_PIECE];
