@@ -48,7 +48,8 @@ static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *mat
 }
 
 /* v = -D x / 3 on a distorted mesh of cubes: no force inside, and outside that of the pressure,
- * which closed form gives for a cube. */
+ * which closed form gives for a cube (eq:volume-rate, eq:bulk-viscosity, eq:element-length,
+ * eq:viscous-force). */
 static void uniform_compression(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 4, 4, 4);
@@ -93,6 +94,8 @@ static void uniform_compression(void)
   ct_mesh_free(m);
 }
 
+/* The forces of a distorted mesh against the formulas of one element, their work and resultant, and
+ * mirror images (eq:volume-rate, eq:bulk-viscosity, eq:viscous-force). */
 static void kernel(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 5, 4, 3, 5, 4, 3);
@@ -157,9 +160,20 @@ static void kernel(void)
 }
 
 /* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power
- * iteration; C from differences of forces. */
+ * iteration; C from differences of forces. For a cube the bound has a closed form (eq:viscous-bound). */
 static void bound(void)
 {
+  static const double Q[3][2] = {{0.5, 0.0}, {0.5, 0.7}, {0.0, 0.7}};
+  for (int k = 0; k < 3; k++) {
+    ct_mesh *cube = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 1, 1, 1);
+    ct_scene *scene = new_scene();
+    ct_effect *effect = make(scene, cube, &ROD, Q[k][0], Q[k][1]);
+    double closed = 12.0 * (Q[k][0] + (Q[k][1] > 0.0 ? 0.06 : 0.0)) / 2.0;
+    tap_close(rate_of(effect, cube->nodes) / closed, 1.0, 1e-12, "cube: the rate is 12 Q c1 / h");
+    ct_effect_free(effect);
+    ct_scene_free(scene);
+    ct_mesh_free(cube);
+  }
   for (int part = 0; part < 2; part++) {
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 3, 3, 3, 3, 3, 3);
     distort(m, 0.1);
