@@ -37,6 +37,8 @@ static void readable(const ct_mesh *m, const ct_material *material, const double
   }
 }
 
+/* The kernel, by modes, against the readable form, by Gauss points (eq:mean-gradient,
+ * eq:mean-gradient-modes, eq:reduced-force). */
 static void kernel(void)
 {
   for (int turned = 0; turned < 2; turned++) {
@@ -70,6 +72,8 @@ static void kernel(void)
   }
 }
 
+/* The force is minus the gradient of both energies, by differences (eq:reduced-force,
+ * eq:reduced-energy). */
 static void gradient(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -93,8 +97,8 @@ static void gradient(void)
   ct_mesh_free(m);
 }
 
-/* A linear displacement on a distorted mesh: constant stress, no force inside, no hourglass energy.
- */
+/* A linear displacement on a distorted mesh: constant stress, no force inside, no hourglass energy
+ * (eq:mean-gradient, eq:hourglass-vector, eq:hourglass-amplitude). */
 static void patch(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3);
@@ -183,7 +187,7 @@ static void rigid(void)
 }
 
 /* The amplitude a of ηζ on a cube of edge h costs (2/3) κ E h a², with κ = 1 what the beam with the
- * linear strain stores. */
+ * linear strain stores (eq:hourglass-stiffness, eq:hourglass-amplitude, eq:reduced-energy). */
 static void modes(void)
 {
   static const int factor[4][3] = {{1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}};
@@ -210,7 +214,7 @@ static void modes(void)
 }
 
 /* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over
- * that of the beam is 1 - (1 - κ) / n². */
+ * that of the beam is 1 - (1 - κ) / n² (eq:reduced-bending). */
 static void curvature(void)
 {
   ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};

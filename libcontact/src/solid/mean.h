@@ -23,6 +23,7 @@ static inline void ct_mean_gradient(ct_lanes X[3][CT_MODES], ct_lanes b[3][CT_ME
   // Along ξ, η, ζ in turn: the mode itself, the two that it shares, and the third.
   static const int along[3] = {CT_XI, CT_ETA, CT_ZETA},
                    with[3] = {CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI};
+  // -- ∂V/∂X from products of the modes of the other two coordinates (eq:mean-gradient-modes)
   for (int j = 0; j < 3; j++) {
     const ct_lanes *Y = X[(j + 1) % 3], *Z = X[(j + 2) % 3];
     for (int d = 0; d < 3; d++) {

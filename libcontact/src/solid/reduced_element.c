@@ -78,7 +78,8 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
     for (int a = 0; a < 8; a++)
       r->gamma[k][a] = h[a] - ((hx[0] * r->B[a][0] + hx[1] * r->B[a][1]) + hx[2] * r->B[a][2]);
   }
-  r->c = hourglass * material->young * r->V * g2 / 72.0; // (eq:hourglass-stiffness)
+  // -- The stiffness with which a cube bends as a beam for κ = 1 (eq:hourglass-stiffness)
+  r->c = hourglass * material->young * r->V * g2 / 72.0;
   return CT_OK;
 }
 
@@ -95,7 +96,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   ct_material_lame(material, &lambda, &mu);
   ct_reference_gradient(8, r.B, u, G);
 
-  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force)
+  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force,
+  // eq:reduced-energy)
   double trace = (G[0][0] + G[1][1]) + G[2][2];
   for (int i = 0; i < 24; i++) force[i] = 0.0;
   for (int i = 0; i < 3; i++)
@@ -104,7 +106,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
       for (int a = 0; a < 8; a++) force[3 * a + i] -= r.V * sigma * r.B[a][j];
       W += 0.5 * r.V * sigma * G[i][j];
     }
-  // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude)
+  // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude, eq:reduced-force,
+  // eq:reduced-energy)
   for (int k = 0; k < 4; k++)
     for (int i = 0; i < 3; i++) {
       double q = 0.0;
