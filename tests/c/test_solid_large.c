@@ -68,7 +68,9 @@ static double volume_of(const ct_mesh *m)
   return volume;
 }
 
-/* A homogeneous deformation, large, of a distorted mesh: one stress everywhere, no force inside. */
+/* A homogeneous deformation, large, of a distorted mesh: one stress everywhere, no force inside
+ * (eq:green-lagrange, eq:st-venant-kirchhoff, eq:neo-hookean-stress, eq:piola, eq:cauchy,
+ * eq:large-energy). */
 static void patch_test(ct_brick_kind kind, ct_law law)
 {
   ct_mesh *m = distorted(kind, 3);
@@ -125,7 +127,8 @@ static void rotation(double angle, double Q[3][3])
   }
 }
 
-/* A stressed body that is turned keeps its energy, and its forces turn with it. */
+/* A stressed body that is turned keeps its energy, and its forces turn with it (eq:green-lagrange,
+ * eq:large-reference-stress). */
 static void turned(ct_brick_kind kind, ct_law law)
 {
   ct_mesh *m = distorted(kind, 2);
@@ -163,7 +166,8 @@ static void turned(ct_brick_kind kind, ct_law law)
 }
 
 /* Force = - gradient of the energy, by central differences of fourth order; tangent = - gradient of
- * the force, by its largest eigenvalue. */
+ * the force, by its largest eigenvalue (eq:large-force, eq:large-energy, eq:large-tangent,
+ * eq:neo-hookean-exact). */
 static void gradients(ct_brick_kind kind, ct_law law)
 {
   int n = 3 * ct_brick_node_count(kind);
@@ -205,7 +209,8 @@ static void gradients(ct_brick_kind kind, ct_law law)
 }
 
 /* For small displacements force and energy become the linear ones: the difference falls as the
- * displacement, and no digits are lost on the way. */
+ * displacement, and no digits are lost on the way (eq:volume-change, eq:neo-hookean-exact,
+ * eq:log-excess). */
 static void small_strain(ct_brick_kind kind, ct_law law)
 {
   ct_mesh *m = distorted(kind, 2);
@@ -289,7 +294,7 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-/* A batch of any size against the readable form; the order of elements in the mesh, and threads. */
+/* A batch of any size against the readable form (eq:large-reference-stress); the order of elements in the mesh, and threads. */
 static void kernels(ct_brick_kind kind, ct_law law)
 {
   static const int count[6] = {1, 7, 8, 9, 17, 600};
@@ -470,7 +475,7 @@ static void spinning(ct_brick_kind kind, ct_law law)
 }
 
 /* The bound on ω² at a deformed state against the largest eigenvalue of the assembled tangent by
- * power iteration. */
+ * power iteration (eq:tangent-bound). */
 static void tangent_bound(ct_brick_kind kind, ct_law law)
 {
   double least = INFINITY, most = 0.0, stiffer = 0.0;

@@ -35,6 +35,7 @@ static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct
       v[a][i] = (K->V[i][0] * g[a][0] + K->V[i][1] * g[a][1]) + K->V[i][2] * g[a][2];
       s[a][i] = (K->S[i][0] * g[a][0] + K->S[i][1] * g[a][1]) + K->S[i][2] * g[a][2];
     }
+  // -- α v_a v_b + β v_b v_a + (g_a · g_b) M + (g_a · S g_b) 1 (eq:large-tangent)
   for (int a = 0; a < per; a++)
     for (int b = 0; b <= a; b++) {
       double dot = ((g[a][0] * g[b][0] + g[a][1] * g[b][1]) + g[a][2] * g[b][2]) * dV;

@@ -50,6 +50,7 @@ static double working_stress(const ct_material *material, double G[3][3], double
     return 1.0;
   }
   double S[3][3], J = ct_large_stress(material, G, S);
+  // -- P = F S with F = 1 + G (eq:piola)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       P[i][j] = S[i][j] + ((G[i][0] * S[0][j] + G[i][1] * S[1][j]) + G[i][2] * S[2][j]);
@@ -102,7 +103,7 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
   double W = 0.0;
   for (int i = 0; i < 3 * per; i++) force[i] = 0.0;
 
-  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points
+  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:large-force, eq:large-energy)
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], G[3][3], P[3][3];
     double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
@@ -129,6 +130,7 @@ ct_status ct_element_cauchy(const ct_material *material, double G[3][3], double 
   double P[3][3], s[3][3], J = working_stress(material, G, P);
   ct_status status = check_inside_out(J, -1, error);
   if (status != CT_OK) return status;
+  // -- Force per present area: P Fᵀ / J (eq:cauchy)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       s[i][j] = material->law == CT_LINEAR

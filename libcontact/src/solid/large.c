@@ -42,7 +42,7 @@ double ct_large_stress(const ct_material *material, double G[3][3], double S[3][
         // -- S = Λ tr E 1 + 2 μ E (eq:st-venant-kirchhoff)
         S[i][j] = 0.5 * lambda * d.one * one + mu * d.B[i][j];
       } else {
-        // -- S = μ (1 - C⁻¹) + Λ (J - 1) J C⁻¹ (eq:neo-hookean-stress)
+        // -- S = μ (1 - C⁻¹) + Λ (J - 1) J C⁻¹ (eq:neo-hookean-stress, eq:neo-hookean-exact)
         double inverse = ((1.0 + d.one) * one - d.B[i][j] + d.adjugate[i][j]) / (J * J);
         double excess = ((d.two + d.three) * one + d.B[i][j] - d.adjugate[i][j]) / (J * J);
         S[i][j] = mu * excess + lambda * theta * J * inverse;
@@ -59,6 +59,7 @@ double ct_large_tangent(const ct_material *material, double G[3][3], ct_large_st
   for (int i = 0; i < 9; i++) F[i / 3][i % 3] = G[i / 3][i % 3] + (i % 4 == 0 ? 1.0 : 0.0);
   int svk = material->law == CT_ST_VENANT_KIRCHHOFF;
   (void)ct_cofactors(F, cofactor);
+  // -- The table of both laws (eq:large-tangent)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double one = i == j ? 1.0 : 0.0,
@@ -94,9 +95,11 @@ double ct_large_energy(const ct_material *material, double G[3][3])
   ct_material_lame(material, &lambda, &mu);
   deformation d = deform(G);
   if (material->law == CT_ST_VENANT_KIRCHHOFF) {
+    // -- Λ (tr B)² / 8 + μ B : B / 4 (eq:st-venant-kirchhoff)
     for (int i = 0; i < 9; i++) square += d.B[i / 3][i % 3] * d.B[i / 3][i % 3];
     return 0.125 * lambda * d.one * d.one + 0.25 * mu * square;
   }
+  // -- The energy of the volume, less ½ μ (I₂ + I₃) (eq:neo-hookean-exact)
   return ct_large_volume_energy(lambda, mu, d.one + (d.two + d.three)) -
          0.5 * mu * (d.two + d.three);
 }

@@ -56,6 +56,7 @@ ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double 
         return status;
       }
     }
+    // -- No eigenvalue of the body is above the largest of its elements (eq:tangent-bound)
     *omega_squared = fmax(*omega_squared, w);
   }
   return CT_OK;
