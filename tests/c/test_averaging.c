@@ -58,8 +58,8 @@ static double *mass_difference(const ct_mesh *m, double density, const char *apa
   return D;
 }
 
-/* The force for any forces of the others: γ (M_L - M_C) M_L⁻¹ f, free, held, and with nodes apart.
- */
+/* The force for any forces of the others: γ (M_L - M_C) M_L⁻¹ f, free, held, and with nodes apart
+ * (eq:averaging-force, eq:averaged-modes, eq:averaged-element). */
 static void force(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1.5, 2, 2.5, 3, 4, 5);
@@ -105,7 +105,7 @@ static void force(void)
 }
 
 /* A standing wave of a bar between its free ends: u_n = cos(ω n Δt) cos(k x), with the frequency of
- * eq:averaged-dispersion. */
+ * eq:averaged-dispersion (eq:averaged-gamma, eq:averaged-modes). */
 static double wave_error(int cells, int mode, double courant)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, cells, 1, 1, cells, 1, 1);
@@ -271,7 +271,8 @@ static void contact(void)
   tap_close(balance, 0.0, 1e-13, "work and energy balance in both");
 }
 
-/* Energy of a block that vibrates at random, free or held, over 400 steps near the limit. */
+/* Energy of a block that vibrates at random, free or held, over 400 steps near the limit
+ * (eq:averaged-energy, eq:averaged-support, eq:averaged-solve). */
 static void energy(void)
 {
   for (int held = 0; held < 2; held++) {
@@ -439,7 +440,7 @@ static double true_limit(const ct_problem *bare, const ct_mesh *m, double densit
   return largest_value;
 }
 
-/* Reported over true stable step of one box. */
+/* Reported over true stable step of one box (eq:averaged-bound). */
 static double reported(int cells, ct_solid_kernel kernel, double hourglass, double poisson,
                        int flat)
 {

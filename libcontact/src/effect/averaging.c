@@ -59,7 +59,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 }
 
 /* γ d of each mode of an element at a step: (1 - 3^-n) times the mean of γ = (1 - Co²) / 2 over the
- * n axes along which the mode changes (eq:averaged-modes). */
+ * n axes along which the mode changes (eq:averaged-gamma, eq:averaged-modes). */
 static void mode_shares(const averaged_body *body, double dt, double share[CT_MODES])
 {
   double g[3];
