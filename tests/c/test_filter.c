@@ -28,7 +28,7 @@ static void smooth(ct_filter *filter, ct_state *state, double *u)
 }
 
 /* A wave of a bar between its free ends has the factor (1 - (c₁ / (ω h))² 4 sin²(kh / 2))^b, where
- * 2 / ω is the reported step (eq:filter-transfer). */
+ * 2 / ω is the reported step (eq:filter-transfer, eq:filter-pass, eq:filter-weight). */
 static void waves(void)
 {
   enum { CELLS = 12 };
@@ -72,7 +72,7 @@ static void waves(void)
 }
 
 /* A uniaxial strain under the pressure that holds it passes as it is, on any mesh, with any number
- * of passes; and a second body sees nothing of the first. */
+ * of passes; and a second body sees nothing of the first (eq:filter-held). */
 static void constant_strain(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, 1, 4, 3, 2),
@@ -110,7 +110,8 @@ static void constant_strain(ct_brick_kind kind)
   close_run(state, scene, m);
 }
 
-/* The factor of the fastest mode of a mesh, by repeating what a pass takes away. */
+/* The factor of the fastest mode of a mesh, by repeating what a pass takes away (eq:filter-weight,
+ * eq:filter-range). */
 static double least_factor(const ct_mesh *m, int held)
 {
   ct_scene *scene = new_scene_with("body", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);

@@ -58,7 +58,7 @@ static void sum_outside(const ct_filter *filter, const ct_state *state)
   }
 }
 
-/* Take away from a change what goes along a force. */
+/* Take away from a change what goes along a force (eq:filter-held). */
 static void hold_along(const double force[3], double change[3])
 {
   double length = sqrt(ct_vector_dot(force, force)), along = 0.0;
