@@ -127,9 +127,7 @@ def radii():
         angle = np.array([abs(np.angle(principal(r))) for r in roots])
         turns = np.flatnonzero(np.diff(angle) <= 1e-9)
         end = turns[0] if len(turns) else len(omega)
-        period.plot(
-            omega[:end] / two, 100 * (omega[:end] / angle[:end] - 1), color=colour, lw=1.4
-        )
+        period.plot(omega[:end] / two, 100 * (omega[:end] / angle[:end] - 1), color=colour, lw=1.4)
         for part in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
             # The push is twice the step at half of the stable step.
             u, found = free_cube(name, 0.5, part**2) if push else free_cube(name, part)
@@ -443,15 +441,26 @@ def reflection():
     angle = np.linspace(0, np.radians(89.5), 180)
     for poisson, style in ((0.25, "-"), (0.4, "--")):
         back, share = reflected(angle, poisson)
-        amplitude.plot(np.degrees(angle), np.abs(back[:, 0]), style, color=BLUE, label=f"P, ν = {poisson}")
-        amplitude.plot(np.degrees(angle), np.abs(back[:, 1]), style, color=ORANGE, label=f"S, ν = {poisson}")
+        amplitude.plot(
+            np.degrees(angle), np.abs(back[:, 0]), style, color=BLUE, label=f"P, ν = {poisson}"
+        )
+        amplitude.plot(
+            np.degrees(angle), np.abs(back[:, 1]), style, color=ORANGE, label=f"S, ν = {poisson}"
+        )
         energy.plot(np.degrees(angle), share, style, color="black", label=f"formula, ν = {poisson}")
     runs = np.array([oblique(*strip) for strip in ((24, 24), (17, 24), (15, 25), (14, 25.5))])
     at = np.degrees(runs[:, 0])
     energy.plot(at, runs[:, 1], "o", color=RED, label="runs of pulses, ν = 0.25")
     energy.plot(at, runs[:, 2], "s", mfc="none", color=BLUE, ms=9, label="formula for the pulses")
-    amplitude.set(xlabel="angle of incidence, degrees", ylabel="amplitude", xlim=(0, 90), ylim=(0, 1.05))
-    energy.set(xlabel="angle of incidence, degrees", ylabel="reflected energy", xlim=(0, 90), ylim=(0, 1.05))
+    amplitude.set(
+        xlabel="angle of incidence, degrees", ylabel="amplitude", xlim=(0, 90), ylim=(0, 1.05)
+    )
+    energy.set(
+        xlabel="angle of incidence, degrees",
+        ylabel="reflected energy",
+        xlim=(0, 90),
+        ylim=(0, 1.05),
+    )
     amplitude.legend()
     energy.legend()
     return figure
@@ -505,7 +514,9 @@ def shock():
         body = done(scene.set_time(end=120.0, courant=0.2)).state["bar"]
         order = np.argsort(body.centres[:, 0])
         ax.plot([60, 120, 120, 150], [1, 1, 0, 0], color="black", lw=0.8)
-        ax.plot(body.centres[order, 0], -body.stress[order, 0] / 0.05, ".-", ms=4, lw=1, color=colour)
+        ax.plot(
+            body.centres[order, 0], -body.stress[order, 0] / 0.05, ".-", ms=4, lw=1, color=colour
+        )
         ax.set_title(f"Q₁ = {linear}, Q₂ = {quadratic}", loc="left", fontsize=9)
         ax.set(xlim=(70, 140), ylim=(-0.15, 1.4))
     figure.supylabel("stress over the exact one", fontsize=10)
@@ -522,12 +533,7 @@ PATTERNS = {"ηζ": (1, 2), "ζξ": (2, 0), "ξη": (0, 1), "ξηζ": (0, 1, 2)}
 def hourglasses():
     """The four patterns of hourglass modes of a brick, here as displacements along x."""
     figure = Figure(figsize=(7.5, 2.2), layout="none")
-    edges = [
-        (a, b)
-        for a in range(8)
-        for b in range(a)
-        if np.abs(CUBE[a] - CUBE[b]).sum() == 2
-    ]
+    edges = [(a, b) for a in range(8) for b in range(a) if np.abs(CUBE[a] - CUBE[b]).sum() == 2]
     for column, (name, axes) in enumerate(PATTERNS.items()):
         ax = figure.add_subplot(1, 4, column + 1, projection="3d", computed_zorder=False)
         ax.view_init(elev=20, azim=-68)
@@ -575,11 +581,21 @@ def stiffness():
     at = (0.1, 0.3, 0.6, 1.0, 1.5)
     for name, mark, colour in (("ηζ", "o", ORANGE), ("ξη", "s", BLUE), ("ξηζ", "^", GREEN)):
         runs = [frequency(name, "reduced", k) for k in at]
-        ax.plot(at, runs, mark, color=colour, mfc="none", ms=5 + 3 * (mark == "s"), label=f"{name}, one point")
+        ax.plot(
+            at,
+            runs,
+            mark,
+            color=colour,
+            mfc="none",
+            ms=5 + 3 * (mark == "s"),
+            label=f"{name}, one point",
+        )
         if name != "ηζ":  # with full integration this one is part of a mode along x, y and z
             full = frequency(name, "full")
             ax.axhline(full, color=colour, lw=1, ls="--", label=f"{name}, full: {full:.2f}")
-    ax.set(xlabel="hourglass coefficient κ", ylabel="ω² ρ h² / E of the mode along x", xlim=(0, 1.6))
+    ax.set(
+        xlabel="hourglass coefficient κ", ylabel="ω² ρ h² / E of the mode along x", xlim=(0, 1.6)
+    )
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
@@ -606,12 +622,28 @@ def bending():
     ax = figure.subplots()
     kappa = np.linspace(0.05, 1.5, 100)
     for cells, colour in ((1, ORANGE), (2, BLUE), (4, GREEN)):
-        ax.plot(kappa, 1 / (1 - (1 - kappa) / cells**2), color=colour, label=f"{cells} through the height")
-        ax.plot((0.3, 0.6, 1.0), [deflection(cells, k) for k in (0.3, 0.6, 1.0)], "o", color=colour, ms=5)
+        ax.plot(
+            kappa,
+            1 / (1 - (1 - kappa) / cells**2),
+            color=colour,
+            label=f"{cells} through the height",
+        )
+        ax.plot(
+            (0.3, 0.6, 1.0),
+            [deflection(cells, k) for k in (0.3, 0.6, 1.0)],
+            "o",
+            color=colour,
+            ms=5,
+        )
         ax.plot(1.45, deflection(cells, None), "D", color=colour, ms=6)
     ax.text(1.4, 1.2, "full integration", ha="center")
     ax.axhline(1.0, color="black", lw=0.8)
-    ax.set(xlabel="hourglass coefficient κ", ylabel="deflection / beam theory", ylim=(0, 4), xlim=(0, 1.55))
+    ax.set(
+        xlabel="hourglass coefficient κ",
+        ylabel="deflection / beam theory",
+        ylim=(0, 4),
+        xlim=(0, 1.55),
+    )
     ax.legend()
     return figure
 
@@ -648,7 +680,9 @@ def turning():
     angle = np.linspace(0, 180, 181)
     lame, shear = 0.3 / (1.3 * 0.4), 1 / 2.6
     swell = 1 - np.cos(np.radians(angle))
-    turn.plot(angle, -(2 * lame + 2 * shear) * swell, color=GREY, lw=1, label="Hooke: −2(Λ+μ)(1−cos φ)")
+    turn.plot(
+        angle, -(2 * lame + 2 * shear) * swell, color=GREY, lw=1, label="Hooke: −2(Λ+μ)(1−cos φ)"
+    )
     for name, (law, colour) in LAWS.items():
         at = np.arange(15, 181, 30.0)
         found = []
@@ -677,11 +711,7 @@ def stretching():
     a = np.linspace(0.12, 1.8, 300)
     lame, shear = 0.3 / (1.3 * 0.4), 1 / 2.6
     stiff = lame + 2 * shear
-    closed = (
-        stiff * (a - 1),
-        stiff / 2 * a * (a**2 - 1),
-        shear * (a - 1 / a) + lame * (a - 1),
-    )
+    closed = (stiff * (a - 1), stiff / 2 * a * (a**2 - 1), shear * (a - 1 / a) + lame * (a - 1))
     for (name, (law, colour)), force in zip(LAWS.items(), closed, strict=True):
         ax.plot(a, force, color=colour, label=name)
         at = (0.25, 0.4, 0.577, 0.8, 1.0, 1.3, 1.6)
@@ -724,8 +754,21 @@ def masses():
             scene.add("averaging")
         body = done(scene.set_time(end=56.0, courant=0.5)).state["bar"]
         order = np.argsort(body.centres[:, 0])
-        front.plot(body.centres[order, 0], -body.stress[order, 0], ".-", ms=4, lw=1, color=colour, label=label)
+        front.plot(
+            body.centres[order, 0],
+            -body.stress[order, 0],
+            ".-",
+            ms=4,
+            lw=1,
+            color=colour,
+            label=label,
+        )
     front.plot([0, 56, 56, 80], [1, 1, 0, 0], color="black", lw=0.8)
-    front.set(xlabel="distance from the wall, elements", ylabel="stress / exact", xlim=(20, 66), ylim=(-0.1, 1.4))
+    front.set(
+        xlabel="distance from the wall, elements",
+        ylabel="stress / exact",
+        xlim=(20, 66),
+        ylim=(-0.1, 1.4),
+    )
     front.legend(loc="lower left")
     return figure

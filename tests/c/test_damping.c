@@ -3,8 +3,8 @@
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};
 
-/* Each step takes the share alpha dt of the velocity: (1 - alpha dt)^n, near exp(-alpha t) (eq:damping-force,
- * eq:damping-decay). */
+/* Each step takes the share alpha dt of the velocity: (1 - alpha dt)^n, near exp(-alpha t)
+ * (eq:damping-force, eq:damping-decay). */
 static void decay(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
@@ -51,7 +51,8 @@ static void decay(void)
 }
 
 /* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes as a loop
- * written here says: the same rates and the same motion (eq:relaxation-rate, eq:relaxation-force). */
+ * written here says: the same rates and the same motion (eq:relaxation-rate, eq:relaxation-force).
+ */
 static void relaxation_by_hand(void)
 {
   static const ct_material bar = {.young = 9.0, .poisson = 0.0, .density = 2.0};

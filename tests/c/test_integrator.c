@@ -82,6 +82,8 @@ static double radius(const ct_integrator *integrator, double x, double y)
   return spectral_radius(amplification(integrator, 1, K, C));
 }
 
+/* The spectral radius of the stages up to the limit and beyond (eq:integrator-limits,
+ * eq:pullback-limit). */
 static void limits(void)
 {
   for (int s = 0; s < SCHEMES; s++) {
@@ -129,7 +131,8 @@ static void bifurcations(void)
             "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
 }
 
-/* With damping: any symmetric K and C, commuting or not, at the bound that is reported. */
+/* With damping: any symmetric K and C, commuting or not, at the bound that is reported
+ * (eq:integrator-damped-bound). */
 static void damped_bounds(void)
 {
   for (int s = 0; s < SCHEMES; s++) {
@@ -208,7 +211,9 @@ static point pushforward_pullback(point x, double w, double dt, double theta, do
   return y;
 }
 
-/* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2). */
+/* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2); its runs against the
+ * formulas of the papers (eq:stage, eq:chung-lee-drift, eq:tchamwa-wielgosz-drift,
+ * eq:noh-bathe-stages, eq:pullback-push, eq:pullback-drift, eq:stage-velocity). */
 static void textbook(ct_scheme scheme, double share)
 {
   const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)),
@@ -254,7 +259,7 @@ static void textbook(ct_scheme scheme, double share)
 }
 
 /* A stone that is thrown: methods of second order have its parabola exactly, from the first step
- * on. */
+ * on (eq:stage-start, eq:stage-velocity). */
 static void free_fall(ct_scheme scheme)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -393,6 +398,7 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   return c;
 }
 
+/* Work balance, momenta and a path in each method (eq:stage-work, eq:stage-motion). */
 static void ledger(ct_scheme scheme, ct_enforcement enforcement)
 {
   meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3, 1);

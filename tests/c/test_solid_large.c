@@ -294,7 +294,8 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-/* A batch of any size against the readable form (eq:large-reference-stress); the order of elements in the mesh, and threads. */
+/* A batch of any size against the readable form (eq:large-reference-stress); the order of elements
+ * in the mesh, and threads. */
 static void kernels(ct_brick_kind kind, ct_law law)
 {
   static const int count[6] = {1, 7, 8, 9, 17, 600};

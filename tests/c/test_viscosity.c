@@ -160,7 +160,8 @@ static void kernel(void)
 }
 
 /* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power
- * iteration; C from differences of forces. For a cube the bound has a closed form (eq:viscous-bound). */
+ * iteration; C from differences of forces. For a cube the bound has a closed form
+ * (eq:viscous-bound). */
 static void bound(void)
 {
   static const double Q[3][2] = {{0.5, 0.0}, {0.5, 0.7}, {0.0, 0.7}};

@@ -100,6 +100,7 @@ double ct_integrator_share(const ct_integrator *integrator)
 static double stiffening(const ct_integrator *integrator)
 {
   const double value = integrator->parameter;
+  // -- 1, 4β - 3, (1 - p)(3p - 1), 2φ - 1 (eq:integrator-limits)
   switch (integrator->scheme) {
   case CT_CENTRAL_DIFFERENCE:
     break;

@@ -59,6 +59,7 @@ static ct_status apply(lanczos *l, ct_error *error)
   double scale = top > 0.0 ? l->scale / top : 0.0;
   for (int64_t d = 0; d < count; d++) l->u[d] *= scale;
   ct_status status = solid->force(solid, &l->view, l->force, error);
+  // -- M^-1/2 K M^-1/2 y from the force at M^-1/2 y (eq:assembled-operator)
   for (int64_t d = 0; d < count; d++)
     l->next[d] = scale > 0.0 ? -sqrt(inverse_mass[d]) * (l->force[d] / scale) : 0.0;
   return status;
@@ -131,6 +132,7 @@ ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double
   l.view.displacement = l.u;
   l.view.scratch = scratch;
   if (status == CT_OK) status = recur(&l, error);
+  // -- The largest eigenvalue found, and the margin (eq:assembled-bound)
   if (status == CT_OK) *omega_squared = largest(&l) / (1.0 - MARGIN);
   if (scratch != NULL) solid->free_scratch(scratch);
   ct_pool_empty(&pool);

@@ -243,6 +243,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
   int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
+  // -- v = v_0 - g Δt a_0, a⁻ = a_0 (eq:stage-start)
   for (int64_t d = 0; d < dofs; d++) {
     // -- Half a step back from the initial velocity (eq:leapfrog-start, eq:stage-start)
     state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
@@ -561,6 +562,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   view.displacement = w->pushed;
   view.scratch = w->pushed_scratch;
   ct_status status = solid->force(solid, &view, w->pushed_force, error);
+  // -- In the place of the acceleration before: a_n - a* (eq:pullback-drift)
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     w->past[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
   count_updates(problem, state);

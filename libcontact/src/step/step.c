@@ -49,6 +49,7 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
     velocity[d] = after;
     displacement[d] += tau * (ct_kick(before, r, inverse_mass[d], force[d]) + l * past[d]);
     past[d] = inverse_mass[d] * force[d];
+    // Half of this is the work of the stage (eq:stage-work).
     work[d] += share * force[d] * (before + after);
   }
 }
