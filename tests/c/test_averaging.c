@@ -153,6 +153,8 @@ static void waves(void)
   tap_close(log2(fabs(error[0] / error[1])), 4.0, 0.05, "order of the phase error");
 }
 
+/* The Bloch problem against closed forms, in any direction, and its group velocity
+ * (eq:averaged-symbol). */
 static void dispersion(void)
 {
   double off = 0.0, off_cell = 0.0, off_group = 0.0;

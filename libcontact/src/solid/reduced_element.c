@@ -96,8 +96,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   ct_material_lame(material, &lambda, &mu);
   ct_reference_gradient(8, r.B, u, G);
 
-  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force,
-  // eq:reduced-energy)
+  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force)
+  // Its energy is ½ V σ : G (eq:reduced-energy).
   double trace = (G[0][0] + G[1][1]) + G[2][2];
   for (int i = 0; i < 24; i++) force[i] = 0.0;
   for (int i = 0; i < 3; i++)
@@ -106,8 +106,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
       for (int a = 0; a < 8; a++) force[3 * a + i] -= r.V * sigma * r.B[a][j];
       W += 0.5 * r.V * sigma * G[i][j];
     }
-  // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude, eq:reduced-force,
-  // eq:reduced-energy)
+  // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude)
+  // Its force and its energy (eq:reduced-force, eq:reduced-energy).
   for (int k = 0; k < 4; k++)
     for (int i = 0; i < 3; i++) {
       double q = 0.0;
