@@ -248,12 +248,12 @@ def fall():
     height.plot(t, 5 * t - 5 * t**2, color="black", lw=1, label="v₀t − ½gt²")
     height.plot(run.probes["stone"]["time"], run.probes["stone"]["displacement"][:, 2], "o")
     height.set(xlabel="time", ylabel="height")
-    height.legend()
+    height.legend(loc="lower center")
     for name, colour in (("kinetic", BLUE), ("gravity", ORANGE), ("total", "black")):
         energy.plot(run.energy["time"], run.energy[name], ".-", color=colour, label=name, lw=1)
     energy.axhline(12.5, color=GREY, lw=1, ls="--", label="½mv₀²")
     energy.set(xlabel="time", ylabel="energy")
-    energy.legend()
+    energy.legend(loc="center")
     return figure
 
 
@@ -301,7 +301,7 @@ def paths():
         place.plot(when, u, color=colour, label=label)
         force.plot(then, f, color=colour, lw=1.2)
     place.set(ylabel="displacement")
-    place.legend()
+    place.legend(loc="lower right")
     force.set(xlabel="time", ylabel="force / ρ c² A", ylim=(-0.15, 0.35))
     return figure
 
@@ -333,7 +333,7 @@ def ratios():
     found = np.array([decay(young, rate) for young in (0.2, 1, 5, 25, 125)])
     ax.loglog(*found.T, "o", color=BLUE, label="α M, runs")
     ax.set(xlabel="ω of the mode", ylabel="ratio of damping ζ", xlim=(0.3, 30), ylim=(1e-3, 1))
-    ax.legend()
+    ax.legend(loc="center left")
     return figure
 
 
@@ -461,8 +461,8 @@ def reflection():
         xlim=(0, 90),
         ylim=(0, 1.05),
     )
-    amplitude.legend()
-    energy.legend()
+    amplitude.legend(loc="upper left")
+    energy.legend(loc="upper left")
     return figure
 
 
@@ -496,7 +496,7 @@ def viscosity_law():
         ax.plot(at, found, "o", color=colour, ms=4)
     ax.set(xlabel="closing speed  l|D| / c₁  (left of 0: expansion)", ylabel="q / ρ c₁²")
     ax.set(ylim=(-0.0005, 0.0115), xlim=(-0.03, 0.1))
-    ax.legend()
+    ax.legend(loc="upper left")
     return figure
 
 
@@ -644,7 +644,7 @@ def bending():
         ylim=(0, 4),
         xlim=(0, 1.55),
     )
-    ax.legend()
+    ax.legend(loc="upper right")
     return figure
 
 
@@ -691,7 +691,7 @@ def turning():
             found.append(stress_at(law, gradient)[0])
         turn.plot(at, found, "o", color=colour, ms=7 if "St" in name else 4, label=name)
     turn.set(xlabel="angle of rotation, degrees", ylabel="σxx / E", xlim=(0, 180))
-    turn.legend(fontsize=8)
+    turn.legend(loc="lower left", fontsize=8)
     a = np.linspace(0.05, 2, 200)
     for label, value, colour in (
         ("small strain, a − 1", a - 1, GREY),
@@ -700,7 +700,7 @@ def turning():
     ):
         strain.plot(a, value, color=colour, label=label)
     strain.set(xlabel="stretch a", ylabel="strain", xlim=(0, 2), ylim=(-2, 1.6))
-    strain.legend(fontsize=8)
+    strain.legend(loc="lower right", fontsize=8)
     return figure
 
 
@@ -745,7 +745,7 @@ def masses():
         ax.axhline(1.0, color="black", lw=0.8)
         ax.set(title=title, xlabel="edges in a wave length, h/λ", ylim=(0.5, 1.35), xlim=(0, 0.5))
     axis.set_ylabel("phase velocity / c₁")
-    across.legend()
+    across.legend(loc="upper left")
     front = figure.add_subplot(grid[1, :])
     for averaged, colour, label in ((False, GREY, "lumped"), (True, BLUE, "averaged")):
         scene = bar(scene_of(), cells=100, length=100.0, velocity=[-1, 0, 0])

@@ -119,6 +119,24 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   ct_mesh_free(mesh);
 }
 
+/* One face of a cube: the integral is its edge at each node, and the bound 8 p / (rho h^2)
+ * (eq:load-bound). */
+static void bound_of_a_cube(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1);
+  ct_scene *scene = new_scene_with("cube", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
+  static const double time[2] = {0.0, 1.0}, value[2] = {0.5, -2.0};
+  int32_t *faces = integers(8 * 6), count = ct_mesh_plane_faces(mesh, 2, 0.5, faces, NULL);
+  ct_load_def def = {COOKIE, .pressure = 3.0, .following = 1, .amplitude = {2, time, value}};
+  loaded l = load_faces(scene, def, faces, count, 1e-3, 0.5);
+  ct_state *state = new_state(l.problem);
+  double bound, unused;
+  ct_error e;
+  need(ct_stable_share(l.problem, state, 1, &bound, &unused, &e), &e);
+  tap_close(bound / (8.0 * 3.0 * 2.0 / (1.0 * 0.25)), 1.0, 1e-11, "one face of a cube: the bound");
+  close_run(state, scene, mesh);
+}
+
 /* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and
  * the end moves with traction / (rho c). */
 static void step_load(void)
@@ -182,6 +200,7 @@ int main(void)
   resultants(CT_HEX20, "Q8");
   closed_surface(CT_HEX8, "Q4");
   closed_surface(CT_HEX20, "Q8");
+  bound_of_a_cube();
   step_load();
   refusals();
   return tap_done();
