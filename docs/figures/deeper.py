@@ -611,7 +611,7 @@ def deflection(cells, kappa):
     scene.add_support("beam.y_min", fix="y").add_support("beam.y_max", fix="y")
     scene.add("load", surface="beam.x_max", traction=[0, 0, 1e-6]).add("damping", relaxation=True)
     scene.add_probe("end", surface="beam.x_max", quantities=["displacement"])
-    run = done(scene.set_time(end=3e4, fraction=0.9, until_static=1e-5))
+    run = done(scene.set_time(end=3e4, fraction=0.9, until_static=1e-4))
     exact = 1e-6 * (10**3 / 3 * 12 + 10 * 2 * 6 / 5)
     return run.probes["end"]["displacement"][-1, 2] / exact
 
@@ -628,13 +628,7 @@ def bending():
             color=colour,
             label=f"{cells} through the height",
         )
-        ax.plot(
-            (0.3, 0.6, 1.0),
-            [deflection(cells, k) for k in (0.3, 0.6, 1.0)],
-            "o",
-            color=colour,
-            ms=5,
-        )
+        ax.plot((0.3, 1.0), [deflection(cells, k) for k in (0.3, 1.0)], "o", color=colour, ms=5)
         ax.plot(1.45, deflection(cells, None), "D", color=colour, ms=6)
     ax.text(1.4, 1.2, "full integration", ha="center")
     ax.axhline(1.0, color="black", lw=0.8)
