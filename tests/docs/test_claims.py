@@ -10,6 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 from csource import Source  # noqa: E402
+from parts import parts  # noqa: E402
 
 PAGES = {
     page.relative_to(ROOT).as_posix(): page.read_text()
@@ -44,9 +45,8 @@ def test_named_files_exist():
 
 
 def chapters():
-    """Names of the chapters of the theory in their order, with their texts."""
-    names = re.findall(r"^   (\w+)$", (DOCS / "theory" / "index.rst").read_text(), re.M)
-    return {name: PAGES[f"docs/theory/{name}.rst"] for name in names}
+    """Names of the chapters of all parts in their order, with their texts."""
+    return {name: PAGES[f"docs/{name}.rst"] for part in parts(DOCS).values() for name in part}
 
 
 def equations_without_code():

@@ -20,7 +20,23 @@ __all__ += ["NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", 
 __all__ += ["SceneWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
 
 
-class Error(Exception):
+ADDRESS = " [docs: reference/symptoms.html#{}]"
+
+
+def bare(text: str) -> str:
+    """The text of an error without the address that another error has added to it."""
+    return text.partition(ADDRESS.partition("{")[0])[0]
+
+
+class _Documented(Exception):
+    """An error or warning with an entry on the page "Symptoms" of the book: its text ends with the address of the entry."""
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        return text + ADDRESS.format(type(self).__name__.lower()) if text else text
+
+
+class Error(_Documented):
     """
     An error of the library.
 
@@ -37,7 +53,7 @@ class Error(Exception):
     point: int | None = None
 
     def __init__(self, text: str, code: int | None = None, **place: int | None):
-        super().__init__(text)
+        super().__init__(bare(text))
         self.code = code
         vars(self).update(place)
 
@@ -70,7 +86,7 @@ class EnergyError(Error, ArithmeticError):
     """Spurious energy growth was detected in mid-run."""
 
 
-class SceneWarning(UserWarning):
+class SceneWarning(_Documented, UserWarning):
     """
     Something in a scene or a run that is probably not meant. The text names the key, says what was found, and ends with what to do.
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi
-from .errors import Error
+from .errors import Error, bare
 
 T = TypeVar("T", bound="Table")
 LONGEST_NAME = 63
@@ -45,8 +45,8 @@ class SceneError(Error, ValueError):
     """
 
     def __init__(self, reason: str, key: str = "", file: str | None = None):
-        self.file, self.key, self.reason = file, key, reason
-        super().__init__(": ".join(part for part in (file or "scene", key, reason) if part))
+        self.file, self.key, self.reason = file, key, bare(reason)
+        super().__init__(": ".join(part for part in (file or "scene", key, self.reason) if part))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.reason, self.key, self.file)

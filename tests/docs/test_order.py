@@ -1,0 +1,116 @@
+"""The order of the book: parts, one count of chapters, and references ahead in Parts I and II only in boxes "Later"."""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(DOCS / "_ext"))
+from parts import needs, parts  # noqa: E402
+
+BOOK = parts(DOCS)
+ORDER = [page for part in BOOK.values() for page in part]
+COURSE = [page for part in list(BOOK)[:2] for page in BOOK[part]]
+# References ahead that were there when the order was made. The numbers may only shrink; a chapter without any has no row.
+KNOWN = json.loads((Path(__file__).parent / "ahead.json").read_text())
+ROLE = re.compile(r":(doc|eq|ref|numref):`(?:[^`<]*<)?([^`<>]+)>?`")
+LABEL = re.compile(r"^\s+:(?:label|name): (\S+)$|^\.\. _([^:]+):$", re.M)
+
+
+def outside_later(text):
+    """The text without its boxes "Later"."""
+    kept, box = [], None
+    for line in text.splitlines():
+        indent = len(line) - len(line.lstrip())
+        if box is not None and line.strip() and indent <= box:
+            box = None
+        if box is None and re.match(r"\s*\.\. admonition:: Later\s*$", line):
+            box = indent
+        if box is None:
+            kept.append(line)
+    return "\n".join(kept)
+
+
+def homes(texts):
+    """Where each label of an equation, figure or section is defined."""
+    return {a or b: page for page, text in texts.items() for a, b in LABEL.findall(text)}
+
+
+def ahead(page, texts, order):
+    """References of a page to pages that come later in the order."""
+    home = homes(texts)
+    found = []
+    for role, target in ROLE.findall(outside_later(texts[page])):
+        if role == "doc":
+            folder = page.rpartition("/")[0]
+            there = target[1:] if target[0] == "/" else f"{folder}/{target}"
+        else:
+            there = home.get(target)
+        if there in order and order.index(there) > order.index(page):
+            found.append(f":{role}:`{target}`")
+    return found
+
+
+TEXTS = {page: (DOCS / f"{page}.rst").read_text() for page in ORDER}
+
+
+def test_five_parts_have_all_chapters():
+    assert list(BOOK) == ["week/index", "theory/index", "theory/deeper", "theory/fast"]
+    pages = [path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.rglob("*.rst")]
+    theory = {page for page in pages if re.match(r"(theory|week)/(?!index|deeper|fast)", page)}
+    assert theory - set(ORDER) == {"theory/scene"} and len(ORDER) == len(set(ORDER))
+
+
+@pytest.mark.parametrize("page", COURSE)
+def test_courses_point_ahead_only_in_boxes(page):
+    found = ahead(page, TEXTS, ORDER)
+    print(f"{page}: {len(found)} references ahead outside boxes: {' '.join(found)}")
+    assert len(found) <= KNOWN.get(page, 0), found
+
+
+def test_chapters_need_only_those_before():
+    assert [
+        (page, need)
+        for page in ORDER
+        for need in needs(DOCS / f"{page}.rst")
+        if need in ORDER and ORDER.index(need) >= ORDER.index(page)
+    ] == []
+
+
+def test_a_reference_ahead_is_found_and_a_box_hides_it():
+    box = ".. admonition:: Later\n\n   :doc:`b` and :eq:`second`.\n\n"
+    texts = {"t/a": box + "See :doc:`b` and :eq:`second <x>`.\n", "t/b": "   :label: x\n"}
+    assert ahead("t/a", texts, ["t/a", "t/b"]) == [":doc:`b`", ":eq:`x`"]
+    assert ahead("t/a", texts, ["t/b", "t/a"]) == []
+
+
+def test_numbers_go_on_from_part_to_part(tmp_path):
+    """A tiny book of two parts with two chapters each: the chapters have the numbers 1 to 4, and so have their equations."""
+    pytest.importorskip("sphinx")
+    from sphinx.application import Sphinx
+
+    tree = ".. toctree::\n   :numbered:\n\n   {}\n   {}\n"
+    pages = {
+        "index": "Book\n====\n\n.. toctree::\n\n   p/index\n   q/index\n",
+        "p/index": "P\n=\n\n" + tree.format("a", "b"),
+        "q/index": "Q\n=\n\n" + tree.format("c", "d"),
+    }
+    for name in ("p/a", "p/b", "q/c", "q/d"):
+        label = name[2]
+        pages[name] = f"{label}\n=\n\nS\n-\n\n.. math::\n   :label: {label}\n\n   x\n"
+    for name, text in pages.items():
+        path = tmp_path / f"{name}.rst"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    settings = {"extensions": ["parts"], "numfig": True, "math_numfig": True}
+    out = tmp_path / "out"
+    app = Sphinx(tmp_path, None, out, out, "dummy", settings, None, None)
+    app.build()
+    numbers = {name: app.env.titles[name]["secnumber"] for name in ("p/a", "p/b", "q/c", "q/d")}
+    assert list(numbers.values()) == [[1], [2], [3], [4]]
+    assert app.env.toc_secnumbers["q/d"]["#s"] == (4, 1)
+    assert app.env.toc_fignumbers["q/d"]["displaymath"]["equation-d"] == (4, 1)
