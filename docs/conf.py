@@ -35,6 +35,7 @@ extensions = [
     "methodtable",  # measures the methods of projection side by side
     "scenekeys",  # the tables of a scene's keys come from the package's model
     "parts",  # one count of chapters through all parts
+    "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it
     "measured",  # numbers in the text come from measured.json
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page

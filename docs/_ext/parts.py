@@ -10,9 +10,6 @@ import posixpath
 import re
 from pathlib import Path
 
-from docutils import nodes
-from sphinx.environment.collectors.toctree import TocTreeCollector
-
 TOCTREE = re.compile(r"^\.\. toctree::\n((?:   .*\n|\n)*)", re.M)
 
 
@@ -46,6 +43,8 @@ def needs(page: Path) -> list[str]:
 
 def shift(env, chapter: str, by: int) -> None:
     """Raise the numbers of a chapter and its sections."""
+    from docutils import nodes
+
     numbers = env.toc_secnumbers[chapter]
     for anchor, number in numbers.items():
         if number:
@@ -55,19 +54,25 @@ def shift(env, chapter: str, by: int) -> None:
             node["secnumber"] = [number[0] + by, *number[1:]]
 
 
-def number_through(collector, env, sphinx_numbers=TocTreeCollector.assign_section_numbers):
-    """In place of Sphinx's count: the same, and then each part goes on from the part before. Returns the pages whose numbers changed."""
-    before = env.toc_secnumbers
-    sphinx_numbers(collector, env)
-    count = 0
-    for part in env.toctree_includes.get(env.config.root_doc, []):
-        if part in env.numbered_toctrees:
-            for chapter in env.toctree_includes[part]:
-                shift(env, chapter, count)
-            count += len(env.toctree_includes[part])
-    return [page for page, numbers in env.toc_secnumbers.items() if before.get(page) != numbers]
-
-
 def setup(app):
-    TocTreeCollector.assign_section_numbers = number_through
+    from sphinx.environment.collectors.toctree import TocTreeCollector
+
+    sphinx_numbers = TocTreeCollector.assign_section_numbers
+
+    def number_through(collector, env):
+        """Sphinx's count, and then each part goes on from the part before. Returns the pages whose numbers changed."""
+        before = env.toc_secnumbers
+        sphinx_numbers(collector, env)
+        count = 0
+        for part in env.toctree_includes.get(env.config.root_doc, []):
+            if part in env.numbered_toctrees:
+                for chapter in env.toctree_includes[part]:
+                    shift(env, chapter, count)
+                count += len(env.toctree_includes[part])
+        return [page for page, numbers in env.toc_secnumbers.items() if before.get(page) != numbers]
+
+    if (
+        sphinx_numbers.__name__ != number_through.__name__
+    ):  # once, also for several books in one process
+        TocTreeCollector.assign_section_numbers = number_through
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

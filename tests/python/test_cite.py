@@ -6,12 +6,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 CFF = (ROOT / "CITATION.cff").read_text()
 HEADER = (ROOT / "libcontact" / "include" / "libcontact" / "base.h").read_text()
-VERSION = ".".join(re.search(rf"CT_VERSION_{part} = (\d+)", HEADER)[1] for part in ("MAJOR", "MINOR", "PATCH"))
+VERSION = ".".join(
+    re.search(rf"CT_VERSION_{part} = (\d+)", HEADER)[1] for part in ("MAJOR", "MINOR", "PATCH")
+)
 
 
 def test_citation_has_what_the_format_requires():
     keys = re.findall(r"^([a-z-]+):", CFF, re.M)
-    assert {"cff-version", "message", "title", "authors"} <= set(keys) and len(keys) == len(set(keys))
+    assert {"cff-version", "message", "title", "authors"} <= set(keys) and len(keys) == len(
+        set(keys)
+    )
     assert re.search(r"^cff-version: 1\.2\.0$", CFF, re.M)
     assert re.search(r"^authors:\n  - name: .+", CFF, re.M)
 

@@ -20,7 +20,7 @@ import numpy as np
 from . import errors, has
 from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles
-from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
+from .errors import Error, NotBuiltIn, bare, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING, FIELDS, FILTERED
 from .plan import computed_share, measured, step_seconds
@@ -191,7 +191,7 @@ class Loop:
         state = None if good is None else self._state(good, self.monitor)
         error.run = self.result(state=state)
         if good is not None:
-            error.args = (f"{error}. {self._advice(good, path)}",)
+            error.args = (f"{bare(str(error))}. {self._advice(good, path)}",)
 
     def _advice(self, good: Any, path: Path | None) -> str:
         """Whether the step of the run is above the stable one of the last good state, and how to go on from it."""

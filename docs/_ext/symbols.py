@@ -1,0 +1,99 @@
+"""The letters of the labelled equations, and the table of notation that is made from ``reference/notation.toml``.
+
+A symbol is a letter with its style: ``\\sigma`` and ``\\boldsymbol\\sigma`` are two symbols, subscripts make no new one. The file has for each part its symbols with
+meaning, unit and the chapter that defines them. Where a chapter uses a symbol in another sense than its part, the file says so under ``other``; these rows
+are to become fewer.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+LETTERS = (
+    "kappa sigma varepsilon epsilon xi lambda beta zeta theta alpha gamma rho varrho omega".split()
+)
+LETTERS += list("WAJsphTgk")
+EQUATION = re.compile(r"\.\. math::\n((?:   .*\n|\n)+)")
+STYLED = r"\\(mathbf|boldsymbol)\s*(?:\{\s*(\\[a-zA-Z]+|[a-zA-Z])\s*\}|(\\[a-zA-Z]+|[a-zA-Z]))"
+GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}"
+
+
+def letters(formula: str) -> set[str]:
+    """Symbols of a formula that have one of the letters; subscripts, words and units do not count."""
+    text = re.sub(
+        r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)\*?\s*(?:" + GROUP + r"|\w)",
+        " ",
+        formula,
+    )
+    text = re.sub(r"_\s*(?:" + GROUP + r"|\\[a-zA-Z]+(?:\s*" + GROUP + r")?|.)", " ", text)
+    found = set()
+    for style, group, name in re.findall(STYLED, text):
+        found.add((style, group or name))
+    text = re.sub(r"\\(?:mathbf|boldsymbol)\s*(?:" + GROUP + r"|\\[a-zA-Z]+|\w)", " ", text)
+    found.update(("", name) for name in re.findall(r"\\[a-zA-Z]+", text))
+    found.update(("", name) for name in re.findall(r"[a-zA-Z]", re.sub(r"\\[a-zA-Z]+", " ", text)))
+    return {
+        (f"\\{style} " if style else "") + name
+        for style, name in found
+        if name.lstrip("\\") in LETTERS and (name[0] == "\\" or len(name) == 1)
+    }
+
+
+def used(page: Path) -> dict[str, list[str]]:
+    """Symbols of the labelled equations of a page, each with the labels of its equations."""
+    found: dict[str, list[str]] = {}
+    for block in EQUATION.findall(page.read_text()):
+        label = re.search(r"^\s+:label: (\S+)$", block, re.M)
+        if label:
+            formula = re.sub(r"^\s+:\w+:.*$", "", block, flags=re.M)
+            for symbol in letters(formula):
+                found.setdefault(symbol, []).append(label[1])
+    return found
+
+
+def notation(docs: Path) -> dict[str, dict]:
+    """The file: for each part ``symbol``, a list of rows, and ``other``, a list of exceptions."""
+    return tomllib.loads((docs / "reference" / "notation.toml").read_text())
+
+
+def directive():
+    """``.. notation:: theory/index``: the tables of a part. Tests, which only read the file, need no Sphinx."""
+    from sphinx.util.docutils import SphinxDirective
+
+    class Table(SphinxDirective):
+        required_arguments = 1
+
+        def run(self):
+            docs = Path(self.env.srcdir)
+            self.env.note_dependency(str(docs / "reference" / "notation.toml"))
+            part = notation(docs)[self.arguments[0]]
+            lines = [".. list-table::", "   :header-rows: 1", "   :widths: 14 52 12 22", ""]
+            rows = [("symbol", "meaning", "unit", "chapter")]
+            rows += [
+                (f":math:`{symbol}`", meaning, unit, f":doc:`/{page}`")
+                for symbol, meaning, unit, page in part["symbol"]
+            ]
+            for row in rows:
+                lines += [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(row)]
+            found = self.parse_text_to_nodes("\n".join(lines) + "\n")
+            if part["other"]:
+                lines = ["These chapters still use a symbol in another sense:", ""]
+                lines += [".. list-table::", "   :header-rows: 1", "   :widths: 14 52 34", ""]
+                rows = [("symbol", "meaning there", "chapter")]
+                rows += [
+                    (f":math:`{s}`", meaning, f":doc:`/{page}`")
+                    for s, page, meaning in part["other"]
+                ]
+                for row in rows:
+                    lines += [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(row)]
+                found += self.parse_text_to_nodes("\n".join(lines) + "\n")
+            return found
+
+    return Table
+
+
+def setup(app):
+    app.add_directive("notation", directive())
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
