@@ -19,7 +19,7 @@ STYLE = Path(__file__).resolve().parents[1] / "figures" / "book.mplstyle"
 
 
 def svg(path: Path, name: str, alt: str) -> str:
-    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the colour of the page's text."""
+    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the colour of the page's text, #fefefe in that of the page."""
     import matplotlib
     from matplotlib import style
 
@@ -32,6 +32,7 @@ def svg(path: Path, name: str, alt: str) -> str:
         figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
     drawing = text.getvalue()
     drawing = drawing.replace("#000000", "currentColor")
+    drawing = drawing.replace("#fefefe", "var(--color-background-primary, #ffffff)")
     drawing = re.sub(
         r"<svg ", f'<svg fill="currentColor" role="img" aria-label="{alt}" ', drawing, count=1
     )

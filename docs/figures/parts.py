@@ -33,8 +33,15 @@ def places(chapters):
     """Rows from the top: a level has as many rows as it needs."""
     level = levels(chapters)
     place, row = {}, 0
+
+    def above(page):
+        found = [place[need][0] for need in needs(DOCS / f"{page}.rst") if need in place]
+        return sum(found) / len(found) if found else 0.0
+
     for depth in range(max(level.values()) + 1):
         pages = [page for page in chapters if level[page] == depth]
+        if depth:
+            pages.sort(key=above)
         for start in range(0, len(pages), COLUMNS):
             line = pages[start : start + COLUMNS]
             for i, page in enumerate(line):
@@ -51,9 +58,9 @@ def chart(part):
         page: i + 1 for i, page in enumerate(page for pages in book.values() for page in pages)
     }
     place, rows = places(chapters)
-    figure = Figure(figsize=(7.5, 0.35 + 0.85 * rows))
+    figure = Figure(figsize=(7.5, 0.85 * rows))
     ax = figure.subplots()
-    ax.set(xlim=(-3.05, 3.05), ylim=(0.4 - rows, 0.4))
+    ax.set(xlim=(-3.05, 3.05), ylim=(0.5 - rows, 0.5))
     ax.axis("off")
     for page, (x, y) in place.items():
         for need in needs(DOCS / f"{page}.rst"):
@@ -63,7 +70,7 @@ def chart(part):
                 line = {"arrowstyle": "->", "color": "#8a8a8a", "lw": 1.0}
                 ax.annotate("", **ends, arrowprops=line, zorder=1)
         label = "\n".join([f"{numbers[page]}", *title(page)])
-        box = {"boxstyle": "round,pad=0.3", "fc": "none", "ec": "#3b8bd4"}
+        box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": "#3b8bd4"}
         text = ax.text(x, y, label, ha="center", va="center", fontsize=8, bbox=box, zorder=2)
         folder = Path(part).parent
         text.set_url(
