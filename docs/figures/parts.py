@@ -1,5 +1,6 @@
 """Maps of the parts of the book: its chapters, and which one needs which, as their own lists "You need" say."""
 
+import re
 import sys
 import textwrap
 from pathlib import Path
@@ -11,43 +12,71 @@ sys.path.insert(0, str(DOCS / "_ext"))
 from parts import needs, parts  # noqa: E402
 
 COLUMNS = 5
-WIDTH, HEIGHT = 1.0, 0.5  # of a box; boxes stand on a grid of 1.25 by 1
 
 
 def title(page):
-    """The title of a chapter up to its colon, in lines that fit a box."""
+    """The title of a chapter, in lines that fit a box."""
     text = (DOCS / f"{page}.rst").read_text()
-    return textwrap.wrap(next(line for line in text.splitlines() if line[:1].isalnum()), 17)
+    return textwrap.wrap(re.search(r"^(.+)\n([=])\2+$", text, re.M)[1], 17)
 
 
-def levels(chapters):
-    """How many chapters of the part must be read one after the other before each of them."""
+def arrows(chapters):
+    """For each chapter those of the part that it needs, without those that another one of them needs."""
+    direct = {page: [n for n in needs(DOCS / f"{page}.rst") if n in chapters] for page in chapters}
+
+    def all_before(page):
+        return set(direct[page]).union(*(all_before(need) for need in direct[page]))
+
+    return {
+        page: [n for n in found if not any(n in all_before(other) for other in found)]
+        for page, found in direct.items()
+    }
+
+
+def groups(before):
+    """Chapters that arrows connect, and a last group of those that none does."""
+    group = {page: {page} for page in before}
+    for page, found in before.items():
+        for need in found:
+            group[page] |= group[need]
+            for member in group[page]:
+                group[member] = group[page]
+    joined = [g for i, g in enumerate(group.values()) if g not in list(group.values())[:i]]
+    return [g for g in joined if len(g) > 1], [page for page in before if len(group[page]) == 1]
+
+
+def places(before):
+    """A box for each chapter: column and row. Chapters follow those that they need to the right or, in a long part, downwards."""
     level = {}
-    for page in chapters:
-        known = [level[need] for need in needs(DOCS / f"{page}.rst") if need in level]
-        level[page] = max(known, default=-1) + 1
-    return level
-
-
-def places(chapters):
-    """Rows from the top: a level has as many rows as it needs."""
-    level = levels(chapters)
+    for page in before:
+        level[page] = max((level[need] + 1 for need in before[page]), default=0)
+    for page in reversed(before):  # as late as those that need it allow: arrows become short
+        after = [level[other] - 1 for other in before if page in before[other]]
+        level[page] = min(after, default=level[page])
+    connected, alone = groups(before)
     place, row = {}, 0
 
     def above(page):
-        found = [place[need][0] for need in needs(DOCS / f"{page}.rst") if need in place]
-        return sum(found) / len(found) if found else 0.0
+        found = [place[need] for need in before[page]]
+        return sum(x + 10 * y for x, y in found) / max(len(found), 1)
 
-    for depth in range(max(level.values()) + 1):
-        pages = [page for page in chapters if level[page] == depth]
-        if depth:
-            pages.sort(key=above)
-        for start in range(0, len(pages), COLUMNS):
-            line = pages[start : start + COLUMNS]
+    downwards = max(level.values()) >= COLUMNS
+    left = rows = 0
+    for group in connected:
+        depths = range(max(level[page] for page in group) + 1)
+        if downwards or left + len(depths) > COLUMNS:
+            left, row, rows = 0, row + rows, 0
+        for depth in depths:
+            line = sorted((p for p in before if p in group and level[p] == depth), key=above)
             for i, page in enumerate(line):
-                place[page] = (1.25 * (i - 0.5 * (len(line) - 1)), -row)
-            row += 1
-    return place, row
+                middle = 0.5 * (COLUMNS - len(line))
+                place[page] = (middle + i, row + depth) if downwards else (left + depth, row + i)
+            rows = max(rows, depth + 1 if downwards else len(line))
+        left += len(depths)
+    row += rows
+    for i, page in enumerate(alone):
+        place[page] = (i % COLUMNS, row + i // COLUMNS)
+    return place, downwards
 
 
 def chart(part):
@@ -57,18 +86,20 @@ def chart(part):
     numbers = {
         page: i + 1 for i, page in enumerate(page for pages in book.values() for page in pages)
     }
-    place, rows = places(chapters)
-    figure = Figure(figsize=(7.5, 0.85 * rows))
+    before = arrows(chapters)
+    place, downwards = places(before)
+    rows = 1 + max(row for _, row in place.values())
+    figure = Figure(figsize=(7.5, 0.95 * rows))
     ax = figure.subplots()
-    ax.set(xlim=(-3.05, 3.05), ylim=(0.5 - rows, 0.5))
+    ax.set(xlim=(-0.5, COLUMNS - 0.5), ylim=(rows - 0.5, -0.5))
     ax.axis("off")
+    side, end = ((0, 0.36), (0, -0.36)) if downwards else ((0.38, 0), (-0.4, 0))
     for page, (x, y) in place.items():
-        for need in needs(DOCS / f"{page}.rst"):
-            if need in place and place[need][1] > y:
-                a, b = place[need]
-                ends = {"xy": (x, y + HEIGHT / 2 + 0.1), "xytext": (a, b - HEIGHT / 2 - 0.1)}
-                line = {"arrowstyle": "->", "color": "#8a8a8a", "lw": 1.0}
-                ax.annotate("", **ends, arrowprops=line, zorder=1)
+        for need in before[page]:
+            a, b = place[need]
+            ends = {"xy": (x + end[0], y + end[1]), "xytext": (a + side[0], b + side[1])}
+            line = {"arrowstyle": "->", "color": "#8a8a8a", "lw": 1.0}
+            ax.annotate("", **ends, arrowprops=line, zorder=1)
         label = "\n".join([f"{numbers[page]}", *title(page)])
         box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": "#3b8bd4"}
         text = ax.text(x, y, label, ha="center", va="center", fontsize=8, bbox=box, zorder=2)
