@@ -32,6 +32,7 @@ def svg(path: Path, name: str, alt: str) -> str:
         figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
     drawing = text.getvalue()
     drawing = drawing.replace("#000000", "currentColor")
+    drawing = drawing.replace(' target="_blank"', "")
     drawing = drawing.replace("#fefefe", "var(--color-background-primary, #ffffff)")
     drawing = re.sub(
         r"<svg ", f'<svg fill="currentColor" role="img" aria-label="{alt}" ', drawing, count=1
