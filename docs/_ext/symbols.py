@@ -58,6 +58,23 @@ def notation(docs: Path) -> dict[str, dict]:
     return tomllib.loads((docs / "reference" / "notation.toml").read_text())
 
 
+def exceptions(docs: Path, part: str) -> list[list[str]]:
+    """Rows of ``other`` of a part that still hold: symbol, chapter, meaning."""
+    rows = notation(docs)[part]["other"]
+    pages = {page: docs / f"{page}.rst" for _, page, _ in rows}
+    found = {page: used(path) if path.exists() else {} for page, path in pages.items()}
+    return [row for row in rows if row[0] in found[row[1]]]
+
+
+def table(widths: str, head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A list table in reST; the first cell of a row is a formula, the last one a page."""
+    lines = [".. list-table::", "   :header-rows: 1", f"   :widths: {widths}", ""]
+    cells = [head, *((f":math:`{row[0]}`", *row[1:-1], f":doc:`/{row[-1]}`") for row in rows)]
+    for row in cells:
+        lines += [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(row)]
+    return "\n".join(lines) + "\n\n"
+
+
 def directive():
     """``.. notation:: theory/index``: the tables of a part. Tests, which only read the file, need no Sphinx."""
     from sphinx.util.docutils import SphinxDirective
@@ -66,30 +83,15 @@ def directive():
         required_arguments = 1
 
         def run(self):
-            docs = Path(self.env.srcdir)
+            docs, part = Path(self.env.srcdir), self.arguments[0]
             self.env.note_dependency(str(docs / "reference" / "notation.toml"))
-            part = notation(docs)[self.arguments[0]]
-            lines = [".. list-table::", "   :header-rows: 1", "   :widths: 14 52 12 22", ""]
-            rows = [("symbol", "meaning", "unit", "chapter")]
-            rows += [
-                (f":math:`{symbol}`", meaning, unit, f":doc:`/{page}`")
-                for symbol, meaning, unit, page in part["symbol"]
-            ]
-            for row in rows:
-                lines += [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(row)]
-            found = self.parse_text_to_nodes("\n".join(lines) + "\n")
-            if part["other"]:
-                lines = ["These chapters still use a symbol in another sense:", ""]
-                lines += [".. list-table::", "   :header-rows: 1", "   :widths: 14 52 34", ""]
-                rows = [("symbol", "meaning there", "chapter")]
-                rows += [
-                    (f":math:`{s}`", meaning, f":doc:`/{page}`")
-                    for s, page, meaning in part["other"]
-                ]
-                for row in rows:
-                    lines += [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(row)]
-                found += self.parse_text_to_nodes("\n".join(lines) + "\n")
-            return found
+            head = ("symbol", "meaning", "unit", "chapter")
+            text = table("14 52 12 22", head, notation(docs)[part]["symbol"])
+            other = [(symbol, meaning, page) for symbol, page, meaning in exceptions(docs, part)]
+            if other:
+                text += "These chapters still use a symbol in another sense:\n\n"
+                text += table("14 52 34", ("symbol", "meaning there", "chapter"), other)
+            return self.parse_text_to_nodes(text)
 
     return Table
 
