@@ -26,7 +26,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs measured bench stability accuracy wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -64,8 +64,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib install wheel figures test docs measured bench stability accuracy check-c fuzz kill threads memory info clean setup
-.PHONY: _figures _test _docs _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
+.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill threads memory info clean setup
+.PHONY: _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
 help:
@@ -73,6 +73,7 @@ help:
 	@echo "make test             every test; the last line counts them"
 	@echo "make check-c          the C tests alone, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
+	@echo "make pdf              the book as one PDF, build/docs/libcontact.pdf (set by Chromium)"
 	@echo "make measured         the numbers that the book quotes, computed anew into docs/measured.json"
 	@echo "make bench            measured tables and pictures, in build/bench"
 	@echo "make stability        hard cases, each with its verdict, in build/stability"
@@ -172,7 +173,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 
 # As many compilers at a time as there are processors, where the caller says nothing else.
 JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
-figures test docs measured bench stability accuracy wheel: setup
+figures test docs pdf measured bench stability accuracy wheel: setup
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
@@ -186,6 +187,9 @@ _figures: $(VENV)/.wrapper
 _docs: $(VENV)/.wrapper $(VENV)/.docs
 	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html docs $(BUILD)/docs/html
 	@echo "written: $(BUILD)/docs/html/index.html"
+
+_pdf: _docs $(VENV)/.browser
+	$(VENV)/bin/python docs/printed.py $(BUILD)/docs/html $(BUILD)/docs/libcontact.pdf
 
 _measured: $(VENV)/.wrapper
 	$(VENV)/bin/python docs/measure.py

@@ -1,20 +1,18 @@
 """The book builds with warnings as errors, tutorials not run (they are tests of their own), and needs nothing from outside."""
 
-import functools
 import os
 import re
-import shutil
 import subprocess
 import sys
-import threading
 import zipfile
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("sphinx")
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs"))
+import browser  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -70,26 +68,19 @@ def test_downloads_are_the_tutorials(book):
             assert packed.read(script.name) == script.read_bytes()
 
 
-# How numbers of equations lie beside their formulas, as a browser lays the pages out.
+# Every page as a browser lays it out.
 
-WIDTHS = {
-    390: 844,
-    768: 1024,
-    1400: 900,
-}  # a telephone, a tablet, a desk: width and height in pixels
-PAGES = (
-    "brick",
-    "contact",
-    "enforcement",
-    "integrator",
-)  # those with the widest formulas; all pages would take half a minute
+WIDTHS = {390: 844, 1400: 900}  # a telephone and a desk: width and height in pixels
+COURSE = ("week/", "theory/")  # pages of which nothing may be hidden on a desk
 
-# Of each numbered equation: does the rectangle of its number cut that of its formula, as far as the formula's box shows it? Is the number
-# outside of the window?
+# `over`: numbers of equations that cut the visible part of their formula, or lie outside of the window. `lost`: what leaves the window and stands in
+# no box that scrolls. `hidden`: formulas and listings of which a part must be scrolled to. `errors`: formulas that could not be set.
 LOOK = """
 () => {
+  const width = document.documentElement.clientWidth, name = e => e.closest("[id]")?.id + " " + e.tagName;
   const cut = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 0.5;
-  let numbered = 0, over = [], lost = [];
+  const over = [], lost = [], hidden = [];
+  let numbered = 0;
   for (const block of document.querySelectorAll("div.math")) {
     const number = block.querySelector(":scope > .eqno"), box = block.querySelector("mjx-container");
     if (!number || !box) continue;
@@ -98,53 +89,54 @@ LOOK = """
     range.selectNode(number.firstChild);
     const n = range.getBoundingClientRect(), f = box.querySelector("svg").getBoundingClientRect(), b = box.getBoundingClientRect();
     const scrolls = getComputedStyle(box).overflowX !== "visible";
-    if (cut(n, scrolls ? {left: Math.max(f.left, b.left), right: Math.min(f.right, b.right), top: f.top, bottom: f.bottom} : f)) over.push(block.id);
-    if (n.left < 0 || n.right > document.documentElement.clientWidth) lost.push(block.id);
+    const seen = scrolls ? {left: Math.max(f.left, b.left), right: Math.min(f.right, b.right), top: f.top, bottom: f.bottom} : f;
+    if (cut(n, seen) || n.left < 0 || n.right > width) over.push(block.id);
   }
-  return {numbered, over, lost};
+  for (const box of document.querySelectorAll("div.math > mjx-container, div.highlight pre"))
+    if (box.scrollWidth > box.clientWidth + 1) hidden.push(name(box));
+  for (const e of document.querySelectorAll("article *")) {
+    const r = e.getBoundingClientRect();
+    if (r.width === 0 || r.right <= width + 1) continue;
+    let box = e;
+    while (box !== document.body && getComputedStyle(box).overflowX === "visible") box = box.parentElement;
+    if (box === document.body) lost.push(name(e));
+  }
+  return {numbered, over, lost, hidden, errors: document.querySelectorAll("mjx-merror").length};
 }
 """
 
 
 @pytest.fixture(scope="module")
 def looks(book):
-    """What LOOK finds on PAGES, by width; skipped where there is no browser."""
-    playwright = pytest.importorskip(
-        "playwright.sync_api", reason="no playwright (make build/venv/.browser)"
-    )
-    browser = (
-        shutil.which("chromium")
-        or shutil.which("chromium-browser")
-        or shutil.which("google-chrome")
-    )
-    if browser is None:
-        pytest.skip("no Chromium on this machine")
-    handler = functools.partial(
-        type("Quiet", (SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}),
-        directory=str(book),
-    )
+    """What LOOK finds on each page, by width, and the requests that left the machine; skipped where there is no browser."""
+    pytest.importorskip("playwright", reason="no playwright (make build/venv/.browser)")
+    own = browser.find()
+    if own is None:
+        pytest.skip("no browser on this machine")
+    names = [path.relative_to(book).as_posix() for path in sorted(book.rglob("*.html"))]
     found = {width: {} for width in WIDTHS}
-    with (
-        ThreadingHTTPServer(("127.0.0.1", 0), handler) as server,
-        playwright.sync_playwright() as driver,
-    ):
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        page = driver.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page()
-        for name in PAGES:
-            page.goto(f"http://127.0.0.1:{server.server_port}/theory/{name}.html")
-            page.wait_for_function(
-                "() => window.MathJax && MathJax.startup && MathJax.startup.promise"
-            )
-            page.evaluate("() => MathJax.startup.promise.then(() => true)")
+    with browser.reading(book, own) as reader:
+        for name in (name for name in names if not name.startswith("_code/")):
+            page = reader.open(name)
             for width, height in WIDTHS.items():
                 page.set_viewport_size({"width": width, "height": height})
                 found[width][name] = page.evaluate(LOOK)
-        server.shutdown()
-    return found
+    return found, reader.outside
 
 
+@pytest.mark.parametrize("what", ("over", "lost", "errors"))
 @pytest.mark.parametrize("width", WIDTHS)
-def test_no_number_is_printed_over_its_formula(looks, width):
-    assert sum(page["numbered"] for page in looks[width].values()) > 40
-    assert {name: page["over"] for name, page in looks[width].items() if page["over"]} == {}
-    assert {name: page["lost"] for name, page in looks[width].items() if page["lost"]} == {}
+def test_pages_at_a_width(looks, width, what):
+    pages = looks[0][width]
+    assert sum(page["numbered"] for page in pages.values()) > 300
+    assert {name: page[what] for name, page in pages.items() if page[what]} == {}
+
+
+def test_nothing_of_the_course_is_hidden_on_a_desk(looks):
+    pages = looks[0][1400]
+    hidden = {name: page["hidden"] for name, page in pages.items() if page["hidden"]}
+    assert {name: boxes for name, boxes in hidden.items() if name.startswith(COURSE)} == {}
+
+
+def test_no_request_leaves(looks):
+    assert looks[1] == []

@@ -303,7 +303,7 @@ def test_bargains_of_the_book():
         assert min(cost for four, five, cost in own if min(four, five) >= 1) <= 1 / 80
         assert any(four >= 6 and five >= 4 and cost <= 1 for four, five, cost in own)
     listed = drawings.bargains(rows)
-    cheap = [row["updates"] for row in listed if row[""].startswith("as good")]
+    cheap = [row["updates"] for row in listed if row[""] == "as good as the paper"]
     least = [
         min(
             cost

@@ -1,0 +1,130 @@
+"""
+``make pdf``: ``printed.py HTML PDF`` prints the pages of the built book, in the order of its contents, into one PDF with contents, bookmarks, page numbers and links between
+its pages. The browser that shows the book sets it, so it needs no typesetting system.
+"""
+
+from __future__ import annotations
+
+import html
+import io
+import re
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import browser
+from pypdf import PdfReader, PdfWriter
+from pypdf.generic import ArrayObject, NameObject
+from tqdm import tqdm
+
+FORMAT: dict[str, Any] = {"format": "A4", "scale": 0.78, "print_background": True}
+MARGIN = {"top": "18mm", "bottom": "18mm", "left": "16mm", "right": "16mm"}
+ENTRY = re.compile(
+    r'<li class="toctree-l(\d)[^"]*"><a class="reference internal" href="([^"#]+)">(.*?)</a>'
+)
+
+
+class Page(NamedTuple):
+    """A page of the book: its depth in the contents, its path, its title."""
+
+    depth: int
+    name: str
+    title: str
+
+
+class Printed(NamedTuple):
+    page: Page
+    sheets: PdfReader
+    first: int  # index of its first sheet in the PDF
+
+
+def contents(folder: Path) -> list[Page]:
+    """The pages in the order of the contents, from the tree beside each page."""
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    tree = text[text.index('class="sidebar-tree"') :]
+    found = (Page(int(depth), name, strip(title)) for depth, name, title in ENTRY.findall(tree))
+    return list({page.name: page for page in found}.values())
+
+
+def strip(title: str) -> str:
+    return html.unescape(re.sub(r"<[^>]*>", "", title)).strip()
+
+
+def printed(reader: browser.Reader, page: Page, first: int) -> Printed:
+    own = reader.open(page.name)
+    if own.query_selector("mjx-merror"):
+        raise SystemExit(f"{page.name}: MathJax could not set a formula")
+    return Printed(page, PdfReader(io.BytesIO(own.pdf(**FORMAT, margin=MARGIN))), first)
+
+
+def table(reader: browser.Reader, book: list[Printed]) -> PdfReader:
+    """Title and contents with page numbers, as sheets."""
+    rows = "".join(
+        f'<p style="margin:0.15em 0 0.15em {2 * (one.page.depth - 1)}em"><a href="{reader.address}/{one.page.name}">{html.escape(one.page.title)}</a>'
+        f'<span style="float:right">{one.first + 1}</span></p>'
+        for one in book
+    )
+    text = (
+        '<body style="font-family:sans-serif;font-size:15px"><style>a{color:inherit;text-decoration:none}</style>'
+        f"<h1>libcontact</h1><p>Explicit finite-element contact and impact: the equations and the code that computes them.</p><h2>Contents</h2>{rows}"
+    )
+    reader.page.set_content(text)
+    return PdfReader(io.BytesIO(reader.page.pdf(**FORMAT, margin=MARGIN)))
+
+
+def numbers(reader: browser.Reader, count: int) -> PdfReader:
+    """Sheets with nothing but their number."""
+    each = "".join(
+        f'<div style="height:100vh;break-after:page;position:relative"><p style="position:absolute;bottom:8mm;width:100%;text-align:center">{k + 1}</p></div>'
+        for k in range(count)
+    )
+    reader.page.set_content(
+        f'<body style="margin:0;font:11px sans-serif;color:#555">{each}'
+    )
+    return PdfReader(io.BytesIO(reader.page.pdf(format="A4")))
+
+
+def finish(writer: PdfWriter, address: str, book: list[Printed]) -> None:
+    """Links to pages of the book lead to their first sheet; each page has a bookmark below that of the page above it in the contents."""
+    first = {one.page.name: writer.pages[one.first].indirect_reference for one in book}
+    for sheet in writer.pages:
+        for link in sheet.get("/Annots") or []:
+            own = link.get_object()
+            target = str(own.get("/A", {}).get("/URI", ""))
+            name = target.removeprefix(f"{address}/").split("#")[0]
+            if name in first:
+                own[NameObject("/Dest")] = ArrayObject([first[name], NameObject("/Fit")])
+                del own["/A"]
+    above: dict[int, Any] = {}
+    for one in book:
+        above[one.page.depth] = writer.add_outline_item(
+            one.page.title, one.first, parent=above.get(one.page.depth - 1)
+        )
+
+
+def write(folder: Path, path: Path) -> None:
+    own = browser.find()
+    if own is None:
+        raise SystemExit("no browser: install chromium, or run build/venv/bin/playwright install --only-shell chromium")
+    with browser.reading(folder, own) as reader:
+        reader.page.emulate_media(media="print", color_scheme="light")
+        book, first = list[Printed](), 0
+        for page in tqdm(contents(folder), unit="page", disable=None):
+            book.append(printed(reader, page, first))
+            first += len(book[-1].sheets.pages)
+        before = len(table(reader, book).pages)
+        book = [one._replace(first=one.first + before) for one in book]
+        writer = PdfWriter()
+        for sheets in (table(reader, book), *(one.sheets for one in book)):
+            writer.append(sheets, import_outline=False)
+        for sheet, number in zip(writer.pages, numbers(reader, len(writer.pages)).pages):
+            sheet.merge_page(number)
+        if reader.outside:
+            raise SystemExit(f"a page fetches {reader.outside[0]}")
+        finish(writer, reader.address, book)
+    writer.write(path)
+    print(f"{len(writer.pages)} pages: {path}")
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]), Path(sys.argv[2]))
