@@ -7,7 +7,7 @@ between ``)`` and ``{`` at depth 0, whether static, with attributes, or inside `
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 # What is no code: comments, strings and characters, preprocessor lines with their continuations.
 NO_CODE = re.compile(
@@ -116,6 +116,14 @@ class Source:
         while not self.lines[last - 1].strip():
             last -= 1
         return Span(heading.name, heading.first, last, heading.function)
+
+    def quote(self, what: str, doc: bool = False) -> Span:
+        """The function of this name, with ``doc`` from the comments above it on, or the fragment under this ``"heading"``."""
+        quoted = re.fullmatch(r'"(.*)"', what)
+        if quoted:
+            return self.fragment(quoted[1].strip())
+        span = self.function(what)
+        return replace(span, first=self.doc_start(span)) if doc else span
 
     def doc_start(self, span: Span) -> int:
         """First line of the comments directly above a function."""

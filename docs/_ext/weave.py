@@ -21,7 +21,6 @@ no page defines. (That two pages define one label is reported by Sphinx itself.)
 
 from __future__ import annotations
 
-import re
 import textwrap
 from pathlib import Path
 
@@ -75,16 +74,15 @@ class Weave(SphinxDirective):
         file = source_root(self.config, self.env) / path
         self.env.note_dependency(str(file))
         source = Source(file.read_text(encoding="utf-8"))
-        quoted = re.fullmatch(r'"(.*)"', what)
-        span = source.fragment(quoted[1].strip()) if quoted else source.function(what)
-        first = source.doc_start(span) if "doc" in self.options and not quoted else span.first
+        span = source.quote(what, "doc" in self.options)
+        first = span.first
         self.env.weave_quotes.setdefault(self.env.docname, set()).add((path, first, span.last))
 
         text = textwrap.dedent("\n".join(source.lines[first - 1 : span.last]))
         listing = nodes.literal_block(text, text, language="c", linenos=True, source=str(file))
         listing["highlight_args"] = {"linenostart": first}
         caption = nodes.caption("", "", code_reference(self.env.docname, path, first))
-        caption += nodes.Text(f" {span.name}" if quoted else f" {span.name}()")
+        caption += nodes.Text(f" {span.name}" if what.startswith('"') else f" {span.name}()")
         for i, label in enumerate(
             dict.fromkeys(label for label, _, _ in source.labels(first, span.last))
         ):
@@ -175,13 +173,14 @@ def add_computed_in(app, doctree, docname):
             paragraph = nodes.paragraph("", "computed in ", classes=["weave-computed"])
             for i, (path, line) in enumerate(places):
                 paragraph += nodes.Text(", " if i else "")
-                paragraph += _link(
+                paragraph += code_link(
                     app, docname, path, line, nodes.literal("", f"{Path(path).name}:{line}")
                 )
             block.parent.insert(block.parent.index(block) + 1, paragraph)
 
 
-def _link(app, docname: str, path: str, line: int, content: nodes.Node) -> nodes.reference:
+def code_link(app, docname: str, path: str, line: int, content: nodes.Node) -> nodes.reference:
+    """A link from a page to a line of a source file, in HTML."""
     uri = f"{app.builder.get_relative_uri(docname, code_page(path))}#line-{line}"
     return nodes.reference("", "", content, refuri=uri, internal=True)
 
@@ -191,7 +190,7 @@ def resolve_code(app, env, node, content):
         return None
     if app.builder.format != "html" or node["reftarget"] not in source_files(app.config, env):
         return content
-    return _link(app, node["refdoc"], node["reftarget"], node["line"], content)
+    return code_link(app, node["refdoc"], node["reftarget"], node["line"], content)
 
 
 def purge_quotes(app, env, docname):

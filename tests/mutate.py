@@ -1,0 +1,148 @@
+"""Does a test notice when the line of its equation changes? ``mutate.py [--draw 40] [--seed 1] [--pages theory/mass] [label ...]``.
+
+Draws computed equations of the book (the rows of ``trace.html``), changes a sign or factor in the quoted line, builds what the tests of the row need, and runs them.
+All of that happens in a copy of the tree, ``build/mutate``; the tree itself is only read. Prints a line per equation: the change, and the test that failed or that none did.
+"""
+
+import argparse
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+from fnmatch import fnmatch
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+COPY = ROOT / "build" / "mutate"
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+from tracing import book  # noqa: E402
+
+SECONDS = 600  # a change that makes a test hang is noticed
+# What changes in a line, and into what: a sign, a factor, a comparison, else the whole value. No index, exponent, arrow or pointer.
+CHANGES = (
+    (r"[\w)\]] ([+-]) ?[\w(.-]", lambda sign: "-" if sign == "+" else "+"),
+    (r"[\w)\]] (\*) ?[\w(.-]", lambda sign: "* 1.5 *"),
+    (r"[=(,?:]\s*(-)[\w(]", lambda sign: ""),
+    (r"[\w)\]] ([<>]=?) [\w(.-]", lambda sign: sign.translate(str.maketrans("<>", "><"))),
+    (r"(?:\breturn|=) ([^;=]+);", lambda value: f"1.5 * ({value})"),
+)
+
+
+def changed(line):
+    """Versions of a line of code, each with one change; what stands in brackets is an index."""
+    code = re.split(r"//|/\*|#", line)[0]
+    hidden = re.sub(r"\[[^\[\]]*\]", lambda m: "[" + "_" * (len(m[0]) - 2) + "]", code)
+    start = (re.search(r"=|\breturn\b|\bif\b|\(", hidden) or re.search("", hidden)).start()
+    if hidden[start - 1 : start] in "+-" and hidden[start : start + 1] == "=":  # += and -=
+        yield line[: start - 1] + ("-" if line[start - 1] == "+" else "+") + line[start:]
+    for pattern, new in CHANGES:
+        for match in re.finditer(f"(?={pattern})", hidden[start:]):
+            first, end = start + match.start(1), start + match.end(1)
+            yield line[:first] + new(line[first:end]) + line[end:]
+
+
+def run(command, **variables):
+    """Exit status and output of a command in the copy."""
+    threads = {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "build" / "site")}
+    try:
+        done = subprocess.run(
+            command,
+            cwd=COPY,
+            env={**os.environ, **threads, **variables},
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=SECONDS,
+        )
+    except subprocess.TimeoutExpired:
+        return 1, "not ok: it does not end"
+    return done.returncode, done.stdout + done.stderr
+
+
+def make_copy():
+    for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
+        if (ROOT / name).is_file():
+            (COPY / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, COPY / name)
+    for name in ("obj", "lib", "tests", "flags"):
+        if (ROOT / "build" / name).exists() and not (COPY / "build" / name).exists():
+            subprocess.run(["cp", "-a", str(ROOT / "build" / name), str(COPY / "build" / name)])
+    for name in (".base", ".run"):  # the packages are those of this Python
+        (COPY / "build" / "venv").mkdir(parents=True, exist_ok=True)
+        (COPY / "build" / "venv" / name).touch()
+
+
+def failing(test):
+    """Build and run a test: None if it can't be built, else what failed, or nothing."""
+    if test.path.endswith(".c"):
+        program = f"build/tests/{Path(test.path).stem}"
+        if run(["make", "BOOTSTRAP=no", program])[0]:
+            return None
+        status, text = run([program])
+        found = re.findall(r"^not ok.*", text, re.M)
+    else:
+        pip = f"PIP_TARGET={COPY}/build/site PIP_UPGRADE=1 {sys.executable} -m pip"
+        if run(["make", "BOOTSTRAP=no", f"PIP={pip}", "build/venv/.wrapper"])[0]:
+            return None
+        where = ["-k", test.function, test.path] if test.function else [test.path]
+        status, text = run([sys.executable, "-m", "pytest", "-q", "-x", *where])
+        found = re.findall(r"^(?:FAILED|ERROR).*", text, re.M)
+    return (found or [f"status {status}"])[0] if status else ""
+
+
+def try_equation(equation, dice):
+    """The change, and the first test that noticed it, nothing if none did; None if no change could be built."""
+    path, first = COPY / equation.code.path, equation.code.first
+    text = path.read_text(encoding="utf-8")
+    lines = text.splitlines(keepends=True)
+    options = [
+        (i, line) for i in range(first - 1, equation.code.last) for line in changed(lines[i])
+    ]
+    tests = list(
+        {(t.path, t.function if t.path.endswith(".py") else ""): t for t in equation.tests}.values()
+    )
+    dice.shuffle(options)
+    try:
+        for i, line in options:
+            path.write_text("".join([*lines[:i], line, *lines[i + 1 :]]), encoding="utf-8")
+            results = []
+            for test in tests:
+                results.append(failing(test))
+                if results[-1]:
+                    break
+            if None not in results:
+                return line.strip(), results[-1]
+    finally:
+        path.write_text(text, encoding="utf-8")
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("labels", nargs="*")
+    parser.add_argument("--draw", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--pages", default="*")
+    given = parser.parse_args()
+    rows = [e for e in book(ROOT)[0].values() if e.kind == "computed" and e.code and e.tests]
+    rows = [e for e in rows if fnmatch(e.page, given.pages)]
+    rows = [e for e in rows if e.label in given.labels] if given.labels else rows
+    dice = random.Random(given.seed)
+    make_copy()
+    missed = 0
+    for equation in dice.sample(rows, min(given.draw, len(rows))):
+        found = try_equation(equation, dice)
+        change, noticed = found or ("no change can be built", "?")
+        missed += not noticed
+        where = f"{equation.code.path}:{equation.code.first}"
+        print(
+            f"{equation.label}  {where}  {change}\n    {noticed or 'NO TEST NOTICED'}", flush=True
+        )
+    print(f"{missed} missed")
+    return missed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
