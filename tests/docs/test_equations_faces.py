@@ -301,7 +301,7 @@ def test_simplex_of_the_paper():
         # If the image of the highest vertex is no lower, the second highest is reflected.
         other = value(reflected[0]) >= f[h]
         moved = 3 - h - low if other else h
-        x[moved], age = reflected[other], age + 1
+        x[moved], age = reflected[int(other)], age + 1
         f[moved], age[moved] = value(x[moved]), 0
         low = np.argmin(f)
         lowest.append(x[low].copy())
