@@ -5,6 +5,7 @@ All of that happens in a copy of the tree, ``build/mutate``; the tree itself is 
 """
 
 import argparse
+import importlib.util
 import os
 import random
 import re
@@ -19,6 +20,7 @@ COPY = ROOT / "build" / "mutate"
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 from tracing import book  # noqa: E402
 
+LIBRARIES = [f"build/lib/libcontact{part}.so" for part in ("", "-gsl", "-hdf5")]
 SECONDS = 600  # a change that makes a test hang is noticed
 # What changes in a line, and into what: a sign, a factor, a comparison, else the whole value. No index, exponent, arrow or pointer.
 CHANGES = (
@@ -34,7 +36,9 @@ def changed(line):
     """Versions of a line of code, each with one change; what stands in brackets is an index."""
     code = re.split(r"//|/\*|#", line)[0]
     hidden = re.sub(r"\[[^\[\]]*\]", lambda m: "[" + "_" * (len(m[0]) - 2) + "]", code)
-    start = (re.search(r"=|\breturn\b|\bif\b|\(", hidden) or re.search("", hidden)).start()
+    head = re.match(r"\s*for \([^;]*;[^;]*;[^)]*\)|", hidden).end()
+    begin = re.compile(r"=|\breturn\b|\bif\b|\(").search(hidden, head)
+    start = begin.start() if begin else head
     if hidden[start - 1 : start] in "+-" and hidden[start : start + 1] == "=":  # += and -=
         yield line[: start - 1] + ("-" if line[start - 1] == "+" else "+") + line[start:]
     for pattern, new in CHANGES:
@@ -45,7 +49,7 @@ def changed(line):
 
 def run(command, **variables):
     """Exit status and output of a command in the copy."""
-    threads = {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "build" / "site")}
+    threads = {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "wrapper")}
     try:
         done = subprocess.run(
             command,
@@ -62,16 +66,16 @@ def run(command, **variables):
 
 
 def make_copy():
+    (COPY / "build").mkdir(parents=True, exist_ok=True)
     for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
         if (ROOT / name).is_file():
             (COPY / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, COPY / name)
     for name in ("obj", "lib", "tests", "flags"):
         if (ROOT / "build" / name).exists() and not (COPY / "build" / name).exists():
-            subprocess.run(["cp", "-a", str(ROOT / "build" / name), str(COPY / "build" / name)])
-    for name in (".base", ".run"):  # the packages are those of this Python
-        (COPY / "build" / "venv").mkdir(parents=True, exist_ok=True)
-        (COPY / "build" / "venv" / name).touch()
+            subprocess.run(["cp", "-a", ROOT / "build" / name, COPY / "build" / name], check=True)
+    core = importlib.util.find_spec("libcontact._core").origin
+    shutil.copy2(core, COPY / "wrapper" / "libcontact")
 
 
 def failing(test):
@@ -82,12 +86,12 @@ def failing(test):
             return None
         status, text = run([program])
         found = re.findall(r"^not ok.*", text, re.M)
-    else:
-        pip = f"PIP_TARGET={COPY}/build/site PIP_UPGRADE=1 {sys.executable} -m pip"
-        if run(["make", "BOOTSTRAP=no", f"PIP={pip}", "build/venv/.wrapper"])[0]:
+    else:  # the package's compiled part takes its functions from libraries that are loaded before it
+        if run(["make", "BOOTSTRAP=no", *LIBRARIES])[0]:
             return None
         where = ["-k", test.function, test.path] if test.function else [test.path]
-        status, text = run([sys.executable, "-m", "pytest", "-q", "-x", *where])
+        loaded = " ".join(str(COPY / library) for library in LIBRARIES)
+        status, text = run([sys.executable, "-m", "pytest", "-q", "-x", *where], LD_PRELOAD=loaded)
         found = re.findall(r"^(?:FAILED|ERROR).*", text, re.M)
     return (found or [f"status {status}"])[0] if status else ""
 

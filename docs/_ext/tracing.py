@@ -29,7 +29,7 @@ DIRECTIVE = re.compile(
 )
 # Lines above the one that computes: a loop, a brace, the head of a function, a declaration without a value.
 PREPARES = re.compile(
-    r"^\s*(for\b.*|else|do|[{}\s]*|def .*|@.*|(static|inline|const|void|CT_INLINE)[^=;]*|#pragma.*|(?!\s*return)[\w\s*,\[\]]+;)\s*$"
+    r"^\s*(for\b[^;]*(;[^;]*){2}|for\b[^;=]*:|else|do|[{}\s]*|def .*|@.*|(static|inline|const|void|CT_INLINE)[^=;]*|#pragma.*|(?!\s*return)[\w\s*,\[\]]+;)\s*$"
 )
 
 
