@@ -1,10 +1,11 @@
-"""Does a test notice when the line of its equation changes? ``mutate.py [--draw 40] [--seed 1] [--pages theory/mass] [label ...]``.
+"""Does a test notice when the line of its equation changes? ``mutate.py [--draw 40] [--seed 1] [label or page ...]``.
 
 Draws computed equations of the book (the rows of ``trace.html``), changes a sign or factor in the quoted line, builds what the tests of the row need, and runs them.
 All of that happens in a copy of the tree, ``build/mutate``; the tree itself is only read. Prints a line per equation: the change, and the test that failed or that none did.
 """
 
 import argparse
+import functools
 import importlib.util
 import os
 import random
@@ -49,17 +50,10 @@ def changed(line):
 
 def run(command, **variables):
     """Exit status and output of a command in the copy."""
-    threads = {"OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "wrapper")}
+    env = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "wrapper"), **variables}
+    known = {"cwd": COPY, "env": env, "timeout": SECONDS}
     try:
-        done = subprocess.run(
-            command,
-            cwd=COPY,
-            env={**os.environ, **threads, **variables},
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=SECONDS,
-        )
+        done = subprocess.run(command, **known, capture_output=True, text=True, errors="replace")
     except subprocess.TimeoutExpired:
         return 1, "not ok: it does not end"
     return done.returncode, done.stdout + done.stderr
@@ -74,76 +68,65 @@ def make_copy():
     for name in ("obj", "lib", "tests", "flags"):
         if (ROOT / "build" / name).exists() and not (COPY / "build" / name).exists():
             subprocess.run(["cp", "-a", ROOT / "build" / name, COPY / "build" / name], check=True)
-    core = importlib.util.find_spec("libcontact._core").origin
-    shutil.copy2(core, COPY / "wrapper" / "libcontact")
+    shutil.copy2(importlib.util.find_spec("libcontact._core").origin, COPY / "wrapper/libcontact")
 
 
-def failing(test):
+def failing(path, function):
     """Build and run a test: None if it can't be built, else what failed, or nothing."""
-    if test.path.endswith(".c"):
-        program = f"build/tests/{Path(test.path).stem}"
+    if path.endswith(".c"):
+        program = f"build/tests/{Path(path).stem}"
         if run(["make", "BOOTSTRAP=no", program])[0]:
             return None
         status, text = run([program])
-        found = re.findall(r"^not ok.*", text, re.M)
     else:  # the package's compiled part takes its functions from libraries that are loaded before it
         if run(["make", "BOOTSTRAP=no", *LIBRARIES])[0]:
             return None
-        where = ["-k", test.function, test.path] if test.function else [test.path]
         loaded = " ".join(str(COPY / library) for library in LIBRARIES)
-        status, text = run([sys.executable, "-m", "pytest", "-q", "-x", *where], LD_PRELOAD=loaded)
-        found = re.findall(r"^(?:FAILED|ERROR).*", text, re.M)
+        pytest = [sys.executable, "-m", "pytest", "-q", "-x", "-k", function, path]
+        status, text = run(pytest, LD_PRELOAD=loaded)
+    found = re.findall(r"^(?:not ok|FAILED|ERROR).*", text, re.M)
     return (found or [f"status {status}"])[0] if status else ""
 
 
+# Whether a test passes as long as nothing is changed.
+passes = functools.cache(lambda path, function: failing(path, function) == "")
+
+
 def try_equation(equation, dice):
-    """The change, and the first test that noticed it, nothing if none did; None if no change could be built."""
-    path, first = COPY / equation.code.path, equation.code.first
+    """A change of the line, and the test that noticed it, nothing if none did."""
+    path, rows = COPY / equation.code.path, range(equation.code.first - 1, equation.code.last)
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
-    options = [
-        (i, line) for i in range(first - 1, equation.code.last) for line in changed(lines[i])
-    ]
-    tests = list(
-        {(t.path, t.function if t.path.endswith(".py") else ""): t for t in equation.tests}.values()
-    )
+    options = [(i, line) for i in rows for line in changed(lines[i])]
+    tests = {(t.path, t.function if t.path.endswith(".py") else ""): 0 for t in equation.tests}
+    tests = [test for test in tests if passes(*test)]
     dice.shuffle(options)
     try:
         for i, line in options:
             path.write_text("".join([*lines[:i], line, *lines[i + 1 :]]), encoding="utf-8")
-            results = []
-            for test in tests:
-                results.append(failing(test))
-                if results[-1]:
-                    break
+            results = [failing(*test) for test in tests]
             if None not in results:
-                return line.strip(), results[-1]
+                return line.strip(), "".join(f"\n    {result}" for result in results if result)
     finally:
         path.write_text(text, encoding="utf-8")
-    return None
+    return "no change can be built", "\n    ?"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("labels", nargs="*")
+    parser.add_argument("which", nargs="*", default=["*"], help="patterns of labels or pages")
     parser.add_argument("--draw", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--pages", default="*")
     given = parser.parse_args()
     rows = [e for e in book(ROOT)[0].values() if e.kind == "computed" and e.code and e.tests]
-    rows = [e for e in rows if fnmatch(e.page, given.pages)]
-    rows = [e for e in rows if e.label in given.labels] if given.labels else rows
-    dice = random.Random(given.seed)
+    rows = [e for e in rows if any(fnmatch(n, w) for n in (e.label, e.page) for w in given.which)]
+    dice, missed = random.Random(given.seed), 0
     make_copy()
-    missed = 0
     for equation in dice.sample(rows, min(given.draw, len(rows))):
-        found = try_equation(equation, dice)
-        change, noticed = found or ("no change can be built", "?")
+        change, noticed = try_equation(equation, dice)
         missed += not noticed
         where = f"{equation.code.path}:{equation.code.first}"
-        print(
-            f"{equation.label}  {where}  {change}\n    {noticed or 'NO TEST NOTICED'}", flush=True
-        )
+        print(equation.label, where, change, noticed or "\n    NO TEST NOTICED", flush=True)
     print(f"{missed} missed")
     return missed > 0
 
