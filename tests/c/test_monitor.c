@@ -66,7 +66,8 @@ static void same_bits(void)
 
 /* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2,
  * and the largest frequency of ten elements between held ends is 2 c / h sin(9 π / 20): Courant
- * number f of the start is too much from λ² = (2 / (f sin)² + 1) / 3 on. */
+ * number f of the start is too much from λ² = (2 / (f sin)² + 1) / 3 on
+ * (eq:step-quotient). */
 static void stiffening(void)
 {
   static const ct_material bar = {2.0, 0.0, 2.0, CT_ST_VENANT_KIRCHHOFF};
@@ -103,7 +104,7 @@ static void stiffening(void)
 }
 
 /* A step above the limit of a linear body: the total of the ledger stays as it was, the motion
- * explodes. */
+ * explodes (eq:energy-grows). */
 static void growth(double over)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
@@ -156,6 +157,7 @@ static ct_status pump_energy(const ct_effect *effect, const ct_view *view, doubl
   return CT_OK;
 }
 
+/* Its growth is a fault from the limit on (eq:energy-appears). */
 static void pump(double limit, int stores)
 {
   double c[2] = {0.01, SOFT.density / 8.0}, when = log(1.0 + limit) / (2.0 * c[0]);
@@ -199,7 +201,7 @@ static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, do
 }
 
 /* Growth that is below the limit of a fault, and gone at the end, is told: how much, when, where
- * from. `unit` is the unit of energy. */
+ * from. `unit` is the unit of energy (eq:energy-growth). */
 static void told(int stores, double unit)
 {
   double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.01) / (2.0 * c[0]);
@@ -253,7 +255,7 @@ static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
 }
 
 /* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no
- * energy. */
+ * energy (eq:energy-floor). */
 static void at_rest(void)
 {
   int alarms = 0, told_of = 0;

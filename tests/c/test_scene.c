@@ -49,6 +49,7 @@ static void times(void)
   ct_material_speeds(&STEEL, &c1, &c2);
   tap_close(stable.dt_courant / (0.25 / c1), 1.0, 1e-13,
             "Courant number 1 is the shortest edge over c1");
+  // The fewest whole steps that end with the scene (eq:whole-steps).
   tap_close((double)steps * problem->dt, 1e-6, 1e-20, "%d steps end where the scene ends",
             (int)steps);
   tap_ok(problem->dt <= asked * (1 + 1e-8) && 1e-6 / (double)(steps - 1) > asked,

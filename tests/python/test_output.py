@@ -262,6 +262,7 @@ def test_restart_records(results):
             for key in ("displacement", "velocity", "work", "impulse", "memory")
         ]
         words = np.concatenate([part.view(np.uint64) for part in head + arrays])
+        # Both sums modulo 2^64, which uint64 makes by itself (eq:restart-seal).
         assert words.sum() == seal["sum"]
         assert (words * np.arange(1, len(words) + 1, dtype=np.uint64)).sum() == seal["weighted"]
 

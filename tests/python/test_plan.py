@@ -60,6 +60,7 @@ def test_before_the_touch_nothing_is_active():
 
 
 def test_a_cost_of_a_fixed_part_and_one_for_each_piece_is_known_from_two_sizes():
+    """eq:plan-size, a line through two sizes."""
     assert planned._at_size(1000.0, [(100.0, 3.0 + 0.5 * 100), (25.0, 3.0 + 0.5 * 25)]) == 503.0
     # one size: in proportion; a larger size that costs less: no smaller cost for a still larger one
     assert planned._at_size(1000.0, [(100.0, 2.0)]) == 20.0
@@ -138,6 +139,7 @@ def test_what_cannot_have_larger_elements_is_planned_as_if_all_touched_from_the_
 
 
 def test_each_effect_has_its_costs_and_its_share_of_the_bound():
+    """eq:plan-share, whose parts add up to the bound."""
     scene = two_bars(gap=0.0).add("damping", rate=0.5)
     run = scene.run(progress=False)
     costs = scene.costs(run)
@@ -176,6 +178,8 @@ def test_the_trial_of_a_plan_changes_nothing():
 
 
 def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_their_forces():
+    """eq:round-flops for each round of a point."""
+
     def contact(**entries):
         scene = two_bars(gap=0.0, v=(3.0, -2.0), cells=8)
         data = scene.data

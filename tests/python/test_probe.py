@@ -52,6 +52,7 @@ def impulse(history, name="force"):
 
 
 def test_the_force_of_a_wall_is_the_rate_of_momentum_and_that_of_a_plane_wave():
+    """eq:probe-resultant: the sum of the wall's forces."""
     scene = bar_on_a_wall(cells=(100, 1, 1), fraction=0.9).set_output(every=10)
     scene.add_probe("wall", resultant="obstacle", quantities=["force", "moment"])
     run = scene.run(progress=False)
@@ -116,6 +117,7 @@ def test_acceleration_is_the_second_difference_of_displacement():
 
 
 def test_the_mean_motion_of_all_nodes_is_the_momentum_over_the_mass():
+    """eq:probe-mean: the mean by masses."""
     scene = bar_on_a_wall(cells=(10, 1, 1)).set_output(every=1)
     run = scene.add_probe("all", surface="bar.outer", quantities=["velocity"]).run(progress=False)
     assert np.abs(10.0 * run.probes["all"]["velocity"] - run.momentum["p"]).max() <= 1e-12 * 100.0
@@ -123,6 +125,7 @@ def test_the_mean_motion_of_all_nodes_is_the_momentum_over_the_mass():
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_contact_with_friction_and_supports_explain_all_momentum(friction):
+    """eq:probe-impulse: the sum of the resultants, the first and the last by half, is the change of momentum."""
     scene = two_blocks(friction=friction)
     scene.add_probe("up", resultant="contact", body="high").add_probe(
         "down", resultant="contact[0]"

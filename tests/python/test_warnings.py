@@ -226,7 +226,7 @@ def test_one_element_behind_the_surface(made, cells, thin):
 
 
 def test_what_a_thin_body_is_said_to_lose_it_loses():
-    """With a stiff penalty n elements lose 1/(2 n), plus what is left of the vibration's phase; the warning says 50 % for one."""
+    """With a stiff penalty n elements lose 1/(2 n), plus what is left of the vibration's phase; the warning says 50 % for one (eq:thin-loss)."""
     for cells in (1, 2, 4):
         energy = (
             drop(cells=cells, beta=1e4)
@@ -328,7 +328,7 @@ def test_few_nodes_tell_the_rotation_of_many(cells):
 
 @pytest.mark.parametrize("size", [(1, 1, 1), (40, 1, 1), (9, 6, 0.1)])
 def test_no_body_has_turned_where_the_bound_says_so(size):
-    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is passed over; those by 0.3 about the longest axis are, all."""
+    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is passed over; those by 0.3 about the longest axis are, all (eq:turned-bound)."""
     X = np.array(Mesh.box("hex8", (3, 1, 0), size, (6, 5, 4)).nodes)
     some, least = warned._spread_of(X)
     rng, above, asked = np.random.default_rng(7), 0, 0
