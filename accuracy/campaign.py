@@ -111,21 +111,19 @@ LAW_CELLS = 50
 
 class Level(NamedTuple):
     """
-    How much of the campaign is run: meshes d/n of the methods, more of those that damp, the mesh of the factors, whether every method meets the other plate, too, and how
-    many processes share the rows.
+    How much of the campaign is run: meshes d/n of the methods, more of those that damp, the mesh of the factors, and whether every method meets the other plate, too.
     """
 
     meshes: tuple[int, ...]
     damped_meshes: tuple[int, ...]
     factor_cells: int
     every_method_in_contact: bool
-    processes: int
 
 
 LEVELS = {
-    "whole": Level((12, 25, 50, 100, 200, 400), (40, 45, 125, 190, 280), 200, True, 2),
-    "reduced": Level((12, 25, 50, 100), (40, 45, 125, 190, 280), 100, False, 1),
-    "short": Level((12, 25), (), 12, False, 1),
+    "whole": Level((12, 25, 50, 100, 200, 400), (40, 45, 125, 190, 280), 200, True),
+    "reduced": Level((12, 25, 50, 100), (40, 45, 125, 190, 280), 100, False),
+    "short": Level((12, 25), (), 12, False),
 }
 
 

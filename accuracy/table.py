@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
-import multiprocessing
 import os
 import platform
 import re
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -95,17 +93,8 @@ def collect(level: str, path: Path) -> list[dict[str, Any]]:
     done, place = {(row["scene"], int(row["cells"]), row["setting"]) for row in rows}, where()
     todo = [case for case in campaign.cases(level) if case.name not in done]
     with path.open("a", encoding="utf-8") as file:
-        for found in tqdm(rows_of(todo, level), total=len(todo), unit="row", disable=None):
-            file.write(line((found | place)[name] for name in COLUMNS))
+        for own in tqdm(todo, unit="row", disable=None):
+            found = price.row(own) | place
+            file.write(line(found[name] for name in COLUMNS))
             file.flush()
     return read(path)
-
-
-def rows_of(todo: list[campaign.Case], level: str) -> Iterator[dict[str, Any]]:
-    """Rows as they are done, in the order of the cases if one process makes them all."""
-    processes = min(campaign.LEVELS[level].processes, os.cpu_count() or 1)
-    if processes == 1:
-        yield from map(price.row, todo)
-        return
-    with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap_unordered(price.row, todo)

@@ -160,16 +160,14 @@ sys.path.insert(0, {folder!r})
 import campaign, price, table
 price.PAPER_CELLS = 10
 campaign.cases = lambda level: [campaign.case("reference", n, campaign.BEST) for n in (10, 12, 14, 16, 18)]
-campaign.LEVELS["short"] = campaign.LEVELS["short"]._replace(processes={processes})
-if __name__ == "__main__":
-    table.collect("short", Path(sys.argv[1]))
+table.collect("short", Path(sys.argv[1]))
 """
 
 
 def test_a_killed_campaign_goes_on(tmp_path):
     """SIGKILL after two rows, the next row cut short by three letters: the same command gives the rows of a run left alone, and repeats none that was whole."""
     script, cut, whole = tmp_path / "few.py", tmp_path / "cut.csv", tmp_path / "whole.csv"
-    script.write_text(FEW.format(folder=str(FOLDER), processes=1))
+    script.write_text(FEW.format(folder=str(FOLDER)))
     running = subprocess.Popen(
         [sys.executable, script, cut], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
     )
@@ -187,17 +185,6 @@ def test_a_killed_campaign_goes_on(tmp_path):
         for name in CLOCK:
             del row[name]
     assert len(rows[1]) == 5 and repr(rows[0]) == repr(rows[1])
-
-
-def test_two_processes_make_the_same_rows(tmp_path):
-    tables = []
-    for processes in (1, 2):
-        script, path = tmp_path / f"few{processes}.py", tmp_path / f"{processes}.csv"
-        script.write_text(FEW.format(folder=str(FOLDER), processes=processes))
-        subprocess.run([sys.executable, script, path], check=True, capture_output=True)
-        rows = sorted(table.read(path), key=lambda row: row["cells"])
-        tables.append([{k: v for k, v in row.items() if k not in CLOCK} for row in rows])
-    assert len(tables[0]) == 5 and repr(tables[0]) == repr(tables[1])
 
 
 def test_a_row_that_fails_says_so(monkeypatch):
