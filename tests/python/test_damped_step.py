@@ -103,7 +103,7 @@ def stable(made, **time):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_bars_with_dashpots_of_each_kind(cells, nu):
-    """The reported step is stable (eq:damped-step-bound): viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. With dampers or weak viscosity, one by a ninth larger is not."""
+    """The reported step is stable (eq:damped-step-bound): viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. A little larger one is not: by 5 %, and with strong viscosity by 7 %."""
     viscosities = [(0.0, 0.0), (0.03, 0.0), (0.06, 1.2), (0.5, 0.0)]
     for (linear, quadratic), rate, absorbs in itertools.product(viscosities, (0.0, 0.7), (0, 1)):
         made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)
@@ -118,9 +118,9 @@ def test_bars_with_dashpots_of_each_kind(cells, nu):
             body.absorb_at_end()
         dt, case = stable(made), (linear, quadratic, rate, absorbs)
         assert not body.grows(dt), case
-        # Dashpots and stiffness are bounded apart, each by its worst motion.
-        if not absorbs and linear <= 0.03:
-            assert body.grows(dt / 0.9), case
+        # An absorbing end is bounded apart from the elements.
+        if not absorbs:
+            assert body.grows(dt / (0.93 if linear > 0.12 else 0.95)), case
 
 
 @pytest.mark.parametrize("nu", NUS)
@@ -139,12 +139,28 @@ def test_dashpots_with_other_integrators(cells, nu):
             body.damping += rate * np.diag(body.mass)
         dt, r = stable(made, integrator="tchamwa_wielgosz"), 2 / 1.9
         assert not body.grows(dt, r=r), (linear, rate)
-        assert linear or body.grows(dt / 0.95, r=r), rate
+        sharp = 0.93 if linear > 0.12 else 0.95
+        assert body.grows(dt / sharp, r=r), (linear, rate)
         dt = stable(made, integrator="pushforward_pullback")
         for push in (1.0, 1.05, 1.5, 4.0):
             change = 0.7 / 6 * (push - 1 / push)
             assert not body.grows(dt / push, l=change, push=push), (linear, rate, push)
-        assert linear or body.grows(dt / 0.95), rate
+        assert body.grows(dt / sharp), (linear, rate)
+
+
+@pytest.mark.parametrize("nu", NUS)
+@pytest.mark.parametrize("cells", [(5, 1, 5), (4, 4, 4), (6, 1, 6)])
+def test_viscosity_in_layers_and_cubes(cells, nu):
+    """:eq:`joint-step` against the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
+    body = Body(*mesh(cells), nu)
+    for linear in (0.03, 0.06, 0.12):
+
+        def definite(dt):
+            matrix = -2 * dt * linear * body.viscous - dt**2 * body.stiffness
+            return np.linalg.eigvalsh(matrix + 4 * np.diag(body.mass))[0] > 0
+
+        dt = stable(scene(nu, **box(cells)).add("viscosity", linear=linear, quadratic=0.0))
+        assert definite((1 - 1e-9) * dt) and not definite(dt / 0.95), linear
 
 
 @pytest.mark.parametrize("nu", NUS)
@@ -188,8 +204,7 @@ def test_averaged_mass_enlarges_the_dashpots_too(cells, nu):
             return lumped + lumped @ rest @ lumped
 
         assert not body.grows(dt, averaged(dt)), (linear, rate)
-        if not linear:
-            assert body.grows(dt / 0.9, averaged(dt / 0.9)), rate
+        assert body.grows(dt / 0.95, averaged(dt / 0.95)), (linear, rate)
 
 
 @pytest.mark.parametrize("cells", [(50, 1, 1), (50, 2, 2)])

@@ -19,7 +19,7 @@ from .answer import NUMERICAL, Functional, Plates, functional, plates
 from .errors import EnergyGrowth, Error
 from .loop import record_count
 from .model import Box, Contact, Time
-from .plan import predict, shown_seconds
+from .plan import OUTPUT, predict, shown_seconds
 from .schema import Place, SceneError, is_number
 
 if TYPE_CHECKING:
@@ -210,8 +210,11 @@ class Tried:
         return self.seconds_at(self.scales[-1] * FINER)
 
     def add(self, scale: float, value: float, seconds: float) -> None:
-        """Put a trial where its mesh belongs."""
+        """Put a trial where its mesh belongs; of runs of one mesh the shortest counts, as what disturbs a run makes it longer."""
         at = int(np.searchsorted(self.scales, scale))
+        if scale in self.scales:
+            self.seconds[at] = min(seconds, self.seconds[at])
+            return
         for kept, new in ((self.scales, scale), (self.values, value), (self.seconds, seconds)):
             kept.insert(at, new)
 
@@ -453,10 +456,10 @@ class Planner:
 
     # Trials.
 
-    def _try(self, tried: Tried, scale: float) -> bool:
-        """Run a setting on a mesh; False where the scene refuses it, the run fails, or energy grows."""
+    def _try(self, tried: Tried, scale: float, short: float = 0.0) -> bool:
+        """Run a setting on a new mesh, or on any for its times, again while the runs are ``short``; False where the scene refuses it, the run fails, or energy grows."""
         true, seconds = self.true_scale(scale), list[float]()
-        if true in tried.scales:
+        if true in tried.scales and not short:
             return True
         data = self.changed(tried.keys, scale).data
         # Tables of the ledger have a row per record.
@@ -469,11 +472,11 @@ class Planner:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
                 scene = type(self.scene)(data, file=self.scene.file)
-                while len(seconds) < PASSES and sum(seconds) < SHORT_SECONDS:
+                while len(seconds) < PASSES and sum(seconds) < (short or SHORT_SECONDS):
                     run = scene.run(progress=False, output=False)
                     if run.interrupted:
                         raise KeyboardInterrupt
-                    seconds.append(sum(run.costs.values()))
+                    seconds.append(sum(run.costs.values()) - run.costs[OUTPUT])
         except Error as error:
             self.reason = error
             return False
@@ -544,19 +547,25 @@ class Planner:
 
     def settle(self, tried: Tried, goal: Goal) -> None:
         """Further trials of a setting on the mesh that it needs, while there is time."""
+        scale = 0.0
         for _ in range(4):
-            scale = self.mesh(tried, goal)
+            before, scale = scale, self.mesh(tried, goal)
             late = tried.seconds_at(scale) > max(SETTLE * self.trials, self.trials - self.spent)
-            if late or scale in tried.scales or not self._try(tried, scale):
+            if scale == before or late or not self._try(tried, scale, SETTLE * self.trials):
                 return
             self.judge(goal)
 
-    def offer(self, tried: Tried, scale: float, ratio: float = 0.0) -> Offer:
-        """A setting on a mesh with its price, by the one prediction of cost, or from trials, of which it is so many times as much."""
-        scene, seconds = self.changed(tried.keys, scale), ratio * tried.seconds_at(scale) or None
-        if not ratio:
-            problem = scene._built(None)
-            seconds = predict(problem, record_count(problem)).seconds
+    def price(self, tried: Tried, scale: float) -> float:
+        """What a setting takes on a mesh: what the trials of this mesh took, else the one prediction of cost; with the output of the scene."""
+        problem = self.changed(tried.keys, scale)._built(None)
+        prediction = predict(problem, record_count(problem))
+        if prediction.seconds is not None and scale not in tried.scales:
+            return prediction.seconds
+        output = [each.predicted or 0.0 for each in prediction.costs if each.name == OUTPUT]
+        return tried.seconds_at(scale) + sum(output)
+
+    def offer(self, tried: Tried, scale: float, seconds: float) -> Offer:
+        """A setting on a mesh at a price."""
         cells = (
             ["mesh of its own"]
             if self.own_mesh
@@ -564,8 +573,7 @@ class Planner:
         )
         keys = {"time.integrator": "central_difference", **tried.keys}
         words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
-        seconds = tried.seconds_at(scale) if seconds is None else seconds
-        mesh = ", ".join(dict.fromkeys(cells))
+        scene, mesh = self.changed(tried.keys, scale), ", ".join(dict.fromkeys(cells))
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
     def judged(self, goal: Goal) -> list[Tried]:
@@ -621,11 +629,11 @@ class Planner:
             scale = self.mesh(each, goal)
             far = scale / each.scales[-1]
             if far <= FARTHEST:
-                offer = self.offer(each, scale)
+                offer = self.offer(each, scale, self.price(each, scale))
                 while goal.seconds and offer.seconds > goal.seconds and scale > each.scales[0]:
                     less = max(0.7, min(0.96, goal.seconds / offer.seconds))
                     scale = self.true_scale(max(scale * less, each.scales[0]))
-                    offer = self.offer(each, scale)
+                    offer = self.offer(each, scale, self.price(each, scale))
                 found += [(offer, each, scale)] * (offer.seconds <= (goal.seconds or math.inf))
         if found:
             return sorted(found, key=lambda one: one[0].error if goal.seconds else one[0].seconds)
@@ -659,7 +667,7 @@ class Planner:
             error, seconds, at, each = point
             many = f"{error / max(choice.error, 1e-9):.2g} times the error"
             why = f"{seconds / choice.seconds:.2g} times the time for {many}"
-            return replace(self.offer(each, at, ratio), why=why)
+            return replace(self.offer(each, at, seconds), why=why)
 
         cheaper = min(less, key=lambda one: one[0], default=None)
         return told(cheaper), told(min(more, key=lambda one: one[1], default=None))

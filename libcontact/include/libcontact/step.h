@@ -144,6 +144,8 @@ typedef struct ct_effect_constraints {
                          ct_error *error);
 } ct_effect_constraints;
 
+struct ct_problem;
+
 /**
  * One physical effect: a force on some nodes, its energy, and its bound on the time step. The time
  * loop runs over the effects that a problem lists and over nothing else. Only `label`, `nodes` with
@@ -186,6 +188,21 @@ typedef struct ct_effect {
    * Δt. Such an effect is the last one of CT_PHASE_STATE, and for central differences.
    */
   double (*amplification)(const struct ct_effect *effect, double dt);
+  /**
+   * Null, or add to `matrix`, shape (24, 24), what the effect has beside Δt² K in :eq:`joint-bound`
+   * for one brick along x, y, z of the body that begins at a node, with the edges `edge` [length],
+   * at a step Δt [time]. The sums of bounds may then be replaced by the bound of the sum.
+   */
+  void (*add_element)(const struct ct_effect *effect, int32_t first_node, const double edge[3],
+                      double dt, double *matrix);
+  /**
+   * Null, or bound the largest eigenvalue of M⁻¹ A for the solid, where A is `stiffness` times K,
+   * `mass` times M and the elements of all effects of the problem at Δt, :eq:`joint-bound`;
+   * infinite where the bodies are not all boxes of equal bricks.
+   */
+  ct_status (*joint_bound)(const struct ct_effect *effect, const struct ct_problem *problem,
+                           double dt, double stiffness, double mass, double *largest,
+                           ct_error *error);
   /** Work since t = 0 that comes in from outside through an effect that stores energy, as of a
    * moving obstacle [energy], for the view of the last `force`; it counts as external. */
   ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,

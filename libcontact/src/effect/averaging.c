@@ -11,12 +11,17 @@
 #include <math.h>
 #include <string.h>
 
+/* Where the tangent of the stable step touches, as a part of the largest γ d: near those of the
+ * modes that change along one axis, two and three, 0.69, 0.92 and 1. */
+static const double TANGENT = 0.8;
+
 /* A body of equal bricks. */
 typedef struct averaged_body {
   const ct_mesh *mesh;
   int32_t first_node, batch_count;
   double rate[3]; /* c₁ / h along x, y, z */
-  double *weight; /* m / 64 of each element, 0 where it is left out, shape (batch_count, 8) */
+  double whole;   /* m / 64 */
+  double *weight; /* the same of each element, 0 where it is left out, shape (batch_count, 8) */
   ct_assembly *assembly;
 } averaged_body;
 
@@ -179,9 +184,37 @@ static double averaging_amplification(const ct_effect *effect, double dt)
   return 1.0 + most;
 }
 
+/* 4 (M - a M + b Γ) of a brick, where a M - b Γ is the tangent at g₀ of P⁻¹, a convex function of
+ * M⁻¹Γ (eq:averaged-tangent). An element that is left out has less. */
+static void averaging_element(const ct_effect *effect, int32_t first_node, const double edge[3],
+                              double dt, double *matrix)
+{
+  static const int AXES[CT_MODES][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0},
+                                        {0, 1, 1}, {1, 0, 1}, {1, 1, 1}};
+  const averaging_data *d = effect->data;
+  (void)edge;
+  for (int32_t k = 0; k < d->body_count; k++) {
+    const averaged_body *body = &d->bodies[k];
+    double share[CT_MODES], most = 0.0;
+    if (body->first_node != first_node) continue;
+    mode_shares(body, dt, share);
+    for (int m = 0; m < CT_MODES; m++) most = fmax(most, share[m]);
+    double at = TANGENT * most, b = 1.0 / ((1.0 + at) * (1.0 + at)), rest = at * at * b;
+    for (int i = 0; i < 24; i++) {
+      matrix[25 * i] += 4.0 * rest * 8.0 * body->whole;
+      for (int j = i % 3; j < 24; j += 3)
+        for (int m = 0; m < CT_MODES; m++) {
+          double sign = 1.0;
+          for (int c = 0; c < 3; c++)
+            if (AXES[m][c]) sign *= ct_corner_sign(i / 3, c) * ct_corner_sign(j / 3, c);
+          matrix[24 * i + j] += 4.0 * b * body->whole * share[m] * sign;
+        }
+    }
+  }
+}
+
 /* Elements with a node that stands apart have no weight. */
-static ct_status weigh(averaged_body *body, const ct_averaging_def *def, double weight,
-                       ct_error *error)
+static ct_status weigh(averaged_body *body, const ct_averaging_def *def, ct_error *error)
 {
   const ct_mesh *mesh = body->mesh;
   char *apart = ct_allocate((size_t)mesh->node_count, 1);
@@ -193,7 +226,7 @@ static ct_status weigh(averaged_body *body, const ct_averaging_def *def, double 
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int alone = 0;
     for (int a = 0; a < 8; a++) alone |= apart[mesh->elements[8 * (size_t)e + (size_t)a]];
-    body->weight[e] = alone ? 0.0 : weight;
+    body->weight[e] = alone ? 0.0 : body->whole;
   }
   ct_release(apart);
   return CT_OK;
@@ -221,7 +254,8 @@ static ct_status prepare_body(averaged_body *body, const ct_averaging_def *def, 
   status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
   if (status != CT_OK) return status;
   double mass = from->material.density * ((edge[0] * edge[1]) * edge[2]);
-  return weigh(body, def, mass / 64.0, error);
+  body->whole = mass / 64.0;
+  return weigh(body, def, error);
 }
 
 /* The bodies in the order of their nodes. */
@@ -266,7 +300,8 @@ ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_probl
                       .free_scratch = ct_pool_free,
                       .force = averaging_force,
                       .energy = averaging_energy,
-                      .amplification = averaging_amplification};
+                      .amplification = averaging_amplification,
+                      .add_element = averaging_element};
   status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {

@@ -210,6 +210,28 @@ static ct_status solid_omega2_bound(const ct_effect *effect, const ct_view *view
   return CT_OK;
 }
 
+static ct_status solid_joint_bound(const ct_effect *effect, const struct ct_problem *problem,
+                                   double dt, double stiffness, double mass, double *largest,
+                                   ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  *largest = 0.0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double added[24 * 24] = {0.0}, own = INFINITY;
+    ct_status status = CT_OK;
+    for (int32_t k = 1; k < problem->effect_count; k++)
+      if (problem->effects[k]->add_element != NULL)
+        problem->effects[k]->add_element(problem->effects[k], part->first_node, part->blocks.edge,
+                                         dt, added);
+    if (part->blocks.cells[0] > 0)
+      status = ct_solid_joint_bound(part, stiffness, mass, added, &own, error);
+    if (status != CT_OK) return status;
+    *largest = fmax(*largest, own);
+  }
+  return CT_OK;
+}
+
 ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_error *error)
 {
   const solid_data *solid = effect->data;
@@ -262,7 +284,8 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_erro
     if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
     ct_solid_part given = ct_part_given(part);
     if (status == CT_OK)
-      status = ct_solid_part_omega2_bound(&given, blocks[i].held, &part->omega_squared, error);
+      status = ct_solid_part_omega2_bound(&given, blocks[i].held, &part->blocks,
+                                          &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;
@@ -308,7 +331,8 @@ ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, c
                       .free_scratch = free_scratch,
                       .force = solid_force,
                       .energy = solid_energy,
-                      .omega2_bound = solid_omega2_bound};
+                      .omega2_bound = solid_omega2_bound,
+                      .joint_bound = solid_joint_bound};
   ct_status status = prepare(solid, def->blocks, error);
   for (int32_t i = 0; status == CT_OK && i < def->block_count; i++)
     filled.node_count += def->blocks[i].mesh->node_count;

@@ -112,12 +112,18 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
+/* Q of the steepest slope of the law. */
+static double coefficient_of(const viscous_data *d)
+{
+  return d->linear + (d->quadratic > 0.0 ? STEEPEST : 0.0);
+}
+
 /* Bound of the slope of M⁻¹f over all motions (eq:viscous-bound). */
 static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, double *rate,
                                  ct_error *error)
 {
   const viscous_data *d = effect->data;
-  double coefficient = d->linear + (d->quadratic > 0.0 ? STEEPEST : 0.0);
+  double coefficient = coefficient_of(d);
   (void)view, (void)error;
   *rate = 0.0;
   for (int32_t i = 0; i < d->body_count; i++) {
@@ -125,6 +131,25 @@ static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, d
     *rate = fmax(*rate, body->density * body->c1 * coefficient * body->most);
   }
   return CT_OK;
+}
+
+/* 2 Δt C of a brick, C = ρ l c₁ Q V B Bᵀ with the steepest slope (eq:joint-bound). */
+static void viscous_element(const ct_effect *effect, int32_t first_node, const double edge[3],
+                            double dt, double *matrix)
+{
+  const viscous_data *d = effect->data;
+  double B[24], volume = (edge[0] * edge[1]) * edge[2], g2 = 0.0;
+  for (int i = 0; i < 24; i++) {
+    B[i] = 0.25 * ct_corner_sign(i / 3, i % 3) / edge[i % 3];
+    g2 += B[i] * B[i];
+  }
+  for (int32_t k = 0; k < d->body_count; k++) {
+    const viscous_body *body = &d->bodies[k];
+    if (body->first_node != first_node) continue;
+    double most = 2.0 * dt * body->density * body->c1 * coefficient_of(d) * length_of(g2) * volume;
+    for (int i = 0; i < 24; i++)
+      for (int j = 0; j < 24; j++) matrix[24 * i + j] += most * B[i] * B[j];
+  }
 }
 
 /* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has
@@ -252,7 +277,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
                       .create_scratch = create_scratch,
                       .free_scratch = ct_release,
                       .force = viscous_force,
-                      .rate_bound = viscous_damping};
+                      .rate_bound = viscous_damping,
+                      .add_element = viscous_element};
   status = check(def, error);
   if (status == CT_OK) status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;

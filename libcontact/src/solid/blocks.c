@@ -21,17 +21,9 @@ static const double ALIKE = 1e-12;
 static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                  {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
-/* A body that is one box of equal hex8 bricks, in whatever order its nodes and elements are. */
-typedef struct box {
-  int32_t cells[3];  /* along its three edges; cells[0] = 0: the body is none */
-  double edge[3];    /* lengths of the bricks' edges */
-  double axis[3][3]; /* their directions */
-  int aligned;       /* whether these are x, y, z */
-} box;
-
 /* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are
  * not rectangular, or unlike. */
-static int find_edges(const ct_mesh *mesh, double size, box *b)
+static int find_edges(const ct_mesh *mesh, double size, ct_solid_box *b)
 {
   static const int END[3] = {1, 3, 4};
   double x[20][3], e[3][3];
@@ -57,7 +49,7 @@ static int find_edges(const ct_mesh *mesh, double size, box *b)
 
 /* Number of the cell at whose first corner a point stands, of a box that begins at `low` along its
  * edges. */
-static int64_t cell_at(const box *b, const double low[3], const double *x)
+static int64_t cell_at(const ct_solid_box *b, const double low[3], const double *x)
 {
   int64_t i[3];
   for (int d = 0; d < 3; d++)
@@ -66,11 +58,11 @@ static int64_t cell_at(const box *b, const double low[3], const double *x)
 }
 
 /* Whether a body is a full box, and which. */
-static ct_status find_box(const ct_solid_part *part, box *b, ct_error *error)
+static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   double low[3], high[3], elements = 1.0, nodes = 1.0;
-  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  *b = (ct_solid_box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
   if (mesh->kind != CT_HEX8) return CT_OK;
@@ -232,21 +224,37 @@ static ct_status element_matrices(const ct_solid_part *part, double x[20][3], do
              : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
 }
 
-/* The bound by blocks. The material has no direction of its own, so a turned box has the
- * eigenvalues of one along x, y, z. */
-static ct_status box_omega2_bound(const ct_solid_part *part, const box *b, const int held[3],
-                                  double *omega_squared, ct_error *error)
+/* Lower half of the stiffness of a brick of a box, and its masses. The material has no direction of
+ * its own, so a turned box has the eigenvalues of one along x, y, z. */
+static ct_status brick_matrices(const ct_solid_part *part, const ct_solid_box *b,
+                                double A[SIZE][SIZE], double m[20], ct_error *error)
 {
-  static const int FREE[3] = {0, 0, 0};
-  double x[20][3], A[SIZE][SIZE], m[20];
+  double x[20][3];
   for (int a = 0; a < 8; a++)
     for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
-  ct_status status = element_matrices(part, x, A, m, error);
-  if (status == CT_OK)
-    status = blocks_omega2_bound(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
-  // Turned bricks are alike to 12 digits of the size of the body only.
+  return element_matrices(part, x, A, m, error);
+}
+
+/* The bound by blocks. Turned bricks are alike to 12 digits of the size of the body only. */
+static ct_status box_omega2_bound(const ct_solid_box *b, double A[SIZE][SIZE], const double *m,
+                                  double *omega_squared, ct_error *error)
+{
+  ct_status status = blocks_omega2_bound(b->cells, b->held, A, m, omega_squared, error);
   if (!b->aligned) *omega_squared *= 1.0 + 1e-9;
   return status;
+}
+
+ct_status ct_solid_joint_bound(const ct_solid_part *part, double stiffness, double mass,
+                               const double *added, double *largest, ct_error *error)
+{
+  double A[SIZE][SIZE], m[20];
+  ct_status status = brick_matrices(part, &part->blocks, A, m, error);
+  // -- Δt² K, what other effects add to an element, and bounds of what else there is
+  // (eq:joint-bound)
+  for (int i = 0; status == CT_OK && i < DOFS; i++)
+    for (int j = 0; j <= i; j++)
+      A[i][j] = stiffness * A[i][j] + added[DOFS * i + j] + (i == j ? mass * m[i / 3] : 0.0);
+  return status == CT_OK ? box_omega2_bound(&part->blocks, A, m, largest, error) : status;
 }
 
 /* Largest ω² of one element. */
@@ -324,14 +332,17 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int held
 }
 
 ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
-                                     double *omega_squared, ct_error *error)
+                                     ct_solid_box *box, double *omega_squared, ct_error *error)
 {
-  box b = {.cells = {0}};
+  double A[SIZE][SIZE], m[20];
+  *box = (ct_solid_box){.cells = {0}};
   *omega_squared = 0.0;
-  ct_status status = part->energies == NULL ? find_box(part, &b, error) : CT_OK;
+  ct_status status = part->energies == NULL ? find_box(part, box, error) : CT_OK;
   if (status != CT_OK) return status;
-  return b.cells[0] > 0 ? box_omega2_bound(part, &b, held, omega_squared, error)
-                        : elements_omega2_bound(part, held, omega_squared, error);
+  if (box->cells[0] == 0) return elements_omega2_bound(part, held, omega_squared, error);
+  for (int c = 0; c < 3; c++) box->held[c] = box->aligned && held[c];
+  status = brick_matrices(part, box, A, m, error);
+  return status == CT_OK ? box_omega2_bound(box, A, m, omega_squared, error) : status;
 }
 
 ct_status ct_solid_part_nodes_omega2(const ct_solid_part *part, double *omega2, ct_error *error)
@@ -340,7 +351,7 @@ ct_status ct_solid_part_nodes_omega2(const ct_solid_part *part, double *omega2, 
   const ct_mesh *mesh = part->mesh;
   const int per = ct_brick_node_count(mesh->kind);
   double x[20][3], last[20][3] = {{0.0}}, w = part->omega_squared;
-  box b = {.cells = {0}};
+  ct_solid_box b = {.cells = {0}};
   ct_status status = find_box(part, &b, error);
   for (int32_t n = 0; n < mesh->node_count; n++) omega2[n] = 0.0;
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {

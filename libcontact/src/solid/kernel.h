@@ -13,6 +13,15 @@
 
 struct ct_solid_part;
 
+/* A body that is one box of equal hex8 bricks, in whatever order its nodes and elements are. */
+typedef struct ct_solid_box {
+  int32_t cells[3];  /* along its three edges; cells[0] = 0: the body is none */
+  double edge[3];    /* lengths of the bricks' edges */
+  double axis[3][3]; /* their directions */
+  int aligned;       /* whether these are x, y, z */
+  int held[3];       /* components that do not move, along the edges */
+} ct_solid_box;
+
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the
  * body. A kernel takes differences of displacements first, and uses nothing else that changes:
  * where all nodes of a batch have the same displacement, it gives the same bits whatever that is
@@ -42,6 +51,8 @@ typedef struct ct_solid_part {
   double flops;
   /* Largest ω² of the undeformed elements. */
   double omega_squared;
+  /* The box whose blocks gave it. */
+  ct_solid_box blocks;
   /* Whether all elements are boxes of one size (ct_solid_is_box), for the linear law, and the
    * lengths of their edges. */
   int box;

@@ -8,6 +8,12 @@
  * pair along ξ, η, ζ (eq:tree-sum). */
 enum { CT_XI, CT_ETA, CT_ZETA, CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI, CT_XI_ETA_ZETA, CT_MODES };
 
+/* Where corner a of a hex8 stands along an axis, -1 or 1. */
+static inline double ct_corner_sign(int a, int axis)
+{
+  return (axis == 0 ? (a + 1) % 4 >= 2 : axis == 1 ? a % 4 >= 2 : a >= 4) ? 1.0 : -1.0;
+}
+
 /* Over a square of four values t(-,-), t(+,-), t(-,+), t(+,+): sum, and sums with the signs of the
  * first, second, both. */
 static inline void ct_square_modes(const ct_lanes t[4], ct_lanes *sum, ct_lanes *first,

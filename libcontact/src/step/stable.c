@@ -8,6 +8,9 @@
 
 enum { FIXED_POINT_ROUNDS = 64 };
 
+/* Two steps are alike when they differ by no more than this part. */
+static const double ALIKE = 1e-6;
+
 double ct_problem_edge(const ct_problem *problem)
 {
   double edge = INFINITY;
@@ -58,27 +61,36 @@ static int is_contact(ct_effect_kind kind)
   return kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_FRICTION || kind == CT_EFFECT_OBSTACLE;
 }
 
-/* What bounds the step of all effects, and of all but the contacts: sums of ω² and of the damping
- * rate. */
-static ct_status sum_bounds(const ct_problem *problem, ct_state *state, double omega_squared[2],
-                            double rate[2], ct_error *error)
+/* Sums of the bounds of ω² and of damping rates, and the same of effects that have no matrix of an
+ * element. */
+typedef struct bounds {
+  double omega_squared, rate, other_omega_squared, other_rate;
+} bounds;
+
+/* What bounds the step of all effects, and of all but the contacts. */
+static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds sum[2],
+                            ct_error *error)
 {
   for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
     double own, own_rate;
     ct_status status = ct_stable_share(problem, state, k, &own, &own_rate, error);
     if (status != CT_OK) return status;
-    for (int without = 0; without < (is_contact(problem->effects[k]->kind) ? 1 : 2); without++) {
+    for (int without = 0; without < (is_contact(effect->kind) ? 1 : 2); without++) {
       // Σ ω̂² and Σ of the rates (eq:step-bound)
-      omega_squared[without] += own;
-      rate[without] += own_rate;
+      sum[without].omega_squared += own;
+      sum[without].rate += own_rate;
+      if (effect->add_element != NULL || effect->joint_bound != NULL) continue;
+      sum[without].other_omega_squared += own;
+      sum[without].other_rate += own_rate;
     }
   }
   return CT_OK;
 }
 
-/* The stable step of these bounds. An effect that enlarges them does so the less the larger the
+/* The stable step of these sums. An effect that enlarges them does so the less the larger the
  * step; the fixed point is approached from below, so every round is stable (eq:averaged-bound). */
-static double step_of(const ct_problem *problem, double omega_squared, double rate)
+static double step_of(const ct_problem *problem, const bounds *sum)
 {
   const ct_effect *enlarging = NULL;
   for (int32_t k = 0; k < problem->effect_count; k++)
@@ -86,24 +98,53 @@ static double step_of(const ct_problem *problem, double omega_squared, double ra
   double dt = 0.0;
   for (int round = 0; round < (enlarging == NULL ? 1 : FIXED_POINT_ROUNDS); round++) {
     double factor = enlarging == NULL ? 1.0 : enlarging->amplification(enlarging, dt);
-    dt = ct_integrator_step(&problem->integrator, factor * omega_squared, factor * rate);
+    dt = ct_integrator_step(&problem->integrator, factor * sum->omega_squared, factor * sum->rate);
   }
   return dt;
+}
+
+/* Raise a stable step by the bound of the sum where some effect has a matrix of an element. The
+ * bound grows less than Δt², so every round is stable (eq:joint-step). */
+static ct_status raise_step(const ct_problem *problem, const bounds *sum, double *dt,
+                            ct_error *error)
+{
+  const ct_effect *solid = problem->effects[0];
+  const double limit = ct_integrator_limit(&problem->integrator);
+  int adding = 0;
+  for (int32_t k = 1; k < problem->effect_count; k++)
+    adding |= problem->effects[k]->add_element != NULL;
+  // For two stages the sums are tested, and nothing is proven.
+  if (!adding || solid->joint_bound == NULL || problem->integrator.scheme == CT_NOH_BATHE)
+    return CT_OK;
+  for (int round = 0; round < FIXED_POINT_ROUNDS; round++) {
+    double stiffness = 4.0 / (limit * limit) * *dt * *dt, largest;
+    double mass = stiffness * sum->other_omega_squared + 2.0 * *dt * sum->other_rate;
+    ct_status status = solid->joint_bound(solid, problem, *dt, stiffness, mass, &largest, error);
+    // -- The largest eigenvalue may be 4 (eq:joint-step)
+    double factor = sqrt(4.0 / largest);
+    if (status != CT_OK || !(factor > 1.0 + ALIKE)) return status;
+    *dt *= factor;
+  }
+  return CT_OK;
 }
 
 ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out,
                     ct_error *error)
 {
-  double omega_squared[2] = {0.0, 0.0}, rate[2] = {0.0, 0.0};
+  bounds sum[2] = {{.rate = 0.0}, {.rate = 0.0}};
+  double *dt[2];
   ct_state *own = NULL;
   if (problem == NULL || out == NULL) return CT_REFUSE(error, "stable step: null argument");
   ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
-  if (status == CT_OK)
-    status = sum_bounds(problem, state == NULL ? own : state, omega_squared, rate, error);
+  if (status == CT_OK) status = sum_bounds(problem, state == NULL ? own : state, sum, error);
   ct_state_free(own);
+  dt[0] = &out->dt;
+  dt[1] = &out->dt_without_contact;
+  for (int i = 0; status == CT_OK && i < 2; i++) {
+    *dt[i] = step_of(problem, &sum[i]);
+    status = raise_step(problem, &sum[i], dt[i], error);
+  }
   if (status != CT_OK) return status;
-  out->dt = step_of(problem, omega_squared[0], rate[0]);
-  out->dt_without_contact = step_of(problem, omega_squared[1], rate[1]);
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;
