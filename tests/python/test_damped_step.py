@@ -151,7 +151,7 @@ def test_dashpots_with_other_integrators(cells, nu):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", [(5, 1, 5), (4, 4, 4), (6, 1, 6)])
 def test_viscosity_in_layers_and_cubes(cells, nu):
-    """:eq:`joint-step` against the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
+    """:eq:`joint-bound` and :eq:`joint-step` against the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
     body = Body(*mesh(cells), nu)
     for linear in (0.03, 0.06, 0.12):
 

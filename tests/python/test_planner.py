@@ -318,6 +318,24 @@ def test_ctrl_c_loses_no_trial(enough, monkeypatch):
     assert plan.interrupted and "interrupted" in str(plan)
 
 
+def test_what_ran_has_the_price_of_its_runs(monkeypatch):
+    """However long the prediction says; of some runs the shortest counts."""
+    tried = planner.Tried({}, 2.0)
+    for seconds in (0.3, 0.2, 0.4):
+        tried.add(1.0, 5.0, seconds)
+    assert tried.scales == [1.0] and tried.values == [5.0] and tried.seconds == [0.2]
+    true = planner.predict
+
+    def slow(*given):
+        found = true(*given)
+        costs = [replace(c, predicted=0.0 if c.name == "output" else 1e6) for c in found.costs]
+        return replace(found, costs=tuple(costs))
+
+    monkeypatch.setattr(planner, "predict", slow)
+    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0, progress=False)
+    assert plan.choice.seconds < 1e3
+
+
 def test_the_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     ct.Scene(plates()).save("plates.toml")

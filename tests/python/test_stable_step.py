@@ -78,7 +78,7 @@ def consistent(cells):
 @pytest.mark.parametrize("element", ["hex8", "one-point", "one-point, stiff"])
 @pytest.mark.parametrize("shape", ["cube", "layer"])
 def test_averaged_mass(shape, element, nu):
-    """The inverse mass of :eq:`averaged-mass` from the consistent mass of the test."""
+    """The inverse mass of :eq:`averaged-mass` from the consistent mass of the test; the bound has the tangent of :eq:`averaged-tangent`."""
     problem = built(shape, element, nu, averaged=True)
     stiffness = steps.stiffness(problem)
     lumped = np.diag(steps.array(problem.pointer.inverse_mass, len(stiffness)))
