@@ -156,3 +156,28 @@ def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
     plain = wall().run(progress=False, output=tmp_path / "plain.vtkhdf", until=0.01)
     for state in (plain.state["bar"], ct.Run.load(tmp_path / "plain.vtkhdf").state["bar"]):
         assert not state.holds("contact_pressure")
+
+
+def test_the_rim_of_a_coarse_contact_has_too_large_a_pressure_and_the_middle_has_not():
+    """What the chapter says of :eq:`recovered-traction` where a face at the rim has no point in contact."""
+    middle, largest = [], []
+    for cells in (10, 20):
+        data = ct.Scene.load(ct.example("hertz")).data
+        data["body"][0]["box"]["cells"] = [cells] * 3
+        del data["obstacle"][0]["beta"]
+        (nodes,) = ct.Scene(data).run(progress=False, output=False).pressure["obstacle"]
+        r = np.hypot(*nodes["position"][:, :2].T)
+        middle.append(nodes["pressure"][r.argmin()])
+        largest.append(nodes["pressure"].max())
+    assert middle == pytest.approx([118, 117], abs=0.6)
+    assert largest == pytest.approx([219, 117], abs=0.6)
+
+
+@needs_hdf5
+def test_a_run_from_a_file_says_where_pressures_are(tmp_path):
+    path = tmp_path / "wall.vtkhdf"
+    wall(0.01).run(progress=False, output=path, until=0.01)
+    with pytest.raises(KeyError, match="contact_pressure"):
+        ct.Run.load(path).pressure["obstacle"]
+    with pytest.raises(KeyError, match="probe"):
+        ct.Run.load(path).impulse["obstacle"]

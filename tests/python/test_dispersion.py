@@ -1,7 +1,10 @@
 """Waves of a mesh: against meshes that numpy assembles, against runs of scenes, and the arrays of the Python face."""
 
+import contextlib
 import importlib.util
+import io
 import itertools
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -291,3 +294,13 @@ def test_impossible_waves_are_refused(wrong, word):
 def test_impossible_fronts_are_refused(wrong, word):
     with pytest.raises(ValueError, match=word):
         ct.dispersion_front(**({"time": 10.0} | wrong))
+
+
+def test_the_predictions_of_the_chapter_are_those_of_its_program():
+    """eq:front-row, eq:dispersion-leapfrog: docs/theory/front.py prints what the page shows, and a run agrees."""
+    program = Path(chapter.__file__).with_name("front.py")
+    with contextlib.redirect_stdout(io.StringIO()) as told:
+        runpy.run_path(str(program), run_name="__main__")
+    assert told.getvalue() == program.with_suffix(".out").read_text(encoding="utf-8")
+    front = chapter.column(courant=0.0625)
+    assert f"{front.overshoot:.1%}" in told.getvalue().splitlines()[2]

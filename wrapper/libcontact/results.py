@@ -75,7 +75,20 @@ def _read(path: Path, file: Any, record: int) -> Run:
         scene=scene,
         dt=dt,
         probes=probes,
+        pressure=NotInFile('record the field "contact_pressure" and read it from run.state'),
+        impulse=NotInFile("record a [[probe]] of the resultant, or use run.momentum"),
     )
+
+
+class NotInFile(dict[str, Any]):
+    """The empty table of a run that was read from a file: whoever looks something up is told where it is."""
+
+    def __init__(self, instead: str):
+        super().__init__()
+        self.instead = instead
+
+    def __missing__(self, name: str) -> Any:
+        raise KeyError(f'a run from a file has no table for "{name}"; {self.instead}')
 
 
 def _probes(own: Any, last: float) -> dict[str, Rows]:
