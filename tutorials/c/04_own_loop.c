@@ -1,15 +1,15 @@
 /* Two bars with meshes, springs and a time loop of this program; only the contact is the library's.
  * The left bar has 3 x 3 faces at its end, the right one 2 x 2. With L = 10 and E = rho = A = 1 the
- * bars meet at the velocities 0.1 and -0.1, press each other with rho c v = 0.1 for 2 L / c = 20, and
- * part with exchanged velocities. */
+ * bars meet at the velocities 0.1 and -0.1, press each other with rho c v = 0.1 for 2 L / c = 20,
+ * and part with exchanged velocities. */
 #include <libcontact.h>
 #include <stdio.h>
 
 enum { LAYERS = 101, MOST = 16 * LAYERS };
 static const double h = 10.0 / (LAYERS - 1);
 
-/* Node (n + 1)² l + (n + 1) j + i is node i, j of layer l. Nodes move along x only. Springs join the
- * neighbours along x, and resist the sliding of neighbours in a layer. */
+/* Node (n + 1)² l + (n + 1) j + i is node i, j of layer l. Nodes move along x only. Springs join
+ * the neighbours along x, and resist the sliding of neighbours in a layer. */
 typedef struct bar {
   int n, nodes;
   double X[MOST][3], x[MOST][3], v[MOST][3], f[MOST][3], area[MOST], inverse_mass[MOST][3];

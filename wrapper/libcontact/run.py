@@ -352,6 +352,7 @@ class Run:
     #: node (of the body), position, area (of the faces in contact that belongs to a corner; 0 at mid-sides), traction (force on the surface per reference
     #: area, averaged over both passes and the faces around the node), pressure (its size), :eq:`recovered-traction`. Empty for a run that was read from a
     #: file, and in a watch.
+    #: At the rim of a contact it may be far too large: look where the largest pressure lies (:ref:`recovered-pressure`).
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name: their sum is the change of momentum. Empty for a run that was
     #: read from a file.
