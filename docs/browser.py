@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+TIMEOUT = 300_000.0  # milliseconds for a page with all its formulas, on a busy machine
 
 
 def find() -> str | None:
@@ -48,6 +49,7 @@ class Reader:
     def __init__(self, browser: Any, address: str) -> None:
         self.address, self.outside = address, list[str]()
         self.page = browser.new_page()
+        self.page.set_default_timeout(TIMEOUT)
         self.page.on("request", self._note)
 
     def _note(self, request: Any) -> None:
