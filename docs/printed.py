@@ -98,7 +98,7 @@ def finish(writer: PdfWriter, address: str, book: list[Printed]) -> None:
     above: dict[int, Any] = {}
     for one in book:
         above[one.page.depth] = writer.add_outline_item(
-            one.page.title, one.first, parent=above.get(one.page.depth - 1)
+            title=one.page.title, page_number=one.first, parent=above.get(one.page.depth - 1)
         )
 
 

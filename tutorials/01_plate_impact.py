@@ -328,7 +328,10 @@ def by_place(points):
 
 
 def pairs(left, right):
-    """What the left plate does as its mirror image would do it, and what the right one does, in one order: displacement, velocity, stress."""
+    """
+    What the left plate does as its mirror image would do it, and what the right one does, in one
+    order: displacement, velocity, stress.
+    """
     flip, middle = [-1, 1, 1], [body.nodes[body.elements].mean(axis=1) for body in (left, right)]
     ours, theirs = by_place(left.nodes * flip), by_place(right.nodes)
     own_elements, their_elements = by_place(middle[0] * flip), by_place(middle[1])
@@ -348,15 +351,18 @@ balance = np.max(np.abs(contact.energy["balance"])) / total[0]
 
 updates = 20000 * int(contact.steps[-1])
 print(
-    f"contact against reference, mean |difference| on Fig. 4's line: {100 * difference:.3f} % of the plateau 7/3"
+    f"contact against reference, mean |difference| on Fig. 4's line: {100 * difference:.3f} % of the "
+    "plateau 7/3"
 )
 print(f"left plate is the mirror image of the right one, bit for bit: {same}")
 print(
-    f"energy: contact run within {drift:.1e}, reference run within {reference_drift:.1e}; work balance within {balance:.1e}"
+    f"energy: contact run within {drift:.1e}, reference run within {reference_drift:.1e}; work balance "
+    f"within {balance:.1e}"
 )
 if TIMES:
     print(
-        f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element updates per second), "
+        f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element "
+        "updates per second), "
         f"reference {reference_seconds:.2f} s, one core, recording included"
     )
 
@@ -440,5 +446,6 @@ for name, rows in table.items():
 
 if ct.has("gsl"):
     print(
-        f"series with 300 branches against the closed form on Fig. 5's line: mean difference {np.mean(np.abs(fig5['series'] - fig5['exact'])):.4f}"
+        "series with 300 branches against the closed form on Fig. 5's line: mean difference "
+        f"{np.mean(np.abs(fig5['series'] - fig5['exact'])):.4f}"
     )

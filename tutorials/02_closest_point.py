@@ -40,7 +40,10 @@ point = np.array([0.1, 0.1, -0.1])
 
 
 def face(x, y):
-    """Points of the face at the reference coordinates (x, y), which may be arrays, from the shape functions of a Q8 face (see :doc:`/theory/segment`)."""
+    """
+    Points of the face at the reference coordinates (x, y), which may be arrays, from the shape
+    functions of a Q8 face (see :doc:`/theory/segment`).
+    """
     corners = [
         (1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4
         for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
@@ -61,7 +64,8 @@ def distance(x, y):
 best = ct.project("Q8", nodes, [point], tolerance=1e-14)
 foot = best.xi[0]
 print(
-    f"the closest point: ξ = ({foot[0]:.6f}, {foot[1]:.6f}), distance {best.distance[0]:.6f}, {best.where[0]}"
+    f"the closest point: ξ = ({foot[0]:.6f}, {foot[1]:.6f}), distance {best.distance[0]:.6f}, "
+    f"{best.where[0]}"
 )
 
 # %%
@@ -124,7 +128,8 @@ runs = {
 }
 for name in METHODS:
     print(
-        f"{name:17} finds the closest point from {100 * share[name]:3.0f} % of the starts, {np.mean(runs[name].evaluations):6.1f} evaluations of f"
+        f"{name:17} finds the closest point from {100 * share[name]:3.0f} % of the starts, "
+        f"{np.mean(runs[name].evaluations):6.1f} evaluations of f"
     )
 
 # %%
@@ -255,7 +260,8 @@ fig.savefig(folder / "closest_point_floor.png", dpi=120)
 
 slope = np.polyfit(np.log10(gaps), np.log10(floor["simplex"]), 1)[0]
 print(
-    f"the simplex's floor at a gap of {gaps[0]}: {floor['simplex'][0]:.0e}; it falls with the power {slope:.2f} of the gap"
+    f"the simplex's floor at a gap of {gaps[0]}: {floor['simplex'][0]:.0e}; it falls with the power "
+    f"{slope:.2f} of the gap"
 )
 assert 0.4 < slope < 0.7
 assert np.all(np.abs(np.log10(floor["simplex"] / np.sqrt(np.finfo(float).eps * gaps))) < 1.3)

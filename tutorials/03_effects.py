@@ -52,7 +52,10 @@ runs, plans = {}, {}
 
 
 def compute(name, scene):
-    """The faster of two runs, as other programs may have been in the way of one; both have the same bits."""
+    """
+    The faster of two runs, as other programs may have been in the way of one; both have the same
+    bits.
+    """
     runs[name] = min((scene.run(progress=False) for _ in range(2)), key=lambda run: run.seconds)
     plans[name] = scene.costs(runs[name])
     return runs[name]

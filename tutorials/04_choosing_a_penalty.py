@@ -35,8 +35,9 @@ PRESSURE, BEGIN, END = 300.0, 0.5, 0.5 + 2 * LENGTH / C
 
 def bar(enforcement, beta, landing=0.0, every=1, until=1.5, law=None, **step):
     """
-    The bar on a wall; ``landing`` shifts the start, ``law`` has more keys of the obstacle. ``step`` is a ``fraction`` of the stable step or a ``courant`` number. A run
-    ends with an error when its energy doubles from nothing; here we want to see what it does, so we raise that limit.
+    The bar on a wall; ``landing`` shifts the start, ``law`` has more keys of the obstacle. ``step``
+    is a ``fraction`` of the stable step or a ``courant`` number. A run ends with an error when its
+    energy doubles from nothing; here we want to see what it does, so we raise that limit.
     """
     scene = ct.Scene(title="Bar on a rigid wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("bar", young=E, poisson=0.0, density=1.0)
@@ -51,7 +52,10 @@ def bar(enforcement, beta, landing=0.0, every=1, until=1.5, law=None, **step):
 
 
 def wall_pressure(run):
-    """The pressure on the wall at each step. The table has the mean momentum of two half steps; between these one force acts."""
+    """
+    The pressure on the wall at each step. The table has the mean momentum of two half steps; between
+    these one force acts.
+    """
     p = run.momentum["p"][:, 0]
     half = np.empty(len(p) + 1)
     half[0] = p[0]
@@ -117,7 +121,8 @@ for ax in (left, right):
 fig.savefig(folder / "penalty_growth.png", dpi=150)
 
 print(
-    f"energy after the impact, of that before: beta = 1: {soft.energy['total'][-1] / soft.energy['total'][0]:.4f}, "
+    "energy after the impact, of that before: beta = 1: "
+    f"{soft.energy['total'][-1] / soft.energy['total'][0]:.4f}, "
     f"beta = 20: {stiff.energy['total'][-1] / stiff.energy['total'][0]:.2f}"
 )
 assert abs(growth(soft)) < 0.01
@@ -142,7 +147,10 @@ for run in (soft, stiff):
 
 
 def rebound(fraction, landing, force):
-    """Kinetic energy after the blow over that before, for each landing in 0 ... 1; ``force`` is a function of k, g and v."""
+    """
+    Kinetic energy after the blow over that before, for each landing in 0 ... 1; ``force`` is a
+    function of k, g and v.
+    """
     k = (2 * fraction) ** 2
     energies = []
     for g in landing:
@@ -160,7 +168,10 @@ def penalty(k, g, v):
 
 
 def energy_controlled(k, g, v, zeta=0.15):
-    """The gaps before and after: the law of the chapter, solved for one point. A unit force moves the mass by 1 in a step."""
+    """
+    The gaps before and after: the law of the chapter, solved for one point. A unit force moves the
+    mass by 1 in a step.
+    """
     a, before, free = zeta * np.sqrt(1 + 4 / k), min(g - v, 0.0), g + v
     return max(0.0, -0.5 * k * ((1 + a) * free + (1 - a) * before) / (1 + 0.5 * k * (1 + a)))
 
@@ -211,7 +222,8 @@ def gain_and_loss(fraction, landing):
 for f in fractions:
     gain, loss = gain_and_loss(f, phi)
     print(
-        f"f = {f}: an impact gains {gain.mean():.4f} on exit and loses {loss.mean():.4f} on entry, averaged over the landings"
+        f"f = {f}: an impact gains {gain.mean():.4f} on exit and loses {loss.mean():.4f} on entry, "
+        "averaged over the landings"
     )
     assert np.allclose(energies[f], 1 + gain - loss, atol=1e-12)
     assert gain.mean() > loss.mean() and abs(loss.mean() - 2 * f**2 / 3) < 1e-6
@@ -369,7 +381,8 @@ runs = {
 }
 results = {}
 print(
-    f"{'':<28}{'steps':>6}{'time':>7}{'energy, most':>14}{'after':>9}{'force rms':>11}{'peak':>7}{'depth / h':>11}"
+    f"{'':<28}{'steps':>6}{'time':>7}{'energy, most':>14}{'after':>9}"
+    f"{'force rms':>11}{'peak':>7}{'depth / h':>11}"
 )
 for (name, run), time in zip(runs.items(), seconds):
     pressure = wall_pressure(run)
@@ -379,7 +392,8 @@ for (name, run), time in zip(runs.items(), seconds):
     peak, deep = pressure.max() / PRESSURE, depth(*cures[name]) / H
     results[name] = {"most": total.max(), "after": total[-1], "rms": rms, "depth": deep}
     print(
-        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}{total[-1]:9.4f}{100 * rms:9.2f} %{peak:7.2f}"
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}{total[-1]:9.4f}"
+        f"{100 * rms:9.2f} %{peak:7.2f}"
         f"{deep:11.1e}"
     )
 
@@ -524,7 +538,8 @@ for (name, scene), time in zip(scenes.items(), seconds):
     differences[name] = np.mean(np.abs(front(run) - front(reference))) * 3 / 7
     total = run.energy["total"]
     print(
-        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{100 * differences[name]:10.3f} %{total[-1] / total[0]:14.4f}"
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{100 * differences[name]:10.3f} %"
+        f"{total[-1] / total[0]:14.4f}"
     )
     if name == "penalty 4, 0.9":
         assert growth(run) > 0.05  # it heats, as the warning said

@@ -108,7 +108,8 @@ fig.savefig(folder / "scene_plates.png", dpi=150)
 right = plates.state["right"]
 inside = (right.centres[:, 0] < 0.5 * front) & (right.centres[:, 2] < 0.2 * D)
 print(
-    f"plates: pressure behind the front {-right.stress[inside, 0].mean():.2f} MPa, rho c1 v0 = {pressed:.2f} MPa"
+    f"plates: pressure behind the front {-right.stress[inside, 0].mean():.2f} MPa, rho c1 v0 = "
+    f"{pressed:.2f} MPa"
 )
 assert abs(-right.stress[inside, 0].mean() / pressed - 1) < 0.01
 
@@ -129,7 +130,10 @@ records = run(often(wall, 10).add_probe("wall", resultant="obstacle"))
 
 
 def along(film, axis):
-    """Places (times, nodes) of the cross-sections of a bar along its axis and the stresses (times, elements) between them."""
+    """
+    Places (times, nodes) of the cross-sections of a bar along its axis and the stresses (times,
+    elements) between them.
+    """
     nodes, elements = film[0]["bar"].nodes, film[0]["bar"].centres
     order = np.argsort(elements[:, axis])
     starts = [np.flatnonzero(nodes[:, axis] == value)[0] for value in np.unique(nodes[:, axis])]
@@ -162,7 +166,10 @@ def exact_end(t):
 
 
 def exact_far_end(t):
-    """Place of the far end: it learns of the wall after L / c, turns round at once, and the bar is shortest then."""
+    """
+    Place of the far end: it learns of the wall after L / c, turns round at once, and the bar is
+    shortest then.
+    """
     turn = 0.5 + L / C
     return np.where(t < turn, 15 - V * t, 15 - V * turn + V * (t - turn))
 
@@ -208,11 +215,13 @@ fig.savefig(folder / "scene_bar_on_a_wall.png", dpi=150)
 steady = (middle > 0.6) & (middle < 1.1)
 off = max(np.abs(places[:, 0] - exact_end(t)).max(), np.abs(places[:, -1] - exact_far_end(t)).max())
 print(
-    f"bar: mean pressure {pressure[steady].mean():.2f} Pa (300), ends within {100 * off / L:.2f} % of the length"
+    f"bar: mean pressure {pressure[steady].mean():.2f} Pa (300), ends within {100 * off / L:.2f} % of the "
+    "length"
 )
 assert abs(pressure[steady].mean() / P - 1) < 0.01 and off < 0.02 * L
 
-# The history is the momentum's rate: the trapezoidal sum of the force is the change of momentum, to round-off.
+# The history is the momentum's rate: the trapezoidal sum of the force is the change of momentum,
+# to round-off.
 momentum = records.body_momentum("bar")["p"][:, 0]
 push, t_push = history["force"][:, 0], history["time"]
 impulse = (0.5 * (push[1:] + push[:-1]) * np.diff(t_push)).sum()
@@ -344,7 +353,8 @@ fig.savefig(folder / "scene_block_on_an_incline.png", dpi=150)
 
 p = records.body_momentum("block")["p"][-1]
 print(
-    f"block: velocity after 1 s {v[-1]:.3f} m/s (3.6); (p_x + 0.3 p_z) / m {(p[0] + 0.3 * p[2]) / mass:.3f} m/s"
+    f"block: velocity after 1 s {v[-1]:.3f} m/s (3.6); (p_x + 0.3 p_z) / m "
+    f"{(p[0] + 0.3 * p[2]) / mass:.3f} m/s"
 )
 assert abs((p[0] + 0.3 * p[2]) / (3.6 * mass) - 1) < 5e-3
 
@@ -445,7 +455,10 @@ MU, LAM = YOUNG / (2 * (1 + POISSON)), YOUNG * POISSON / ((1 + POISSON) * (1 - 2
 
 
 def tension(s):
-    """W'(s): Kirchhoff stress over the stretch of a neo-Hookean bar with free sides; b2 is the square of its lateral stretch."""
+    """
+    W'(s): Kirchhoff stress over the stretch of a neo-Hookean bar with free sides; b2 is the square of
+    its lateral stretch.
+    """
     p = MU - LAM * s
     b2 = 2 * MU / (p + np.sqrt(p * p + 4 * LAM * s**2 * MU))
     return (MU * (s**2 - 1) + LAM * s * b2 * (s * b2 - 1)) / s

@@ -49,7 +49,10 @@ def schedule(problem: Problem) -> tuple[int, Sequence[int]]:
 
 
 def default_interval(steps: int, nodes: int) -> int:
-    """Steps between two records where the scene names none; from counts alone, so that files are equal on every machine."""
+    """
+    Steps between two records where the scene names none; from counts alone, so that files are equal
+    on every machine.
+    """
     # Steps over the number of records (eq:default-records)
     most = max(steps // STEPS_A_RECORD, FEW_VALUES // nodes)
     return max(1, math.ceil(steps / max(1, min(MOST_RECORDS, most, max(10, MOST_VALUES // nodes)))))

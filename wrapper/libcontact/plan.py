@@ -229,7 +229,10 @@ def _active(rehearsal: Rehearsal) -> dict[str, float]:
 def _foreseen(
     problem: Problem, seen: list[Rehearsal], tried: dict[str, float], interval: int
 ) -> dict[str, float]:
-    """Seconds of a step of each part: what waits for a touch at the size of the run, :eq:`plan-size`, all else as a trial has it, :eq:`plan-trial`."""
+    """
+    Seconds of a step of each part: what waits for a touch at the size of the run, :eq:`plan-size`,
+    all else as a trial has it, :eq:`plan-trial`.
+    """
     coarse = seen[0].coarse
     other = tried if coarse is problem else _try(coarse, interval).seconds
     sizes = [_sizes(one) for one in (problem, *(rehearsal.coarse for rehearsal in seen))]
@@ -439,7 +442,10 @@ def _observe(coarse: Problem, steps: int) -> Rehearsal:
 
 
 def _pass(coarse: Problem, steps: int) -> Rehearsal:
-    """Run the coarse problem to its end, or until it is at rest where that ends it, and see after each window which effects pressed."""
+    """
+    Run the coarse problem to its end, or until it is at rest where that ends it, and see after each
+    window which effects pressed.
+    """
     state = new_state(coarse)
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
     # The first effect, the elements, has no impulse.
