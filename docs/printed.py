@@ -119,6 +119,7 @@ def write(folder: Path, path: Path) -> None:
             writer.append(sheets, import_outline=False)
         for sheet, number in zip(writer.pages, numbers(reader, len(writer.pages)).pages):
             sheet.merge_page(number)
+            sheet.compress_content_streams()
         if reader.outside:
             raise SystemExit(f"a page fetches {reader.outside[0]}")
         finish(writer, reader.address, book)

@@ -80,6 +80,7 @@ LOOK = """
   const width = document.documentElement.clientWidth, name = e => e.closest("[id]")?.id + " " + e.tagName;
   const cut = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 0.5 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 0.5;
   const over = [], lost = [], hidden = [];
+  if (document.documentElement.scrollWidth > width + 1) lost.push("page");
   let numbered = 0;
   for (const block of document.querySelectorAll("div.math")) {
     const number = block.querySelector(":scope > .eqno"), box = block.querySelector("mjx-container");
