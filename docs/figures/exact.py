@@ -51,7 +51,7 @@ def snapshots():
         ax.set_xlabel("x / d")
     for ax in (figure.axes[0], figure.axes[2]):
         ax.set_ylabel("z / d")
-    figure.axes[0].legend(loc="lower right", fontsize=9)
+    figure.axes[0].legend(loc="lower right", fontsize=9, labelcolor="#303030")
     figure.colorbar(image, ax=figure.axes, label=r"$\sigma_z^*$", shrink=0.8)
     return figure
 

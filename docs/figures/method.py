@@ -71,7 +71,7 @@ def arrow(ax, start, along, name, colour):
 
 def closest():
     """Fig. 1 of the paper, redrawn: a face, a point, its closest point, and the tangents there."""
-    figure = Figure(figsize=(6.0, 3.6))
+    figure = Figure(figsize=(6.0, 2.8))
     ax = solid_axes(figure, elev=24, azim=-62)
     nodes = np.column_stack([1.5 * SQUARE, 0.35 - 0.5 * SQUARE[:, 0] ** 2 + 0.15 * SQUARE[:, 1]])
     xi = np.array([0.25, 0.1])
@@ -95,7 +95,7 @@ def closest():
     ax.text(*nodes[3] + [0, 0, 0.15], r"$\gamma_c$")
     ax.set_box_aspect((3, 3, 1.7))
     figure.set_layout_engine("none")
-    ax.set_position([-0.08, -0.16, 1.16, 1.45])
+    ax.set_position([-0.1, -0.36, 1.2, 1.9])
     return figure
 
 
