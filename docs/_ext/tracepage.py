@@ -92,7 +92,6 @@ def tables(app, docname: str) -> list[nodes.Node]:
             parts.append(nodes.rubric("", "", heading, ids=[section_id]))
             parts.append(table(["equation", "line", "tests", "executed"], rows, [20, 45, 25, 10]))
         else:
-            link.replace_self(nodes.Text(title))
             overview[-1][0] = nodes.Text(title)
     overview.append(["all", *(str(total[column]) for column in tracing.COLUMNS)])
     return [table(["chapter", *tracing.COLUMNS], overview, [40, *[10] * 6]), *parts]

@@ -95,7 +95,7 @@ def closest():
     ax.text(*nodes[3] + [0, 0, 0.15], r"$\gamma_c$")
     ax.set_box_aspect((3, 3, 1.7))
     figure.set_layout_engine("none")
-    ax.set_position([-0.1, -0.36, 1.2, 1.9])
+    ax.set_position([-0.1, -0.25, 1.2, 1.74])
     return figure
 
 
