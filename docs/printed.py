@@ -19,6 +19,14 @@ from tqdm import tqdm
 
 FORMAT: dict[str, Any] = {"format": "A4", "scale": 0.78, "print_background": True}
 MARGIN = {"top": "18mm", "bottom": "18mm", "left": "16mm", "right": "16mm"}
+WIDTH = int((210 - 2 * 16) / 25.4 * 96 / FORMAT["scale"])  # of the text, in pixels of the browser
+# One table that is too wide would make the browser shrink its whole page.
+SHRINK = """
+() => {
+  for (const box of document.querySelectorAll("article .table-wrapper"))
+    if (box.scrollWidth > box.clientWidth) box.firstElementChild.style.zoom = 0.98 * box.clientWidth / box.scrollWidth;
+}
+"""
 ENTRY = re.compile(
     r'<li class="toctree-l(\d)[^"]*"><a class="reference internal" href="([^"#]+)">(.*?)</a>'
 )
@@ -54,6 +62,7 @@ def printed(reader: browser.Reader, page: Page, first: int) -> Printed:
     own = reader.open(page.name)
     if own.query_selector("mjx-merror"):
         raise SystemExit(f"{page.name}: MathJax could not set a formula")
+    own.evaluate(SHRINK)
     return Printed(page, PdfReader(io.BytesIO(own.pdf(**FORMAT, margin=MARGIN))), first)
 
 
@@ -108,6 +117,7 @@ def write(folder: Path, path: Path) -> None:
         raise SystemExit("no browser: install chromium, or run build/venv/bin/playwright install --only-shell chromium")
     with browser.reading(folder, own) as reader:
         reader.page.emulate_media(media="print", color_scheme="light")
+        reader.page.set_viewport_size({"width": WIDTH, "height": 1200})
         book, first = list[Printed](), 0
         for page in tqdm(contents(folder), unit="page", disable=None):
             book.append(printed(reader, page, first))
