@@ -3,6 +3,9 @@
 A symbol is a letter with its style: ``\\sigma`` and ``\\boldsymbol\\sigma`` are two symbols, subscripts make no new one. The file has for each part its symbols with
 meaning, unit and the chapter that defines them. Where a chapter uses a symbol in another sense than its part, the file says so under ``other``; these rows
 are to become fewer.
+
+Of the parts in ``CLOSED`` a row has a fifth cell: the chapters whose labelled equations use the symbol. Whoever writes a letter into another chapter adds it there and reads its
+meaning. In these parts ``other`` is empty, more letters count, and all formulas are read, also those in a line of text.
 """
 
 from __future__ import annotations
@@ -15,13 +18,19 @@ LETTERS = (
     "kappa sigma varepsilon epsilon xi lambda beta zeta theta alpha gamma rho varrho omega".split()
 )
 LETTERS += list("WAJsphTgk")
+# Parts where each of the letters has one sense in all formulas, and the letters that count there besides.
+CLOSED = ("week/index", "theory/index")
+MORE = [*"eta chi tau".split(), *"PVE"]
 EQUATION = re.compile(r"\.\. math::\n((?:   .*\n|\n)+)")
-STYLED = r"\\(mathbf|boldsymbol)\s*(?:\{\s*(\\[a-zA-Z]+|[a-zA-Z])\s*\}|(\\[a-zA-Z]+|[a-zA-Z]))"
+STYLED = (
+    r"\\(mathbf|boldsymbol|mathcal)\s*(?:\{\s*(\\[a-zA-Z]+|[a-zA-Z])\s*\}|(\\[a-zA-Z]+|[a-zA-Z]))"
+)
 GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}"
 
 
-def letters(formula: str) -> set[str]:
-    """Symbols of a formula that have one of the letters; subscripts, words and units do not count."""
+def letters(formula: str, part: str = "") -> set[str]:
+    """Symbols of a formula that have one of the letters that count in a part; subscripts, words and units do not count."""
+    count = LETTERS + MORE if part in CLOSED else LETTERS
     text = re.sub(
         r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)\*?\s*(?:" + GROUP + r"|\w)",
         " ",
@@ -31,26 +40,43 @@ def letters(formula: str) -> set[str]:
     found = set()
     for style, group, name in re.findall(STYLED, text):
         found.add((style, group or name))
-    text = re.sub(r"\\(?:mathbf|boldsymbol)\s*(?:" + GROUP + r"|\\[a-zA-Z]+|\w)", " ", text)
+    text = re.sub(r"\\(?:mathbf|boldsymbol|mathcal)\s*(?:" + GROUP + r"|\\[a-zA-Z]+|\w)", " ", text)
     found.update(("", name) for name in re.findall(r"\\[a-zA-Z]+", text))
     found.update(("", name) for name in re.findall(r"[a-zA-Z]", re.sub(r"\\[a-zA-Z]+", " ", text)))
     return {
         (f"\\{style} " if style else "") + name
         for style, name in found
-        if name.lstrip("\\") in LETTERS and (name[0] == "\\" or len(name) == 1)
+        if name.lstrip("\\") in count and (name[0] == "\\" or len(name) == 1)
     }
 
 
-def used(page: Path) -> dict[str, list[str]]:
+def used(page: Path, part: str = "") -> dict[str, list[str]]:
     """Symbols of the labelled equations of a page, each with the labels of its equations."""
     found: dict[str, list[str]] = {}
     for block in EQUATION.findall(page.read_text()):
         label = re.search(r"^\s+:label: (\S+)$", block, re.M)
         if label:
             formula = re.sub(r"^\s+:\w+:.*$", "", block, flags=re.M)
-            for symbol in letters(formula):
+            for symbol in letters(formula, part):
                 found.setdefault(symbol, []).append(label[1])
     return found
+
+
+def written(page: Path, part: str) -> dict[str, list[str]]:
+    """Symbols of all formulas of a page outside its boxes "later", each with its formulas."""
+    text = re.sub(r"^\.\. admonition:: Later\n(?:   .*\n|\n)+", "", page.read_text(), flags=re.M)
+    formulas = re.findall(r":math:`([^`]*)`", text)
+    formulas += [re.sub(r"^\s+:\w+:.*$", "", block, flags=re.M) for block in EQUATION.findall(text)]
+    found: dict[str, list[str]] = {}
+    for formula in formulas:
+        for symbol in letters(formula, part):
+            found.setdefault(symbol, []).append(" ".join(formula.split()))
+    return found
+
+
+def names(row: list) -> list[str]:
+    """The symbols of a row without their subscripts."""
+    return list(dict.fromkeys(name.split("_")[0].strip() for name in row[0].split(",")))
 
 
 def notation(docs: Path) -> dict[str, dict]:
@@ -86,7 +112,8 @@ def directive():
             docs, part = Path(self.env.srcdir), self.arguments[0]
             self.env.note_dependency(str(docs / "reference" / "notation.toml"))
             head = ("symbol", "meaning", "unit", "chapter")
-            text = table("14 52 12 22", head, notation(docs)[part]["symbol"])
+            rows = [row[:4] for row in notation(docs)[part]["symbol"]]
+            text = table("14 52 12 22", head, rows)
             other = [(symbol, meaning, page) for symbol, page, meaning in exceptions(docs, part)]
             if other:
                 text += "These chapters still use a symbol in another sense:\n\n"

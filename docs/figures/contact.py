@@ -38,8 +38,8 @@ def laws():
     for epsilon in (2.0, 5.0, 20.0):
         ax.plot(g, epsilon * np.maximum(-g, 0), color=BLUE, lw=1.4)
     near = np.linspace(1e-3, 0.4, 400)
-    for kappa in (0.5, 2.0):
-        p = kappa * (2 * (near - 0.4) * np.log(near / 0.4) + (near - 0.4) ** 2 / near)
+    for epsilon in (0.5, 2.0):
+        p = epsilon * (2 * (near - 0.4) * np.log(near / 0.4) + (near - 0.4) ** 2 / near)
         ax.plot(near, p, color=GREEN, lw=1.4)
     for constant in (0.4, 0.8, 1.2):
         ax.plot(g, constant + 2.5 * g, color=ORANGE, ls=":", lw=1.4)

@@ -26,8 +26,8 @@ def row_front(distance, steps, courant, shortest=2.0):
     k = 2 * np.pi / planes * np.arange(1, planes // 2, 2)
     k = k[2 * np.pi / k >= shortest]
     omega, _ = row(k, courant)
-    start = 4 / planes / np.tan(0.5 * k)  # (eq:front-row-start)
-    height = start * np.sin(omega * travel) / np.cos(0.5 * omega * courant)
+    b = 4 / planes / np.tan(0.5 * k)  # (eq:front-row-start)
+    height = b * np.sin(omega * travel) / np.cos(0.5 * omega * courant)
     return np.cos(np.multiply.outer(distance, k)) @ height  # (eq:front-row)
 
 
@@ -51,12 +51,12 @@ def long_front(distance, courant, travel=TRAVEL):
     """The front of long waves, c k (1 - C k²h²): an integral of Airy's function."""
     coefficient = (1 - courant**2) / 24  # (eq:dispersion-long)
     width = np.cbrt(3 * coefficient * travel)  # (eq:front-width)
-    # Ai from its integral: the mean of cos(q³/3 + ξq) over q, with the path turned so that it decays.
-    xi = np.linspace(-60.0 / width, 12.0, 1501)
+    # Ai from its integral: the mean of cos(q³/3 + ηq) over q, with the path turned so that it decays.
+    eta = np.linspace(-60.0 / width, 12.0, 1501)
     q = np.linspace(0.0, 25.0, 2001) * np.exp(1j * np.pi / 6)
-    ai = np.array([np.trapezoid(np.exp(1j * (q**3 / 3 + x * q)), q).real for x in xi]) / np.pi
-    tail = np.append(np.cumsum((ai[1:] + ai[:-1])[::-1])[::-1], 0.0) * 0.5 * (xi[1] - xi[0])
-    return np.interp((distance - travel) / width, xi, tail)  # (eq:front-airy)
+    ai = np.array([np.trapezoid(np.exp(1j * (q**3 / 3 + x * q)), q).real for x in eta]) / np.pi
+    tail = np.append(np.cumsum((ai[1:] + ai[:-1])[::-1])[::-1], 0.0) * 0.5 * (eta[1] - eta[0])
+    return np.interp((distance - travel) / width, eta, tail)  # (eq:front-airy)
 
 
 def front():
@@ -92,8 +92,8 @@ def speeds():
         shown = part < (0.36 if label == "hex20, consistent mass" else 1.0)
         phase.plot(part[shown], waves.phase[shown, 2], label=label)
         group.plot(part[shown], waves.group[shown, 2, 0])
-    phase.set(xlabel="edges per wavelength, h/λ", ylabel="phase velocity over c₁", ylim=(0.5, 1.3))
-    group.set(xlabel="edges per wavelength, h/λ", ylabel="group velocity over c₁", ylim=(-0.1, 1.6))
+    phase.set(xlabel="edges per wavelength, h/ℓ", ylabel="phase velocity over c₁", ylim=(0.5, 1.3))
+    group.set(xlabel="edges per wavelength, h/ℓ", ylabel="group velocity over c₁", ylim=(-0.1, 1.6))
     figure.legend(*phase.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
@@ -107,7 +107,7 @@ def polar():
     group = figure.add_subplot(1, 2, 2, projection="polar")
     for length in (10, 5, 3):
         waves = ct.dispersion(2 * np.pi / length * normal, poisson=NU)
-        phase.plot(angle, waves.phase[:, 2], label=f"λ = {length} h")
+        phase.plot(angle, waves.phase[:, 2], label=f"ℓ = {length} h")
         x, y = waves.group[:, 2, 0], waves.group[:, 2, 1]
         group.plot(np.arctan2(y, x), np.hypot(x, y))
     for ax, name in ((phase, "phase velocity over c₁"), (group, "group velocity over c₁")):
@@ -134,12 +134,12 @@ def modes():
         k = 2 * np.pi / length
         omega = row(k, 0.125)[0]
         # The half of each wave that moves to the right.
-        single.plot(x, np.sin(omega * t - k * x) * 0.4 - i, label=f"λ = {length:g} h")
+        single.plot(x, np.sin(omega * t - k * x) * 0.4 - i, label=f"ℓ = {length:g} h")
         single.plot(x, np.sin(t * k - k * x) * 0.4 - i, "--", color="black", lw=0.9)
-        single.text(20.5, 0.5 - i, f"λ = {length:g} h")
+        single.text(20.5, 0.5 - i, f"ℓ = {length:g} h")
     single.axvline(TRAVEL, color="black", lw=0.8, ls=":")
     single.set(xlabel="x / h", yticks=[], ylim=(-3.0, 0.8))
-    for shortest, label in ((24.0, "λ ≥ 24 h"), (12.0, "λ ≥ 12 h"), (2.0, "all, λ ≥ 2 h")):
+    for shortest, label in ((24.0, "ℓ ≥ 24 h"), (12.0, "ℓ ≥ 12 h"), (2.0, "all, ℓ ≥ 2 h")):
         sums.plot(x, row_front(x, 448, 0.125, shortest), label=label)
     sums.plot([20, TRAVEL, TRAVEL, 62], [1, 1, 0, 0], color="black", lw=1)
     sums.set(xlabel="x / h", ylabel=r"$\sigma_x$ over the exact value")

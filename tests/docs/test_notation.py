@@ -1,4 +1,4 @@
-"""A symbol has one meaning in a part of the book: the labelled equations use no letter that reference/notation.toml does not have."""
+"""A symbol has one meaning in a part of the book: equations use no letter that reference/notation.toml does not have, and in closed parts no letter in a chapter that its row does not name."""
 
 import sys
 from pathlib import Path
@@ -9,24 +9,26 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 from parts import parts  # noqa: E402
-from symbols import exceptions, letters, notation, used  # noqa: E402
+from symbols import CLOSED, exceptions, letters, names, notation, used, written  # noqa: E402
 
 BOOK, TABLES = parts(DOCS), notation(DOCS)
 CHAPTERS = [(part, page) for part in BOOK for page in BOOK[part]]
+ORDER = [page for _, page in CHAPTERS]
 # Symbols with a meaning beside that of their part, in all chapters together. The number may only shrink.
-MOST = 124
+MOST = 91
 
 
-def names(part):
+def symbols(part):
     """The symbols of a part's table."""
-    return [name.strip() for row in TABLES[part]["symbol"] for name in row[0].split(",")]
+    return [name for row in TABLES[part]["symbol"] for name in names(row)]
 
 
 @pytest.mark.parametrize("part", TABLES)
 def test_one_meaning(part):
-    found = names(part)
+    found = symbols(part)
     assert len(found) == len(set(found))
-    assert all(len(row) == 4 and all(row) for row in TABLES[part]["symbol"])
+    cells = 5 if part in CLOSED else 4
+    assert all(len(row) == cells and all(row[:4]) for row in TABLES[part]["symbol"])
     twice = [(row[0], row[1]) for row in TABLES[part]["other"]]
     assert len(twice) == len(set(twice))
 
@@ -36,10 +38,37 @@ def test_equations_use_symbols_of_the_table(part, page):
     other = {symbol for symbol, chapter, _ in TABLES[part]["other"] if chapter == page}
     unknown = {
         symbol: labels
-        for symbol, labels in used(DOCS / f"{page}.rst").items()
-        if symbol not in other and symbol not in names(part)
+        for symbol, labels in used(DOCS / f"{page}.rst", part).items()
+        if symbol not in other and symbol not in symbols(part)
     }
     assert unknown == {}, "not in docs/reference/notation.toml"
+
+
+@pytest.mark.parametrize("part", CLOSED)
+def test_one_sense(part):
+    """No chapter has a sense of its own. The row of a symbol names the chapters whose labelled equations use it, and the first of them comes after its definition."""
+    assert TABLES[part]["other"] == []
+    pages = BOOK[part]
+    at = {page: used(DOCS / f"{page}.rst", part) for page in pages}
+    for row in TABLES[part]["symbol"]:
+        tracked = [name for name in names(row) if name in letters(name, part)]
+        using = [page for page in pages if any(name in at[page] for name in tracked)]
+        assert not tracked or row[4] == [page.split("/")[1] for page in using], row[0]
+        assert all(ORDER.index(page) >= ORDER.index(row[3]) for page in using), row[0]
+
+
+@pytest.mark.parametrize("part, page", [chapter for chapter in CHAPTERS if chapter[0] in CLOSED])
+def test_formulas_in_text_use_symbols_of_the_table(part, page):
+    found = written(DOCS / f"{page}.rst", part)
+    unknown = {symbol: found[symbol] for symbol in found if symbol not in symbols(part)}
+    assert unknown == {}, "not in docs/reference/notation.toml"
+    early = {
+        symbol: row[3]
+        for row in TABLES[part]["symbol"]
+        for symbol in names(row)
+        if symbol in found and ORDER.index(row[3]) > ORDER.index(page)
+    }
+    assert early == {}, "used before it is defined"
 
 
 def test_other_meanings_become_fewer():

@@ -2,25 +2,25 @@
 
 #include <math.h>
 
-/* Teach B that the step s has changed the gradient by y. */
-static void bfgs_update(double B[3], const double s[2], const double y[2], int first)
+/* Teach D that the step s has changed the gradient by y. */
+static void bfgs_update(double D[3], const double s[2], const double y[2], int first)
 {
   double sy = s[0] * y[0] + s[1] * y[1], yy = y[0] * y[0] + y[1] * y[1];
   // -- Only a step along which f bends upwards can be learned from
   if (!(sy > 0 && sy < HUGE_VAL && yy > 0)) return;
-  // -- Before the first lesson, give B the size of what was seen (eq:bfgs-scale)
-  if (first) B[0] = B[1] = sy / yy, B[2] = 0;
-  double z[2] = {B[0] * y[0] + B[2] * y[1], B[2] * y[0] + B[1] * y[1]},
+  // -- Before the first lesson, give D the size of what was seen (eq:bfgs-scale)
+  if (first) D[0] = D[1] = sy / yy, D[2] = 0;
+  double z[2] = {D[0] * y[0] + D[2] * y[1], D[2] * y[0] + D[1] * y[1]},
          factor = 1 + (y[0] * z[0] + y[1] * z[1]) / sy;
   // -- Update of the inverse (eq:bfgs-update)
-  B[0] += (factor * (s[0] * s[0]) - 2 * (s[0] * z[0])) / sy;
-  B[1] += (factor * (s[1] * s[1]) - 2 * (s[1] * z[1])) / sy;
-  B[2] += (factor * (s[0] * s[1]) - (s[0] * z[1] + s[1] * z[0])) / sy;
+  D[0] += (factor * (s[0] * s[0]) - 2 * (s[0] * z[0])) / sy;
+  D[1] += (factor * (s[1] * s[1]) - 2 * (s[1] * z[1])) / sy;
+  D[2] += (factor * (s[0] * s[1]) - (s[0] * z[1] + s[1] * z[0])) / sy;
 }
 
-/* What is known: B approximates the inverse of the Hessian, (B11 B22 B12); and the last iterate. */
+/* What is known: D approximates the inverse of the Hessian, (D11 D22 D12); and the last iterate. */
 typedef struct lessons {
-  double B[3];
+  double D[3];
   ct_iterate last;
   int count;
 } lessons;
@@ -28,18 +28,18 @@ typedef struct lessons {
 static int bfgs_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
 {
   lessons *l = memory;
-  double *B = l->B, y[2];
+  double *D = l->D, y[2];
   const double *g = at->g;
   if (l->count == 0)
-    B[0] = B[1] = 0.5 * ct_patch_half_width(patch->kind) / sqrt(g[0] * g[0] + g[1] * g[1]);
+    D[0] = D[1] = 0.5 * ct_patch_half_width(patch->kind) / sqrt(g[0] * g[0] + g[1] * g[1]);
   for (int a = 0; a < 2 && l->count > 0; a++)
     s[a] = at->xi[a] - l->last.xi[a], y[a] = g[a] - l->last.g[a];
-  if (l->count > 0) bfgs_update(B, s, y, l->count == 1);
+  if (l->count > 0) bfgs_update(D, s, y, l->count == 1);
   l->count++;
   l->last = *at;
   // -- Step with the approximate inverse (eq:bfgs-step)
-  s[0] = -(B[0] * g[0] + B[2] * g[1]);
-  s[1] = -(B[2] * g[0] + B[1] * g[1]);
+  s[0] = -(D[0] * g[0] + D[2] * g[1]);
+  s[1] = -(D[2] * g[0] + D[1] * g[1]);
   return 1;
 }
 

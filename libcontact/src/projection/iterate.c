@@ -69,21 +69,21 @@ ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *opt
 static int line_search(const ct_patch *patch, const ct_iterate *at, const double s[2],
                        ct_iterate *next, ct_closest *closest)
 {
-  double slope = at->g[0] * s[0] + at->g[1] * s[1], part = 1;
+  double slope = at->g[0] * s[0] + at->g[1] * s[1], alpha = 1;
   if (!(slope < 0)) return 0;
   for (int trial = 0; trial < 40; trial++) {
-    next->xi[0] = at->xi[0] + part * s[0];
-    next->xi[1] = at->xi[1] + part * s[1];
+    next->xi[0] = at->xi[0] + alpha * s[0];
+    next->xi[1] = at->xi[1] + alpha * s[1];
     ct_iterate_look(patch, next, closest);
     // -- Enough of the promised fall (eq:projection-armijo)
     double rise = next->f - at->f;
-    if (rise <= 1e-4 * part * slope) return 1;
+    if (rise <= 1e-4 * alpha * slope) return 1;
     // -- Where rounding hides the fall, the slope decides
-    if (-part * slope <= noise(patch, at->f))
+    if (-alpha * slope <= noise(patch, at->f))
       return fabs(next->g[0] * s[0] + next->g[1] * s[1]) < -slope;
     // -- Lowest point of the parabola through the two values and the slope (eq:projection-parabola)
-    double parabola = -0.5 * (slope * part) / (rise - slope * part);
-    part *= fmin(fmax(parabola, 0.1), 0.5);
+    double parabola = -0.5 * (slope * alpha) / (rise - slope * alpha);
+    alpha *= fmin(fmax(parabola, 0.1), 0.5);
   }
   return 0;
 }
@@ -132,16 +132,16 @@ static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local
   curves(patch, at->xi, t11, t22, t12);
   if (!ct_vector_unit_normal(t1, t2, n)) return 0;
   // -- Orthonormal frame, the first axis along the first tangent (eq:projection-frame)
-  double a = sqrt(dot(t1, t1)), e1[3] = {t1[0] / a, t1[1] / a, t1[2] / a};
+  double R11 = sqrt(dot(t1, t1)), e1[3] = {t1[0] / R11, t1[1] / R11, t1[2] / R11};
   ct_vector_cross(n, e1, e2);
-  double b = dot(t2, e1), c = dot(t2, e2), ratio = b / a;
-  local->stretch[0] = a, local->stretch[1] = c, local->stretch[2] = b;
+  double R12 = dot(t2, e1), R22 = dot(t2, e2), ratio = R12 / R11;
+  local->R[0] = R11, local->R[1] = R22, local->R[2] = R12;
   // -- Curvatures in this frame (eq:projection-curvatures)
-  double B11 = dot(n, t11), B22 = dot(n, t22), B12 = dot(n, t12);
-  local->k[0] = B11 / (a * a);
-  local->k[1] = (B22 - 2 * ratio * B12 + ratio * ratio * B11) / (c * c);
-  local->k[2] = (B12 - ratio * B11) / (a * c);
-  local->p[0] = -dot(at->d, e1), local->p[1] = -dot(at->d, e2), local->p[2] = -dot(at->d, n);
+  double b11 = dot(n, t11), b22 = dot(n, t22), b12 = dot(n, t12);
+  local->kappa[0] = b11 / (R11 * R11);
+  local->kappa[1] = (b22 - 2 * ratio * b12 + ratio * ratio * b11) / (R22 * R22);
+  local->kappa[2] = (b12 - ratio * b11) / (R11 * R22);
+  local->r[0] = -dot(at->d, e1), local->r[1] = -dot(at->d, e2), local->r[2] = -dot(at->d, n);
   return 1;
 }
 
@@ -154,8 +154,8 @@ static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], 
   if (!local_at(patch, at, &local)) return 0;
   (*rule)(&local, w);
   // -- The step that moves by w in the tangent plane (eq:projection-pull-back)
-  s[1] = w[1] / local.stretch[1];
-  s[0] = (w[0] - local.stretch[2] * s[1]) / local.stretch[0];
+  s[1] = w[1] / local.R[1];
+  s[0] = (w[0] - local.R[2] * s[1]) / local.R[0];
   return 1;
 }
 

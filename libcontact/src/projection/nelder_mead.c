@@ -24,15 +24,15 @@ static void sort(triangle *t)
     }
 }
 
-/* The point at `factor` times the way from the highest vertex's opposite centre to that vertex;
- * answers f there. */
-static double along(const triangle *t, const ct_patch *patch, double factor, double image[2],
+/* The point on the line from the highest vertex through the centre of the others, beyond this
+ * centre by `alpha` times the distance between the two; answers f there. */
+static double along(const triangle *t, const ct_patch *patch, double alpha, double image[2],
                     ct_closest *closest)
 {
   for (int a = 0; a < 2; a++) {
     double centre = 0.5 * (t->x[0][a] + t->x[1][a]);
     // -- On the line through the highest vertex and the centre of the others (eq:nelder-line)
-    image[a] = centre + factor * (t->x[2][a] - centre);
+    image[a] = centre + alpha * (centre - t->x[2][a]);
   }
   return ct_iterate_value(patch, image, closest);
 }
@@ -51,10 +51,10 @@ static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *clo
 {
   double image[2], other[2];
   // -- Reflection (eq:nelder-reflection)
-  double f = along(t, patch, -1, image, closest);
+  double f = along(t, patch, 1, image, closest);
   if (f < t->f[0]) {
     // -- Expansion (eq:nelder-expansion)
-    double further = along(t, patch, -2, other, closest);
+    double further = along(t, patch, 2, other, closest);
     if (further < t->f[0]) move(t, 2, other, further);
     else move(t, 2, image, f);
     return;
@@ -65,7 +65,7 @@ static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *clo
   }
   if (f < t->f[2]) move(t, 2, image, f);
   // -- Contraction (eq:nelder-contraction)
-  double nearer = along(t, patch, 0.5, other, closest);
+  double nearer = along(t, patch, -0.5, other, closest);
   if (nearer <= t->f[2]) move(t, 2, other, nearer);
   else shrink(t, patch, closest);
 }

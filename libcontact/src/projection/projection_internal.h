@@ -99,11 +99,11 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
                           int default_limit, int search_line, ct_step_rule *rule, void *memory,
                           ct_closest *closest);
 
-/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
- * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given
- * point as seen from y. */
+/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 = (R11, 0),
+ * t2 = (R12, R22) in it, with R = {R11, R22, R12}; curvatures kappa11, kappa22, kappa12; and the
+ * vector r from y to the given point. */
 typedef struct ct_local {
-  double stretch[3], k[3], p[3];
+  double R[3], kappa[3], r[3];
 } ct_local;
 
 /* The way w in the tangent plane to the closest point on the local shape. */

@@ -210,12 +210,12 @@ PART mask is_mild(const patches *patch, const iterates *at)
   for (int k = 0; k < 3; k++)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
                                            2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
-  // -- Against the tangents (eq:robust-straight)
+  // -- Against the tangents: of the shorter one, what is perpendicular to the longer one
+  // (eq:robust-straight)
   real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
-       straight = area / most(at->square[0], at->square[1]);
+       t2 = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  return ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <=
-         CT_MILD * (straight * straight);
+  return ((bent[0] + bent[1]) + bent[2]) * (t2 + 2 * at->f) <= CT_MILD * (t2 * t2);
 }
 
 /* Let the caller see an iterate. */

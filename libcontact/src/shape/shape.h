@@ -16,8 +16,9 @@ CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N,
     double x = CORNER[i][0] * xi, y = CORNER[i][1] * eta, corner = 0.25 * ((1 + x) * (1 + y));
     N[stride * i] = per == 8 ? corner * ((x + y) - 1) : corner;
     // -- Mid-side that follows the corner: even ones run along ξ (eq:segment-q8)
-    double r = i % 2 == 0 ? xi : eta, s = i % 2 == 0 ? CORNER[i][1] * eta : CORNER[i][0] * xi;
-    N[stride * (4 + i)] = per == 8 ? 0.5 * (((1 - r) * (1 + r)) * (1 + s)) : 0.0;
+    double along = i % 2 == 0 ? xi : eta,
+           across = i % 2 == 0 ? CORNER[i][1] * eta : CORNER[i][0] * xi;
+    N[stride * (4 + i)] = per == 8 ? 0.5 * (((1 - along) * (1 + along)) * (1 + across)) : 0.0;
   }
 }
 

@@ -133,6 +133,6 @@ double ct_integrator_step(const ct_integrator *integrator, double omega_squared,
   // (eq:integrator-damped-bound)
   if (integrator->scheme == CT_NOH_BATHE)
     return 4.0 / (sqrt(s) * (rate + sqrt(rate * rate + 4.0 * omega_squared)));
-  // 4 / (D + √(D² + 4 W)) (eq:damped-step-bound)
+  // 4 / (d̂ + √(d̂² + 4 ω̂²)) (eq:damped-step-bound)
   return 4.0 / (rate + sqrt(rate * rate + 4.0 * s * omega_squared));
 }
