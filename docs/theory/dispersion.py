@@ -15,8 +15,9 @@ def row(k, courant=0.0, consistent=False):
         return omega / np.sqrt((2 + np.cos(k)) / 3), None  # (eq:dispersion-axis)
     if courant > 0:
         omega = 2 / courant * np.arcsin(courant * np.sin(0.5 * k))  # (eq:dispersion-leapfrog)
+    # (eq:dispersion-axis-group)
     group = np.cos(0.5 * k) / np.sqrt(1 - (courant * np.sin(0.5 * k)) ** 2)
-    return omega, group  # (eq:dispersion-axis-group)
+    return omega, group
 
 
 def row_front(distance, steps, courant, shortest=2.0):

@@ -34,9 +34,9 @@ def shape_q4(xi):
 def shape_q8(xi):
     x, y = xi
     corners = [(1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4 for a, b in CORNERS]
-    # r runs along the side, s = ±1 on it.
+    # The coordinate along the side, and the one across, 1 on it.
     sides = [(x, -y), (y, x), (x, y), (y, -x)]
-    return np.array(corners + [(1 - r * r) * (1 + s) / 2 for r, s in sides])
+    return np.array(corners + [(1 - along**2) * (1 + across) / 2 for along, across in sides])
 
 
 def shape_t3(xi):
@@ -330,41 +330,42 @@ def test_step_of_steepest_descent():
 @executes("broyden-step", "broyden-update")
 def test_steps_of_broyden():
     path = iterates("broyden", START)
-    J, before = Look(START).H, Look(START)
+    H, before = Look(START).H, Look(START)
     for k in range(1, 4):
-        s = -np.linalg.solve(J, before.g)
+        s = -np.linalg.solve(H, before.g)
         after = Look(before.xi + s)
         close(path[k], after.xi, 1e-11)
-        J = J + np.outer(after.g - before.g - J @ s, s) / (s @ s)
+        H = H + np.outer(after.g - before.g - H @ s, s) / (s @ s)
         before = after
 
 
 @executes("bfgs-step", "bfgs-update", "bfgs-scale")
 def test_steps_of_bfgs():
     path = iterates("bfgs", START)
-    # The first step is checked by its effect: B is scaled with it.
+    # The first step is checked by its effect: D is scaled with it.
     looks = [Look(each) for each in path[:5]]
     s, y = looks[1].xi - looks[0].xi, looks[1].g - looks[0].g
-    B = (s @ y) / (y @ y) * np.eye(2)
+    D = (s @ y) / (y @ y) * np.eye(2)
     for k in range(1, 4):
         s, y = looks[k].xi - looks[k - 1].xi, looks[k].g - looks[k - 1].g
         left = np.eye(2) - np.outer(s, y) / (s @ y)
-        B = left @ B @ left.T + np.outer(s, s) / (s @ y)
-        close(looks[k + 1].xi, looks[k].xi - B @ looks[k].g, 1e-10)
+        D = left @ D @ left.T + np.outer(s, s) / (s @ y)
+        close(looks[k + 1].xi, looks[k].xi - D @ looks[k].g, 1e-10)
 
 
 def frame(at):
     """The frame of the page, the components of the point in it, and the curvatures of the face."""
     e1 = at.t[0] / np.linalg.norm(at.t[0])
     e2 = np.cross(at.normal, e1)
-    a, b, c = at.t[0] @ e1, at.t[1] @ e1, at.t[1] @ e2
-    B = at.tt @ at.normal
-    k11 = B[0, 0] / a**2
-    k12 = (B[0, 1] - b / a * B[0, 0]) / (a * c)
-    k22 = (B[1, 1] - 2 * b / a * B[0, 1] + b**2 / a**2 * B[0, 0]) / c**2
-    p = -np.array([at.d @ e1, at.d @ e2, at.d @ at.normal])
-    pull_back = lambda w: np.array([(w[0] - b * w[1] / c) / a, w[1] / c])
-    return np.array([[k11, k12], [k12, k22]]), p, pull_back
+    R11, R12, R22 = at.t[0] @ e1, at.t[1] @ e1, at.t[1] @ e2
+    b = at.tt @ at.normal
+    kappa11 = b[0, 0] / R11**2
+    kappa12 = (b[0, 1] - R12 / R11 * b[0, 0]) / (R11 * R22)
+    kappa22 = b[1, 1] - 2 * R12 / R11 * b[0, 1] + R12**2 / R11**2 * b[0, 0]
+    kappa22 /= R22**2
+    r = -np.array([at.d @ e1, at.d @ e2, at.d @ at.normal])
+    pull_back = lambda w: np.array([(w[0] - R12 * w[1] / R22) / R11, w[1] / R22])
+    return np.array([[kappa11, kappa12], [kappa12, kappa22]]), r, pull_back
 
 
 @executes(
@@ -375,24 +376,24 @@ def frame(at):
     "sphere-closest",
 )
 def test_step_on_the_sphere():
-    K, p, pull_back = frame(Look(START))
-    k = p[:2] @ K @ p[:2] / (p[:2] @ p[:2])
-    m = np.sqrt((1 - k * p[2]) ** 2 + k**2 * (p[:2] @ p[:2]))
-    close(iterates("sphere", START)[1], START + pull_back(p[:2] / m), 1e-12)
+    K, r, pull_back = frame(Look(START))
+    kappa = r[:2] @ K @ r[:2] / (r[:2] @ r[:2])
+    m = np.sqrt((1 - kappa * r[2]) ** 2 + kappa**2 * (r[:2] @ r[:2]))
+    close(iterates("sphere", START)[1], START + pull_back(r[:2] / m), 1e-12)
 
 
 @executes("torus-principal", "torus-turn", "torus-closest")
 def test_step_on_the_torus():
-    K, p, pull_back = frame(Look(START))
+    K, r, pull_back = frame(Look(START))
     mean = (K[0, 0] + K[1, 1]) / 2
     root = np.sqrt((K[0, 0] - K[1, 1]) ** 2 / 4 + K[0, 1] ** 2)
-    k = np.array([mean + root, mean - root])
+    kappa = np.array([mean + root, mean - root])
     _, directions = np.linalg.eigh(K)
     directions = directions[:, ::-1].T  # the larger one first, as mean + root
-    if abs(k[0]) < abs(k[1]):
-        k, directions = k[::-1], directions[::-1]
-    alpha, beta = directions @ p[:2]
-    m = np.sqrt((1 - k[1] * p[2]) ** 2 + k[1] ** 2 * beta**2)
-    h = (1 - m) / k[1]
-    w = np.array([alpha / np.sqrt((1 - k[0] * h) ** 2 + k[0] ** 2 * alpha**2), beta / m])
+    if abs(kappa[0]) < abs(kappa[1]):
+        kappa, directions = kappa[::-1], directions[::-1]
+    r_I, r_II = directions @ r[:2]
+    m = np.sqrt((1 - kappa[1] * r[2]) ** 2 + kappa[1] ** 2 * r_II**2)
+    height = (1 - m) / kappa[1]
+    w = np.array([r_I / np.sqrt((1 - kappa[0] * height) ** 2 + kappa[0] ** 2 * r_I**2), r_II / m])
     close(iterates("torus", START)[1], START + pull_back(w @ directions), 1e-11)

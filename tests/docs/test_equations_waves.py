@@ -168,15 +168,17 @@ def test_stable_step_of_one_brick():
     X = Steps().X
     model = Model(scene(X))
     mass = np.repeat(model.mass, 3)
-    W = np.linalg.eigvals(stiffness(X) / mass[:, None]).real.max()
-    close(stable_step(model), 2 / np.sqrt(W), 1e-9)
-    D = 2.5
-    damped = scene(X).add("damping", rate=D)
-    close(stable_step(Model(damped)), 4 / (D + np.sqrt(D**2 + 4 * W)), 1e-9)
+    omega2 = np.linalg.eigvals(stiffness(X) / mass[:, None]).real.max()
+    close(stable_step(model), 2 / np.sqrt(omega2), 1e-9)
+    rate = 2.5
+    damped = scene(X).add("damping", rate=rate)
+    close(stable_step(Model(damped)), 4 / (rate + np.sqrt(rate**2 + 4 * omega2)), 1e-9)
     phi = 2 / 1.8
-    made = scene(X).add("damping", rate=D)
+    made = scene(X).add("damping", rate=rate)
     made.set_time(end=1.0, fraction=0.5, integrator="tchamwa_wielgosz", integrator_parameter=0.8)
-    close(stable_step(Model(made)), 4 / (D + np.sqrt(D**2 + 4 * (2 * phi - 1) * W)), 1e-9)
+    close(
+        stable_step(Model(made)), 4 / (rate + np.sqrt(rate**2 + 4 * (2 * phi - 1) * omega2)), 1e-9
+    )
 
 
 # -- Waves in a mesh of cubes
@@ -258,9 +260,9 @@ def test_speeds_of_waves(nu):
     speeds = ct.exact.speeds(nu)
     kappa2 = 2 * (1 - nu) / (1 - 2 * nu)
     close(speeds.c2, 1 / np.sqrt(kappa2))
-    # ξ = (c_R / c2)², and R vanishes at the slowness 1 / c_R.
-    xi = speeds.c_r**2 * kappa2
-    close(xi**3 - 8 * xi**2 + (24 - 16 / kappa2) * xi - 16 * (1 - 1 / kappa2), 0, 1e-12)
+    # χ = (c_R / c2)², and R vanishes at the slowness 1 / c_R.
+    chi = speeds.c_r**2 * kappa2
+    close(chi**3 - 8 * chi**2 + (24 - 16 / kappa2) * chi - 16 * (1 - 1 / kappa2), 0, 1e-12)
     p = 1 / speeds.c_r + 0j
     R = (kappa2 - 2 * p**2) ** 2 + 4 * p**2 * np.sqrt(1 - p**2) * np.sqrt(kappa2 - p**2)
     close(R / kappa2**2, 0, 1e-11)

@@ -75,8 +75,8 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
     next->xi[0] = at->xi[0] + alpha * s[0];
     next->xi[1] = at->xi[1] + alpha * s[1];
     ct_iterate_look(patch, next, closest);
-    // -- Enough of the promised fall (eq:projection-armijo)
     double rise = next->f - at->f;
+    // -- Enough of the promised fall (eq:projection-armijo)
     if (rise <= 1e-4 * alpha * slope) return 1;
     // -- Where rounding hides the fall, the slope decides
     if (-alpha * slope <= noise(patch, at->f))

@@ -50,11 +50,11 @@ static void shrink(triangle *t, const ct_patch *patch, ct_closest *closest)
 static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *closest)
 {
   double image[2], other[2];
-  // -- Reflection (eq:nelder-reflection)
-  double f = along(t, patch, 1, image, closest);
+  // -- Reflection
+  double f = along(t, patch, 1, image, closest); // (eq:nelder-reflection)
   if (f < t->f[0]) {
-    // -- Expansion (eq:nelder-expansion)
-    double further = along(t, patch, 2, other, closest);
+    // -- Expansion
+    double further = along(t, patch, 2, other, closest); // (eq:nelder-expansion)
     if (further < t->f[0]) move(t, 2, other, further);
     else move(t, 2, image, f);
     return;
@@ -64,8 +64,8 @@ static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *clo
     return;
   }
   if (f < t->f[2]) move(t, 2, image, f);
-  // -- Contraction (eq:nelder-contraction)
-  double nearer = along(t, patch, -0.5, other, closest);
+  // -- Contraction
+  double nearer = along(t, patch, -0.5, other, closest); // (eq:nelder-contraction)
   if (nearer <= t->f[2]) move(t, 2, other, nearer);
   else shrink(t, patch, closest);
 }

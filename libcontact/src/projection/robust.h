@@ -284,8 +284,8 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
     steps to = next_step(&at, triangular, i < probe, r.radius, r.active);
     real length = most(absolute(to.s[0]), absolute(to.s[1])), square = length * length;
     // -- Done when the step is small, or the next one would be: then look at d only
-    // (eq:robust-quadratic)
     if (i >= probe) {
+      // (eq:robust-quadratic)
       mask done =
           r.active & ((length <= tolerance) |
                       ((square <= small) & (square * length <= small * (r.before * r.before))));

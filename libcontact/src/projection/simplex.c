@@ -27,9 +27,9 @@ void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options
 /* Sort out the lowest vertex, the second highest and the highest. */
 static void simplex_order(const simplex *s, int *low, int *second, int *high)
 {
-  // -- Highest and lowest vertex (eq:simplex-high, eq:simplex-low)
+  // -- Highest and lowest vertex (eq:simplex-high)
   *high = s->f[0] > s->f[1] ? 0 : 1;
-  *low = 1 - *high;
+  *low = 1 - *high; // (eq:simplex-low)
   if (s->f[2] > s->f[*high]) *high = 2;
   else if (s->f[2] < s->f[*low]) *low = 2;
   *second = 3 - *low - *high;
@@ -60,11 +60,12 @@ static void simplex_move(simplex *s, int i, const double image[2], double f)
 
 static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_closest *closest)
 {
-  // -- Halve the edge about the lowest vertex (eq:simplex-halving)
+  // -- Halve the edge about the lowest vertex
   s->edge *= 0.5;
   for (int i = 0; i < 3; i++) {
     s->age[i] = 0;
     if (i == low) continue;
+    // (eq:simplex-halving)
     for (int a = 0; a < 2; a++) s->x[i][a] = s->x[low][a] + 0.5 * (s->x[i][a] - s->x[low][a]);
     s->f[i] = ct_iterate_value(patch, s->x[i], closest);
   }

@@ -4,8 +4,8 @@ ct_status ct_project_simplex_newton(const ct_patch *patch, const ct_project_opti
                                     ct_closest *closest)
 {
   ct_project_options own = *options;
-  // -- The simplex until its edge is an eighth of the half-width (eq:simplex-newton)
-  own.tolerance = 0.125;
+  // -- The simplex until its edge is an eighth of the half-width
+  own.tolerance = 0.125; // (eq:simplex-newton)
   ct_status status = ct_project_simplex(patch, &own, closest);
   if (status != CT_OK) return status;
   // -- Newton from its lowest vertex

@@ -20,9 +20,10 @@ static void product_rule(int dimensions, int n, const double *x, const double *w
 /* Product of the Gauss-Legendre rule with two or three points. */
 static void gauss_product(int dimensions, int n, ct_rule *rule)
 {
-  // -- Roots of the Legendre polynomials, and weights (eq:quadrature-gauss)
-  static const double NODE[2][3] = {{-0.577350269189625765, 0.577350269189625765},
-                                    {-0.774596669241483377, 0, 0.774596669241483377}};
+  // -- Roots of the Legendre polynomials, and weights
+  static const double NODE[2][3] = {
+      {-0.577350269189625765, 0.577350269189625765}, // (eq:quadrature-gauss)
+      {-0.774596669241483377, 0, 0.774596669241483377}};
   static const double WEIGHT[2][3] = {
       {1, 1}, {0.555555555555555556, 0.888888888888888889, 0.555555555555555556}};
   product_rule(dimensions, n, NODE[n - 2], WEIGHT[n - 2], rule);
@@ -49,9 +50,9 @@ ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule)
     gauss_product(2, kind == CT_Q4 ? 2 : 3, rule);
     return CT_OK;
   }
-  // -- Symmetric rules of a triangle (eq:quadrature-triangle)
+  // -- Symmetric rules of a triangle
   if (kind == CT_T3) {
-    add_orbit(rule, 1.0 / 6, 1.0 / 6);
+    add_orbit(rule, 1.0 / 6, 1.0 / 6); // (eq:quadrature-triangle)
   } else if (kind == CT_T6) {
     double root = sqrt(38 - 44 * sqrt(0.4)), share = sqrt(213125 - 53320 * sqrt(10));
     add_orbit(rule, (8 - sqrt(10) + root) / 18, (620 + share) / 7440);
@@ -66,9 +67,9 @@ ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule)
   if (rule == NULL) return CT_ERROR_ARGUMENT;
   rule->count = 0;
   if (ct_face_node_count(kind) == 0) return CT_ERROR_ARGUMENT;
-  // -- Corners, middles of edges, centre (eq:quadrature-lobatto)
+  // -- Corners, middles of edges, centre
   if (kind == CT_T3 || kind == CT_T6) {
-    add_orbit(rule, 0.0, 1.0 / 40);
+    add_orbit(rule, 0.0, 1.0 / 40); // (eq:quadrature-lobatto)
     add_orbit(rule, 0.5, 1.0 / 15);
     rule->xi[6][0] = rule->xi[6][1] = 1.0 / 3;
     rule->xi[6][2] = 0;

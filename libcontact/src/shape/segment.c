@@ -95,13 +95,14 @@ CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight
 static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
 {
   double v[8];
-  for (int k = 0; k < 3; k++) switch (face->kind) { // -- Pair the nodes (eq:segment-tree)
+  for (int k = 0; k < 3; k++) switch (face->kind) { // -- Pair the nodes
     case CT_Q4:
       weigh(4, face, k, weight, stride, v);
       sum[k] = (v[0] + v[1]) + (v[2] + v[3]);
       break;
     case CT_Q8:
       weigh(8, face, k, weight, stride, v);
+      // (eq:segment-tree)
       sum[k] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7]));
       break;
     case CT_T3:
@@ -140,8 +141,8 @@ ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]
   fill(n, 3, NAN);
   double t1[3], t2[3], normal[3];
   ct_segment_tangents(face, xi, t1, t2);
-  // -- Vector product of the tangents, divided by its length (eq:segment-normal)
-  if (!ct_vector_unit_normal(t1, t2, normal)) return CT_ERROR_GEOMETRY;
+  // -- Vector product of the tangents, divided by its length
+  if (!ct_vector_unit_normal(t1, t2, normal)) return CT_ERROR_GEOMETRY; // (eq:segment-normal)
   for (int k = 0; k < 3; k++) n[k] = normal[k];
   return CT_OK;
 }
@@ -150,7 +151,7 @@ double ct_segment_area_element(const ct_face *face, const double xi[2])
 {
   double t1[3], t2[3], n[3];
   ct_segment_tangents(face, xi, t1, t2);
-  // -- Length of the vector product (eq:segment-area)
   ct_vector_cross(t1, t2, n);
+  // -- Length of the vector product (eq:segment-area)
   return sqrt(ct_vector_dot(n, n));
 }

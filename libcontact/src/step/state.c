@@ -245,9 +245,10 @@ static void step_back(const ct_problem *problem, ct_state *state)
 #endif
   // -- v = v_0 - g Δt a_0, a⁻ = a_0 (eq:stage-start)
   for (int64_t d = 0; d < dofs; d++) {
-    // -- Half a step back from the initial velocity (eq:leapfrog-start, eq:stage-start)
-    state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
-                                 state->workspace->total[d]);
+    // -- Half a step back from the initial velocity (eq:stage-start)
+    state->velocity[d] = // (eq:leapfrog-start)
+        ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
+                state->workspace->total[d]);
     if (past != NULL && state->workspace->pushed == NULL)
       past[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
