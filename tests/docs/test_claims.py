@@ -108,7 +108,7 @@ EXPLICIT = {
     "docs/theory/stable.rst": (
         r"which margin is wise",
         r":eq:`contact-bound`\. ?|:eq:`contact-bound`;",
-        r"with the .*penalty :math:`k = \\beta EA/h`",
+        r"with an .*penalty of the stiffness :math:`\\beta EA/h`",
     ),
 }
 
