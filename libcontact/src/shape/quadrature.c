@@ -8,11 +8,12 @@ static void product_rule(int dimensions, int n, const double *x, const double *w
   for (int k = 0; k < (dimensions == 3 ? n : 1); k++)
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++) {
-        // -- Next point of the product rule (eq:quadrature-product)
+        // -- Next point of the product rule
         double *xi = rule->xi[rule->count];
         xi[0] = x[i];
         xi[1] = x[j];
         xi[2] = dimensions == 3 ? x[k] : 0;
+        // (eq:quadrature-product)
         rule->weight[rule->count++] = (w[i] * w[j]) * (dimensions == 3 ? w[k] : 1);
       }
 }
