@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What a shared library shows of itself; cffi and the documentation drop the word. */
+/* Marks what a shared library exports; cffi and the documentation remove this word. */
 #ifndef CT_API
 #if defined(__GNUC__) && !defined(__wasm__)
 #define CT_API __attribute__((visibility("default")))
@@ -16,8 +16,7 @@
 #endif
 #endif
 
-/* Every public header stands between these two, so that a C++ program links whichever headers it
- * includes. */
+/* These two enclose every public header, so that a C++ program links with any of them. */
 #ifdef __cplusplus
 #define CT_BEGIN_DECLS extern "C" {
 #define CT_END_DECLS }
@@ -29,41 +28,41 @@
 CT_BEGIN_DECLS
 
 /**
- * How a call ended. Zero is success; 1 to 4 are also the verdicts on one projection
- * (the same numbers as ``libcontact.Status`` in Python); the rest are errors.
+ * How a call ended. Zero is success. 1 to 4 also describe the result of one projection. The rest
+ * are errors. The numbers are those of ``libcontact.Status`` in Python.
  */
 typedef enum ct_status {
-  /** done, and the answer meets the tolerance */
+  /** success; the result meets the tolerance */
   CT_OK = 0,
-  /** an answer that no proof stands behind */
+  /** a result whose error may exceed the tolerance */
   CT_NOT_CERTIFIED = 1,
-  /** the budget of iterations was used up first */
+  /** the iteration limit was reached first */
   CT_ITERATION_LIMIT = 2,
   /** the method stopped at a point that is no stationary point */
   CT_NO_CONVERGENCE = 3,
-  /** NaN, infinite or degenerate numbers came in; no number comes out */
+  /** invalid input (NaN, infinite, degenerate); outputs are NaN */
   CT_INVALID = 4,
-  /** an argument is impossible: null, out of range, unknown */
+  /** an invalid argument: null, out of range, unknown */
   CT_ERROR_ARGUMENT = 5,
-  /** the system gave no memory */
+  /** out of memory */
   CT_ERROR_MEMORY = 6,
   /** an inverted or collapsed element or face */
   CT_ERROR_GEOMETRY = 7,
-  /** the time step is above the stable one */
+  /** the time step exceeds the largest stable one */
   CT_ERROR_STEP = 8,
-  /** known, but not in this build or not for this case */
+  /** not supported in this build or for this case */
   CT_ERROR_UNSUPPORTED = 9,
   /** a file can't be opened, written or read */
   CT_ERROR_FILE = 10,
-  /** the state has stopped being finite in mid-run */
+  /** the state became NaN or infinite during the run */
   CT_ERROR_BLOWUP = 11,
-  /** energy has appeared from nothing in mid-run */
+  /** spurious energy growth was detected during the run */
   CT_ERROR_ENERGY = 12
 } ct_status;
 
-/** What of a scene an error is about, where a call makes several of them. */
+/** The part of a scene that an error is about, for calls that create several parts. */
 typedef enum ct_scene_part {
-  /** it is clear from the call */
+  /** the call concerns one part only */
   CT_PART_NONE = 0,
   /** a contact */
   CT_PART_CONTACT = 1,
@@ -74,20 +73,20 @@ typedef enum ct_scene_part {
 } ct_scene_part;
 
 /**
- * The detail of an error, owned by the caller, who may pass a null pointer when the code is enough.
- * Calls that succeed leave it alone.
+ * Details of an error. The caller owns it, and may pass a null pointer if the status is enough. A
+ * call that succeeds does not change it.
  */
 typedef struct ct_error {
   /** The same code that the call returns. */
   ct_status code;
-  /** Body that the error is about, counted from 0; -1 where it names none. */
+  /** Body that the error is about, counted from 0; -1: none. */
   int64_t body;
   /** Element or face, likewise. */
   int64_t element;
   /** Node, Gauss point or row, likewise. */
   int64_t point;
-  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was
-   * longer still. */
+  /** One sentence in UTF-8 that explains the error, ended by a zero byte. A text that was too long
+   * ends with "...". */
   char text[1024];
   /** The part of the scene that `ct_scene_build` could not make. */
   ct_scene_part part;
@@ -99,24 +98,24 @@ typedef struct ct_error {
 CT_API const char *ct_status_name(ct_status status);
 
 /**
- * Where the memory of the library comes from: two functions of the host and what they need. Both
- * may be called from several threads at once if the host calls the library from several threads.
+ * Memory functions of the host. Both may be called from several threads at once if the host calls
+ * the library from several threads.
  */
 typedef struct ct_allocator {
-  /** `size` > 0 bytes, aligned for any C type, with any content; null when there are none. */
+  /** Return `size` > 0 bytes, aligned for any C type, with any content; null if out of memory. */
   void *(*allocate)(size_t size, void *context);
-  /** Take back what `allocate` gave; never null. */
+  /** Free memory that `allocate` returned; never called with null. */
   void (*release)(void *memory, void *context);
   /** Passed to both functions. */
   void *context;
 } ct_allocator;
 
 /**
- * Take all memory of the library from `allocator`, which is copied; null: from the C library, as
- * without this call. It holds for the whole process, so call it before anything of the library is
- * made, or after all is freed, and while no other thread is inside the library. Results files and
- * the series (the add-on libraries) keep to the C library, as HDF5 and GSL do; OpenMP has memory of
- * its own. ``CT_ERROR_ARGUMENT``: a function is missing; nothing is changed.
+ * Allocate all memory of the library with `allocator`, which is copied. Null selects the C library,
+ * the default. The setting holds for the whole process. Call it before any object of the library
+ * exists, or after all are freed, and while no other thread is inside the library. The add-on
+ * libraries (results files and the series) use the C library, as HDF5 and GSL do; OpenMP allocates
+ * its own memory. ``CT_ERROR_ARGUMENT``: a function is missing; the setting stays as it was.
  */
 CT_API ct_status ct_set_allocator(const ct_allocator *allocator);
 
@@ -126,23 +125,23 @@ typedef enum ct_version_number {
   CT_VERSION_MAJOR = 0,
   /** changes when something is added */
   CT_VERSION_MINOR = 1,
-  /** changes when something is mended */
+  /** changes when an error is corrected */
   CT_VERSION_PATCH = 0
 } ct_version_number;
 
-/** Version of the library as ``"major.minor.patch"``; other numbers than those of
- * `ct_version_number` mean that a program was compiled with the headers of another version. */
+/** Version of the library as ``"major.minor.patch"``. If it differs from `ct_version_number`, the
+ * program was compiled with the headers of another version. */
 CT_API const char *ct_version(void);
 
-/** Not zero when the library was compiled with OpenMP; without it, any number of threads means one.
- */
+/** Not zero if the library was compiled with OpenMP. Without OpenMP the library runs on one thread,
+ * whatever number is requested. */
 CT_API int ct_has_openmp(void);
 
 /**
- * Sum of `count` numbers, the same bits for any order of them and for any number of threads: every
- * partial sum is exact on a grid that the largest number fixes, :eq:`order-free-sum`. The error is
- * below count³ · 2⁻⁹⁸ of the largest number, before the one rounding of the result. NaN if one of
- * them is not finite or the sum would overflow.
+ * Sum of `count` numbers. The result has the same bits for any order of the numbers and for any
+ * number of threads: every partial sum is exact on a grid that the largest number fixes,
+ * :eq:`order-free-sum`. The error is below count³ · 2⁻⁹⁸ of the largest number, before the one
+ * rounding of the result. NaN if a number is not finite or the sum overflows.
  */
 CT_API double ct_sum(const double *values, int64_t count);
 

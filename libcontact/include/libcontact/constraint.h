@@ -1,5 +1,5 @@
-/* What can be chosen of the solver that keeps the gaps of all contacts of a step.
- * Threads: plain data. */
+/* Laws of contact enforcement, and one row of the constraint problem of a step. Threads: plain
+ * data. */
 #ifndef LIBCONTACT_CONSTRAINT_H
 #define LIBCONTACT_CONSTRAINT_H
 
@@ -7,26 +7,26 @@
 
 CT_BEGIN_DECLS
 
-/** How contact keeps two bodies apart: which gap gives the force of a point in step n,
- * :doc:`/theory/enforcement`. */
+/** How the contact force of a point in step n follows from its gaps, :doc:`/theory/enforcement`. */
 typedef enum ct_enforcement {
-  /** Explicit penalty k⟨-g_n⟩, :eq:`contact-penalty`. It limits the step, and can feed energy into
-     the bodies. */
+  /** Explicit penalty k⟨-g_n⟩, :eq:`contact-penalty`. It reduces the stable step and can add energy
+     to the bodies. */
   CT_ENFORCE_PENALTY,
   /**
-   * Penalty at the gaps of the steps before and after, which keeps energy while contact lasts and
-   * never makes any, :eq:`energy-controlled`. Leaves the stable step as it is.
+   * Penalty on the gaps of the previous and the next step, :eq:`energy-controlled`. Without
+   * dissipation it conserves energy while contact lasts; it does not add any where gaps are linear
+   * in the motion. The stable step does not change.
    */
   CT_ENFORCE_ENERGY_CONTROLLED,
-  /** Penalty on gap and acceleration of the gap in a ratio that leaves the stable step as it is,
+  /** Penalty on the gap and on its acceleration, in a ratio that does not change the stable step,
      :eq:`bipenalty`. */
   CT_ENFORCE_BIPENALTY
 } ct_enforcement;
 
 /**
- * One row of the constraint problem: a point that may have a contact force in the coming step. The
- * gap is g = Σ_a N_a n·x_a - Σ_b N̄_b n·x_b + what does not move with nodes; a force λ of the point
- * puts λ N_a n on node a of its own face and -λ N̄_b n on node b of the other,
+ * One row of the constraint problem: a point that may have a contact force in the next step. Its
+ * gap is g = Σ_a N_a n·x_a - Σ_b N̄_b n·x_b + terms that do not depend on the nodes. A force λ of
+ * the point applies λ N_a n to node a of its own face and -λ N̄_b n to node b of the other,
  * :eq:`constraint-force`.
  */
 typedef struct ct_constraint {
@@ -34,11 +34,11 @@ typedef struct ct_constraint {
   ct_enforcement enforcement;
   /** Nodes of the point's own face, at most 8. */
   int32_t own_count;
-  /** Nodes of the face that it meets, at most 8; 0 for an obstacle. */
+  /** Nodes of the other face, at most 8; 0 for an obstacle. */
   int32_t other_count;
-  /** Nodes of its own face, as places in the effect's list of nodes, shape (own_count). */
+  /** Nodes of its own face, as indices into the effect's list of nodes, shape (own_count). */
   const int32_t *own;
-  /** Nodes of the other face, likewise, shape (other_count). */
+  /** Nodes of the other face, as indices into the same list, shape (other_count). */
   const int32_t *other;
   /** Shape functions N_a, shape (own_count). */
   const double *own_shape;
@@ -49,22 +49,22 @@ typedef struct ct_constraint {
   /** Damping ratio ζ of the surface mode, 0 ... 1 (energy-controlled penalty),
    * :eq:`surface-damping`. */
   double dissipation;
-  /** Direction n in which the point is pushed, of length 1. */
+  /** Unit vector n, the direction of the force on the point. */
   double normal[3];
   /** Gap g_n [length]. */
   double gap;
-  /** What the gap gains until the next step because an obstacle moves [length]. */
+  /** Change of the gap until the next step due to the motion of an obstacle [length]. */
   double moved;
-  /** What the gap has gained so since the step before [length]. */
+  /** The same change since the previous step [length]. */
   double came;
-  /** Share a of the dashpot, :eq:`surface-damping`; written by the solver. */
+  /** Coefficient a of the dashpot [-], :eq:`surface-damping`; written by the solver. */
   double dashpot;
-  /** Gap g_{n-1} of the step before, along the same direction [length]; written by the solver. */
+  /** Gap g_{n-1} of the previous step, along the same direction [length]; written by the solver. */
   double before;
   /** Gap g_{n+1} of the next step, along the same direction [length]; written by the solver. */
   double after;
-  /** Force λ [force]; that of the last step when the effect lists the row, then written by the
-   * solver. */
+  /** Force λ [force]. The effect that lists the row writes the force of the last step; the solver
+   * replaces it with the new one. */
   double force;
 } ct_constraint;
 

@@ -1,5 +1,5 @@
-/* Meshes of bricks and their outer faces, materials, and masses of nodes.
- * Threads: several threads may read one mesh; one that changes its arrays must be alone with it. */
+/* Meshes of bricks and their outer faces, materials, and nodal masses. Threads: several threads may
+ * read one mesh; while a thread changes its arrays, no other may use it. */
 #ifndef LIBCONTACT_MESH_H
 #define LIBCONTACT_MESH_H
 
@@ -8,13 +8,12 @@
 
 CT_BEGIN_DECLS
 
-/** How stress follows from deformation; all three laws agree with Hooke's where strain and rotation
- * are small. */
+/** Elastic laws. For small strain and rotation all three agree with Hooke's law. */
 typedef enum ct_law {
   /** small strain and small rotation, :eq:`hooke` */
   CT_LINEAR = 0,
-  /** St. Venant-Kirchhoff, :eq:`st-venant-kirchhoff`: any rotation, moderate strain; it gives way
-     under strong compression */
+  /** St. Venant-Kirchhoff, :eq:`st-venant-kirchhoff`: any rotation, moderate strain; unstable under
+     strong compression */
   CT_ST_VENANT_KIRCHHOFF = 1,
   /** compressible neo-Hookean, :eq:`neo-hookean`: any rotation, large strain */
   CT_NEO_HOOKEAN = 2
@@ -32,13 +31,13 @@ typedef struct ct_material {
   ct_law law;
 } ct_material;
 
-/** Speeds of the dilatation wave c₁ and of the transversal wave c₂ [length / time],
+/** Write the speeds of the dilatational wave c₁ and of the shear wave c₂ [length / time],
  * :eq:`wave-speeds`. */
 CT_API void ct_material_speeds(const ct_material *material, double *c1, double *c2);
 
 /**
- * Nodes and bricks of one body. The struct only points: the `ct_mesh_create_...` calls
- * allocate what they point to, and `ct_mesh_free` gives it back. A host may also fill one by hand.
+ * Nodes and bricks of one body. The `ct_mesh_create_...` calls allocate the arrays, and
+ * `ct_mesh_free` frees them. A host may also fill the struct with pointers to its own arrays.
  */
 typedef struct ct_mesh {
   /** All elements are of one kind. */
@@ -51,22 +50,23 @@ typedef struct ct_mesh {
   double *nodes;
   /** Node numbers of each element in VTK's order, shape (element_count, 8 or 20). */
   int32_t *elements;
-  /** Most threads that check the mesh, lump its masses and prepare its elements; 0: one. They
-   * change no bit. */
+  /** Largest number of threads for checking the mesh, lumping its masses and preparing its
+   * elements; 0: one. Results do not depend on it. */
   int threads;
 } ct_mesh;
 
-/** Which way the numbers of a box run: layer by layer along one axis, and in a layer row by row. */
+/** Order of node and element numbers in a box: layer by layer along one axis, and row by row within
+ * a layer. */
 typedef enum ct_layers {
-  /** Layers follow one another along z, and in them rows along y: element (i, j, k) has number i +
-     cells[0] (j + cells[1] k). */
+  /** Layers along z, rows along y: element (i, j, k) has number i + cells[0] (j + cells[1] k). */
   CT_LAYERS_Z,
   /**
-   * Layers follow one another along x. In them rows lie along that axis, y or z, that has more
-   * cells (y, if both have as many).
+   * Layers along x. Within a layer numbers run along y or z, whichever has more cells (y, if both
+   * have as many).
    */
   CT_LAYERS_X,
-  /** Layers follow one another along y; rows likewise lie along x or z. */
+  /** Layers along y. Within a layer numbers run along x or z, whichever has more cells (x, if both
+     have as many). */
   CT_LAYERS_Y
 } ct_layers;
 
@@ -79,24 +79,25 @@ typedef struct ct_box {
   /** Elements along x, y, z, >= 1. */
   int32_t cells[3];
   /**
-   * How they are numbered. No result depends on it, except where a point of contact is equally near
-   * to several faces; but a wave that runs across the layers leaves whole layers asleep,
+   * Order of the numbers. Results do not depend on it, except if a contact point is equally close
+   * to several faces. If a wave travels across the layers, whole layers ahead of it can sleep,
    * :doc:`/theory/savings`.
    */
   ct_layers layers;
 } ct_box;
 
 /**
- * The axes of a box in the order of its numbers: rows run along the first, and layers follow one
- * another along the last; 0, 1, 2 for x, y, z.
+ * Write the axes of a box in the order of its numbers, 0, 1, 2 for x, y, z: numbers run fastest
+ * along the first axis, and layers follow one another along the last.
  */
 CT_API void ct_box_axes(const ct_box *box, int axes[3]);
 
 /**
  * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Node coordinates
  * are ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly mirrored
- * nodes. Corner nodes come first, row by row; mid-side nodes of hex20 follow: those on edges along
- * the rows, then along the second, then along the third of `ct_box_axes`.
+ * nodes. Corner nodes come first, row by row. Mid-side nodes of hex20 follow: those on edges along
+ * the first, then the second, then the third axis of `ct_box_axes`. ``CT_ERROR_ARGUMENT``: a size
+ * or a number of cells is not positive, or there are too many nodes.
  */
 CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh,
                                     ct_error *error);
@@ -115,11 +116,10 @@ typedef struct ct_ring {
 
 /**
  * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k)
- * has number i + cells[0] (j
- * + cells[1] k), and node numbers follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side
- * nodes of hex20 lie on the circles. About its centre the ring mirrors exactly: along z and y for
- * every number of cells, along x for an even one, and x with y for one that 4 divides,
- * :eq:`mesh-ring`.
+ * has number i + cells[0] (j + cells[1] k), and nodes are numbered as in `ct_mesh_create_box` with
+ * cells[1] nodes around. Mid-side nodes of hex20 lie on the circles. The coordinates are exactly
+ * symmetric about the centre: along z and y for every number of cells around, along x for an even
+ * number, and under exchange of x and y for a multiple of 4, :eq:`mesh-ring`.
  */
 CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh,
                                      ct_error *error);
@@ -131,51 +131,53 @@ CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_e
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
- * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian
- * determinant is not positive at a Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``;
- * `error` names the first such element, its Gauss point, or in the text its corner or mid-side
- * node, and its text counts all such elements). At a node the determinant may be zero where an edge
- * has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
+ * Check a mesh. ``CT_ERROR_ARGUMENT``: a node number out of range; ``CT_INVALID``: a coordinate is
+ * not finite. ``CT_ERROR_GEOMETRY``: the Jacobian determinant of an element is not positive at a
+ * Gauss point or at a node. `error` then names the first such element and its Gauss point; its text
+ * names the corner or mid-side node and gives the number of all such elements. At a node the
+ * determinant may be zero if an edge has collapsed or a mid-side node is at the quarter point,
+ * :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
 /**
  * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of
- * the penalty. Edges that a wedge has collapsed to a point (below 1e-9 of the element's longest) do
- * not count. NaN for a null mesh.
+ * the penalty. Edges that are collapsed to a point, as in a wedge (below 1e-9 of the element's
+ * longest edge), do not count. NaN for a null mesh.
  */
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**
- * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the
- * plane ``x[axis] = value`` within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node
- * numbers, counter-clockwise from outside, and `owners` (count) the elements; either may be null.
- * The return value is the count (call once with nulls to learn it), or a `ct_status` as a negative
- * number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node
- * number out of range. It is 0 for an `axis` that is not 0, 1 or 2.
+ * Find the faces of a valid mesh (see `ct_mesh_check`) that belong to one element only and lie in
+ * the plane ``x[axis] = value`` within 1e-9 of the mesh's size. Writes node numbers,
+ * counter-clockwise from outside, to `faces`, shape (count, 4 or 8), and the elements to `owners`,
+ * shape (count); either may be null. Returns the count (call first with nulls to get it), or a
+ * `ct_status` as a negative number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no
+ * elements, or a node number out of range. Returns 0 if `axis` is not 0, 1 or 2.
  */
 CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces,
                                    int32_t *owners);
 
-/** Nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size, in ascending order;
- * returns their count. */
+/** Write the nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size to `nodes`, in
+ * ascending order, and return their count; `nodes` may be null. */
 CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes);
 
-/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them, with
- * the same return values. */
+/** All faces of the mesh that belong to one element only; outputs and return values as in
+ * `ct_mesh_plane_faces`. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
 
 /** How the consistent mass matrix is made diagonal. */
 typedef enum ct_lumping {
   /** row sum for hex8, HRZ for hex20 */
   CT_LUMP_DEFAULT = 0,
-  /** each row's sum goes to the diagonal, :eq:`row-sum` */
+  /** row sum: the sum of each row on the diagonal, :eq:`row-sum` */
   CT_LUMP_ROW_SUM = 1,
-  /** the diagonal, scaled to the element's mass, :eq:`hrz` */
+  /** HRZ: the diagonal, scaled to the element's mass, :eq:`hrz` */
   CT_LUMP_HRZ = 2
 } ct_lumping;
 
-/** Lumped mass of a whole mesh at its nodes, `mass` of shape (node_count) [mass]. */
+/** Write the lumped mass at the nodes of a mesh, `mass` of shape (node_count) [mass]. `density` is
+ * in [mass / volume]. */
 CT_API ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping,
                                 double *mass, ct_error *error);
 

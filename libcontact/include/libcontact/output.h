@@ -1,99 +1,94 @@
-/* Results files and restart (HDF5), in the add-on library libcontact-hdf5.
- * Threads: one at a time in the whole process, whatever the file, unless HDF5 itself was built
- * thread-safe. */
+/* Results files and restart (HDF5), in the add-on library libcontact-hdf5. Threads: one call at a
+ * time in the whole process, for all files together, unless HDF5 itself was built thread-safe. */
 #ifndef LIBCONTACT_OUTPUT_H
 #define LIBCONTACT_OUTPUT_H
 
 #include <libcontact/step.h>
 
-/* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every call, also
- * that of ct_output_close without an output, returns CT_ERROR_UNSUPPORTED. */
+/* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every call returns
+ * CT_ERROR_UNSUPPORTED, also ct_output_close with a null output. */
 
 CT_BEGIN_DECLS
 
-/** A results file that is being written; opaque, as it holds HDF5 handles. Used by one thread at a
- * time. */
+/** A results file that is open for writing; opaque. One thread at a time may use it. */
 typedef struct ct_output ct_output;
 
-/** What is written. */
+/** Content of a results file. */
 typedef struct ct_output_options {
-  /** Fields of each recorded step (0 or 1); displacement is also what moves the points in a viewer.
-   */
+  /** Fields of each recorded step (0 or 1). A viewer needs the displacement to show the motion. */
   int displacement;
   int velocity;
   int stress;
-  /** A text that goes with the file, for example the scene as TOML, in UTF-8; may be null. */
+  /** A text in UTF-8 that is stored in the file, for example the scene as TOML; may be null. */
   const char *scene;
-  /** One more field (0 or 1): the contact pressure at the nodes, `ct_state_pressure`. */
+  /** Field of the contact pressure at the nodes (0 or 1), `ct_state_pressure`. */
   int contact_pressure;
-  /** Null, or probes of the run: each record also writes what they have taken up to its time. They
-   * must outlive the output. */
+  /** Null, or probes of the run; each record also writes their rows up to its time. They must
+   * outlive the output. */
   const ct_probes *probes;
   /**
-   * Passes of the filter of what is shown, 0 to 8. From one on, each displacement, velocity and
-   * stress that is written has a second field with ``_filtered`` behind its name, from
-   * `ct_filter_apply`, and the group ``libcontact`` has the attribute ``filter``.
+   * Number of passes of the filter of output fields, 0 to 8. If it is not 0, each written
+   * displacement, velocity and stress has a second field from `ct_filter_apply`, whose name ends in
+   * ``_filtered``, and the group ``libcontact`` has the attribute ``filter``.
    */
   int filter;
 } ct_output_options;
 
 /**
  * Create a transient VTKHDF file (UnstructuredGrid, static points) for the problem. Until the first
- * step is written the file is called `path` with ``.part`` behind it; then it takes the place of an
- * older file called `path`, so that a run that fails at once takes nothing away. The file is locked
- * until it is closed: a second output to `path` is refused, in this process or another, while what
- * a killed run has left blocks nobody. A link at the name with ``.part`` is replaced, not followed.
- * Errors:
- * ``CT_ERROR_FILE`` with the path and the system's reason, or because another run writes the file;
- * ``CT_ERROR_MEMORY``,
- * ``CT_ERROR_ARGUMENT`` for a problem without bodies or with bodies that do not follow one another,
- * ``CT_ERROR_UNSUPPORTED`` when another HDF5 is loaded than the one compiled against. `*output` is
- * null after an error.
+ * step is written, the name of the file is `path` followed by ``.part``. Then it replaces an older
+ * file `path`, so that a run that fails at the start does not destroy old results. The file is
+ * locked until it is closed: a second output to `path`, in this process or another, is rejected. A
+ * file left by a killed run does not block `path`. A link at the name with ``.part`` is replaced,
+ * not followed. Errors: ``CT_ERROR_FILE``: the file can't be created (`error` gives the path and
+ * the system's reason), or another run writes it; ``CT_ERROR_MEMORY``; ``CT_ERROR_ARGUMENT``: a
+ * problem without bodies, or with bodies whose nodes do not follow one another;
+ * ``CT_ERROR_UNSUPPORTED``: the loaded HDF5 is not the version that the library was compiled with.
+ * `*output` is null after an error.
  */
 CT_API ct_status ct_output_create(const char *path, const ct_problem *problem,
                                   const ct_output_options *options, ct_output **output,
                                   ct_error *error);
 
 /**
- * Append the state as one more time step: fields, ledger rows, and the restart record (the file
- * keeps the newest one). A run that is killed at any moment, also within this call, leaves every
- * earlier step and one whole restart record readable. Errors:
- * ``CT_ERROR_FILE`` with the path and the system's reason; after "No space left" nothing of the
- * step is in the file, and the call may be tried again; after another failed write the output only
- * waits to be closed. ``CT_ERROR_BLOWUP`` (body and node in `error`) for a state that is not
- * finite, which is not written. ``CT_ERROR_ARGUMENT`` for another problem's state.
+ * Append the state as a time step: fields, rows of the energy balance, and the restart record, of
+ * which the file keeps the newest. If a run is killed at any moment, also within this call, every
+ * earlier step and one complete restart record stay readable. Errors: ``CT_ERROR_FILE``: a write
+ * failed (`error` gives the path and the system's reason). After "No space left" the file contains
+ * nothing of this step, and the call may be repeated; after any other failed write the output can
+ * only be closed. ``CT_ERROR_BLOWUP``: the state is not finite (`error` names body and node) and
+ * was not written. ``CT_ERROR_ARGUMENT``: the state belongs to another problem.
  */
 CT_API ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
                                   ct_error *error);
 
 /**
- * The same with the row of the energy balance that the caller has of this state, with both its
- * arrays, from `ct_monitor_ledger` or `ct_ledger_of`; a null `row` is found anew.
- * ``CT_ERROR_ARGUMENT`` also for a row without its arrays or of another time.
+ * `ct_output_append` with a row of the energy balance of this state that the caller already has,
+ * with both its arrays, from `ct_monitor_ledger` or `ct_ledger_of`. If `row` is null, it is
+ * computed. ``CT_ERROR_ARGUMENT``: also for a row without its arrays or of another time.
  */
 CT_API ct_status ct_output_append_row(ct_output *output, const ct_problem *problem, ct_state *state,
                                       const ct_ledger *row, ct_error *error);
 
 /**
- * Close the file and free `output`, whatever is returned; a null `output` is no error.
- * ``CT_ERROR_FILE`` if a step or the last bytes could not be written. An output without a step
- * leaves no file.
+ * Close the file and free `output`, also after an error; `output` may be null. ``CT_ERROR_FILE``: a
+ * step or the last bytes could not be written. An output without a step leaves no file.
  */
 CT_API ct_status ct_output_close(ct_output *output, ct_error *error);
 
 /**
- * Read the newest whole restart record of a file into `state`, which was made for `problem`. The
- * state is changed only when all goes well. ``CT_ERROR_FILE`` when the file can't be read, has no
- * whole record (:eq:`restart-seal`), or belongs to another problem: `error` then names the first
- * difference in bodies, materials, effects, time step or nodes.
+ * Read the newest complete restart record of a file into `state`, a state of `problem`. An error
+ * leaves the state unchanged. ``CT_ERROR_FILE``: the file can't be read, has no complete record
+ * (:eq:`restart-seal`), or belongs to another problem; `error` then names the first difference in
+ * bodies, materials, effects, time step or nodes.
  */
 CT_API ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
                                    ct_error *error);
 
 /**
- * Put the histories that a file has of probes of these names and quantities, up to the time of the
- * state, in place of theirs, after `ct_output_restart`; the history of any other probe begins with
- * the state. ``CT_ERROR_FILE`` when the file can't be read.
+ * After `ct_output_restart`: replace the histories of the probes by those in a file, up to the time
+ * of the state, if name and quantities agree. The history of any other probe begins with the state.
+ * ``CT_ERROR_FILE``: the file can't be read.
  */
 CT_API ct_status ct_output_restart_probes(const char *path, const ct_state *state,
                                           ct_probes *probes, ct_error *error);

@@ -1,6 +1,7 @@
-/* From bodies, contacts and supports to a problem: numbering, masses, effects, stable step.
- * Threads: a call must be alone with its scene; different scenes are independent. States of the
- * built problem may be stepped at once as long as nobody builds or frees the scene. */
+/* Scenes: bodies, contacts and supports, from which a problem is built with its numbering, masses,
+ * effects and stable step. Threads: one call at a time per scene; different scenes are independent.
+ * States of the built problem may be stepped at the same time while no call builds or frees the
+ * scene. */
 #ifndef LIBCONTACT_SCENE_H
 #define LIBCONTACT_SCENE_H
 
@@ -12,17 +13,17 @@
 
 CT_BEGIN_DECLS
 
-/** A scene is filled piece by piece and then built into a problem; opaque, as it owns copies of all
- * it was given. */
+/** A scene: the caller adds bodies, contacts, supports and effects, and then builds a problem. It
+ * owns copies of their definitions; opaque. */
 typedef struct ct_scene ct_scene;
 
-/** A body. What is left zero has its default; a mesh or a box, and a material are needed. */
+/** A body. Members that are zero select defaults; a mesh or a box, and a material are required. */
 typedef struct ct_scene_body {
-  /** Label for errors, at most 63 bytes are kept; null: none. */
+  /** Name for error messages, cut to 63 bytes; null: none. */
   const char *name;
   /** The mesh, copied; null: `box`. */
   const ct_mesh *mesh;
-  /** In place of a mesh: a box of bricks of this kind. */
+  /** Instead of a mesh: kind of the bricks of `box`. */
   ct_brick_kind kind;
   /** The box, read only when there is no mesh. */
   ct_box box;
@@ -34,18 +35,20 @@ typedef struct ct_scene_body {
   ct_solid_kernel kernel;
   /** Velocity of the whole body at t = 0 [length / time]. */
   double velocity[3];
-  /** Null, or in place of `velocity` one of each node, shape (node_count, 3), copied. */
+  /** Null, or, instead of `velocity`, the velocity of each node at t = 0 [length / time], shape
+   * (node_count, 3), copied. */
   const double *velocities;
-  /** Coefficient κ of the hourglass control with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0:
-   * the default. */
+  /** Coefficient κ of the hourglass control with CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
+   * 0: the default. */
   double hourglass;
-  /** Most threads that check and prepare the body (ct_mesh.threads); 0: one. They change no bit. */
+  /** Largest number of threads for checking and preparing the body (ct_mesh.threads); 0: one.
+   * Results do not depend on it. */
   int threads;
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */
 typedef enum ct_box_side {
-  /** none is named */
+  /** no side is given */
   CT_SIDE_NONE = 0,
   /** smallest x */
   CT_X_MIN = 1,
@@ -61,7 +64,7 @@ typedef enum ct_box_side {
   CT_Z_MAX = 6
 } ct_box_side;
 
-/** One contact between two surfaces of two bodies: each a list of faces or a side. */
+/** A contact between surfaces of two bodies. Each surface is a list of faces or a side. */
 typedef struct ct_scene_contact {
   /** Number of the first body. */
   int32_t body_a;
@@ -71,23 +74,24 @@ typedef struct ct_scene_contact {
   int32_t face_count_a;
   /** Faces of the second body. */
   int32_t face_count_b;
-  /** Node numbers of the first body's own mesh, as `ct_mesh_plane_faces` gives them. */
+  /** Node numbers of the first body's own mesh, as `ct_mesh_plane_faces` writes them. */
   const int32_t *faces_a;
   /** Likewise of the second body. */
   const int32_t *faces_b;
   /**
-   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies, or
-   * `options.epsilon`; both 0: `ct_contact_penalty_default`.
+   * Penalty factor β of ε = β E / h [-], with the smaller E and the shortest edge of the two
+   * bodies; 0: the penalty is `options.epsilon`, or, if both are 0, `ct_contact_penalty_default`.
    */
   double beta;
-  /** Search, depth; `epsilon` in place of `beta`. */
+  /** Options of the contact; `epsilon` is an alternative to `beta`. */
   ct_contact_options options;
-  /** Coefficient μ of friction; 0: none, and nothing is kept or computed for it. */
+  /** Coefficient μ of friction [-]; 0: no friction, at no cost. */
   double friction;
-  /** Ratio of the tangential to the normal penalty of friction; 0: 1, or less where the normal one
-   * is stiffer than the usual explicit penalty, so that friction does not shorten the step more. */
+  /** Ratio of the tangential to the normal penalty of friction [-]; 0: automatic. The automatic
+   * value is 1, or less if the normal penalty is stiffer than the usual explicit one, so that
+   * friction does not reduce the step further. */
   double tangent;
-  /** In place of `faces_a`: the outer faces in this side of the first body. */
+  /** Instead of `faces_a`: the outer faces in this side of the first body. */
   ct_box_side side_a;
   /** Likewise of the second body. */
   ct_box_side side_b;
@@ -107,19 +111,19 @@ typedef struct ct_scene_support {
   double velocity[3];
 } ct_scene_support;
 
-/** Time of a scene: exactly one of `courant`, `fraction`, `dt` is > 0. */
+/** Time of a scene. Exactly one of `courant`, `fraction`, `dt` must be > 0. */
 typedef struct ct_scene_time {
   /** End of the run [time], > 0. */
   double end;
-  /** c₁ Δt / h, with the body that has the smallest h / c₁. */
+  /** Courant number c₁ Δt / h [-], for the body with the smallest h / c₁. */
   double courant;
-  /** Δt over the reported stable step. */
+  /** Δt divided by the stable step [-]. */
   double fraction;
   /** Δt itself [time]. */
   double dt;
   /**
-   * Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before
-   * `end`. A run that is continued needs the Δt that it had.
+   * Not zero: use `dt` exactly, and end the run with the first step at or after `end`. A run that
+   * is continued needs its old Δt.
    */
   int keep_dt;
   /** Threads, >= 1. */
@@ -129,19 +133,18 @@ typedef struct ct_scene_time {
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
-   * Not zero: linear bodies are bounded together, :eq:`assembled-bound`, where that allows a
-   * larger step; it costs some 70 forces once.
+   * Not zero: the stable step of linear bodies follows from the assembled bound,
+   * :eq:`assembled-bound`, where it is larger. This costs about 70 force evaluations, once.
    */
   int assembled;
 } ct_scene_time;
 
-/** An empty scene. */
-CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
+/** Create an empty scene. */ CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
 /**
- * Add a body; `*body`, which may be null, gets its number. ``CT_ERROR_ARGUMENT``: an impossible
- * choice, or after `ct_scene_join`; ``CT_INVALID``: a velocity is not finite (`error`
- * names the node).
+ * Add a body and write its number to `*body`, unless `body` is null. ``CT_ERROR_ARGUMENT``: an
+ * invalid member, or a call after `ct_scene_join`; ``CT_INVALID``: a velocity is not finite
+ * (`error` names the node).
  */
 CT_API ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                                    ct_error *error);
@@ -155,49 +158,47 @@ CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *s
                                       ct_error *error);
 
 /**
- * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference
- * coordinates, masses and initial velocities, but no effects yet: what the library's
- * `ct_..._create_effect` calls need. No body can be added after it. The problem lives as long as
- * the scene.
+ * Number the nodes of all bodies one after another. `*problem` then has bodies, reference
+ * coordinates, masses and initial velocities, but no effects yet; the library's
+ * `ct_..._create_effect` calls need this problem. After this call no body can be added. The scene
+ * owns the problem.
  */
 CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error);
 
-/** What may be left out when the scene is computed, from its next build on; all of it if this is
- * not called. */
+/** Set the optimisations of the scene from its next build on. By default all are on. */
 CT_API ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *optimisations,
                                             ct_error *error);
 
 /**
- * Add an effect that was made for the joined problem, the library's or the caller's own. The scene
- * takes it over, also when the call fails, and frees it. ``CT_ERROR_ARGUMENT``: the bodies are not
- * joined, a node is out of range, the scene has this effect already.
+ * Add an effect of the library or of the caller that was created for the joined problem. The scene
+ * takes it over, also if the call fails, and frees it. ``CT_ERROR_ARGUMENT``: `ct_scene_join` was
+ * not called, a node is out of range, or the scene already has this effect.
  */
 CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 
 /**
- * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that
- * reaches `end` in a whole number of steps (`*step_count`; `stable` may be null). ``CT_ERROR_STEP``
- * when the asked Δt is above the stable one. The scene keeps the problem: it lives until
- * `ct_scene_free`.
+ * Build the problem: masses, effects, stable step, and the time step. Δt is the largest value not
+ * above the requested one that reaches `end` in a whole number of steps, `*step_count`. `stable`
+ * may be null. ``CT_ERROR_STEP``: the requested Δt exceeds the stable one. The scene owns the
+ * problem until `ct_scene_free`.
  */
 CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,
                                 ct_stable_step *stable, ct_error *error);
 
 /**
- * `ct_scene_build`, and `ct_state_create` of its problem, with the same bits: the state that tells
- * the stable step is the one that the caller gets, who frees it before the scene. So the first
- * forces are computed once, not twice. A null `state` is not made.
+ * `ct_scene_build` followed by `ct_state_create`, with the same results bit by bit, but the first
+ * forces are computed once instead of twice. The caller frees the state before the scene. If
+ * `state` is null, no state is created.
  */
 CT_API ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,
                                 ct_stable_step *stable, ct_state **state, ct_error *error);
 
-/** Penalty ε that the contact of this number uses, after `ct_scene_build` [stress / length]. */
+/** Write the penalty ε of contact number `contact` after `ct_scene_build` [stress / length]. */
 CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
 
-/** Free a scene and the problem that it built; null is allowed. States of the problem are freed
- * before. */
+/** Free a scene and its problem; null is allowed. Free the states of the problem first. */
 CT_API void ct_scene_free(ct_scene *scene);
 
 CT_END_DECLS

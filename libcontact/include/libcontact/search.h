@@ -1,6 +1,6 @@
-/* The face of a surface that is closest to a point, by a tree of boxes.
- * Threads: ct_search_move must be alone with its search; queries of one search may run at once.
- */
+/* Search for the face of a surface that is closest to a point, with a tree of bounding boxes.
+ * Threads: no other call may use a search while ct_search_move changes it; queries of one search
+ * may run at the same time. */
 #ifndef LIBCONTACT_SEARCH_H
 #define LIBCONTACT_SEARCH_H
 
@@ -10,8 +10,8 @@
 CT_BEGIN_DECLS
 
 /**
- * A surface: faces over somebody's nodes. Node numbers refer to the arrays of coordinates, forces
- * and masses that the host passes to the calls of a search or a contact; they may be the nodes of a
+ * A surface: faces given by node numbers. The numbers are rows of the arrays of coordinates, forces
+ * and masses that the host passes to a search or a contact; these arrays may contain the nodes of a
  * whole mesh.
  */
 typedef struct ct_surface {
@@ -24,46 +24,47 @@ typedef struct ct_surface {
   /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
   const int32_t *faces;
   /**
-   * Reference coordinates [length], shape (node_count, 3): the shape that a search begins with;
-   * they give a contact the weights w J_ref of its Gauss points.
+   * Reference coordinates [length], shape (node_count, 3). A search starts with this shape; a
+   * contact computes the weights w J_ref of its Gauss points from it.
    */
   const double *reference;
 } ct_surface;
 
-/** A surface that can be asked for its nearest face; opaque, as it holds the tree of boxes
- * :eq:`bounding-tree`. */
+/** A surface with its tree of bounding boxes, :eq:`bounding-tree`; opaque. */
 typedef struct ct_search ct_search;
 
 /**
  * Prepare a surface for queries. Its arrays are copied. ``CT_ERROR_ARGUMENT``: empty surface,
- * unknown kind, node number out of range; ``CT_INVALID``: a coordinate is not finite or beyond
- * 1e70; ``CT_ERROR_GEOMETRY``: a face without area (`error` names the face).
+ * unknown kind, node number out of range; ``CT_INVALID``: a coordinate is not finite or above 1e70;
+ * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the face).
  */
 CT_API ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error);
 
 /**
- * Move the nodes to `x` [length], shape (node_count, 3). The tree is refitted, or built anew when
- * it has become poor, :eq:`tree-cost`; answers do not depend on which. ``CT_INVALID``: a coordinate
- * is not finite or beyond 1e70 (`error` names the node); nothing has moved then.
+ * Move the nodes to `x` [length], shape (node_count, 3). The tree is refitted, or rebuilt if its
+ * queries have become too expensive, :eq:`tree-cost`; results do not depend on this choice.
+ * ``CT_INVALID``: a coordinate is not finite or above 1e70 (`error` names the node); the nodes then
+ * stay where they were.
  */
 CT_API ct_status ct_search_move(ct_search *search, const double *x, ct_error *error);
 
-/** How often the tree was built: 1 after ct_search_create, one more for each move that made it
- * poor; 0 for a null pointer. */
+/** Number of times that the tree was built: 1 after ct_search_create, plus one for each move that
+ * made a rebuild necessary; 0 for a null pointer. */
 CT_API int64_t ct_search_builds(const ct_search *search);
 
-/** Cost of a query in the refitted tree over that in the tree as it was built, :eq:`tree-cost`; NaN
- * for a null pointer. */
+/** Estimated cost of a query in the refitted tree divided by the cost in the tree when it was built
+ * [-], :eq:`tree-cost`; NaN for a null pointer. */
 CT_API double ct_search_cost(const ct_search *search);
 
-/** The nearest place of a surface; everything is written by ct_search_nearest. */
+/** The closest point of a surface; ct_search_nearest writes all members. */
 typedef struct ct_nearest {
   /**
-   * As of ct_project for the face: CT_OK or CT_NOT_CERTIFIED. CT_INVALID: the point is not finite
-   * or beyond 1e70, or no face has an answer; then all floating-point members are NaN.
+   * CT_OK or CT_NOT_CERTIFIED, as ct_project returns it for the face. CT_INVALID: the point is not
+   * finite or above 1e70, or the projection is invalid on every face; all floating-point members
+   * are then NaN.
    */
   ct_status status;
-  /** Number of the face, of equally near ones the first; -1 with CT_INVALID. */
+  /** Number of the face, the lowest one if several are equally close; -1 with CT_INVALID. */
   int32_t face;
   /** Interior, edge or vertex of the face. */
   ct_where where;
@@ -75,30 +76,30 @@ typedef struct ct_nearest {
   double point[3];
   /** Distance of the given point from the closest point [length], not negative. */
   double distance;
-  /** The distance with a sign: positive outside, where ``normal`` points. Right at folds too,
-   * :eq:`pseudo-normal`. */
+  /** The distance with a sign: positive outside, where ``normal`` points. The sign is correct at
+   * edges and corners of the surface, too, :eq:`pseudo-normal`. */
   double signed_distance;
-  /** Unit vector outwards: the normal inside a face; on edges and corners the mean over the faces
-   * that meet there. */
+  /** Unit vector that points outwards: the normal inside a face; on edges and corners the mean of
+   * the normals of the faces that meet there. */
   double normal[3];
 } ct_nearest;
 
-/** Choices of a query. */
+/** Options of a query. */
 typedef struct ct_search_options {
   /** Bound on the error of xi in half-widths of the face, as of ct_project, > 0. */
   double tolerance;
-  /** Threads; >= 1; results do not depend on it. */
+  /** Number of threads, >= 1; results do not depend on it. */
   int threads;
 } ct_search_options;
 
 /**
- * Nearest face of the surface for each of ``count`` points, shape (count, 3), into ``out[count]``.
- * Null ``options`` are a tolerance of 1e-10 and one thread. ``start`` is null, or has a face for
- * each point, shape (count), that is probably near (that of the last step, say); -1 means none.
- * Without it each point begins with the face of the point before it. Points that follow each other
- * closely and good starts save time; no bit of the answer depends on them. ``CT_ERROR_ARGUMENT``:
- * null pointer, impossible option, a start that is no face; then nothing is written. Else CT_OK;
- * see the status of each point.
+ * Find the closest face of the surface for each of ``count`` points, shape (count, 3), and write it
+ * to ``out[count]``. Null ``options`` select a tolerance of 1e-10 and one thread. ``start`` is
+ * null, or has for each point a face that is probably close, for example that of the last step,
+ * shape (count); -1 means none. Without ``start`` the search of each point begins with the face of
+ * the previous point. Good starts, and consecutive points that are close to each other, save time
+ * and do not change the results. ``CT_ERROR_ARGUMENT``: null pointer, invalid option, a start that
+ * is not a face number; no output is written then. Otherwise CT_OK; see the status of each point.
  */
 CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                                    const int32_t *start, const ct_search_options *options,

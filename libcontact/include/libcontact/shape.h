@@ -1,6 +1,5 @@
-/* Shape functions, tangents and quadrature rules of one face and of one brick: formulas of plain
- * numbers.
- * Threads: every call at any time; they write only what they are given. */
+/* Shape functions, tangents and quadrature rules of one face and of one brick. Threads: every call
+ * is safe at any time; a call writes only its output arguments. */
 #ifndef LIBCONTACT_SHAPE_H
 #define LIBCONTACT_SHAPE_H
 
@@ -9,10 +8,10 @@
 CT_BEGIN_DECLS
 
 /**
- * Kind of a contact face. Quadrilaterals live on -1 <= xi_1, xi_2 <= 1 with the corners (-1,-1),
- * (1,-1), (1,1), (-1,1) and, for Q8, the mid-sides (0,-1), (1,0), (0,1), (-1,0). Triangles live on
- * xi_1, xi_2 >= 0, xi_1 + xi_2 <= 1 with the corners (0,0), (1,0), (0,1) and, for T6, the mid-sides
- * 1-2, 2-3, 3-1.
+ * Kind of a contact face. The reference domain of quadrilaterals is -1 <= xi_1, xi_2 <= 1, with the
+ * corners (-1,-1), (1,-1), (1,1), (-1,1) and, for Q8, the mid-sides (0,-1), (1,0), (0,1), (-1,0).
+ * That of triangles is xi_1, xi_2 >= 0, xi_1 + xi_2 <= 1, with the corners (0,0), (1,0), (0,1) and,
+ * for T6, the mid-sides 1-2, 2-3, 3-1.
  */
 typedef enum ct_face_kind {
   /** bilinear quadrilateral, 4 nodes */
@@ -28,19 +27,19 @@ typedef enum ct_face_kind {
 /** One face with the coordinates of its nodes [length]; rows beyond the node count of the kind are
  * never read. */
 typedef struct ct_face {
-  /** Which shape functions the face has. */
+  /** Selects the shape functions. */
   ct_face_kind kind;
   /** Node coordinates, shape (nodes, 3). */
   double node[8][3];
 } ct_face;
 
-/** Number of nodes of a face kind: 4, 8, 3 or 6, and 0 for a kind that does not exist. */
+/** Number of nodes of a face kind: 4, 8, 3 or 6, and 0 for an unknown kind. */
 CT_API int ct_face_node_count(ct_face_kind kind);
 
 /**
  * Shape functions N_i(xi) of :eq:`segment-point`, written to ``N``. Entries beyond the node count
- * are 0; an unknown kind gives NaN everywhere, a null pointer writes nothing (so in all functions
- * of this header).
+ * are 0. For an unknown kind all outputs are NaN; with a null pointer the call has no effect. Both
+ * hold for all functions of this header.
  */
 CT_API void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8]);
 
@@ -48,10 +47,9 @@ CT_API void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8])
 CT_API void ct_segment_point(const ct_face *face, const double xi[2], double y[3]);
 
 /**
- * Kind of a brick element on -1 <= xi_1, xi_2, xi_3 <= 1, nodes in the order of VTK: the corners
- * (-,-,-), (+,-,-), (+,+,-),
- * (-,+,-), then the same four at xi_3 = +1; for hex20 then the middles of the 4 bottom edges, of
- * the 4 top edges and of the 4 upright edges.
+ * Kind of a brick element on -1 <= xi_1, xi_2, xi_3 <= 1. Nodes are in the order of VTK: the
+ * corners (-,-,-), (+,-,-), (+,+,-), (-,+,-), then the same four at xi_3 = +1; for hex20 then the
+ * midpoints of the 4 bottom edges, the 4 top edges and the 4 vertical edges.
  */
 typedef enum ct_brick_kind {
   /** trilinear brick, 8 nodes */
@@ -60,7 +58,7 @@ typedef enum ct_brick_kind {
   CT_HEX20 = 1
 } ct_brick_kind;
 
-/** Number of nodes of a brick kind: 8 or 20, and 0 for a kind that does not exist. */
+/** Number of nodes of a brick kind: 8 or 20, and 0 for an unknown kind. */
 CT_API int ct_brick_node_count(ct_brick_kind kind);
 
 /** Kind of the six faces: CT_Q4 for hex8, CT_Q8 for hex20. */
@@ -76,9 +74,9 @@ CT_API void ct_brick_shape(ct_brick_kind kind, const double xi[3], double N[20])
 CT_API void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[20][3]);
 
 /**
- * A quadrature rule on the reference face or brick, :eq:`quadrature-rule`. Points of quadrilaterals
- * and bricks run with xi_1 fastest, then xi_2, then xi_3, each ascending, so that point p and its
- * mirror image are easy to pair.
+ * A quadrature rule on the reference face or brick, :eq:`quadrature-rule`. On quadrilaterals and
+ * bricks xi_1 varies fastest, then xi_2, then xi_3, each in ascending order, so that point p and
+ * its mirror image are easy to pair.
  */
 typedef struct ct_rule {
   /** Number of points, at most 27. */
@@ -91,7 +89,7 @@ typedef struct ct_rule {
 
 /**
  * The Gauss rule that contact uses on a face: 2 x 2 points for Q4, 3 x 3 for Q8, 3 for T3, 6 for
- * T6. CT_ERROR_ARGUMENT for an unknown kind or a null pointer, and then ``rule`` has no points.
+ * T6. CT_ERROR_ARGUMENT: unknown kind or null pointer; ``rule`` then has no points.
  */
 CT_API ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule);
 

@@ -200,10 +200,10 @@ static double largest_force(const ct_problem *problem, const ct_state *state, in
   return top;
 }
 
-ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double *unrest,
+ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double *residual,
                              ct_error *error)
 {
-  ct_status status = begin(problem, state, 0, unrest, error);
+  ct_status status = begin(problem, state, 0, residual, error);
   double acting = 0.0, left = 0.0, stored = 0.0;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     double own;
@@ -219,7 +219,7 @@ ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double 
       0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
   // -- The larger of the two shares (eq:residual)
   double forces = left == 0.0 ? 0.0 : left / acting;
-  *unrest = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
+  *residual = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
   return CT_OK;
 }
 
