@@ -40,7 +40,7 @@ def test_impossible_arrays_are_refused():
         bridge.real("x", np.ma.masked_less([1.0, 2.0], 1.5))
     with pytest.raises(ValueError, match=r"x must have shape \(2,\) or \(m, 3\), not \(3,\)"):
         bridge.real("x", [1, 2, 3], (2,), ("m", 3))
-    with pytest.raises(TypeError, match="float32 can't be handed to C"):
+    with pytest.raises(TypeError, match="float32 can't be passed to C"):
         bridge.doubles(np.ones(3, np.float32))
     with pytest.raises(ValueError, match="fit 32 bits"):
         bridge.whole("x", [2**31])

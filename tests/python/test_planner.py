@@ -345,7 +345,7 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     assert "choice" in out and "at most 7 %" in out and "new.toml" in err
     assert main(["explain", "new.toml"]) == 0
     assert main([*words, "--write", "new.toml"]) == 2
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert main(["plan", "plates.toml"]) == 2
     assert main(["plan", "plates.toml", "--error", "much"]) == 2
     assert main(["plan", "plates.toml", "--error", "5%", "--functional", "x.y.end"]) == 2

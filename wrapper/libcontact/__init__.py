@@ -1,10 +1,12 @@
-"""libcontact: explicit finite-element contact-impact. The numbers come from the C library; this package adds comfort.
+"""libcontact: explicit finite-element contact-impact. The C library computes; this package reads
+scenes, runs them, and handles their results.
 
 >>> import libcontact as ct
 >>> run = ct.Scene.load("plates.toml").run()  # doctest: +SKIP
 >>> run.energy["total"]  # doctest: +SKIP
 
-A name is imported when it is first used. So the command line starts at once, and handles Ctrl-C from the beginning.
+Modules are imported when a name is first used, so that the command line starts quickly and handles
+Ctrl-C from the beginning.
 """
 
 from __future__ import annotations
@@ -36,8 +38,7 @@ def _module(home: str) -> Any:
 
 
 def has(part: str) -> bool:
-    """
-    Tell whether an optional part was built in.
+    """Check whether an optional part was built in.
 
     Parameters
     ----------
@@ -47,16 +48,17 @@ def has(part: str) -> bool:
     Returns
     -------
     bool
-        Whether it was.
+        True if the part was built in.
 
     Raises
     ------
     ValueError
-        There is no such part.
+        Unknown part.
     """
     from ._core import ffi, lib
 
-    # What is not built in refuses every call, also one that has nothing to do.
+    # A part that is not built in returns CT_ERROR_UNSUPPORTED from every call, also from one
+    # without work.
     nothing = ffi.NULL
     parts: dict[str, bool] = {
         "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,

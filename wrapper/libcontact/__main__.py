@@ -1,4 +1,5 @@
-"""``python -m libcontact`` and the command ``libcontact``: nothing is imported before Ctrl-C is minded."""
+"""``python -m libcontact`` and the command ``libcontact``: all imports happen after Ctrl-C is
+handled."""
 
 
 def main() -> int:

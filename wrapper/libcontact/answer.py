@@ -1,4 +1,5 @@
-"""What the error of a run is: the distance from a closed form where a scene has one, else the value of a functional that the user names."""
+"""The error of a run: the distance from a closed form if the scene has one, otherwise the value of
+a functional that the user names."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from .schema import Place, suggestion
 if TYPE_CHECKING:
     from .problem import Problem
 
-# Effects that do not change what a scene converges to.
+# Effects that do not change the limit to which a scene converges.
 NUMERICAL = ("viscosity", "averaging")
 
 
@@ -34,7 +35,7 @@ class Plates:
     axes : tuple of int
         The axes of the impact, of the thickness in plane strain, and to the free faces.
     plane, middle : float
-        Where the plates meet, and where the plane of symmetry between the free faces is [length].
+        Positions of the contact plane and of the plane of symmetry between the free faces [length].
     d, length : float
         Half the distance of the free faces, and the length of a plate [length].
     speed : float
@@ -95,7 +96,7 @@ def plates(problem: Problem) -> Plates | None:
     Returns
     -------
     Plates or None
-        None where the scene is another one, or goes on for longer than the closed form is known.
+        None if the scene is a different one, or lasts longer than the closed form is valid.
     """
     parts, bodies = problem.parts, list(problem.parts.body)
     held = {(str(each.set[0]), each.set[1]) for each in parts.support}
@@ -138,12 +139,13 @@ def plates(problem: Problem) -> Plates | None:
 
 
 def _sides(held: set[tuple[str, str]], body: str, axis: int) -> tuple[str, ...]:
-    """Which of the two faces across an axis are held."""
+    """The faces across an axis, of the two, that are fixed."""
     return tuple(end for end in ("min", "max") if (body, f"{AXES[axis]}_{end}") in held)
 
 
 def _impact(parts: Any, held: set[tuple[str, str]]) -> tuple[int, float, float] | None:
-    """The axis of the impact, the plane where it is, and half the speed of approach; None for what is no impact of two faces that touch."""
+    """The axis of the impact, the contact plane, and half the speed of approach; None unless two
+    touching faces collide."""
     bodies = list(parts.body)
     if len(bodies) == 1 and not parts.contact:
         (body,) = bodies
@@ -226,8 +228,7 @@ class Functional:
 
 
 def functional(problem: Problem, text: str) -> Functional:
-    """
-    Find what a functional names.
+    """Find a functional by its name.
 
     Parameters
     ----------
@@ -259,8 +260,7 @@ def functional(problem: Problem, text: str) -> Functional:
 
 
 def columns(problem: Problem) -> Iterator[tuple[str, str, str, int | None]]:
-    """
-    List what functionals can be made of.
+    """List the columns from which functionals can be formed.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def columns(problem: Problem) -> Iterator[tuple[str, str, str, int | None]]:
     Yields
     ------
     name, table, column : str
-        The name, such as ``"wall.force_x"``, and where it is found.
+        The name, such as ``"wall.force_x"``, and its table and column.
     part : int or None
         The component.
     """

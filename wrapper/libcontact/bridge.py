@@ -1,4 +1,5 @@
-"""What crosses between Python and C: calls that raise, arrays, and the enums and structs of the headers."""
+"""The interface between Python and C: calls that raise exceptions, arrays, and the enums and
+structs of the headers."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ Rows = NDArray[Any]
 
 
 def call(function: Any, *arguments: Any) -> None:
-    """Call a function of the library, whose last argument is a ``ct_error *``, and raise what it refuses."""
+    """Call a function of the library whose last argument is a ``ct_error *``, and raise its error
+    as an exception."""
     error = new_error()
     check(function(*arguments, error), error)
 
@@ -31,7 +33,8 @@ def ask(kind: str, function: Any, *arguments: Any) -> Any:
 
 
 def names(enum: str) -> dict[str, int]:
-    """The words of a C enum in the order of their numbers: CT_ENFORCE_PENALTY and its neighbours give "penalty" and so on."""
+    """The words of a C enum in the order of their numbers, for example "penalty" for
+    CT_ENFORCE_PENALTY."""
     constants = sorted(ffi.typeof(enum).elements.items())
     prefix = os.path.commonprefix([name for _, name in constants]).rpartition("_")[0] + "_"
     return {name.removeprefix(prefix).lower(): number for number, name in constants}
@@ -68,7 +71,7 @@ def copied(struct: str, pointer: Any, count: int) -> Rows:
 def doubles(array: NDArray[Any]) -> Any:
     """A C pointer to a contiguous array of float64, which lives as long as the pointer."""
     if array.dtype != np.float64:
-        raise TypeError(f"an array of {array.dtype} can't be handed to C as double")
+        raise TypeError(f"an array of {array.dtype} can't be passed to C as double")
     return ffi.from_buffer("double[]", array)
 
 
@@ -78,10 +81,11 @@ def ints(array: NDArray[Any]) -> Any:
 
 
 def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
-    """
-    Values as a contiguous array of float64, if they are real numbers and no digit is lost.
+    """Values as a contiguous array of float64; they must be real numbers that float64 represents
+    without loss.
 
-    A shape in ``shapes`` has numbers, and letters for any number: ``("m", 3)``. One of them must fit.
+    A shape in ``shapes`` consists of numbers, and of letters for any number: ``("m", 3)``. The
+    array must have one of these shapes.
     """
     if np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values; fill or leave them out")

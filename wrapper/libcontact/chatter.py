@@ -1,4 +1,5 @@
-"""When a penalty is known to feed energy into the bodies as its points come and go (chapter "Enforcement", tutorial "Choosing a penalty")."""
+"""Limits of penalty and step beyond which contact is known to add energy to the bodies, because
+points open and close with every step (chapter "Enforcement", tutorial "Choosing a penalty")."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     Yields
     ------
     ChatterWarning
-        One for each contact and obstacle whose enforcement, penalty and step are known to make energy.
+        One for each contact and obstacle whose enforcement, penalty and step are known to add
+        energy.
     """
     for key, who, given in pressing(problem.parts):
         surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces

@@ -19,7 +19,7 @@ OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
 
 
 class BadInput(ValueError):
-    """Something on the command line that can't be used."""
+    """An invalid argument on the command line."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code. What a user can do wrong is one line on stderr.
+        The exit code. Errors of the user are reported in one line on stderr.
     """
     try:
         options = _parser().parse_args(arguments)
@@ -77,28 +77,40 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser("run", help="compute a scene and write its results file")
     run.set_defaults(command=_run)
     run.add_argument("scene", metavar="SCENE.toml")
-    run.add_argument("-o", "--output", metavar="FILE", help="results file, not the scene's own")
-    until = {"metavar": "TIME", "type": float, "help": "end here; the step stays the same"}
+    run.add_argument("-o", "--output", metavar="FILE", help="results file, instead of the scene's")
+    until = {
+        "metavar": "TIME",
+        "type": float,
+        "help": "time at which the run ends; the step stays the same",
+    }
     run.add_argument("--until", **until)
-    run.add_argument("--threads", metavar="N", type=int, help="results do not depend on them")
-    run.add_argument("--restart", metavar="FILE", help="continue from a file's newest record")
+    run.add_argument(
+        "--threads", metavar="N", type=int, help="number of threads; results do not depend on it"
+    )
+    run.add_argument(
+        "--restart", metavar="FILE", help="continue from the newest record of this file"
+    )
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
-    explain = commands.add_parser("explain", help="tell what a scene will compute, and why")
+    explain = commands.add_parser("explain", help="show what a scene will compute, and why")
     explain.set_defaults(command=_explain)
     explain.add_argument("scene", metavar="SCENE.toml")
 
-    plan = commands.add_parser("plan", help="choose mesh, step and methods for an error or a time")
+    plan = commands.add_parser(
+        "plan", help="choose mesh, step and methods for a given error or run time"
+    )
     plan.set_defaults(command=_plan)
     plan.add_argument("scene", metavar="SCENE.toml")
     goal = plan.add_mutually_exclusive_group(required=True)
     goal.add_argument("--error", metavar="5%", type=_share, help="relative error to meet")
-    goal.add_argument("--seconds", metavar="S", type=float, help="time that the run may take")
-    plan.add_argument("--functional", metavar="NAME", help="what the error is of: wall.force_x.max")
+    goal.add_argument("--seconds", metavar="S", type=float, help="longest run time")
     plan.add_argument(
-        "--trials", metavar="S", type=float, default=10.0, help="time for trials (10)"
+        "--functional", metavar="NAME", help="number whose error is meant, such as wall.force_x.max"
     )
-    plan.add_argument("--write", metavar="NEW.toml", help="write the scene of the choice")
+    plan.add_argument(
+        "--trials", metavar="S", type=float, default=10.0, help="time for trial runs (default 10)"
+    )
+    plan.add_argument("--write", metavar="NEW.toml", help="write the chosen scene to this file")
 
     schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
     schema.set_defaults(command=_schema)
@@ -134,7 +146,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _report(run: Run) -> None:
-    """The few numbers that tell whether a run can be trusted."""
+    """Energy balance and size of a run, to judge its quality."""
     energy, steps = run.energy, run.steps
     last, size = energy[-1], max(abs(energy[name]).max() for name in ("kinetic", "strain")) or 1.0
     change, balance = last["total"] - energy["total"][0], abs(energy["balance"]).max()
@@ -167,7 +179,7 @@ def _plan(options: argparse.Namespace) -> int:
     from .scene import Scene
 
     if options.write is not None and Path(options.write).exists():
-        raise BadInput(f'"{options.write}" is there already')
+        raise BadInput(f'"{options.write}" exists already')
     keys = ("error", "seconds", "functional", "trials")
     plan = Scene.load(options.scene).plan(**{key: getattr(options, key) for key in keys})
     print(plan, flush=True)

@@ -36,63 +36,65 @@ class Balance:
     Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear in the motion.
     """
 
-    #: Energy that contact, obstacles and the elastic slip of friction hold at t_n [energy].
+    #: Energy stored at t_n in contact, obstacles, and the elastic springs of friction [energy].
     energy: float
-    #: Work that its forces have done on the bodies from t_0 to t_n [energy].
+    #: Work of its forces on the bodies from t_0 to t_n [energy].
     work: float
-    #: Work that start gaps have done while they fade [energy].
+    #: Work of the decreasing start gaps [energy].
     removal: float
     #: Number of steps in which the forces did not converge.
     unconverged: int
-    #: What friction has dissipated [energy].
+    #: Energy dissipated by friction [energy].
     friction: float
-    #: Work that the motion of obstacles has put into the bodies [energy].
+    #: Work of moving obstacles on the bodies [energy].
     motion: float
 
 
 class Contact:
-    """
-    The contact of two surfaces, or of one with itself, and with rigid obstacles, in a time loop of your own: one call per step.
+    """Contact of two surfaces, or of one with itself, and with rigid obstacles, in a host's own
+    time loop: one call per step.
 
-    The coordinates that the surfaces were made with are the reference shape. Surfaces that were made with the same array
-    number their nodes in one array, and the calls below take one array for both. For two arrays the calls take a
-    pair of them, the first surface's first. Arrays of float64 in C order cross to C without a copy.
+    The coordinates with which the surfaces were created are the reference shape. If both surfaces
+    were created from one array of nodes, the calls below take one array for both; otherwise they
+    take a pair of arrays, that of the first surface first. Arrays of float64 in C order are passed
+    to C without a copy.
 
     Parameters
     ----------
     first : Surface
         A surface of the host's bodies.
     second : Surface, optional
-        The surface that it meets; without it the first one meets itself, or with ``itself=False`` only obstacles.
+        The other surface. Without it the first one is in contact with itself, or with
+        ``itself=False`` only with obstacles.
     epsilon : float
         Penalty [stress / length]; see :meth:`penalty`.
     enforcement : {"energy_controlled", "penalty", "bipenalty"}
-        How gaps give forces.
+        Law by which forces follow from gaps.
     dissipation : float
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.
     points : {"gauss", "lobatto"}
-        Where the faces have contact points.
+        Positions of the contact points on a face.
     initial_penetration : {"keep", "push", "refuse", "remove"}
-        What becomes of points that are inside in the first step.
+        Treatment of points that penetrate in the first step.
     removal_time : float
-        Time in which ``"remove"`` parts the surfaces [time].
+        Time in which ``"remove"`` separates the surfaces [time].
     adjust : float
-        Gaps and overlaps at the start up to this are taken as touching [length].
+        Gaps and overlaps at the start up to this value count as touching [length].
     depth : float
-        How far points look for the other surface [length]; 0: as far as the size of a face.
+        Search distance from a point to the other surface [length]; 0: the size of a face.
     threads : int
-        Number of threads; it changes no bit.
+        Number of threads; results do not depend on it.
     friction : float
         Coefficient of Coulomb friction between the surfaces; 0: none.
     tangent : float
         Ratio of the tangential penalty of this friction to the normal one.
     itself : bool
-        Whether one surface alone meets itself.
+        Whether a single surface is in contact with itself.
 
     Raises
     ------
     TypeError, ValueError
-        An argument is impossible.
+        An argument is invalid.
 
     Examples
     --------
@@ -171,8 +173,7 @@ class Contact:
 
     @staticmethod
     def penalty(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:
-        """
-        The penalty that suits an enforcement.
+        """Default penalty of an enforcement.
 
         Parameters
         ----------
@@ -191,7 +192,7 @@ class Contact:
         Raises
         ------
         ValueError
-            There is no such enforcement.
+            Unknown enforcement.
         """
         number = chosen("enforcement", enforcement, names("ct_enforcement"))
         sizes = (
@@ -215,8 +216,7 @@ class Contact:
         tangent: float = 1.0,
         surface: int = 0,
     ) -> int:
-        """
-        Add a rigid obstacle, before the first step. It has the enforcement of the contact.
+        """Add a rigid obstacle, before the first step. It uses the enforcement of the contact.
 
         Parameters
         ----------
@@ -227,13 +227,14 @@ class Contact:
         epsilon : float
             Penalty [stress / length].
         axis : array_like, shape (3,)
-            Normal of the plane out of the obstacle, or direction of the cylinder.
+            Normal of the plane, which points out of the obstacle, or direction of the cylinder's
+            axis.
         radius : float
             Radius of sphere or cylinder [length].
         velocity : array_like, shape (3,)
             Its constant velocity [length / time].
         travel : array_like, shape (3,)
-            Its displacement where the factor of the history is 1 [length].
+            Its displacement when the factor of the history is 1 [length].
         history : pair of array_like, optional
             Times, from the first step on, and factors.
         dissipation : float
@@ -243,7 +244,7 @@ class Contact:
         tangent : float
             Ratio of the tangential penalty to the normal one.
         surface : int
-            The surface that meets it, 0 or 1.
+            The surface in contact with it, 0 or 1.
 
         Returns
         -------
@@ -253,7 +254,7 @@ class Contact:
         Raises
         ------
         TypeError, ValueError
-            An argument is impossible, or a step was taken.
+            An argument is invalid, or a step was already taken.
         """
         definition = ffi.new("ct_obstacle_def *", lib.ct_obstacle_def_default())
         definition.shape = chosen("shape", shape, names("ct_obstacle_shape"))
@@ -276,7 +277,9 @@ class Contact:
         definition.amplitude.count = len(arrays[0])
         definition.amplitude.time, definition.amplitude.value = map(doubles, arrays)
         side, number = index("surface", surface), len(self._sides)
-        rubbing = self._rubbing(friction, tangent)  # what is refused leaves no obstacle behind
+        rubbing = self._rubbing(
+            friction, tangent
+        )  # invalid friction must not leave an obstacle behind
         call(lib.ct_contact_add_obstacle, self._contact, side, definition)
         self._sides.append(side)
         self._add_friction(number, *rubbing)
@@ -284,7 +287,7 @@ class Contact:
 
     @staticmethod
     def _rubbing(friction: float, tangent: float) -> tuple[float, float]:
-        """Coefficient and tangential ratio, if there can be such a friction, or none."""
+        """Check coefficient and tangential ratio, and return them."""
         mu, ratio = finite("friction", friction), finite("tangent", tangent)
         return mu and positive("friction", mu), mu and positive("tangent", ratio)
 
@@ -304,15 +307,15 @@ class Contact:
         kick: float | None = None,
         increment: Any = None,
     ) -> None:
-        """
-        Find the contact forces of the coming step v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} = x_n + dt v_{n+1/2}.
+        """Compute the contact forces of the next step v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} =
+        x_n + dt v_{n+1/2}.
 
         Call it once per step, with all forces but those of the contact; then :meth:`add_force`.
 
         Parameters
         ----------
         dt : float
-            Length of the coming step [time].
+            Length of the next step [time].
         x : array_like, shape (n, 3), or a pair of them
             Coordinates x_n [length].
         velocity : array_like, shape (n, 3), or a pair of them
@@ -322,20 +325,20 @@ class Contact:
         force : array_like, shape (n, 3), or a pair of them, optional
             Sum of all other forces at t_n [force].
         kick : float, optional
-            Time for which the forces change the velocity [time]: dt, if not given; half of it in the first step, which begins with v_0; the
-            mean of two steps where they differ.
+            Time for which the forces change the velocity [time]: dt by default; half of it in the
+            first step, which begins with v_0; the mean of two steps of different length.
         increment : array_like, shape (n, 3), or a pair of them, optional
-            Displacement increments x_{n+1} - x_n without the contact [length], in place of those of the step above; for
-            prescribed motions, damping and other integrators.
+            Displacement increments x_{n+1} - x_n without the contact [length], instead of those of
+            the step above; for prescribed motions, damping and other integrators.
 
         Raises
         ------
         TypeError, ValueError
-            An argument is impossible, or a coordinate not finite.
+            An argument is invalid, or a coordinate is not finite.
         GeometryError
             Surfaces overlap at the start, and ``"refuse"`` was chosen.
         StepError
-            The last step may have brought the surfaces through each other.
+            The surfaces may have passed through each other in the last step.
         BlowupError
             Forces are not finite.
         """
@@ -349,7 +352,7 @@ class Contact:
         prediction = ffi.new("ct_contact_prediction *")
         prediction.dt = finite("dt", dt)
         prediction.kick = prediction.dt if kick is None else finite("kick", kick)
-        arrays = []  # what C is given lives until the call returns
+        arrays = []  # the arrays passed to C must exist until the call returns
         for name, values in given.items():
             if values is None and name in ("force", "increment"):
                 continue
@@ -365,12 +368,12 @@ class Contact:
         Parameters
         ----------
         force : ndarray of float64 in C order, shape (n, 3), or a pair of them
-            Forces of the host, in which the sums are written [force].
+            Forces of the host, to which the contact forces are added [force].
 
         Raises
         ------
         TypeError, ValueError
-            An array is not of this kind, so that nothing could be written into it.
+            An array is not of this kind.
         """
         arrays = []
         for part, count in zip(self._parts("force", force), self._counts):
@@ -383,7 +386,7 @@ class Contact:
 
     @property
     def energy(self) -> float:
-        """Energy that the contact holds at t_n [energy]."""
+        """Energy stored by the contact at t_n [energy]."""
         return float(lib.ct_contact_energy(self._contact))
 
     @property
@@ -394,21 +397,19 @@ class Contact:
         return Balance(out.energy, out.work, out.removal, out.unconverged, out.friction, out.motion)
 
     def save(self) -> Floats:
-        """
-        What the contact must remember to continue with the same bits.
+        """The memory of the contact, with which a run continues with the same bits.
 
         Returns
         -------
         ndarray
-            The numbers, for :meth:`restore` of a contact that was made alike.
+            The numbers, for :meth:`restore` of a contact with the same definition.
         """
         memory = np.zeros(lib.ct_contact_save(self._contact, ffi.NULL))
         lib.ct_contact_save(self._contact, doubles(memory))
         return memory
 
     def restore(self, memory: Any) -> None:
-        """
-        Go on from what :meth:`save` gave. The next call must be a step.
+        """Continue from the memory that :meth:`save` returned. The next call must be a step.
 
         Parameters
         ----------
@@ -418,7 +419,7 @@ class Contact:
         Raises
         ------
         TypeError, ValueError
-            They are not those of such a contact.
+            They do not come from a contact with the same definition.
         """
         numbers = real("memory", memory, ("n",))
         call(lib.ct_contact_restore, self._contact, doubles(numbers), len(numbers))
@@ -435,14 +436,14 @@ class Contact:
         Returns
         -------
         force : ndarray, shape (3,)
-            The force, with friction [force].
+            The force, including friction [force].
         work : float
-            Work that the obstacle's motion has put into the bodies [energy].
+            Work of the obstacle's motion on the bodies [energy].
 
         Raises
         ------
         ValueError
-            There is no such obstacle, or the last call was no good step.
+            Unknown obstacle, or the last call was not a successful step.
         """
         force, work = np.zeros(3), ffi.new("double *")
         number = index("obstacle", obstacle)
@@ -460,19 +461,20 @@ class Contact:
         surface : int
             The surface, 0 or 1.
         obstacle : int, optional
-            The obstacle whose tractions on this surface are wanted, in place of those of the other surface.
+            An obstacle; returns its tractions on this surface instead of those of the other
+            surface.
 
         Returns
         -------
         traction : ndarray, shape (n, 3)
-            Force on the surface per reference area [stress]; its size is the pressure.
+            Force on the surface per reference area [stress]; its magnitude is the pressure.
         area : ndarray, shape (n,)
-            Area that belongs to each corner [area].
+            Area assigned to each corner [area].
 
         Raises
         ------
         ValueError
-            There is no such surface or obstacle.
+            Unknown surface or obstacle.
         """
         side = index("surface", surface)
         if not 0 <= side < len(self._counts):
@@ -486,7 +488,8 @@ class Contact:
 
     @property
     def points(self) -> Rows:
-        """All contact points of the last step, a row each, with the members of ``ct_contact_point``."""
+        """All contact points of the last step, one per row, with the members of
+        ``ct_contact_point``."""
         count = lib.ct_contact_point_count(self._contact)
         rows = np.empty(count, row("ct_contact_point"))
         check(lib.ct_contact_points(self._contact, ffi.from_buffer("ct_contact_point[]", rows)))
@@ -525,7 +528,7 @@ class Contact:
         return float(dt[0])
 
     def _parts(self, name: str, values: Any) -> list[Any]:
-        """What a call is given of each surface: a pair, or one array for both."""
+        """The argument of a call for each surface: a pair, or one array for both."""
         if not self._pair:
             return [values] * len(self._counts)
         if not isinstance(values, (tuple, list)) or len(values) != 2:

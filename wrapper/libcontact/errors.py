@@ -1,6 +1,6 @@
-"""
-Errors of the C library as exceptions: the class says what kind, the text is C's, and body, element and point say where. Warnings
-of the package: the class says what kind, the text names the key of the scene, what was found and what to do.
+"""Exceptions and warnings. Errors of the C library: the class gives the kind, the text comes from
+C, and body, element and point give the place. Warnings of the package: the class gives the kind;
+the text names the key of the scene, what was found, and what to do.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ADDRESS = " [docs: reference/symptoms.html#{}]"
 
 
 def bare(text: str) -> str:
-    """The text of an error without the address that another error has added to it."""
+    """The text of an error without the address of its entry in the book."""
     return re.sub(r" \[docs: reference/symptoms\.html#\w+\]", "", text)
 
 
@@ -46,7 +46,7 @@ class Error(_Documented):
     code : int or None
         The ``ct_status`` of the C library.
     body, element, point : int or None
-        Where it happened, numbers from 0; None where the error has no such place.
+        Where it happened, counted from 0; None if the error has no such place.
     """
 
     body: int | None = None
@@ -60,7 +60,7 @@ class Error(_Documented):
 
 
 class ArgumentError(Error, ValueError):
-    """An argument is impossible: out of range, unknown, not finite."""
+    """An invalid argument: out of range, unknown, not finite."""
 
 
 class GeometryError(Error, ValueError):
@@ -68,11 +68,11 @@ class GeometryError(Error, ValueError):
 
 
 class StepError(Error, ValueError):
-    """The time step is above the stable one."""
+    """The time step exceeds the largest stable one."""
 
 
 class NotBuiltIn(Error, NotImplementedError):
-    """Known, but not in this build or not for this case."""
+    """Not supported in this build or for this case."""
 
 
 class FileError(Error, OSError):
@@ -80,16 +80,16 @@ class FileError(Error, OSError):
 
 
 class BlowupError(Error, ArithmeticError):
-    """The state stopped being finite in mid-run."""
+    """The state became NaN or infinite during the run."""
 
 
 class EnergyError(Error, ArithmeticError):
-    """Spurious energy growth was detected in mid-run."""
+    """Spurious energy growth was detected during the run."""
 
 
 class SceneWarning(_Documented, UserWarning):
-    """
-    Something in a scene or a run that is probably not meant. The text names the key, says what was found, and ends with what to do.
+    """Something in a scene or a run that is probably not intended. The text names the key, says
+    what was found, and ends with what to do.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class SceneWarning(_Documented, UserWarning):
 
 
 class UnitsWarning(SceneWarning):
-    """A wave speed that no material has: Young's modulus, density and units do not belong together."""
+    """A wave speed that no material has: Young's modulus, density and units are inconsistent."""
 
 
 class InsideOutWarning(SceneWarning):
@@ -111,11 +111,11 @@ class InsideOutWarning(SceneWarning):
 
 
 class SamePlaceWarning(SceneWarning):
-    """Two bodies fill the same space."""
+    """Two bodies occupy the same space."""
 
 
 class TwiceWarning(SceneWarning):
-    """Two contacts have the same faces, which then press on each other twice."""
+    """Two contacts have the same faces, so that the contact force acts twice."""
 
 
 class OverlapWarning(SceneWarning):
@@ -127,33 +127,34 @@ class NeverMeetWarning(SceneWarning):
 
 
 class ThinWarning(SceneWarning):
-    """An impact on a body with about one element behind the surface loses a large part of its energy."""
+    """An impact on a body that is about one element thick loses a large part of its energy."""
 
 
 class ChatterWarning(SceneWarning):
-    """A penalty is so stiff for the step that points which come and go with every step feed energy into the bodies."""
+    """A penalty is so stiff for the time step that points open and close with every step, which
+    adds energy to the bodies."""
 
 
 class RotationWarning(SceneWarning):
-    """A body with the small-strain law has turned so far that its rotation counts as strain."""
+    """A body with the small-strain law has rotated so far that the rotation causes false strain."""
 
 
 class OutputWarning(SceneWarning):
-    """A run goes on without something that was asked for, for example a file in a build without HDF5."""
+    """A run continues without something that was requested, for example a file in a build without
+    HDF5."""
 
 
 class EnergyGrowth(SceneWarning):
-    """
-    More than 1 % of spurious energy was detected in mid-run. The run goes on.
+    """More than 1 % of spurious energy was detected during the run. The run continues.
 
     Attributes
     ----------
     share : float
-        Spurious energy over the energy that should be there.
+        Ratio of spurious energy to the energy that the bodies should have.
     time : float
         When it was detected [time].
     who : str
-        The effect or body that most of it came from.
+        The effect or body that caused most of it.
     """
 
     # The defaults serve copies, which are made from the text alone.
@@ -165,11 +166,11 @@ class EnergyGrowth(SceneWarning):
 
 
 class NotAtRest(SceneWarning):
-    """A run that should end at rest has come to its end before."""
+    """A run with ``until_static`` has reached its end before the bodies are at rest."""
 
 
 class NotSettled(SceneWarning):
-    """In some steps the contact forces, which are found by iteration, did not converge."""
+    """In some steps the iteration for the contact forces did not converge."""
 
 
 def issue(warning: SceneWarning) -> None:
@@ -196,7 +197,8 @@ CLASSES = {
 
 
 class _Held(threading.local):
-    """What a Python function that C has called raised, on its way through C: it goes on when C has returned."""
+    """An exception of a Python function that C has called; it is raised again after C has
+    returned."""
 
     reason: BaseException | None = None
 
@@ -205,14 +207,16 @@ held = _Held()
 
 
 def raise_held() -> None:
-    """Where C has returned because a Python function raised SystemExit, KeyboardInterrupt or what else is no ``Exception``: raise it on."""
+    """If C has returned because a Python function raised SystemExit, KeyboardInterrupt or another
+    exception that is not an ``Exception``, raise it again."""
     reason, held.reason = held.reason, None
     if reason is not None:
         raise reason
 
 
 def text_of(status: int, error: Any = None) -> str:
-    """What an error of C says, unless a Python function wants to end the program."""
+    """The text of an error of C; raises again what a Python function has raised to end the
+    program."""
     raise_held()
     text = ffi.string(error.text).decode(errors="replace") if error is not None else ""
     return text or ffi.string(lib.ct_status_name(status)).decode()
@@ -232,7 +236,8 @@ def place(error: Any) -> dict[str, int | None]:
 
 
 def check(status: int, error: Any = None) -> None:
-    """Raise what a status other than CT_OK says, with the detail in ``error`` (a ``ct_error *``) where there is one."""
+    """Raise the exception of a status other than CT_OK, with the details in ``error`` (a ``ct_error
+    *``) if there are any."""
     if status == lib.CT_OK:
         return
     text = text_of(status, error)

@@ -1,8 +1,8 @@
-"""
-Exact solutions of the impact of two thick plates, with which computed results are compared.
+"""Exact solutions of the impact of two thick plates, a reference for computed results.
 
-Lengths are in half thicknesses d, times in d/c₁, stresses are times c₁/(Λ v₀), velocities over v₀. The plate is
-x > 0, -1 < z < 1; it comes at v_x = -v₀ and meets its mirror image on x = 0 at t = 0. Theory: the chapter *exact* of the book.
+All quantities are dimensionless: lengths in half thicknesses d, times in d/c₁, stresses times c₁/(Λ
+v₀), velocities divided by v₀. The plate x > 0, -1 < z < 1 moves with v_x = -v₀ and meets its mirror
+image on x = 0 at t = 0. Theory: the chapter *exact* of the book.
 """
 
 from __future__ import annotations
@@ -80,7 +80,8 @@ def plates(x: Any, z: Any, t: Any, nu: float = 0.3, length: float = np.inf) -> F
     Returns
     -------
     Fields
-        ``(sigma_x, sigma_z, tau_xz), (v_x, v_z)``. On a front the value behind it; v_z on a face at x = c_R t is infinite.
+        ``(sigma_x, sigma_z, tau_xz), (v_x, v_z)``. On a wave front the value behind it; v_z on a
+        free face is infinite at x = c_R t.
 
     Raises
     ------
@@ -103,12 +104,12 @@ def plates_series(x: Any, z: Any, t: Any, nu: float = 0.3, branches: int = 300) 
     """
     Sum the lowest branches of the Rayleigh-Lamb series of an infinitely long plate.
 
-    Points that follow each other with the same x and t share work.
+    Consecutive points with the same x and t share work.
 
     Parameters
     ----------
     x, z, t : array_like
-        As for :func:`plates`, but t may pass 2, and x + t may be up to 100.
+        As for :func:`plates`, but t may exceed 2, and x + t may be up to 100.
     nu : float
         Poisson's ratio, in (0, 0.49].
     branches : int
@@ -122,7 +123,7 @@ def plates_series(x: Any, z: Any, t: Any, nu: float = 0.3, branches: int = 300) 
     Raises
     ------
     ValueError
-        As for :func:`plates`, or the number of branches is impossible.
+        As for :func:`plates`, or the number of branches is out of range.
     NotBuiltIn
         The library was built without GSL.
     """
@@ -165,8 +166,7 @@ def speeds(nu: float = 0.3) -> Speeds:
 
 
 def fronts(t: float, nu: float = 0.3, points: int = 91) -> dict[str, list[Floats]]:
-    """
-    Compute the wave fronts at one time, to be drawn over a computed field.
+    """Compute the wave fronts at one time, for plots over a computed field.
 
     Parameters
     ----------

@@ -1,4 +1,5 @@
-"""Meshes of bricks: numpy views of what the C library holds, reading from VTKHDF, and finding points in them."""
+"""Meshes of bricks: numpy views of arrays of the C library, reading from VTKHDF, and location of
+points."""
 
 from __future__ import annotations
 
@@ -108,7 +109,7 @@ class Mesh:
         Raises
         ------
         ValueError
-            A number is impossible.
+            A number is out of range.
 
         Examples
         --------
@@ -287,7 +288,8 @@ class Mesh:
         return out[: WIDTH[self.element]]
 
     def _inverse(self, x: Floats, point: Floats) -> Floats | None:
-        """ξ of a point in the element with the nodes ``x``, by Newton's method from the centre; None where it finds none."""
+        """ξ of a point in the element with the nodes ``x``, by Newton's method from the centre;
+        None if it does not converge."""
         d, xi, slopes = x - point, np.zeros(3), np.empty((20, 3))
         for _ in range(30):
             out = ffi.from_buffer("double[][3]", slopes)
@@ -349,7 +351,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
     Raises
     ------
     ValueError
-        The file can't be read or holds something else.
+        The file can't be read or does not contain such a mesh.
     NotBuiltIn
         h5py is not installed.
     """
@@ -370,7 +372,9 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
                 raise wrong(f"lacks VTKHDF/{name}")
         size, room = sum(group[name].nbytes for name in wanted) / 1e9, physical_memory() / 1e9
         if size > room:
-            raise wrong(f"holds a mesh of {size:.3g} GB, and this machine has {room:.3g} GB")
+            raise wrong(
+                f"holds a mesh of {size:.3g} GB, and this machine has {room:.3g} GB of memory"
+            )
         parts, cells, points, connectivity, offsets, types = (group[name][()] for name in wanted)
         if "Steps" not in group and len(parts) != 1:
             raise wrong(f"has {len(parts)} parts; one is needed")

@@ -20,7 +20,8 @@ __all__ = ["Nearest", "Surface", "nearest"]
 class Nearest:
     """The closest points of a surface to m points; every array has one row per point, and NaN where the status is INVALID."""
 
-    #: Number of the face, of equally near ones the first; -1 where the status is INVALID. Shape (m,).
+    #: Number of the face, the lowest one if several are equally close; -1 where the status is
+    #: INVALID. Shape (m,).
     face: Ints
     #: Reference coordinates ξ of the closest points, shape (m, 2).
     xi: Floats
@@ -30,7 +31,7 @@ class Nearest:
     distance: Floats
     #: The distance, negative inside: below the face, or below the mean of the faces that meet in an edge or corner [length]. Shape (m,).
     signed_distance: Floats
-    #: Unit vectors outwards at the closest points, shape (m, 3).
+    #: Unit vectors at the closest points that point outwards, shape (m, 3).
     normal: Floats
     #: Numbers of :class:`~libcontact.projection.Status`, shape (m,).
     status: Ints
@@ -41,8 +42,7 @@ class Nearest:
 
 
 class Surface:
-    """
-    Faces over nodes, with a tree of boxes that finds the nearest face.
+    """A surface of faces, with a tree of bounding boxes that finds the closest face.
 
     Parameters
     ----------
@@ -56,9 +56,10 @@ class Surface:
     Raises
     ------
     TypeError
-        The coordinates are not real, or the node numbers not whole.
+        The coordinates are not real numbers, or the node numbers are not integers.
     ValueError
-        The kind, a shape or a node number is impossible, coordinates are not finite, or a face has no area.
+        The kind, a shape or a node number is invalid, coordinates are not finite, or a face has no
+        area.
 
     Examples
     --------
@@ -79,15 +80,16 @@ class Surface:
             raise ValueError(f"faces of kind {kind} {reason}")
         surface = ffi.new("ct_surface *", [number, len(nodes), len(faces)])
         surface.faces, surface.reference = ints(faces), doubles(nodes)
-        # The surface as C has it, and the array it was asked for with, for a Contact; its arrays live as long.
+        # The surface as a C struct and the original array of nodes, for a Contact; this object
+        # keeps the arrays alive.
         self.given, self.asked, self._arrays = surface, asked, (faces, nodes)
         search = ask("ct_search **", lib.ct_search_create, surface)
         self._search = ffi.gc(search, lib.ct_search_free)
         self._count, self._faces = len(nodes), len(faces)
 
     def move(self, nodes: Any) -> None:
-        """
-        Move the nodes. The tree follows, and is built again when the motion has made it slow.
+        """Move the nodes. The tree is refitted, and rebuilt when its queries have become too
+        expensive.
 
         Parameters
         ----------
@@ -103,12 +105,12 @@ class Surface:
 
     @property
     def builds(self) -> int:
-        """How often the tree was built."""
+        """Number of times that the tree was built."""
         return int(lib.ct_search_builds(self._search))
 
     @property
     def cost(self) -> float:
-        """Cost of a query in the tree as it is, over the cost when it was built."""
+        """Estimated cost of a query in the present tree divided by the cost when it was built."""
         return float(lib.ct_search_cost(self._search))
 
     def nearest(
@@ -122,11 +124,12 @@ class Surface:
         points : array_like, shape (m, 3)
             The points [length].
         start : array_like of int, shape (m,), optional
-            A face for each point that is probably near, -1 for none. It saves time and changes no bit.
+            For each point a face that is probably close, -1 for none. It saves time; results do not
+            depend on it.
         tolerance : float
             Bound on the error of ξ in half-widths of the face.
         threads : int
-            Number of threads; it changes no bit.
+            Number of threads; results do not depend on it.
 
         Returns
         -------
@@ -136,9 +139,9 @@ class Surface:
         Raises
         ------
         TypeError
-            The coordinates are not real, or the faces of ``start`` not whole.
+            The coordinates are not real numbers, or the faces of ``start`` are not integers.
         ValueError
-            A shape, a face of ``start``, the tolerance or the number of threads is impossible.
+            A shape, a face of ``start``, the tolerance or the number of threads is invalid.
         """
         points = real("points", points, ("n", 3))
         if start is not None:

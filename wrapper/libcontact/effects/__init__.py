@@ -1,6 +1,6 @@
-"""
-What a scene may add to bodies, contacts and supports: one module an effect, named as its table in the scene file and as the C library names it. An effect is
-a :class:`libcontact.schema.Table` with its keys and what :class:`Effect` asks for.
+"""Effects that a scene may add to bodies, contacts and supports: one module per effect, with the
+name of its table in the scene file and of its C effect. An effect is a
+:class:`libcontact.schema.Table` with its keys and the members of :class:`Effect`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from ..units import Units
 
 
 class Effect(Table):
-    """The keys of an effect, the C effect that they make, and the words for it."""
+    """The keys of an effect, its C effect, and its description."""
 
     without: ClassVar[str]
-    """What a scene without the effect goes without, for ``explain``."""
+    """What is missing in a scene without the effect, for ``explain``."""
 
     def create(self, maker: Any) -> Any:
         """The C effect (``ct_effect *``), or a list of them, by a :class:`libcontact.problem.Maker`; here of the keys that its struct has."""

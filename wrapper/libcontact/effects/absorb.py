@@ -7,8 +7,7 @@ from . import OnSurface
 
 
 class Absorb(OnSurface):
-    """
-    A surface that absorbs.
+    """A surface that absorbs waves.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""``[averaging]``: a mass that is averaged with its neighbours (chapter "Averaged mass")."""
+"""``[averaging]``: a mass that is averaged over neighbouring nodes (chapter "Averaged mass")."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from . import OnBodies
 
 
 class Averaging(OnBodies):
-    """
-    A mass that is averaged with its neighbours, so that dilatation waves along the axes keep their speed (:doc:`/theory/averaging`).
+    """A mass that is averaged over neighbouring nodes, so that short dilatational waves along the
+    axes have almost the correct speed (:doc:`/theory/averaging`).
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Averaging(OnBodies):
         return {**super().members(maker), "apart": apart, "apart_count": len(rows)}
 
     def describe(self, units: Units) -> str:
-        return f"accelerations of {self.whom} are averaged; elements at contacts, obstacles and prescribed paths are left out"
+        return f"accelerations of {self.whom} are averaged, except at contacts, obstacles and prescribed motions"
 
 
 def _apart(parts: Any) -> Iterator[tuple[str, str]]:

@@ -9,19 +9,18 @@ from . import OnBodies
 
 
 class Damping(OnBodies):
-    """
-    Velocities decay at a given rate, or at one that dynamic relaxation chooses.
+    """Velocities decay at a given rate, or at a rate that dynamic relaxation estimates.
 
     Attributes
     ----------
     rate
         Rate at which velocities decay (:doc:`/theory/damping`).
     relaxation
-        The rate is chosen so that bodies come to rest soon; only the state of rest counts
-        (:eq:`relaxation-rate`), see ``until_static``.
+        The rate is estimated so that the bodies reach equilibrium quickly (:eq:`relaxation-rate`).
+        Only the state of equilibrium has a meaning, not the motion; see ``until_static``.
     """
 
-    without = "no [damping]: motion goes on"
+    without = "no [damping]: motion does not decay"
     one = (("rate", "relaxation"),)
 
     rate: float | None = key(FORWARD, unit="1 / time", default=None, says="one of two")
@@ -31,5 +30,5 @@ class Damping(OnBodies):
 
     def describe(self, units: Units) -> str:
         if self.rate is None:
-            return f"dynamic relaxation, {self.whom}: the way to rest is not the true motion"
+            return f"dynamic relaxation, {self.whom}: only the state of rest has a meaning, not the motion"
         return f"velocities decay by {self.rate:g} 1/{units.time}, {self.whom}"

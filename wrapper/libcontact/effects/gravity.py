@@ -18,7 +18,7 @@ class Gravity(OnBodies):
         The acceleration (:doc:`/theory/gravity`).
     """
 
-    without = "no [gravity]: nothing falls"
+    without = "no [gravity]: bodies have no weight"
 
     acceleration: Vector = key(VECTOR, unit="length / time²")
 

@@ -20,13 +20,13 @@ class Load(OnSurface):
     surface
         A face such as ``"bar.x_max"`` (:doc:`/theory/load`).
     traction
-        Force for each unit of undeformed area; a load needs this or a pressure.
+        Force per undeformed area; a load needs a traction or a pressure.
     pressure
-        Against the normal.
+        Pressure, which acts against the outward normal.
     following
-        ``true``: the pressure follows the deformed surface.
+        ``true``: the pressure acts on the deformed surface, along its normal.
     history
-        A factor, straight between its points.
+        A factor in time, piecewise linear.
     """
 
     without = "no [[load]]: surfaces are free of tractions"

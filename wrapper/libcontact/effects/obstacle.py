@@ -28,7 +28,7 @@ class Plane(Table):
     point
         A point of the plane.
     normal
-        Its normal, away from what is solid.
+        Its normal, which points out of the obstacle.
     """
 
     radius = 0.0
@@ -87,14 +87,13 @@ class Cylinder(Sphere):
 
 
 class Obstacle(Pressing, OnSurface):
-    """
-    A rigid obstacle. Its way is ``velocity`` times time plus ``travel`` times the line through
+    """A rigid obstacle. Its displacement is ``velocity`` times time plus ``travel`` times
     ``history``.
 
     Attributes
     ----------
     surface
-        A face that a rigid obstacle stands before (:doc:`/theory/obstacle`).
+        A face in contact with the rigid obstacle (:doc:`/theory/obstacle`).
     plane
         A plane.
     sphere
@@ -126,7 +125,10 @@ class Obstacle(Pressing, OnSurface):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         if any(self.travel) != bool(self.history):
-            yield "history", 'and "travel" go together: the way is travel times the history'
+            yield (
+                "history",
+                'and "travel" go together: the displacement is travel times the history',
+            )
         yield from super().refusals()
 
     def gaps(self, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -19,8 +19,7 @@ from ..schema import Place, SceneError
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """
-    What a force is asked with.
+    """Input of a force.
 
     Attributes
     ----------
@@ -59,7 +58,7 @@ class Own:
         self.count = 0
 
     def check_pickle(self) -> None:
-        """Refuse a function that pickle can't find again."""
+        """Raise an error for a function that can't be pickled."""
         for what, function in (("force", self.force), ("energy", self.energy)):
             try:
                 pickle.dumps(function)
@@ -106,7 +105,8 @@ class Own:
 
 
 def called_by_c(function: Callable[[Own, Any, Any], None]) -> Callable[..., Any]:
-    """Make a function one that C can call; an exception becomes an error of the C library, and what should end the program goes on through it."""
+    """Wrap a function so that C can call it. An ``Exception`` becomes an error of the C library;
+    SystemExit and KeyboardInterrupt pass through C."""
 
     @wraps(function)
     def answer(effect: Any, view: Any, out: Any, error: Any) -> Any:
@@ -128,7 +128,7 @@ def called_by_c(function: Callable[[Own, Any, Any], None]) -> Callable[..., Any]
 
 
 def _cut(text: str, room: int) -> bytes:
-    """A text in UTF-8 that fits into ``room`` bytes; three dots stand for what does not."""
+    """A text in UTF-8 of at most ``room`` bytes; a text that was too long ends with three dots."""
     whole = text.replace("\0", " ").encode(errors="replace")
     if len(whole) <= room:
         return whole
@@ -136,7 +136,7 @@ def _cut(text: str, room: int) -> bytes:
 
 
 def _real(value: Any, what: str) -> Floats:
-    """Numbers of the user as float64. What would lose a part on the way there, as complex numbers do, or is no number, is refused."""
+    """Numbers of the user as float64. Values that are not real numbers are rejected."""
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu":
         raise TypeError(f"the {what} is of type {numbers.dtype}; it must be of real numbers")
@@ -157,7 +157,7 @@ def own_force(own: Own, view: Any, force: Any) -> None:
 
 @called_by_c
 def own_energy(own: Own, view: Any, energy: Any) -> None:
-    """Write what the effect stores."""
+    """Write the stored energy of the effect."""
     assert own.energy is not None
     value = _real(own.energy(own.view(view)), "energy")
     if value.size != 1:

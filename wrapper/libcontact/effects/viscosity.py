@@ -11,18 +11,18 @@ from . import OnBodies
 
 
 class Viscosity(OnBodies):
-    """
-    A pressure in proportion to the strain rate and to its square.
+    """A pressure with a part proportional to the strain rate and a part proportional to its square.
 
     Attributes
     ----------
     linear
         Coefficient of the strain rate (:doc:`/theory/viscosity`).
     quadratic
-        Coefficient of the square of the strain rate; with any other than 0 the stable step is that of ``linear`` + 0.06.
+        Coefficient of the square of the strain rate; if it is not 0, the stable step is that of
+        ``linear`` + 0.06.
     """
 
-    without = "no [viscosity]: fronts ring behind them as the mesh lets them"
+    without = "no [viscosity]: the mesh causes oscillations behind wave fronts"
 
     linear: float = key(FORWARD, default=0.06)
     quadratic: float = key(FORWARD, default=1.2)
