@@ -1,4 +1,4 @@
-"""What a scene will compute, what it will not, and why, as text and as data."""
+"""Description of what a scene computes, what it omits, and why, as text and as data."""
 
 from __future__ import annotations
 
@@ -18,28 +18,30 @@ from .surfaces import pair_name
 from .units import Units
 from .warned import at_start, known
 
-# Effects of the library, with what a scene that leaves them out goes without.
+# Effects of the library, and what is missing in a scene without them.
 WITHOUT = {
     "solid": "internal forces of the bodies (every scene has them)",
     "contact": "no [[contact]]: bodies pass through each other",
     "friction": "no friction in a contact or an obstacle: surfaces slide freely",
-    "support": "no [[support]]: nothing holds the bodies",
+    "support": "no [[support]]: all bodies are free",
     **{name: effect.without for name, effect in EFFECTS.items()},
 }
 PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
-NAMED = "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice"
-RELAXED = "dynamic relaxation: the way to rest is not the true motion, only the end is"
+NAMED = "only surfaces named in a [[contact]] are in contact; a body passes through itself unless a contact names two of its surfaces, or one twice"
+RELAXED = "dynamic relaxation: only the state of rest has a meaning, not the motion"
 DEAD = "loads keep the direction and size that they have on the undeformed surface"
-RINGING = "no damping, no artificial viscosity: the ringing behind a steep front is the mesh's own"
+RINGING = "no damping, no artificial viscosity: the mesh causes oscillations behind a steep front"
 LAWS = {
     "linear": "small strains and rotations, linear isotropic elasticity",
-    "st_venant_kirchhoff": "any rotation and moderate strain by St. Venant-Kirchhoff's law, which gives way under strong compression",
+    "st_venant_kirchhoff": "any rotation and moderate strain by St. Venant-Kirchhoff's law, which is unstable under strong compression",
     "neo_hookean": "any rotation and large strain by the compressible neo-Hookean law",
 }
-STIFFENS = "the stable step is that of the undeformed bodies; a body that is strained much can need a smaller one"
+STIFFENS = (
+    "the stable step is that of the undeformed bodies; large strain can require a smaller one"
+)
 KERNELS = {
     "reduced": 'integration = "reduced": one point, and hourglass control',
-    "plane": "one layer of equal boxes held along its thickness: plane strain, in two dimensions",
+    "plane": "one layer of equal boxes, fixed along its thickness: plane strain, in two dimensions",
     "box": "all elements are equal boxes along x, y, z: integrals in closed form",
 }
 
@@ -116,7 +118,7 @@ def values_of(table: Any) -> dict[str, Any]:
 
 
 def _assumptions(parts: Parts) -> list[str]:
-    """What each body is taken to be, by its law, and what holds for all."""
+    """Assumptions about each body, by its law, and about all bodies."""
     bodies: dict[str, list[str]] = {}
     for body in parts.bodies.values():
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
@@ -148,7 +150,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
 
 
 def _why(asked: str, body: BuiltBody) -> str:
-    """Why a body has its kernel."""
+    """The reason for the kernel of a body."""
     if asked != "auto" or body.kernel in KERNELS:
         return "asked for" if asked != "auto" else KERNELS[body.kernel]
     large = body.material.law != "linear"
@@ -215,17 +217,17 @@ CONTACT = """  contact {pair}: {how}, {count} points
     penalty epsilon = {epsilon:.6g} {penalty} ({origin})
     {choices}
     at the start {nearest}"""
-TIME = """  {scheme} to t = {end:.6g} {time} in {steps} steps of {dt:.6g} {time} (asked: {asked})
-  limit of the integrator: omega dt = {integrator_limit:.5g}, {evaluations_per_step} evaluation(s) of the forces a step
+TIME = """  {scheme} to t = {end:.6g} {time} in {steps} steps of {dt:.6g} {time} (requested: {asked})
+  limit of the integrator: omega dt = {integrator_limit:.5g}, {evaluations_per_step} evaluation(s) of the forces per step
   stable step {stable:.6g} {time} with contact, {stable_without_contact:.6g} {time} without; limited by {limited_by}
   Courant number c1 dt / h = {courant:.4g}, fraction of the stable step = {fraction:.4g}"""
-COST = """  {updates:.4g} element updates; about {flops_per_step:.3g} flops and {bytes_per_step:.3g} bytes a step in the elements
+COST = """  {updates:.4g} element updates; about {flops_per_step:.3g} flops and {bytes_per_step:.3g} bytes per step in the elements
   memory about {megabytes:.3g} MB, threads {threads}"""
 
 
 def _text(data: dict[str, Any], units: Units) -> str:
     labels = {**data["units"], **{name: units.label(name) for name in ("velocity", "penalty")}}
-    savings = ", ".join(data["savings"]) or "none, by the scene's own wish"
+    savings = ", ".join(data["savings"]) or "none, as set in the scene"
     output, time, cost = data["output"], data["time"], data["cost"]
     ((asked, value),), scheme = time["asked"].items(), time["integrator"]
     if scheme != "central_difference":
@@ -245,7 +247,7 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     lines += ["", "What is not computed"]
     lines += [f"  {name}: {why}" for name, why in data["left_out"].items()]
-    lines += [f"  what changes no result: {savings}"]
+    lines += [f"  optimisations, which do not change results: {savings}"]
     lines += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     lines += ["", "Time", TIME.format(**{**time, "time": labels["time"]})]
     if output["filter"]:
@@ -299,7 +301,7 @@ def _support_line(support: dict[str, Any], labels: dict[str, str]) -> str:
         moving = f" at the velocity {support['velocity']} {labels['velocity']}"
     if support["history"]:
         moving = f" on a path, {support['travel']} {labels['length']} times a history of {support['history']} points"
-    return f"support {support['set']}: {', '.join(support['fix'])} held{moving}"
+    return f"support {support['set']}: {', '.join(support['fix'])} prescribed{moving}"
 
 
 def _probe_line(probe: dict[str, Any]) -> str:

@@ -1,4 +1,5 @@
-"""The time loop of a run: chunks of C steps, records, progress, Ctrl-C, and what happens when something fails."""
+"""The time loop of a run: chunks of C steps, records, progress, Ctrl-C, and the handling of
+errors."""
 
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ from .warned import Turning
 # Without a wish of the scene: so many records, at least so many steps apart in a problem of many nodes, and so many values of nodes.
 MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
 CHUNK_SECONDS = 0.1
-# But a chunk begins by finding out what sleeps, which takes as long as two or three steps.
+# But each chunk first determines which elements sleep, which takes as long as two or three steps.
 CHUNK_STEPS = 16
 REST_STEPS = 20
 
@@ -49,10 +50,8 @@ def schedule(problem: Problem) -> tuple[int, Sequence[int]]:
 
 
 def default_interval(steps: int, nodes: int) -> int:
-    """
-    Steps between two records where the scene names none; from counts alone, so that files are equal
-    on every machine.
-    """
+    """Default number of steps between two records; computed from counts only, so that files are
+    equal on every machine."""
     # Steps over the number of records (eq:default-records)
     most = max(steps // STEPS_A_RECORD, FEW_VALUES // nodes)
     return max(1, math.ceil(steps / max(1, min(MOST_RECORDS, most, max(10, MOST_VALUES // nodes)))))
@@ -109,13 +108,13 @@ class Loop:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A pickled run leaves its loop behind.
+        # A pickled run has no loop.
         return type(None), ()
 
     # What is written.
 
     def _input(self, key: str, function: Any, *arguments: Any) -> Any:
-        """Call a function; what the C library refuses here is an error of the input."""
+        """Call a function; an error of the C library is here an error of the input."""
         try:
             return function(*arguments)
         except Error as error:
@@ -183,7 +182,8 @@ class Loop:
         write_tables(path, run)
 
     def fail(self, error: RunError) -> None:
-        """After a fault: record the last good state if it is newer than the last record, close the file, and tell how to go on."""
+        """After a fault: record the last good state if it is newer than the last record, close the
+        file, and return advice on how to continue."""
         good = self.monitor and (lib.ct_monitor_good(self.monitor) or None)
         if good is not None and self.steps and good.step > self.steps[-1]:
             with contextlib.suppress(RunError):
@@ -197,19 +197,21 @@ class Loop:
             error.args = (f"{bare(str(error))}. {self._advice(good, path)}",)
 
     def _advice(self, good: Any, path: Path | None) -> str:
-        """Whether the step of the run is above the stable one of the last good state, and how to go on from it."""
+        """Advice: whether the step of the run exceeds the stable one of the last good state, and
+        how to continue from it."""
         text, stable = "", ffi.new("ct_stable_step *")
         if lib.ct_stable(self.problem.pointer, good, stable, ffi.NULL) != lib.CT_OK:
             raise_held()
         elif self.problem.dt > stable.dt * (1.0 + 1e-9):
-            text = f"The stable step had come down to {stable.dt:.6g}, and the run's is {self.problem.dt:.6g}: take a smaller one. "
+            text = f"The stable step has decreased to {stable.dt:.6g}, and the run uses {self.problem.dt:.6g}: choose a smaller step. "
         text += f"The last good state, t = {good.time:.6g} (step {good.step}), is "
         if path is None:
             return f"{text}run.state of this error; without a results file nothing can be restarted"
-        return f'{text}in "{path}"; scene.run(restart="{path}", output="...") goes on from it'
+        return f'{text}in "{path}"; scene.run(restart="{path}", output="...") continues from it'
 
     def record(self, checked: bool) -> None:
-        """One row of each table, and one step of the file, of a state that may have been ``checked`` just now."""
+        """Record one row of each table, and one step of the file, for a state that may have been
+        ``checked`` just now."""
         begin = clock.perf_counter() - step_seconds(self.problem, self.state).sum()
         if not checked:
             self._call(lib.ct_monitor_check, self.monitor, self.state)
@@ -218,17 +220,18 @@ class Loop:
         self._write_record(self.state)
         if self.watch is not None:
             self.watch(self.result(records=1))
-        # The forces that a record asks for are those of the next step, which has them then.
+        # A record evaluates the forces of the next step, which then reuses them.
         forces = step_seconds(self.problem, self.state).sum()
         self.output_seconds += clock.perf_counter() - forces - begin
 
     def _write_record(self, state: Any) -> None:
-        """One row of each table, and one step of the file, of the state that the monitor has found good last."""
+        """Record one row of each table, and one step of the file, for the last good state of the
+        monitor."""
         problem, ledger = self.problem, lib.ct_monitor_ledger(self.monitor)
         if self.output is not None:
             self._call(lib.ct_output_append_row, self.output, problem.pointer, state, ledger)
         row = ffi.addressof(ledger, "energy")
-        # A column for what each further effect stores or did.
+        # A column for the energy or the work of each further effect.
         done = copied("ct_effect_energy", ledger.effects, len(problem.effects))
         values = np.where(problem.stores, done["stored"], done["work"])[np.newaxis]
         self.energy.append(energy_table(copied("ct_energy", row, 1), problem.effects, values))
@@ -239,7 +242,8 @@ class Loop:
     # The loop.
 
     def run(self, progress: Any, path: str | Path | None = None) -> Run:
-        """Step to the end, recording as the scene says, into a file where a path is given; what fails is a RunError with the run so far."""
+        """Step to the end and record as the scene says, into a file if a path is given. An error is
+        a RunError with the run so far."""
         begin = clock.perf_counter()
         try:
             # Before the file is there: an interrupted run has a record in it.
@@ -261,7 +265,7 @@ class Loop:
     def _steps(self, progress: Any, stop: list[int]) -> None:
         last, state = self.last, self.state
         if state.step > last:
-            reason = f"the restart stands at step {state.step}, after the last step {last}"
+            reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
         self.start_guard()
         with _bar(progress, last, state.step) as advanced:
@@ -280,16 +284,14 @@ class Loop:
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
             text = f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
-            text += (
-                f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]"
-            )
+            text += f"until_static = {self.time.until_static:g}; set a later end, or more [damping]"
             issue(errors.NotAtRest(text, "time.until_static"))
         if state.unconverged:
-            text = f"the contact forces did not settle to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
-            issue(errors.NotSettled(text + "a smaller step helps, or a smaller beta"))
+            text = f"the contact forces did not converge to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
+            issue(errors.NotSettled(text + "choose a smaller step or a smaller beta"))
 
     def start_guard(self) -> None:
-        """Monitor the state from here on; what is wrong with it already is an error of the input."""
+        """Monitor the state from here on; an error at this point is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable, options.probes = self.problem.stable.dt, self.probes.pointer
@@ -298,35 +300,35 @@ class Loop:
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
 
     def _warn_of_growth(self) -> None:
-        """Warn once when energy has appeared, :eq:`energy-growth`."""
+        """Warn once of spurious energy growth, :eq:`energy-growth`."""
         growth = lib.ct_monitor_growth(self.monitor)
         if "growth" in self.issued or not growth.share > 0.0:
             return
         self.issued.add("growth")
         who, key, advice = self._grower(growth)
-        much = "energy where there should be none"
+        much = "energy where the bodies should have none"
         if math.isfinite(growth.share):
-            much = f"{100.0 * growth.share:.3g} % more energy than there should be"
+            much = f"{100.0 * growth.share:.3g} % more energy than the bodies should have"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
         issue(errors.EnergyGrowth(text, key, growth.share, growth.time, who))
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
-        """What the energy of a growth came from, its key in the scene, and what can be done."""
+        """The cause of spurious energy growth, its key in the scene, and advice."""
         effects = self.problem.pointer.effects
         *before, kind = (effects[k].kind for k in range(growth.effect + 1))
         step = "take a smaller step (time.fraction)"
         if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
-            law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
+            law = 'a body that rotates needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
         words = {lib.CT_EFFECT_CONTACT: "contact ", lib.CT_EFFECT_OBSTACLE: "obstacle at "}
         if kind not in words:
-            advice = f"{step}, and compare what it stores with the work of its force"
+            advice = f"{step}, and compare its stored energy with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
         name, nth = words[kind].split()[0], before.count(kind)
         alike = [each for each in pressing(self.problem.parts) if each[0].startswith(name)]
         key, who, given = alike[nth]
-        advice = f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
+        advice = f"points penetrate that did not pass the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:
             advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
         return words[kind] + who, key, advice
@@ -343,13 +345,14 @@ class Loop:
         return float(value[0])
 
     def _next_rest(self) -> int:
-        """The next step at which rest is checked; which steps these are does not depend on how fast the run is."""
+        """The next step at which rest is checked; these steps do not depend on the speed of the
+        machine."""
         if self.time.until_static is None:
             return self.problem.step_count
         return int((self.state.step // REST_STEPS + 1) * REST_STEPS)
 
     def _at_rest(self) -> bool:
-        """Whether the run may end here: histories are over and nothing moves."""
+        """Whether the run may end here: histories have ended and the bodies are at rest."""
         wanted, step = self.time.until_static, self.state.step
         if wanted is None or step == 0 or step % REST_STEPS:
             return False
@@ -375,7 +378,8 @@ class Loop:
             self.chunk = min(max(CHUNK_STEPS, int(next_count)), 10**6)
 
     def _call(self, function: Any, *arguments: Any) -> None:
-        """Call the C library in the middle of a run; what it refuses is a RunError of its kind, with the body's name."""
+        """Call the C library during a run; an error becomes a RunError of its kind, with the body's
+        name."""
         error = new_error()
         status = function(*arguments, error)
         if status == lib.CT_OK:
@@ -429,7 +433,8 @@ class Loop:
         return {**known, "contact": contact_points(problem, state)}
 
     def _state(self, state: Any, owner: Any, at_once: bool = True) -> State:
-        """A state for people; ``owner`` is what keeps its memory alive. Of a state that moves on, all is computed ``at_once``, else when it is asked for."""
+        """A state with its fields; ``owner`` keeps its memory alive. For a state that will change,
+        all fields are computed ``at_once``, otherwise on first use."""
         problem = self.problem
         u = view(state.displacement, (state.node_count, 3), np.float64, (owner, problem))
         made = {"velocity": cache(partial(_made, u.shape, lib.ct_state_velocity, problem, state))}
@@ -471,7 +476,8 @@ def _rows(values: Callable[[], Floats], rows: slice) -> Floats:
 
 @contextlib.contextmanager
 def _bar(progress: Any, total: int, initial: int) -> Iterator[Any]:
-    """What is told of steps that are done: a bar where stderr is a terminal, or "always"; tqdm is not imported for none."""
+    """Progress bar over the steps, if stderr is a terminal or with "always"; without a bar tqdm is
+    not imported."""
     if not progress or (progress != "always" and not getattr(sys.stderr, "isatty", bool)()):
         yield lambda count: None
         return
@@ -484,7 +490,7 @@ def _bar(progress: Any, total: int, initial: int) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def _ctrl_c() -> Iterator[list[int]]:
-    """A list that stops being empty at the first Ctrl-C; the second one interrupts as usual."""
+    """A list that is empty until the first Ctrl-C; the second one interrupts as usual."""
     stop: list[int] = []
 
     def handler(number: int, frame: Any) -> None:

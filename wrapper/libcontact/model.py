@@ -1,6 +1,6 @@
-"""
-The tables of a scene with their keys: what each may hold, its unit, its default, and what it means. Everything that knows the keys comes from here and from
-``libcontact.effects``: the reader and its messages, the calls of ``Scene``, the JSON Schema, and the tables of the book.
+"""The tables of a scene with their keys: type, unit, default and meaning of each. The reader with
+its messages, the calls of ``Scene``, the JSON Schema, and the tables of the book are derived from
+this module and from ``libcontact.effects``.
 """
 
 from __future__ import annotations
@@ -83,18 +83,17 @@ def without(known: Mapping[str, int], *left_out: str) -> dict[str, int]:
 
 
 class Material(Table):
-    r"""
-    A material, and what it is made of.
+    r"""A material.
 
     Attributes
     ----------
     name
-        What bodies call it.
+        Name by which bodies refer to it.
     young
         Young's modulus :math:`E`.
     poisson
-        Poisson's ratio :math:`\nu`. At ½ a material stops changing volume, :math:`c_1` is
-        infinite and no explicit step is stable.
+        Poisson's ratio :math:`\nu`. At ½ a material is incompressible: :math:`c_1` is infinite, and
+        no explicit step is stable.
     density
         Density :math:`\rho`.
     law
@@ -123,10 +122,10 @@ class Box(Table):
     cells
         Numbers of elements along x, y and z.
     layers
-        The axis along which layers of numbers follow one another; no result depends on it, but
-        speed does (:doc:`/theory/savings`). Without it they go from the faces that a contact, an
-        obstacle or a load presses on into the body, if those are across one axis and rows get
-        at least 32 cells; else along z.
+        The axis along which elements are numbered layer by layer. Results do not depend on it, but
+        speed does (:doc:`/theory/savings`). By default this is the axis normal to the faces with a
+        contact, an obstacle or a load, if there is one such axis and rows get at least 32 cells;
+        otherwise z.
     """
 
     origin: Vector = key(VECTOR, unit="length", default=ORIGIN)
@@ -142,7 +141,7 @@ class Ring(Table):
     Attributes
     ----------
     centre
-        Its middle.
+        Its centre.
     radius
         Inner and outer radius.
     width
@@ -170,9 +169,9 @@ class Spin(Table):
     Attributes
     ----------
     axis
-        The axis that the body turns about.
+        The axis of rotation.
     rate
-        Angle in time.
+        Angular velocity.
     centre
         A point of the axis.
     """
@@ -196,7 +195,7 @@ class Body(Table):
     Attributes
     ----------
     name
-        At most 63 bytes; results are found by it.
+        Name of the body in results and messages, at most 63 bytes.
     material
         Name of a material.
     box
@@ -204,8 +203,8 @@ class Body(Table):
     ring
         A ring about an axis along z.
     mesh
-        A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25);
-        the path counts from the folder of the scene file.
+        A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25); the
+        path is relative to the folder of the scene file.
     nodes
         Coordinates (n, 3); meant for Python.
     elements
@@ -215,17 +214,17 @@ class Body(Table):
     velocity
         Velocity at t = 0.
     spin
-        The body turns at t = 0, on top of its ``velocity``; refused under the law ``"linear"``,
-        which takes a rotation for a strain.
+        Rotation at t = 0, in addition to ``velocity``. The law ``"linear"`` does not allow it,
+        because there a rotation causes false strain.
     lumping
-        How the mass matrix is made diagonal; row sum is refused for hex20.
+        How the mass matrix is made diagonal; hex20 does not allow row sum.
     kernel
-        How element forces are computed: ``"general"`` integrates with Gauss points, ``"box"``
-        uses closed forms for elements that are equal boxes along the axes, ``"plane"`` one
-        layer of hex8 boxes in two dimensions (:doc:`/theory/plane_strain`), ``"auto"`` takes the
-        cheapest that fits.
+        How element forces are computed: ``"general"`` integrates with Gauss points, ``"box"`` uses
+        closed forms for elements that are equal boxes along the axes, ``"plane"`` one layer of hex8
+        boxes in two dimensions (:doc:`/theory/plane_strain`), ``"auto"`` selects the cheapest one
+        that can compute the body.
     integration
-        ``"reduced"``: one point an element, for hex8 of any shape and small strain
+        ``"reduced"``: one point per element, for hex8 of any shape and small strain
         (:doc:`/theory/solid_reduced`).
     hourglass
         Coefficient of the hourglass control; only with ``integration = "reduced"``.
@@ -280,7 +279,7 @@ class Body(Table):
             yield from self._chosen(HEX8_ONLY)
 
     def small_strain_only(self, material: Material) -> Iterator[tuple[str, str]]:
-        """What the body chooses and the law of its material does not have."""
+        """Keys of the body that its material's law does not allow."""
         other = f'material "{material.name}" has the law "{material.law}"'
         if material.law != "linear":
             for key, reason in self._chosen(
@@ -288,11 +287,12 @@ class Body(Table):
             ):
                 yield key, f"{reason}; {other}"
         elif self.spin is not None:
-            why = f"turns the body, {other}, and that takes a rotation for a strain"
+            why = f"turns the body, {other}, with which a rotation causes false strain"
             yield "spin", f'{why}; give it the law "st_venant_kirchhoff" or "neo_hookean"'
 
     def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
-        """Those of some words, each with the reason against it, that the body has for their keys."""
+        """Those of the given words that the body has for their keys, each with the reason against
+        it."""
         for (name, chosen), why in words.items():
             if getattr(self, name) == chosen:
                 yield name, f'"{chosen}" {why}'
@@ -308,8 +308,7 @@ SMALL_STRAIN_ONLY = (("integration", "reduced"), ("kernel", "box"), ("kernel", "
 
 
 class History(Table):
-    """
-    A line through points, constant before the first and after the last.
+    """A piecewise linear function of time, constant before the first and after the last point.
 
     Attributes
     ----------
@@ -332,8 +331,7 @@ class History(Table):
 
 
 class Pressing(Table):
-    """
-    What a contact and an obstacle have in common: penalty, enforcement and friction.
+    """Keys that a contact and an obstacle have in common: penalty, enforcement and friction.
 
     Attributes
     ----------
@@ -345,11 +343,11 @@ class Pressing(Table):
     epsilon
         The penalty itself; instead of ``beta``.
     enforcement
-        Which gap makes the force (:doc:`/theory/enforcement`); the explicit penalty shortens the stable
-        step, the others do not.
+        Law by which forces follow from gaps (:doc:`/theory/enforcement`); the explicit penalty
+        reduces the stable step, the others do not.
     dissipation
-        Of the energy-controlled penalty: the damping ratio of the surface mode,
-        :eq:`surface-damping`. With 0 lasting contact keeps all energy.
+        Damping ratio of the surface mode, for the energy-controlled penalty, :eq:`surface-damping`.
+        With 0, energy is conserved while contact lasts.
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
@@ -377,38 +375,36 @@ class Pressing(Table):
 
 
 class ContactKeys(Pressing):
-    """
-    All keys of a contact but its surfaces.
+    """All keys of a contact except its surfaces.
 
     Attributes
     ----------
     method
-        Search for closest points, one of the methods of :doc:`/theory/projection_methods`; an
-        unconstrained one, such as ``"newton"``, misses points whose closest point lies on an
-        edge.
+        Method that finds closest points, one of of :doc:`/theory/projection_methods`; an
+        unconstrained one, such as ``"newton"``, misses points whose closest point lies on an edge.
     tolerance
         Tolerance of the search, in half-widths of a face.
     depth
-        How far points look for the other surface. A point that is deeper than this under a face
-        when it is first seen is not in contact with it, :eq:`point-status`; and no step may
-        bring the surfaces nearer by more. Without this key it is the size of the largest face
-        at the start, and afterwards the width of the narrowest face or three quarters of the
-        thinnest place, but at least twice ``adjust``, :eq:`contact-near`.
+        Search distance D from a point to the other surface. A point that is first found deeper than
+        D below a face is not in contact with it, :eq:`point-status`; and in one step the surfaces
+        may approach each other by at most D. By default D is the size of the largest face at the
+        start, and afterwards the width of the narrowest face or three quarters of the smallest
+        thickness, but at least twice ``adjust``, :eq:`contact-near`.
     points
-        Where the points are: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on edges
-        and inside, so that no corner enters unseen, :eq:`unseen`.
+        Positions of the contact points: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on
+        edges and inside, so that the penetration of every corner is detected, :eq:`unseen`.
     adjust
-        Distance within which gaps and overlaps at the start are taken as touching,
-        :eq:`initial-adjust`; at most the ``depth``. For meshes that are meant to fit, such as a
-        shaft in its hole, take the sag :eq:`sag` of the coarser mesh and a little more.
+        Distance within which gaps and overlaps at the start count as touching,
+        :eq:`initial-adjust`; at most the ``depth``. For meshes of fitting parts, such as a shaft in
+        its hole, use a value slightly above the sag :eq:`sag` of the coarser mesh.
     initial_penetration
-        What becomes of points that are inside at the start by more than ``adjust``,
-        :eq:`initial-shift`: ``"keep"`` counts their gaps from there until they open, which adds
-        no energy; ``"push"`` pushes them out at once, which does; ``"refuse"`` ends the run;
-        ``"remove"`` parts them gently. The run warns of such an overlap unless it is removed
-        (:doc:`/theory/warnings`).
+        Treatment of points that penetrate by more than ``adjust`` at the start,
+        :eq:`initial-shift`. ``"keep"`` measures their gaps from the initial value until they open,
+        which adds no energy; ``"push"`` applies the contact force at once, which adds energy;
+        ``"refuse"`` ends the run; ``"remove"`` separates them gradually. The run warns of such an
+        overlap unless it is removed (:doc:`/theory/warnings`).
     removal_time
-        Time in which ``"remove"`` parts the surfaces.
+        Time in which ``"remove"`` separates the surfaces.
     """
 
     belongs = {**Pressing.belongs, "removal_time": ("initial_penetration", "remove")}
@@ -430,15 +426,15 @@ class ContactKeys(Pressing):
 
 
 class Contact(ContactKeys):
-    """
-    A contact of two surfaces. Surfaces of one body are taken as one, which is in contact with
-    itself: only so neighbouring faces and the far side of a thin body are told from contact.
+    """A contact of two surfaces. Two surfaces of one body are joined to one surface in contact with
+    itself, because only then can neighbouring faces and the opposite side of a thin body be
+    excluded.
 
     Attributes
     ----------
     surfaces
-        Two faces, ``["left.x_max", "right.x_min"]``; each is slave once and master once, so
-        their order does not matter.
+        Two faces, ``["left.x_max", "right.x_min"]``; each is slave in one pass and master in the
+        other, so their order does not matter.
     """
 
     surfaces: tuple[tuple[str, str], tuple[str, str]] = key(Each(Surface(), Surface()))
@@ -450,22 +446,22 @@ class Contact(ContactKeys):
 
 
 class Support(Table):
-    """
-    The velocity (0 by default) of the nodes of a face in the directions ``fix``, or their path:
-    ``travel`` times ``history``.
+    """Prescribed velocity (0 by default) of the nodes of a face in the directions ``fix``, or
+    prescribed displacement: ``travel`` times ``history``.
 
     Attributes
     ----------
     set
         The nodes of a face, ``"right.z_min"``.
     fix
-        Which components are held.
+        Components that are prescribed.
     velocity
-        The velocity at which they are held; 0 is a fixed end or a plane of symmetry.
+        Their velocity; 0 for a fixed end or a plane of symmetry.
     travel
-        Instead of a velocity: the path (:doc:`/theory/motion`) is the travel times the history.
+        Instead of a velocity: the displacement is the travel times the history
+        (:doc:`/theory/motion`).
     history
-        A line through points (:eq:`amplitude`).
+        A piecewise linear factor in time (:eq:`amplitude`).
     """
 
     needs = {"travel": "history", "history": "travel"}
@@ -480,7 +476,7 @@ class Support(Table):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         if self.history and any(self.velocity):
-            why = "a support keeps a velocity or follows a path"
+            why = "a support prescribes a velocity or a path"
             yield "velocity", f'cannot stand beside "travel": {why}'
         for name, vector in (("velocity", self.velocity), ("travel", self.travel)):
             for i, axis in enumerate(AXES):
@@ -489,19 +485,18 @@ class Support(Table):
 
 
 class Probe(Table):
-    """
-    A history of a point, a surface or a resultant, taken at every step, :doc:`/theory/probe`.
+    """A history of a point, a surface or a resultant, recorded at every step, :doc:`/theory/probe`.
 
     Attributes
     ----------
     name
-        What ``run.probes`` calls it.
+        Name of the history in ``run.probes``.
     body
-        The body of the ``point``; or, of a contact's resultant, the body that the force acts on,
-        without which it is that of the contact's first surface.
+        The body of the ``point``; or, for a contact's resultant, the body on which the force acts,
+        by default that of the contact's first surface.
     point
         A point of the body in the reference configuration: motion is that of its nearest node,
-        stress and pressure are those at the centre of the element that holds it.
+        stress and pressure are those at the centre of the element that contains it.
     surface
         A face such as ``"bar.x_max"``, whose mean motion is that of the centre of mass of its
         nodes, :eq:`probe-mean`.
@@ -510,9 +505,9 @@ class Probe(Table):
         in ``"contact[1]"``, counted from 0 as in error messages: the sum of its forces on the
         body, friction included, :eq:`probe-resultant`.
     quantities
-        What is taken: ``displacement``, ``velocity`` and ``acceleration`` of a point or a
-        surface, ``stress`` and ``pressure`` of a point, ``force`` and ``moment`` (about the
-        origin) of a resultant.
+        Recorded quantities: ``displacement``, ``velocity`` and ``acceleration`` of a point or a
+        surface, ``stress`` and ``pressure`` of a point, ``force`` and ``moment`` (about the origin)
+        of a resultant.
     every
         Steps between two rows.
     """
@@ -536,7 +531,7 @@ class Probe(Table):
 
     @property
     def where(self) -> str:
-        """The key that says what the probe looks at."""
+        """The key that gives the place of the probe."""
         return next(name for name in TAKEN if getattr(self, name) is not None)
 
     @property
@@ -564,8 +559,7 @@ class Probe(Table):
 
 
 class FrontTime(Table):
-    """
-    A time as the way of a plane wave.
+    """A time, given by the distance that a plane wave travels.
 
     Attributes
     ----------
@@ -580,10 +574,9 @@ class FrontTime(Table):
 
 
 class Time(Table):
-    r"""
-    End, step and integrator of the run. Only an end is needed; at most one of ``courant``,
-    ``fraction`` and ``dt`` says the step, and without them it is 0.9 of the stable one
-    (:doc:`/theory/accuracy` says what that costs).
+    r"""End, step and integrator of the run. Only an end is required. At most one of ``courant``,
+    ``fraction`` and ``dt`` sets the step; by default it is 0.9 of the stable one (see
+    :doc:`/theory/accuracy` for the accuracy).
 
     Attributes
     ----------
@@ -596,29 +589,31 @@ class Time(Table):
         :math:`c_1 \Delta t / h`, with the body where :math:`h / c_1` is smallest and h its
         shortest edge.
     fraction
-        :math:`\Delta t` over the stable step that the library reports, contact included
+        :math:`\Delta t` divided by the stable step that the library computes, including contact
         (:eq:`step-bound`).
     dt
         :math:`\Delta t` itself.
     integrator
         ``"chung_lee"``, ``"noh_bathe"``, ``"tchamwa_wielgosz"`` and ``"pushforward_pullback"`` damp
-        what single elements do (:doc:`/theory/integrator`).
+        oscillations of single elements (:doc:`/theory/integrator`).
     integrator_parameter
-        Its one number: :math:`\beta` (28/27), p (0.54), :math:`\rho_\infty` (0.9) or
-        :math:`\theta` (0.7).
+        Its parameter: :math:`\beta` (28/27), p (0.54), :math:`\rho_\infty` (0.9) or :math:`\theta`
+        (0.7).
     stable_step
-        Bound by single elements (:eq:`element-bound`), in boxes of equal hex8 by blocks of them
-        (:eq:`block-bound`); ``"assembled"`` asks linear bodies as a whole, and may allow a
-        larger step where meshes are distorted or graded, for the price of some 70 forces
-        (:eq:`assembled-bound`).
+        How the stable step is bounded. By default by single elements (:eq:`element-bound`), in
+        boxes of equal hex8 by blocks of elements (:eq:`block-bound`). ``"assembled"`` bounds linear
+        bodies as a whole (:eq:`assembled-bound`); on distorted or graded meshes it may allow a
+        larger step, at the cost of about 70 force evaluations.
     until_static
-        The run ends before ``end`` as soon as all histories are over and its unrest
-        (:eq:`residual`) is not above this number; a run that does not come to rest says so.
+        The run ends before ``end`` as soon as all histories have ended and its residual
+        (:eq:`residual`) is not above this number. A run that does not come to rest issues a
+        warning.
     energy_limit
-        The run fails when more than this share of energy appears from nothing
-        (:eq:`energy-appears`); from 1 % on it warns once (:eq:`energy-growth`).
+        The run fails if spurious energy exceeds this fraction (:eq:`energy-appears`); above 1 % it
+        warns once (:eq:`energy-growth`).
     look_every
-        Steps between two looks for faults (:doc:`/theory/faults`); the results do not depend on it.
+        Steps between two checks for faults (:doc:`/theory/faults`); the results do not depend on
+        it.
     """
 
     one = (("end", "end_c1t_over"),)
@@ -638,7 +633,7 @@ class Time(Table):
 
     @property
     def step(self) -> tuple[str, float]:
-        """The one key that says the step, and its value."""
+        """The key that sets the step, and its value."""
         values = ((name, getattr(self, name)) for name in self.rivals[0])
         return next((name, value) for name, value in values if value is not None)
 
@@ -649,7 +644,7 @@ class Time(Table):
 
     @property
     def parameter(self) -> float:
-        """The parameter of the integrator, its own default where the scene says none."""
+        """The parameter of the integrator, by default the integrator's own."""
         usual: float = lib.ct_integrator_default(INTEGRATORS[self.integrator]).parameter
         return usual if self.integrator_parameter is None else self.integrator_parameter
 
@@ -667,21 +662,21 @@ class Output(Table):
     Attributes
     ----------
     file
-        Results file (VTKHDF); the path counts from the current folder, where the command is
-        given, while meshes, which are read, count from the scene's. So a scene in a folder that
-        nobody may write runs, and two runs of one scene in two folders do not meet. Without it
-        the results stay in memory.
+        Results file (VTKHDF). The path is relative to the current folder, unlike paths of meshes,
+        which are relative to the folder of the scene. So a scene in a read-only folder can be run,
+        and two runs of one scene in two folders write different files. Without this key the results
+        stay in memory.
     fields
-        What is written of each node and element; ``contact_pressure`` is recovered at the nodes
-        of all surfaces in contact, :eq:`recovered-traction`, and 0 elsewhere.
+        Fields that are written for each node and element; ``contact_pressure`` is recovered at the
+        nodes of all surfaces in contact, :eq:`recovered-traction`, and 0 elsewhere.
     every
-        Record every so many steps.
+        Number of steps between two records.
     times
         Instead of ``every``: record at the steps nearest to these times.
     filter
-        Passes of the zero-phase filter (:doc:`/theory/filter`) over what is recorded: beside each
-        displacement, velocity and stress stands one ``…_filtered`` without the waves that the
-        mesh does not carry. The motion and the fields as computed stay what they are.
+        Number of passes of the zero-phase filter (:doc:`/theory/filter`). Each recorded
+        displacement, velocity and stress gets a second field ``…_filtered`` without the short waves
+        that the mesh cannot represent. The motion and the computed fields do not change.
     """
 
     rivals = (("every", "times"),)
@@ -691,24 +686,23 @@ class Output(Table):
     every: int | None = key(
         Whole(most=2**53),
         default=None,
-        says="about 100 records, fewer where they would cost more than the steps",
+        says="about 100 records, fewer if they would cost more than the steps",
     )
     times: Sequence[float] | None = key(Many(FORWARD), unit="time", default=None, says="none")
     filter: int = key(Whole(0, most=8), default=0)
 
 
 class Run(Table):
-    """
-    How the scene is computed; no result depends on it.
+    """How the scene is computed; results do not depend on it.
 
     Attributes
     ----------
     threads
-        Threads; the results have the same bits for any number. A child of ``fork`` computes
-        with one if its parent has computed with several: OpenMP's threads are not there after a
-        fork.
+        Number of threads; the results have the same bits for any number. A child of ``fork``
+        computes with one thread if its parent has used several, because OpenMP's threads do not
+        exist after a fork.
     savings
-        What may be left out because it changes no result (:doc:`/theory/savings`).
+        Optimisations, which do not change results (:doc:`/theory/savings`).
     """
 
     threads: int = key(Whole(most=1024), default=1)

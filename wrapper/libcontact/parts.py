@@ -1,4 +1,4 @@
-"""A whole scene from its tables: read, then checked for what the tables say of each other."""
+"""A whole scene from its tables, read and checked for contradictions between tables."""
 
 from __future__ import annotations
 
@@ -97,7 +97,8 @@ def schema() -> dict[str, Any]:
     Returns
     -------
     dict
-        The schema (draft 2020-12). It holds what each key may be; what keys say of each other is checked when the scene is read.
+        The schema (draft 2020-12). It describes each key; combinations of keys are checked when the
+        scene is read.
     """
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "libcontact scene"}
     out = {**head, **Parts.schema()}

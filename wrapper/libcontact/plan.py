@@ -1,10 +1,11 @@
-"""
-The plan of a run: what each effect will cost, predicted before the run, and what it did cost.
+"""Prediction of the cost of each effect before a run, and its measurement afterwards.
 
-How long surfaces press, how many of their points, how many rounds the solver of the contact forces takes and which elements
-the waves reach cannot be known before a run. These numbers depend on bodies and waves, hardly on the size of the elements. So a
-*rehearsal*, the same scene with larger elements, tells them at a small part of the cost. A *trial* of a few steps of the real problem
-measures how much more a real step costs than a coarse one. :func:`predict` multiplies the two.
+Some numbers are not known before a run: how long surfaces are in contact, how many of their points
+are active, how many iterations the solver of the contact forces needs, and which elements the waves
+reach. They depend on bodies and waves, and little on the size of the elements. So a *rehearsal*,
+the same scene with larger elements, estimates them at a small part of the cost. A *trial* of a few
+steps of the real problem measures the ratio of the costs of a real step and a coarse one.
+:func:`predict` multiplies the two.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ class Cost:
     seconds_a_step : float
         Predicted mean time of a step (of the output: of a record) [s].
     active : float
-        Predicted fraction of the elements that are computed, or of the steps in which surfaces press.
+        Predicted fraction of the elements that are computed, or of the steps in which surfaces are
+        in contact.
     done : float or None
         The fraction of the elements that a run has computed; None where not known.
     predicted, measured : float or None
@@ -91,8 +93,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Prediction:
-    """
-    What a run is predicted to cost.
+    """The predicted cost of a run.
 
     Attributes
     ----------
@@ -105,8 +106,8 @@ class Prediction:
     output : int
         Size of the results file [bytes]; 0 where none is written.
     rehearsed : bool
-        Whether a rehearsal foresaw the run. Without one, times are those of a run in which all elements are active and all
-        surfaces touch from the beginning.
+        Whether the prediction uses a rehearsal. Without one, times are those of a run in which all
+        elements are active and all surfaces touch from the beginning.
     """
 
     costs: tuple[Cost, ...]
@@ -130,7 +131,7 @@ def predict(problem: Problem, records: int) -> Prediction:
     problem : Problem
         The built problem. It is not changed.
     records : int
-        How many times the run records.
+        Number of records of the run.
 
     Returns
     -------

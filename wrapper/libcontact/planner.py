@@ -1,4 +1,5 @@
-"""The planner: which mesh, step, integrator and contact law meet an error, or a time, at the least cost (chapter :doc:`/theory/planner`)."""
+"""The planner: the cheapest mesh, step, integrator and contact law for a given error, or the most
+accurate ones for a given run time (chapter :doc:`/theory/planner`)."""
 
 from __future__ import annotations
 
@@ -295,8 +296,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Offer:
-    """
-    What one setting on one mesh is expected to cost and to give.
+    """Expected cost and error of one setting on one mesh.
 
     Attributes
     ----------
@@ -338,7 +338,7 @@ class Plan:
     sure : str
         How sure it is, in a sentence.
     value, uncertainty : float or None
-        The estimated value of the functional, and what it is uncertain by.
+        The estimated value of the functional and its uncertainty.
     interrupted : bool
         Whether Ctrl-C ended the trials.
     """

@@ -1,4 +1,5 @@
-"""A picture of a run: one field over the deformed mesh, seen along the thinnest direction, and the energies over time."""
+"""A picture of a run: one field on the deformed mesh, viewed along the thinnest direction, and the
+energies over time."""
 
 from __future__ import annotations
 

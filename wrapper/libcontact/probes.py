@@ -1,4 +1,4 @@
-"""Probes of a scene: where they are in the built problem, and the histories that they take."""
+"""Probes of a scene: their places in the built problem, and their histories."""
 
 from __future__ import annotations
 

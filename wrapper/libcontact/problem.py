@@ -148,7 +148,8 @@ def memory_of(problem: Problem) -> int:
 
 
 class Problem:
-    """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
+    """A built problem and the objects that keep it alive. It contains everything that is constant
+    during a run."""
 
     step_count: int
 
@@ -214,7 +215,8 @@ class Problem:
         return SceneError(reason, key, self.file)
 
     def _call(self, key: str, function: Any, *arguments: Any, about: str = "") -> None:
-        """Call a function of the library that makes what stands at a key; without one, the error says what it is about."""
+        """Call a function of the library that creates the object of a key; without a key, the error
+        names its object."""
         error = new_error()
         status = function(*arguments, error)
         if status == lib.CT_OK:
@@ -239,7 +241,8 @@ class Problem:
     # The pieces.
 
     def _check_size(self) -> None:
-        """Refuse boxes and rings that this machine can't hold before their meshes are made."""
+        """Raise an error for boxes and rings that exceed the memory of this machine, before their
+        meshes are created."""
         need = 0
         for i, body in enumerate(self.parts.bodies.values()):
             if body.box or body.ring:

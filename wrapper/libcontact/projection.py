@@ -33,11 +33,12 @@ _Columns = TypeVar("_Columns")
 class Status(IntEnum):
     """How the search for one closest point ended; the numbers are those of ``ct_status`` in C."""
 
-    #: The answer meets the tolerance.
+    #: The result meets the tolerance.
     OK = lib.CT_OK
-    #: An answer without a proof that it is the closest point, or within the tolerance.
+    #: The error of the result may exceed the tolerance, or the proof of the certified method is
+    #: missing.
     NOT_CERTIFIED = lib.CT_NOT_CERTIFIED
-    #: The number of iterations reached its limit before the answer met the tolerance.
+    #: The number of iterations reached its limit before the result met the tolerance.
     ITERATION_LIMIT = lib.CT_ITERATION_LIMIT
     #: The method stopped at a point that is not stationary; of a line: it misses the face.
     NO_CONVERGENCE = lib.CT_NO_CONVERGENCE
@@ -111,9 +112,10 @@ def project(
     points : array_like, shape (m, 3)
         The points [length].
     method : str
-        ``"robust"`` stays on the face, and so does ``"certified"``, which also proves its answer. Unconstrained are
-        ``"simplex"``, ``"nelder_mead"``, ``"newton"``, ``"simplex_newton"``, ``"least_squares"``, ``"sphere"``, ``"torus"``,
-        ``"steepest_descent"``, ``"broyden"`` and ``"bfgs"``.
+        ``"robust"`` stays on the face, and so does ``"certified"``, which also proves its result.
+        Unconstrained are ``"simplex"``, ``"nelder_mead"``, ``"newton"``, ``"simplex_newton"``,
+        ``"least_squares"``, ``"sphere"``, ``"torus"``, ``"steepest_descent"``, ``"broyden"`` and
+        ``"bfgs"``.
     tolerance : float
         Bound on the error of ξ in half-widths of the face.
     start : array_like, shape (2,) or (m, 2), optional
@@ -127,9 +129,9 @@ def project(
     Raises
     ------
     TypeError
-        The numbers are not real.
+        The values are not real numbers.
     ValueError
-        The kind, method, shape, tolerance or start is impossible.
+        The kind, method, shape, tolerance or start is invalid.
 
     Examples
     --------
@@ -172,7 +174,7 @@ def project_path(
     Returns
     -------
     iterates : ndarray, shape (n, 2)
-        The ξ of the iterates; the last of them is the answer.
+        The ξ of the iterates; the last of them is the result.
     found : Projection
         The closest point, with arrays of one row.
 
@@ -256,9 +258,9 @@ def project_ray(
     Raises
     ------
     TypeError
-        The numbers are not real.
+        The values are not real numbers.
     ValueError
-        The kind, shape or tolerance is impossible.
+        The kind, shape or tolerance is invalid.
 
     Examples
     --------
@@ -287,7 +289,7 @@ def columns(record: type[_Columns], rows: Any) -> _Columns:
 
 
 def face_kind(kind: str) -> int:
-    """The number in C of a kind of face; a ValueError for a kind that is none."""
+    """The number in C of a kind of face; a ValueError for an unknown kind."""
     return chosen("kind", kind, FACE_KINDS)
 
 

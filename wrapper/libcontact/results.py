@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def load(path: Path, record: int = -1) -> Run:
-    """Read a run; a ValueError says what is wrong with the file."""
+    """Read a run; a ValueError names what is wrong with the file."""
     return _reading(path, lambda file: _read(path, file, record))
 
 
@@ -35,7 +35,7 @@ def _reading(path: Path, read: Callable[[Any], T]) -> T:
         try:
             return read(file)
         except KeyError as error:
-            raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
+            raise ValueError(f'"{path}" is not a run of libcontact: {error.args[0]}') from None
         except Exception as error:
             # What a damaged file says may be of any type and size.
             if str(path) in str(error):

@@ -38,7 +38,7 @@ PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
     f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
 } | {"contact_pressure": ("contact_pressure", 0)}
-# Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
+# Effects whose energy or work is in the columns of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
 
 
@@ -67,17 +67,17 @@ class RunError(Error, RuntimeError):
     Attributes
     ----------
     run : Run or None
-        What was recorded before, with the last good state.
+        The run up to the error, with the last good state.
     time : float or None
-        When it was noticed [time].
+        When the error was detected [time].
     step : int or None
-        The step at which it was noticed.
+        The step at which it was detected.
     body, element, node : int or None
-        Where; each is None where the fault has no such place.
+        Where it happened; each is None if the error has no such place.
     body_name : str or None
         Name of the body.
     checkpoint : Path or None
-        The results file that holds the last good state, for ``Scene.run(restart=...)``.
+        The results file with the last good state, for ``Scene.run(restart=...)``.
     """
 
     time: float | None = None
@@ -93,11 +93,11 @@ class RunError(Error, RuntimeError):
 
 
 class InvertedElement(RunError, GeometryError):
-    """An element was turned inside out; ``element`` is its number in the body."""
+    """An element was inverted; ``element`` is its number in the body."""
 
 
 class NotFinite(RunError, BlowupError):
-    """The motion, a force or the energy stopped being a finite number."""
+    """The motion, a force or the energy became NaN or infinite."""
 
 
 class StepTooLarge(RunError, StepError):
@@ -105,7 +105,7 @@ class StepTooLarge(RunError, StepError):
 
 
 class EnergyBlowup(RunError, EnergyError):
-    """There is more spurious energy than ``time.energy_limit`` allows."""
+    """Spurious energy exceeds ``time.energy_limit``."""
 
 
 FAULTS: dict[int, type[RunError]] = {
@@ -117,8 +117,8 @@ FAULTS: dict[int, type[RunError]] = {
 
 
 class BodyState:
-    """
-    One body at one time. All arrays are read-only; a field that a file does not hold is a ValueError.
+    """One body at one time. All arrays are read-only; reading a field that was not recorded is a
+    ValueError.
 
     Attributes
     ----------
@@ -137,28 +137,27 @@ class BodyState:
         material: Material | None,
         **fields: Floats | Callable[[], Floats] | None,
     ):
-        """A field is its values, or what makes them when they are asked for first."""
+        """A field is its values, or a function that computes them on first use."""
         self.name, self.mesh, self.material, self._fields = name, mesh, material, fields
 
     def __getstate__(self) -> dict[str, Any]:
-        # A copy or a pickle has the values, whoever would have made them.
+        # A copy or a pickle contains the values, not the functions.
         for name in [name for name, values in self._fields.items() if callable(values)]:
             self._field(name)
         return self.__dict__
 
     def holds(self, field: str) -> bool:
-        """
-        Tell whether a field can be had.
+        """Check whether a field is available.
 
         Parameters
         ----------
         field : {"displacement", "velocity", "stress", "contact_pressure"}
-            The field; stress can be had where it was recorded or can be computed.
+            The field; stress is available if it was recorded or can be computed.
 
         Returns
         -------
         bool
-            Whether reading it raises nothing.
+            True if the field can be read.
         """
         computed = field == "stress" and self.material is not None
         return self._fields.get(field) is not None or (computed and self.holds("displacement"))
@@ -180,7 +179,8 @@ class BodyState:
 
     @property
     def filtered(self) -> BodyState:
-        """The body with its filtered fields, :eq:`filter-pass`, in place of those that were computed; needs ``[output] filter``."""
+        """The body with its filtered fields, :eq:`filter-pass`, instead of the computed ones; needs
+        ``[output] filter``."""
         names = [name for name in FILTERED if self._fields.get(name) is not None]
         if not names:
             raise ValueError(f'body "{self.name}": nothing was filtered; set [output] filter')
@@ -310,11 +310,11 @@ class State(dict[str, BodyState]):
 
 @dataclass(kw_only=True, eq=False, repr=False)
 class Run:
-    """
-    What a run recorded.
+    """The results of a run.
 
-    A run can be copied and pickled with its tables and its state. A pickled run without a file can't be saved as a results file any more, as
-    that holds more of the state than the run does.
+    A run can be copied and pickled with its tables and its state. A pickled run without a file
+    can't be saved as a results file, because such a file needs more of the state than the pickle
+    contains.
     """
 
     #: Names of the bodies.
@@ -338,19 +338,24 @@ class Run:
     interrupted: bool = False
     #: Duration of the run [s].
     seconds: float = 0.0
-    #: Seconds of each effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` compares them with the prediction.
+    #: Time spent in each effect by name, in the "time loop" around them, and in the "output" [s];
+    #: ``Scene.costs`` compares it with the prediction.
     costs: dict[str, float] = field(default_factory=dict)
     #: Fraction of the elements' forces that were computed, as the others were asleep. None for a run that was read from a file.
     computed: float | None = None
-    #: The loop that saves a run without a file; a pickle leaves it behind.
+    #: The loop that saves a run without a file; not part of a pickle.
     writer: Any = None
-    #: For each contact of the scene the points of both surfaces in the last state: side, face, point, other (the face that was met, or -1), position, closest, xi,
-    #: gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true
-    #: distance is ``gap + start_gap``). Empty for a run that was read from a file.
+    #: For each contact of the scene the points of both surfaces in the last state: side, face,
+    #: point, other (the closest face of the other surface, or -1), position, closest, xi, gap (in
+    #: the contact law: negative in contact, NaN if ``other`` is -1), pressure, weight, start_gap
+    #: (the value from which ``gap`` is measured; the true distance is ``gap + start_gap``). Empty
+    #: for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)
-    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in the last state: side, body (number in ``bodies``),
-    #: node (of the body), position, area (of the faces in contact that belongs to a corner; 0 at mid-sides), traction (force on the surface per reference
-    #: area, averaged over both passes and the faces around the node), pressure (its size), :eq:`recovered-traction`. Empty for a run that was read from a
+    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in
+    #: the last state: side, body (number in ``bodies``), node (of the body), position, area (the
+    #: part of the faces in contact that is assigned to a corner; 0 at mid-sides), traction (force
+    #: on the surface per reference area, averaged over both passes and the faces around the node),
+    #: pressure (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
     #: file, and in a watch.
     #: At the rim of a contact it may be far too large: look where the largest pressure lies (:ref:`recovered-pressure`).
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
@@ -430,12 +435,12 @@ class Run:
         s : ndarray, shape (n,)
             Distances from ``start`` [length].
         values : ndarray, shape (n,)
-            The values; NaN where no body is.
+            The values; NaN outside all bodies.
 
         Raises
         ------
         ValueError
-            The component, an end or ``n`` is impossible, or the component was not recorded.
+            The component, an end or ``n`` is invalid, or the component was not recorded.
         KeyError
             No body has this name.
         """

@@ -1,4 +1,4 @@
-"""Scenes: what a run computes. Read from TOML, given as a dictionary, or built step by step; then explained and run."""
+"""Scenes: the input of a run, read from TOML, given as a dictionary, or built step by step."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from .run import ENERGY, IN_ENERGY, Run
 from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
 
 if TYPE_CHECKING:
-    # What computes is imported when a scene is built or run: a scene is read without it.
+    # Modules that compute are imported when a scene is built or run; reading a scene does not need
+    # them.
     from .explain import Explanation
     from .plan import Cost
     from .planner import Plan
@@ -102,16 +103,16 @@ class Scene:
     """
     A scene: units, materials, bodies, effects, time and output, with the keys of the scene file (chapter "The scene file").
 
-    Every piece is checked when it comes in; what is wrong is a SceneError with file, key and reason.
+    Every table is checked when it is added; an error is a SceneError with file, key and reason.
 
     Parameters
     ----------
     data
         All tables of the scene.
     title, units
-        The beginning of a scene that is built piece by piece, in place of ``data``.
+        Title and units of a scene that is built step by step, instead of ``data``.
     file
-        The file that the scene is said to come from; meshes are looked for beside it.
+        The file of the scene, for messages; paths of meshes are relative to its folder.
 
     Examples
     --------
@@ -141,7 +142,8 @@ class Scene:
         self._data = _plain(tables)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a pickle of the scene holds: its tables, and the Python functions of its effects by name, as pickle has it."""
+        """Content of a pickle of the scene: its tables, and the Python functions of its effects by
+        name, as usual in pickle."""
         for own in self._own:
             own.check_pickle()
         file = None if self.file is None else os.path.abspath(self.file)
@@ -153,7 +155,7 @@ class Scene:
         self._parts = read(self._data, self.file, whole=False)
 
     def __copy__(self) -> Scene:
-        """Another scene with the same tables, which share nothing that either can change."""
+        """A deep copy of the scene."""
         new = object.__new__(type(self))
         own = [replace(own) for own in self._own]
         new.__setstate__({"file": self.file, "data": self.data, "own": own})
@@ -166,7 +168,8 @@ class Scene:
 
     @property
     def data(self) -> dict[str, Any]:
-        """A copy of the scene's tables, to be changed at will and made into another ``Scene(data)``."""
+        """A copy of the scene's tables, which may be changed and passed to another
+        ``Scene(data)``."""
         return copy.deepcopy(self._data)
 
     @classmethod
@@ -177,7 +180,7 @@ class Scene:
         Parameters
         ----------
         path
-            A TOML file in UTF-8 of at most 256 MB; larger meshes belong into a file of their own.
+            A TOML file in UTF-8 of at most 256 MB; larger meshes need a file of their own.
 
         Returns
         -------
@@ -191,7 +194,7 @@ class Scene:
             check_file(path, MOST_BYTES)
             data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"is no TOML: {error}", "", path) from None
+            raise SceneError(f"is not valid TOML: {error}", "", path) from None
         except (OSError, ValueError, RecursionError) as error:
             reason = getattr(error, "strerror", None) or error
             raise SceneError(f"can't be read: {reason}", "", path) from None
@@ -204,7 +207,7 @@ class Scene:
         Parameters
         ----------
         path
-            The new file; paths of meshes count from its folder.
+            The new file; paths of meshes become relative to its folder.
         """
         self._whole()
         if self._own:
@@ -224,7 +227,7 @@ class Scene:
         Parameters
         ----------
         arrays
-            False: nodes and elements are named only; a results file holds them anyway.
+            False: leave out the values of nodes and elements, which a results file contains anyway.
 
         Returns
         -------
@@ -267,7 +270,7 @@ class Scene:
         if effect not in EFFECTS:
             raise at.error(f'no effect is named "{effect}"' + suggestion(effect, EFFECTS))
         if effect not in MANY and effect in self._data:
-            raise (at / effect).error("stands twice; a scene has it once")
+            raise (at / effect).error("is given twice; a scene may have it once")
         return self._put(effect, entries)
 
     def add_effect(
@@ -284,8 +287,9 @@ class Scene:
         """
         Add an effect of your own, a Python function.
 
-        Forces and energies must be real numbers; others are refused. What the function raises ends the run with a RunError that names the effect; SystemExit,
-        KeyboardInterrupt and their like go on through ``run``.
+        Forces and energies must be real numbers. An exception of the function ends the run with a
+        RunError that names the effect; SystemExit, KeyboardInterrupt and similar exceptions pass
+        through ``run``.
 
         Parameters
         ----------
@@ -297,7 +301,8 @@ class Scene:
             ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``reference``, ``displacement`` and ``velocity`` of them
             (:class:`libcontact.effects.own.View`).
         energy
-            ``energy(view)`` returns what the effect stores; without it its work counts as from outside.
+            ``energy(view)`` returns the stored energy; without it the work of the effect counts as
+            external.
         omega_squared
             The largest ω² [1/time²] of a stiffness (k / m of a spring on a node), for the stable step.
         rate
@@ -314,13 +319,15 @@ class Scene:
         """
         own = Own(name, body, nodes, force, energy, omega_squared, rate)
         if name in {*IN_ENERGY, *(ENERGY.names or ()), *(other.name for other in self._own)}:
-            raise SceneError("is the name of something else in the ledger", name, self.file)
+            raise SceneError(
+                "is already the name of another column of the energy balance", name, self.file
+            )
         self._own.append(own)
         self._problem = None
         return self
 
     def _put(self, name: str, entries: dict[str, Any]) -> Scene:
-        """Add a table, or set the one that stands once."""
+        """Add a table, or set a table that a scene has once."""
         new = {
             key: os.fspath(value) if isinstance(value, os.PathLike) else value
             for key, value in entries.items()
@@ -335,11 +342,10 @@ class Scene:
         self._problem = None
         return self
 
-    # What a scene is for.
+    # Computing.
 
     def explain(self) -> Explanation:
-        """
-        What will be computed, what will not, and why.
+        """Describe what will be computed, what will not, and why.
 
         Returns
         -------
@@ -353,13 +359,13 @@ class Scene:
         return explain(problem, schedule(problem)[0], record_count(problem))
 
     def costs(self, run: Run | None = None) -> list[Cost]:
-        """
-        What each effect of the scene will cost; ``print(scene.cost_table(run))`` shows the same.
+        """Predict the cost of each effect of the scene; ``print(scene.cost_table(run))`` shows the
+        same.
 
         Parameters
         ----------
         run
-            A run of the scene, to add what it did cost.
+            A run of the scene, to add its measured costs.
 
         Returns
         -------
@@ -382,7 +388,7 @@ class Scene:
         Parameters
         ----------
         run
-            A run of the scene, to add what it did cost.
+            A run of the scene, to add its measured costs.
 
         Returns
         -------
@@ -401,22 +407,24 @@ class Scene:
         trials: float = 10.0,
         progress: bool = True,
     ) -> Plan:
-        """
-        Choose mesh, step, integrator, mass, bulk viscosity and contact law for an error, or for a time (chapter "The planner").
+        """Choose mesh, step, integrator, mass, bulk viscosity and contact law for a given error or
+        run time (chapter "The planner").
 
-        The scene itself stays as it is; ``plan.scene`` is the scene of the choice.
+        The scene itself does not change; ``plan.scene`` is the chosen scene.
 
         Parameters
         ----------
         error
-            The relative error that is asked for, such as 0.05; or ``seconds``.
+            The requested relative error, such as 0.05; or give ``seconds``.
         seconds
-            The time that a run may take [s]; or ``error``.
+            The longest run time [s]; or give ``error``.
         functional
-            The number that the error is of, such as ``"wall.force_x.max"`` of a probe, ``"bar.p_x.end"`` of a body's momentum, or ``"energy.kinetic.end"``. It may be
-            left out for two plates in plane strain that hit along their length, whose stress has a closed form.
+            The number whose error is meant, such as ``"wall.force_x.max"`` of a probe,
+            ``"bar.p_x.end"`` of a body's momentum, or ``"energy.kinetic.end"``. It may be left out
+            for two plates in plane strain that hit along their length, whose stress has a closed
+            form.
         trials
-            Time for trial runs [s], about; the first ones are made in any case.
+            Approximate time for trial runs [s]; the first trials run in any case.
         progress
             Show a bar where stderr is a terminal.
 
@@ -428,7 +436,7 @@ class Scene:
         Raises
         ------
         SceneError
-            The functional is missing or unknown, or no mesh within reach gives what is asked for.
+            The functional is missing or unknown, or no feasible mesh meets the request.
         """
         from .planner import plan
 
@@ -446,28 +454,31 @@ class Scene:
         """
         Compute the scene.
 
-        What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
+        An error of the input is a SceneError before the first step; a later error is a RunError.
 
         Parameters
         ----------
         progress
             Show a bar where stderr is a terminal; "always": everywhere.
         restart
-            A results file, from whose newest record the run continues with the same bits and the same step, also to a later end than the file's scene had; or, where
-            this scene asks for a smaller step, with a whole part of the file's.
+            A results file; the run continues from its newest record with the same bits and the same
+            step, also to a later end. If this scene has a smaller step, the file's step is divided
+            by a whole number.
         until
-            End earlier, without a change of the step.
+            Time at which the run ends; the step does not change.
         output
-            Another file than the scene names; False writes none.
+            Results file, instead of the scene's; False writes none.
         threads
-            Threads, in place of the scene's.
+            Number of threads, instead of the scene's.
         watch
-            Called at every record with a Run of this record alone (copy the arrays that you want to keep).
+            Function called at every record with a Run of this record only. Copy arrays that you
+            want to keep.
 
         Returns
         -------
         Run
-            The results. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
+            The results. The first Ctrl-C ends the run after a last record, and the Run has
+            ``interrupted`` set.
         """
         from .loop import Loop
         from .warned import known
@@ -489,7 +500,7 @@ class Scene:
         return loop.run(progress, path)
 
     def _whole(self) -> Parts:
-        """The parts of a scene that is complete; else the error that says what is missing."""
+        """The parts of a complete scene; otherwise the error names what is missing."""
         if self._parts.time is None or not self._parts.bodies:
             self._parts = read(self._data, self.file)
         return self._parts
@@ -507,27 +518,27 @@ class Scene:
         return problem
 
     def _check_output(self, path: Any, restart: Any) -> None:
-        """Refuse to write over the restart, a mesh, or what is no results file."""
+        """Raise an error if the output would overwrite the restart, a mesh, or a file that is not a
+        results file."""
         at, folder = Place("output.file", self.file), Path(self.file or "").parent
         if not isinstance(path, (str, os.PathLike)):
             raise at.error(f"is {describe(path)}; it must be a path")
         path, reason = FileName().read(os.fspath(path), at), ""
         if restart is not None and _one_file(path, restart):
-            reason = "is the file that the restart is read from; name another one, or its earlier records would be lost"
+            reason = "is the file that the restart is read from, whose earlier records would be lost; choose another file"
         for body in self._parts.bodies.values():
             if body.mesh is not None and _one_file(path, folder / body.mesh):
                 reason = f'is the mesh of body "{body.name}"'
         if not reason and os.path.isfile(path):
             with open(path, "rb") as file:
                 if file.read(4) not in (b"", b"\x89HDF"):
-                    reason = (
-                        "is there already and is no results file; name another one, or remove it"
-                    )
+                    reason = "exists and is not a results file; choose another file, or remove it"
         if reason:
             raise at.error(f'"{path}" can\'t be written: {reason}')
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
-        """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
+        """Raise an error for a run of another scene; return the step of the run, and into how many
+        parts this scene divides it."""
         at = Place("restart", self.file)
         from .results import origin
 
@@ -535,7 +546,7 @@ class Scene:
             text, dt = origin(Path(path).absolute())
             before, step = _fixed(text)
         except NotBuiltIn:
-            # Without h5py the C library's own comparison of bodies, effects, step and nodes has to do.
+            # Without h5py only the C library compares bodies, effects, step and nodes.
             return None, 1
         except (ValueError, TypeError) as error:
             raise at.error(str(error)) from None

@@ -1,6 +1,7 @@
-"""
-How a scene's tables are declared and read. A table is a frozen dataclass (:class:`Table`) whose fields are its keys (:func:`key`); what a key may hold
-is a :class:`Kind`. From these declarations come the reader with its messages, the JSON Schema for editors, the pages of the book and the calls of ``Scene``.
+"""Declaration and reading of a scene's tables. A table is a frozen dataclass (:class:`Table`) whose
+fields are its keys (:func:`key`); a :class:`Kind` describes the values of a key. The reader with
+its messages, the JSON Schema for editors, the pages of the book and the calls of ``Scene`` are
+derived from these declarations.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class SceneError(Error, ValueError):
     file
         The scene's file, if it has one.
     key
-        The key at fault, such as ``body[1].material``, counted from 0.
+        The key, such as ``body[1].material``, counted from 0.
     reason
         What is wrong.
     """
@@ -54,7 +55,8 @@ class SceneError(Error, ValueError):
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a scene a value stands: ``place / "beta"`` is a key of a table, ``place[0]`` an entry of a list."""
+    """Position of a value in a scene: ``place / "beta"`` is a key of a table, ``place[0]`` an entry
+    of a list."""
 
     key: str = ""
     file: str | None = None
@@ -66,11 +68,11 @@ class Place:
         return Place(f"{self.key}[{i}]", self.file)
 
     def error(self, reason: str) -> SceneError:
-        """The error that says what is wrong here."""
+        """The error for this position, with a reason."""
         return SceneError(reason, self.key, self.file)
 
     def need(self, holds: bool, value: Any, what: str) -> None:
-        """Refuse the value here unless it holds that it is ``what``."""
+        """Raise an error unless the condition holds; ``what`` describes a valid value."""
         if not holds:
             raise self.error(f"is {describe(value)}; it must be {what}")
 
@@ -79,7 +81,8 @@ class Place:
 
 
 def suggestion(word: str, known: Iterable[str], lead: str = "known: ") -> str:
-    """``; did you mean "steel"?`` when a known name is near, else the list of all known names."""
+    """``; did you mean "steel"?`` if a known name is similar, otherwise the list of all known
+    names."""
     known = list(known)
     near = difflib.get_close_matches(str(word), known, n=1, cutoff=0.6)
     if near:
@@ -128,7 +131,7 @@ class Kind:
     """What the value of a key may be."""
 
     def read(self, value: Any, at: Place) -> Any:
-        """The checked value; what is wrong is a SceneError."""
+        """The checked value; an invalid one raises a SceneError."""
         raise NotImplementedError
 
     json: dict[str, Any]
@@ -315,7 +318,8 @@ def word(enum: Mapping[str, int], value: int) -> str:
 
 
 class Choice(Text):
-    """One of some words; those of a C enum come with their values. ``gone`` says of words that were known once why they are not, and what to write."""
+    """One of some words; those of a C enum have their values. ``gone`` gives the reason for each
+    word that was removed, and its replacement."""
 
     def __init__(self, known: Collection[str], gone: Mapping[str, str] | None = None):
         self.known, self.gone, self.json = known, gone or {}, {"enum": list(known)}
@@ -354,7 +358,8 @@ class Each(Kind):
 
 
 class Many(Kind):
-    """A list of entries of one kind; ``none`` says what an empty one lacks, and ``distinct`` refuses an entry that stands twice (a word counts once else)."""
+    """A list of entries of one kind. ``none`` is the message for an empty list. With ``distinct``
+    an entry that is given twice is an error; otherwise a repeated word counts once."""
 
     def __init__(self, kind: Kind, none: str = "", distinct: bool = False):
         self.kind, self.none, self.distinct = kind, none, distinct
@@ -467,11 +472,11 @@ def key(
     unit
         Its dimension, such as "stress"; "" for a plain number.
     default
-        Its value where the key is left out; without one it is required, and None means that there is no value.
+        Its value if the key is left out. A key without a default is required; None means no value.
     says
-        What the book says in place of the default.
+        Text for the book instead of the default.
     kw_only
-        False for a key that a call of ``Scene`` takes by its place.
+        False for a positional argument of a call of ``Scene``.
     free
         Whether it may change when a run is continued.
     """
@@ -486,11 +491,11 @@ class Table:
     """A table of a scene. A subclass declares its keys as fields, ``young: float = key(Number(above=0.0), unit="stress")``, and says in its docstring what they mean."""
 
     one: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """Groups of keys exactly one of which must be there."""
+    """Groups of keys of which exactly one must be given."""
     rivals: ClassVar[tuple[tuple[str, ...], ...]] = ()
-    """Groups of keys at most one of which may be there."""
+    """Groups of keys of which at most one may be given."""
     needs: ClassVar[Mapping[str, str]] = {}
-    """Keys that can't stand without another one."""
+    """Keys that require another key."""
     belongs: ClassVar[Mapping[str, tuple[str, str]]] = {}
     """Keys that have a meaning only where another one has a certain word."""
 
@@ -545,7 +550,7 @@ class Table:
 
     @classmethod
     def _alternatives(cls, value: Mapping[str, Any], at: Place) -> dict[str, Any]:
-        """Check which keys stand together; None for each key in the place of which another one stands."""
+        """Check combinations of keys; None for each key that is replaced by another one."""
         out: dict[str, Any] = {}
         for group in cls.one + cls.rivals:
             there = [name for name in group if name in value]
@@ -563,7 +568,8 @@ class Table:
         return out
 
     def refusals(self) -> Iterator[tuple[str, str]]:
-        """Keys, each right alone, that contradict each other: the key, such as ``radius[1]``, and the reason."""
+        """Keys that are valid alone but contradict each other: the key, such as ``radius[1]``, and
+        the reason."""
         for name, (other, wanted) in self.belongs.items():
             value, there = getattr(self, name), getattr(self, other)
             if value != self.keys()[name].default and there != wanted:
@@ -621,11 +627,12 @@ def walk(value: Any, at: Place) -> Iterator[tuple[Place, Any]]:
 
 
 def check_file(path: str | Path, most: float = math.inf) -> None:
-    """Refuse, with a ValueError that names it, a file that is none (a device or a pipe may never end) or that has more than ``most`` bytes."""
+    """Raise a ValueError that names the file if it is not a regular file (a device or a pipe may
+    never end) or has more than ``most`` bytes."""
     found = os.stat(path)
     if not stat.S_ISREG(found.st_mode):
         folder = stat.S_ISDIR(found.st_mode)
-        what = "a folder" if folder else "no regular file but a device, a pipe or the like"
+        what = "a folder" if folder else "not a regular file but a device, a pipe or the like"
         raise ValueError(f'"{path}" is {what}')
     if found.st_size > most:
         size = f"{found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read"

@@ -33,9 +33,9 @@ class Touch:
     time : float
         The earliest time at which the surfaces can meet; infinite: never.
     shift : ndarray, shape (3,)
-        What brings the surface of ``body`` to the other one.
+        Displacement that moves the surface of ``body`` to the other one [length].
     normal : ndarray, shape (3,)
-        Direction from the first surface to what it meets.
+        Direction from the first surface to the second one or the obstacle.
     closing : float
         Speed along ``normal`` with which the two meet; 0: they don't.
     """
@@ -54,7 +54,8 @@ def first_touch(problem: Problem) -> list[Touch]:
     """
     Find the first touch of each contact and obstacle.
 
-    Boxes of bodies meet, or a surface meets an obstacle, while bodies move as they began and with their gravity.
+    Bodies move with their initial velocity and gravity, until their boxes overlap or a surface
+    reaches an obstacle.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Units of a scene: names, SI factors, and the labels of what is derived from them.
 
-The C library knows no units: it computes with plain numbers that must be consistent. A scene names its three base
-units, and this module turns them into labels (``mm``, ``t``, ``s`` give stresses in ``MPa``) and into SI values for hints.
+The C library does not use units: it computes with numbers, which must be consistent. A scene names
+its three base units, and this module turns them into labels (``mm``, ``t``, ``s`` give stresses in
+``MPa``) and into SI values for hints.
 """
 
 from __future__ import annotations

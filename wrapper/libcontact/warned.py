@@ -1,6 +1,6 @@
-"""
-What is known of a scene before its first step and is probably not meant, and what a run shows later. Each is one warning object (``libcontact.errors``):
-``explain`` prints those of ``known``, a run issues them (chapter "Warnings").
+"""Warnings of a scene that are known before its first step, and of what a run shows later. Each is
+one warning object (``libcontact.errors``): ``explain`` prints those of ``known``, a run issues them
+(chapter "Warnings").
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .touch import Touch, first_touch, gravity_on
 
 Points = dict[str, NDArray[np.int32]]
 
-# Wave speeds [m/s] between which every solid lies, with much room on both sides.
+# Limits of the wave speed [m/s], far below and far above those of all solids.
 SLOW, FAST = 1.0, 30000.0
 # Two bodies are in one place if this share of the smaller one is inside the other; so many of its element centres are tried.
 SHARED, TRIED = 0.5, 64
@@ -100,7 +100,7 @@ class Turning:
             if angle > TURNED:
                 del self._bodies[i]
                 text = f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and '
-                text += f'the law "linear" takes a rotation for a strain, of {0.5 * angle * angle:.2g} here; '
+                text += f'with the law "linear" this rotation causes a false strain of {0.5 * angle * angle:.2g}; '
                 text += f'give material "{body.material.name}" the law "st_venant_kirchhoff" or "neo_hookean"'
                 yield errors.RotationWarning(text, f"body[{i}]")
 
@@ -144,9 +144,9 @@ def _file(output: Any) -> Iterator[SceneWarning]:
 
 # What becomes of an overlap that is neither within ``adjust`` nor removed.
 FATE = {
-    "keep": 'gaps count from there, so no energy is added (initial_penetration = "keep")',
+    "keep": 'gaps are measured from there, so no energy is added (initial_penetration = "keep")',
     "push": 'the penalty pushes them apart, which adds energy to the bodies (initial_penetration = "push")',
-    "refuse": 'the run is refused (initial_penetration = "refuse")',
+    "refuse": 'the run ends (initial_penetration = "refuse")',
 }
 
 
@@ -159,10 +159,10 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             count, how = points["inside"] - points["buried"], given.initial_penetration
             text = f"the surfaces overlap by {deepest:.3g} at the start, at {count} points, most at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
-                text += f". If they are meant to touch, give adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, move the bodies or see initial_penetration"
+                text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, move the bodies or set initial_penetration"
             yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
         if points["buried"]:
-            text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no contact before they have been outside"
+            text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
             yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
 
 
@@ -176,7 +176,7 @@ def _inside_out(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
             text = f"{who} lies {why}"
         else:
             who, why = pair_name(touch.surfaces), _away(problem, touch.given)
-            text = f"{who}: {why}, so they never press on each other and the bodies pass through; name the faces that look at each other"
+            text = f"{who}: {why}, so no contact force acts and the bodies pass through each other; name faces that point towards each other"
         if why:
             yield errors.InsideOutWarning(text, touch.key)
 
@@ -188,14 +188,14 @@ def _away(problem: Problem, contact: Contact) -> str:
     if contact.with_itself or "outer" in (face, other) or turns or face[0] != other[0]:
         return ""
     if face == other:
-        return "both surfaces look the same way"
+        return "both surfaces point in the same direction"
     near, far = (_surface(problem, surface) for surface in contact.surfaces)
     low, high = np.maximum(near.min(0), far.min(0)), np.minimum(near.max(0), far.max(0))
     axis = "xyz".index(face[0])
     gap = (far[0] - near[0])[axis] * (1.0 if face.endswith("max") else -1.0)
     aside = np.any(np.delete(low > high, axis))
     within = contact.depth or max(_largest_face(problem, surface) for surface in contact.surfaces)
-    return "" if aside or gap >= -within else "the surfaces look away from each other"
+    return "" if aside or gap >= -within else "the surfaces face away from each other"
 
 
 def _largest_face(problem: Problem, surface: tuple[str, str]) -> float:
@@ -210,7 +210,7 @@ def _behind(problem: Problem, given: Any) -> str:
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
         behind = given.gaps(mesh.nodes.mean(axis=0, keepdims=True))[0][0] < 0.0
-        return "behind the plane; turn its normal round" if behind else ""
+        return "behind the plane; reverse its normal" if behind else ""
     inside = given.gaps(_surface(problem, given.surface))[0].max() < -mesh.shortest_edge
     return f"inside the {given.shape}; move it, or make the radius smaller" if inside else ""
 
@@ -228,7 +228,7 @@ def _same_place(problem: Problem) -> Iterator[SceneWarning]:
     for (_, a), (i, b) in combinations(enumerate(problem.bodies.values()), 2):
         share = _shared(problem, a, b)
         if share >= SHARED:
-            text = f'bodies "{a.name}" and "{b.name}" are in one place: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
+            text = f'bodies "{a.name}" and "{b.name}" occupy the same space: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
             yield errors.SamePlaceWarning(text, f"body[{i}]")
 
 
@@ -251,7 +251,7 @@ def _twice(problem: Problem) -> Iterator[SceneWarning]:
     for (i, a), (j, b) in combinations(enumerate(problem.parts.contact), 2):
         for one, two in (b.surfaces, b.surfaces[::-1]):
             if _share(problem, a.surfaces[0], one) and _share(problem, a.surfaces[1], two):
-                text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, has faces of both surfaces, too; they press on each other twice, which costs twice and is twice as stiff; "
+                text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, has faces of both surfaces, too; the contact force acts twice, at twice the cost and stiffness; "
                 text += (
                     "leave one of the contacts out, or name surfaces that have no faces in common"
                 )
@@ -285,7 +285,7 @@ def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
             acted_on |= bodies if meets or (len(bodies) == 2 and bodies & acted_on) else set()
     for touch, bodies in pairs:
         if len(bodies) == 2 and not bodies & acted_on:
-            when, gap = "nothing moves them towards each other", np.abs(touch.shift).max()
+            when, gap = "they do not move towards each other", np.abs(touch.shift).max()
             if math.isfinite(touch.time):
                 when = f"they would touch at t = {touch.time:.4g}"
             text = f"{pair_name(touch.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, places and end, or leave the contact out"
