@@ -165,7 +165,7 @@ def judge(
         # The step that was accepted at the start is none for the body as it is now.
         row.note += (
             "; the solid has become too stiff for the step"
-            if "The stable step had come down" in str(error)
+            if "The stable step has decreased" in str(error)
             else ""
         )
         if getattr(error, "run", None) is not None and len(error.run.energy):

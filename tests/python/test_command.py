@@ -143,8 +143,8 @@ def test_what_may_never_end_is_not_read(scene, capsys):
     box = next(line for line in text.splitlines() if line.startswith("box ="))
     Path("mesh.toml").write_text(text.replace(box, 'mesh = "pipe.toml"'))
     for path, words in (
-        ("/dev/zero", "no regular file"),
-        ("pipe.toml", "no regular file"),
+        ("/dev/zero", "not a regular file"),
+        ("pipe.toml", "not a regular file"),
         ("large.toml", "300 MB; at most 256 MB"),
         ("mesh.toml", "pipe.toml"),
     ):
@@ -161,7 +161,7 @@ def test_what_may_never_end_is_not_read(scene, capsys):
             and path in done.stderr
             and len(done.stderr.splitlines()) == 1
         )
-    assert main(["plot", "pipe.toml"]) == 2 and "no regular file" in capsys.readouterr().err
+    assert main(["plot", "pipe.toml"]) == 2 and "not a regular file" in capsys.readouterr().err
 
 
 def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):

@@ -168,7 +168,7 @@ def test_what_cannot_be_is_refused_with_key_and_reason(effect, entries, words):
 
 
 def test_an_effect_that_a_scene_has_once_is_refused_twice():
-    with pytest.raises(ct.SceneError, match="stands twice"):
+    with pytest.raises(ct.SceneError, match="given twice"):
         bar().add("gravity", acceleration=[0, 0, 1]).add("gravity", acceleration=[0, 0, 1])
 
 

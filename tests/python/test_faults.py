@@ -153,7 +153,7 @@ def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
     x = np.unique(np.round(good.positions[:, 0], 9))
     assert len(x) == 11 and 1.07 < np.diff(x).max() < 1.15
     assert 0 <= error.step - good_step(error) <= 4
-    assert "take a smaller one" in str(error)
+    assert "choose a smaller step" in str(error)
     if with_file:
         goes_on(scene, error, tmp_path, good_step(error) * error.run.dt)
 

@@ -175,7 +175,7 @@ def test_layers_go_from_what_presses_into_the_body(cells, changes, layers):
 def test_explain_tells_the_savings():
     assert "quiet, plane_strain, congruent, distant" in str(scene().explain())
     assert scene(["distant"]).explain().data["savings"] == ["distant"]
-    assert "none, by the scene's own wish" in str(scene([]).explain())
+    assert "none, as set in the scene" in str(scene([]).explain())
 
 
 def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit(monkeypatch):

@@ -727,7 +727,7 @@ def test_a_scene_file_is_not_overwritten_by_its_results(tmp_path):
         (SCENES / "plates_reference.toml").read_text().replace("[100, 1, 100]", "[4, 1, 4]")
     )
     before = path.read_bytes()
-    with pytest.raises(ct.SceneError, match="no results file"):
+    with pytest.raises(ct.SceneError, match="not a results file"):
         ct.Scene.load(path).run(progress=False, output=path)
     assert path.read_bytes() == before
 

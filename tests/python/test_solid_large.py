@@ -137,7 +137,7 @@ def test_what_is_refused(change, key, reason):
 def test_a_spin_under_small_strain_is_refused():
     scene = small()
     scene["material"][0]["law"] = "linear"
-    with pytest.raises(ct.SceneError, match="takes a rotation for a strain") as caught:
+    with pytest.raises(ct.SceneError, match="a rotation causes false strain") as caught:
         ct.Scene(scene)
     assert caught.value.key == "body[0].spin"
     scene["material"][0]["law"] = "hookean"
