@@ -85,7 +85,7 @@ def test_a_sound_scene_is_not_warned_of():
 
 
 @pytest.mark.parametrize(
-    "surfaces, why", [(("a.x_min", "b.x_max"), "look away"), (("a.x_max", "b.x_max"), "same way")]
+    "surfaces, why", [(("a.x_min", "b.x_max"), "face away"), (("a.x_max", "b.x_max"), "same direction")]
 )
 def test_surfaces_that_face_away(surfaces, why):
     scene = pair(*surfaces)
