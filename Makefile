@@ -1,4 +1,4 @@
-# Every command of the project; `make help` lists them. There is no configure step: what the machine has is asked here.
+# Every command of the project; `make help` lists them. There is no configure step: this file finds out what the machine has.
 #
 # make figures | test | docs | measured | bench set up what is missing first (wrapper/bootstrap.sh), then call make again, so that the second
 # make sees what the first one installed. BOOTSTRAP=no never installs system packages. WITHOUT="gsl hdf5" builds as if they were not there.
@@ -70,26 +70,26 @@ VENV := $(BUILD)/venv
 
 help:
 	@echo "make figures          the plate impact: Figs. 3, 4, 5 in build/figures, errors against the exact solution"
-	@echo "make test             every test; the last line counts them"
-	@echo "make check-c          the C tests alone, without a Python environment"
+	@echo "make test             all tests; the last line has their number"
+	@echo "make check-c          only the C tests, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
-	@echo "make pdf              the book as one PDF, build/docs/libcontact.pdf (set by Chromium)"
-	@echo "make measured         the numbers that the book quotes, computed anew into docs/measured.json"
-	@echo "make bench            measured tables and pictures, in build/bench"
-	@echo "make stability        hard cases, each with its verdict, in build/stability"
-	@echo "make accuracy         what accuracy costs: errors and time of every method, in build/accuracy; stopped, it goes on (ACCURACY=--reduced: minutes)"
+	@echo "make pdf              the book as one PDF, build/docs/libcontact.pdf (made by Chromium)"
+	@echo "make measured         compute the numbers that the book quotes again, into docs/measured.json"
+	@echo "make bench            measurements of speed, tables and pictures, in build/bench"
+	@echo "make stability        hard cases, each with its classification, in build/stability"
+	@echo "make accuracy         errors and run times of every method, in build/accuracy; continues after an interruption (ACCURACY=--reduced: minutes)"
 	@echo "make lib              the C libraries, in build/lib"
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
 	@echo "make info             what was found on this machine"
-	@echo "make fuzz             random calls, scenes, savings, files and faces, for FUZZ_SECONDS (60); counts add up in build/fuzz"
-	@echo "make kill             KILLS (100) runs killed while they write; each file must open and go on"
+	@echo "make fuzz             random calls, scenes, optimisations, files and faces, for FUZZ_SECONDS (60); total counts in build/fuzz"
+	@echo "make kill             kill KILLS (100) runs while they write; each file must open and its run continue"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
-	@echo "make count            how large the project is; REVISIONS=\"A B\" compares revisions"
+	@echo "make count            size of the project; REVISIONS=\"A B\" compares revisions"
 	@echo "make count-book       words, figures, equations, listings of each chapter; REVISION=A of a revision"
-	@echo "make clean            away with build/"
+	@echo "make clean            remove build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
 all: lib

@@ -1,6 +1,7 @@
-"""
-The scenes that decide what a scene gets that chooses nothing: two plates, a bar on a wall, an elastic ball on a plane (a smooth impact) and a bar that bounces 30 times (a
-long run). One factor at a time is changed from the default law at 0.98 of the stable step, each scene on its own mesh, against its exact answer. The first setting chooses nothing at all.
+"""The scenes from which the defaults of a scene were chosen: two plates, a bar on a wall, an
+elastic ball on a plane (a smooth impact) and a bar that bounces 30 times (a long run). One factor
+at a time is changed from the default law at 0.98 of the stable step, each scene on its own mesh,
+against its exact answer. The first setting chooses nothing at all.
 """
 
 from __future__ import annotations
@@ -163,7 +164,7 @@ def bar(example: str, axis: int, cells: int, end: float) -> dict[str, Any]:
     return data
 
 
-def blow(run: ct.Run, axis: int) -> tuple[float, float]:
+def impact(run: ct.Run, axis: int) -> tuple[float, float]:
     """Duration of the contact and its largest force."""
     rows = run.probes["wall"]
     pushed = np.flatnonzero(rows["force"][:, axis] > 0)
@@ -174,7 +175,7 @@ def blow(run: ct.Run, axis: int) -> tuple[float, float]:
 def bar_on_a_wall(keys: Keys) -> Answer:
     """Contact lasts 2 L / c = 2/3 with the pressure 300, and the bar leaves with the speed 10."""
     run = price.run(laid_over(bar("bar_on_a_wall", 0, 50, 1.5), keys))
-    duration, peak = blow(run, 0)
+    duration, peak = impact(run, 0)
     momentum = run.momentum["p"][:, 0]
     found = {
         "duration": duration / (2 / 3) - 1,
@@ -226,7 +227,8 @@ def ball(parts: int = 6, layers: int = 4) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ball_on_a_plane(keys: Keys) -> Answer:
-    """A ball by Hertz: how deep it comes in follows from the energy, how long it takes from the depth. The approach is quasi-static, so the ball leaves as fast as it came."""
+    """Hertz's impact of a ball: the approach follows from the energy, the duration from the
+    approach. The impact is quasi-static, so the ball rebounds with its initial speed."""
     nodes, elements = ball()
     stiff, mass, depth = 1 / (1 - 0.3**2), 4 * np.pi / 3, 0.04
     speed = float(np.sqrt(16 * stiff * depth**2.5 / (15 * mass)))
@@ -245,7 +247,7 @@ def ball_on_a_plane(keys: Keys) -> Answer:
     }
     data["body"][0]["velocity"] = [0, 0, -speed]
     run = price.run(laid_over(data, keys))
-    lasts, peak = blow(run, 2)
+    lasts, peak = impact(run, 2)
     momentum = run.momentum["p"][:, 2]
     found = {
         "duration": lasts / duration - 1,

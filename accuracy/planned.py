@@ -1,7 +1,9 @@
-"""
-What the planner promises and what it keeps: ``python accuracy/planned.py [--trials SECONDS] [--grid] [NAME ...]`` plans the scenes below for 5, 2 and 1 %, runs each choice,
-and prints asked, expected and true error, predicted and taken time. ``--grid`` also runs every setting of the list on meshes in steps of 2^(1/2), as long as a run takes no
-longer than the most expensive choice, and says how much cheaper the cheapest one is that truly meets the error. It belongs on a quiet machine.
+"""Comparison of the planner's predictions with true errors and times: ``python accuracy/planned.py
+[--trials SECONDS] [--grid] [NAME ...]`` plans the scenes below for 5, 2 and 1 %, runs each choice,
+and prints asked, expected and true error, predicted and taken time. ``--grid`` also runs every
+setting of the list on meshes in steps of 2^(1/2), as long as a run takes no longer than the most
+expensive choice, and says how much cheaper the cheapest one is that truly meets the error. It
+belongs on a quiet machine.
 """
 
 from __future__ import annotations

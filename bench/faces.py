@@ -1,4 +1,4 @@
-"""The faces that the projection bench measures on, and what counts as right there."""
+"""The faces of the projection bench, and the definition of a correct result on them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def benchmark():
 
 
 def ordinary(count: int, seed: int = 7):
-    """Curved Q8 faces, points above or below them, and their feet by construction: nodes (m, 8, 3), points (m, 3), xi (m, 2), gaps (m,)."""
+    """Curved Q8 faces, points above or below them, and their closest points by construction: nodes
+    (m, 8, 3), points (m, 3), xi (m, 2), gaps (m,)."""
     rng = np.random.default_rng(seed)
     nodes = np.empty((count, 8, 3))
     points, xi, gaps = (
@@ -56,7 +57,8 @@ def foot(nodes, xi):
 
 
 def right(cases, distance, outside):
-    """Which answers to the cases of the corpus are right? A search that does not know the edges may say "outside" where the minimum is not inside."""
+    """Which results for the cases of the corpus are correct? An unconstrained search may return
+    "outside" if the minimum is not inside."""
     truth, size = (
         np.array([c["distance"] for c in cases]),
         np.array([corpus.face_size(c["nodes"]) for c in cases]),

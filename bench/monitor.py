@@ -1,4 +1,5 @@
-"""What the watch over a run costs: seconds of steps with a look after every 1024 over those of the same steps without, the least of several runs in turn."""
+"""The cost of the monitor of a run: time of steps with a check after every 1024 divided by that of
+the same steps without checks, the least of several runs in turn."""
 
 from __future__ import annotations
 

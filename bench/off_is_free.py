@@ -1,8 +1,8 @@
-"""
-Only the effects that a scene calls for: what each of them costs when it is declared, and that it costs nothing when it is
-not. ``effect_loop.c`` is compiled once for each effect, so that the program holds the code of this effect alone; a program
-without any effect is linked a second time with the code of all. Instructions in the time loop by callgrind, bytes by a
-counting allocator, code by ``size``. At last the plates with contact, with the objects they need and with all, and with ten probes.
+"""The cost of each effect in a scene that has it, and a check that it costs nothing in a scene
+without it. ``effect_loop.c`` is compiled once for each effect, so that the program holds the code
+of this effect alone; a program without any effect is linked a second time with the code of all.
+Instructions in the time loop by callgrind, bytes by a counting allocator, code by ``size``. At last
+the plates with contact, with the objects they need and with all, and with ten probes.
 """
 
 from __future__ import annotations

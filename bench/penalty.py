@@ -1,4 +1,5 @@
-"""What the penalty factor β does to the plate impact: difference from the reference, energy, stable step."""
+"""Influence of the penalty factor β on the plate impact: difference from the reference, energy,
+stable step."""
 
 from __future__ import annotations
 

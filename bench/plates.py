@@ -1,4 +1,5 @@
-"""How fast the plate impact runs, what the contact costs, and how that compares with other codes on the same machine in the same run."""
+"""Speed of the plate impact, cost of its contact, and comparison with other codes on the same
+machine in the same run."""
 
 from __future__ import annotations
 

@@ -81,7 +81,8 @@ def wall(
 
 
 def bar_on_a_wall(short: bool) -> Iterator[Row]:
-    """Doyen, Ern, Piperno 2011; the default keeps what is asked of it, the explicit penalty does not where it is stiff."""
+    """Doyen, Ern, Piperno 2011; the default passes, the explicit penalty fails where it is
+    stiff."""
     n = 50 if short else 100
     for beta in (4.0,) if short else (1e-1, 1.0, 4.0, 100.0, 1e4):
         for fraction in (0.9,) if short else (0.1, 0.5, 0.9, 0.99):

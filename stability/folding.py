@@ -30,7 +30,8 @@ def smooth(end: float, points: int = 33) -> dict[str, list[float]]:
 
 @dataclass
 class Fold:
-    """What a body in contact with itself must keep in every step: its energy, and that no part of it is inside another part."""
+    """Conditions on a body in contact with itself in every step: its energy, and no part of it
+    inside another part."""
 
     body: str
     twice: int = 0
@@ -70,7 +71,7 @@ def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
 
 
 def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
-    """Run a scene of one body with every step recorded, and judge it."""
+    """Run a scene of one body with every step recorded, and classify the run."""
     made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
     (body,) = made._built(None).bodies.values()
     fold = Fold(body.name)

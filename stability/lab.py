@@ -1,4 +1,4 @@
-"""What every case of the stability laboratory is judged by."""
+"""The rules by which every case of the stability laboratory is classified."""
 
 from __future__ import annotations
 
@@ -101,7 +101,8 @@ def shortest_edge(made: ct.Scene) -> float:
 
 
 def set_steps(made: ct.Scene, steps: int, fraction: float, records: int) -> ct.Scene:
-    """Let a scene take so many steps of a fraction of the stable one, with about ``records`` records."""
+    """Set the number of steps of a scene, their fraction of the stable step, and about ``records``
+    records."""
     dt = made.set_time(end=1.0, fraction=fraction)._built(None).dt
     return made.set_time(end=steps * dt, dt=dt).set_output(
         every=max(steps // records, 1), fields=[]
@@ -125,9 +126,8 @@ def judge(
     expected: str = "passes",
     note: str = "",
 ) -> Row:
-    """
-    Run a scene and judge it: energy, momentum, penetration of points and nodes (``bound``, in h), and what the case itself asks for: ``whole`` answers "" or
-    what is wrong.
+    """Run a scene and classify it by energy, momentum, penetration of points and nodes (``bound``,
+    in h), and the condition of the case: ``whole`` returns "" or what is wrong.
     """
     begin = time.perf_counter()
     problem = made._built(None)

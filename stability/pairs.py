@@ -1,4 +1,5 @@
-"""Pairs of bodies at random that hit each other, judged by energy and by what a gap can do in one step."""
+"""Random pairs of bodies that hit each other, classified by energy and by the largest possible
+change of a gap in one step."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from lab import DEFAULT, Row, judge, material, scene
 import libcontact as ct
 
 KINDS = ("box", "moved", "ball", "wedge")
-# Energy from nothing, as a share of that at the start.
+# Spurious energy, as a fraction of the energy at the start.
 GROWTH = 0.002
 # How deep a point must be reported for its sign to count, in the shortest edge: triangles cut curved faces by less.
 FALSE = 0.1

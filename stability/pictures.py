@@ -20,7 +20,8 @@ def draw(rows: list, folder: Path) -> None:
 
 
 def sweep(rows: list):
-    """What the default enforcement takes from the plates, and how deep they overlap, over penalty and step."""
+    """Energy that the default enforcement dissipates in the plates, and their largest overlap, over
+    penalty and step."""
     own = [row for row in rows if row.case == "plates" and row.enforcement == "energy_controlled"]
     if len({row.fraction for row in own}) < 2:
         return None

@@ -1,4 +1,5 @@
-"""Bodies at rest that must stay at rest: concave shapes in contact with themselves, blocks that touch in any orientation."""
+"""Bodies that must stay at rest: concave shapes in contact with themselves, and touching blocks in
+any orientation."""
 
 from __future__ import annotations
 
