@@ -160,5 +160,5 @@ def test_a_body_that_is_turned_inside_out_ends_the_run_with_its_name():
     )
     scene["support"] = [{"set": "ring.x_min", "fix": ["x"]}]
     scene["time"] = {"end": 0.01, "fraction": 0.9}
-    with pytest.raises(ct.Error, match='"ring".*inside out'):
+    with pytest.raises(ct.Error, match='"ring".*inverts the element'):
         ct.Scene(scene).run(progress=False)

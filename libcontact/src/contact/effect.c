@@ -205,7 +205,7 @@ const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, i
 {
   if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
       problem->effects[effect]->kind != CT_EFFECT_CONTACT) {
-    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
+    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is not a contact", (int)effect);
     return NULL;
   }
   return ct_workspace_forces(problem, state, error) == CT_OK ? state->workspace->scratch[effect]

@@ -477,7 +477,7 @@ ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t
 {
   if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 ||
       k >= problem->effect_count || problem->effects[k]->kind != CT_EFFECT_FRICTION)
-    return CT_REFUSE(error, "effect %d is no friction", (int)k);
+    return CT_REFUSE(error, "effect %d is not friction", (int)k);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   ct_friction_sums(problem->effects[k], state->workspace->scratch[k], held, dissipated);

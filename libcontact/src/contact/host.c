@@ -465,7 +465,8 @@ ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t 
     return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
                      (long long)count, (long long)h->memory_count);
   if (!is_memory(contact->fixed, memory, count))
-    return ct_fail(error, CT_INVALID, CT_NOWHERE, "contact: these numbers are no saved contact");
+    return ct_fail(error, CT_INVALID, CT_NOWHERE,
+                   "contact: these numbers were not written by ct_contact_save");
   memcpy(h->memory, memory, (size_t)count * sizeof *memory);
   h->current = 0;
   return CT_OK;

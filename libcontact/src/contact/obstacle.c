@@ -179,7 +179,7 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   for (int64_t i = 0; i < data->side.point_count; i++)
     if (!meet(&data->given, s, i))
       return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                     "obstacle: a point of the surface stands in its centre");
+                     "obstacle: a point of the surface is at its centre");
   return CT_OK;
 }
 
@@ -312,7 +312,7 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
     return CT_REFUSE(error, "obstacle: the radius must be positive, not %g", o->radius);
   if (o->amplitude.count == 0 &&
       (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
-    return CT_REFUSE(error, "obstacle: it has a way to travel, but no amplitude says when");
+    return CT_REFUSE(error, "obstacle: it has a travel, but no amplitude");
   if (per == 0 || o->face_count < 1 || o->faces == NULL)
     return CT_REFUSE(error, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
@@ -426,7 +426,7 @@ static const ct_obstacle_state *state_of(const ct_problem *problem, ct_state *st
   int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
            problem->effects[effect]->kind == CT_EFFECT_OBSTACLE;
   *status = is ? ct_workspace_forces(problem, state, error)
-               : CT_REFUSE(error, "effect %d is no obstacle", (int)effect);
+               : CT_REFUSE(error, "effect %d is not an obstacle", (int)effect);
   return *status == CT_OK ? state->workspace->scratch[effect] : NULL;
 }
 

@@ -126,8 +126,7 @@ static ct_status find_steps(front *f, double time, ct_error *error)
   if (!(time >= 0.0 && time < HUGE_VAL && steps < 1e15))
     return CT_REFUSE(error, "dispersion: time = %g is negative or too large", time);
   if (fabs(steps - nearbyint(steps)) > 1e-6)
-    return CT_REFUSE(error, "dispersion: time = %g is %.9g steps, no whole number of them", time,
-                     steps);
+    return CT_REFUSE(error, "dispersion: time = %g is %.9g steps, not a whole number", time, steps);
   f->time = time;
   f->steps = (int64_t)nearbyint(steps);
   return CT_OK;

@@ -264,7 +264,8 @@ static ct_status prepare(averaging_data *d, const ct_averaging_def *def, const c
 {
   d->problem = problem;
   if (def->apart_count < 0 || (def->apart_count > 0 && def->apart == NULL))
-    return CT_REFUSE(error, "averaging: %d nodes apart, and no list", (int)def->apart_count);
+    return CT_REFUSE(error, "averaging: apart_count is %d, but apart is null",
+                     (int)def->apart_count);
   d->bodies = ct_pool_take(&d->pool, (size_t)problem->body_count, sizeof *d->bodies);
   if (d->bodies == NULL) return CT_NO_MEMORY(error, "the averaging");
   ct_status status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "averaging",

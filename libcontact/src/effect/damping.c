@@ -137,7 +137,7 @@ ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *
     status = ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", def->rate);
   else if (def->relaxation && def->rate != 0.0)
     status = CT_REFUSE(
-        error, "damping: relaxation chooses by itself, and a rate of %g is given too", def->rate);
+        error, "damping: relaxation chooses the rate, but a rate of %g is given, too", def->rate);
   else
     status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "damping", &data->pool,
                                   &data->nodes, &count, error);

@@ -17,7 +17,7 @@ static ct_status check(const ct_motion *motion, int support, int32_t number, int
   if (motion->nodes == NULL || motion->node_count < 1)
     return CT_REFUSE(error, "%s %d has no nodes", NAME[support], (int)number);
   if (!motion->fixed[0] && !motion->fixed[1] && !motion->fixed[2])
-    return CT_REFUSE(error, "%s %d holds no component", NAME[support], (int)number);
+    return CT_REFUSE(error, "%s %d prescribes no component", NAME[support], (int)number);
   for (int c = 0; c < 3; c++)
     if (motion->fixed[c] && !isfinite(motion->displacement[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "%s %d: %s %c is not finite", NAME[support],
@@ -43,7 +43,7 @@ static ct_status enter(const ct_motion *motions, int support, int32_t number, in
       if (other != motion &&
           (motion->amplitude.count > 0 || other->displacement[c] != motion->displacement[c]))
         return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, motion->nodes[i]},
-                       "%s %d: %c of node %d is held by %s %d already (%s %g, not %g)",
+                       "%s %d: %c of node %d is prescribed by %s %d already (%s %g, not %g)",
                        NAME[support], (int)number, "xyz"[c], (int)motion->nodes[i], NAME[support],
                        (int)*own - 1, VALUE[support], other->displacement[c],
                        motion->displacement[c]);

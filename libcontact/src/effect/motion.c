@@ -35,7 +35,7 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
       if (holder == 0) continue;
       if (data->inverse_mass[dof] == 0.0)
         return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, node},
-                       "motion %d: %c of node %d is held by a support too", (int)holder - 1,
+                       "motion %d: %c of node %d is prescribed by a support, too", (int)holder - 1,
                        "xyz"[c], (int)node);
       const ct_motion *motion = &data->motions[holder - 1];
       if (holder != known) factor = ct_amplitude_value(&motion->amplitude, next);

@@ -69,7 +69,7 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
       ct_reference_gradient(per, dNdx, u, G);
       if (!(ct_large_tangent(material, G, &K) > 0.0))
         return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q},
-                       "the deformation turns the element inside out at Gauss point %d", q);
+                       "the deformation inverts the element at Gauss point %d", q);
       add_tangent(A, per, dNdx, &K, dV);
       continue;
     }

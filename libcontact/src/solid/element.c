@@ -75,7 +75,7 @@ static ct_status check_inside_out(double J, int64_t point, ct_error *error)
     return ct_fail(error, CT_INVALID, (ct_place){-1, -1, point},
                    "the displacement of the element is not finite");
   return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, point},
-                 "the deformation turns the element inside out: J = det F = %.3g", J);
+                 "the deformation inverts the element: J = det F = %.3g", J);
 }
 
 static ct_status element_arguments(ct_brick_kind kind, const double *nodes,

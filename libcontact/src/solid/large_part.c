@@ -25,8 +25,7 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
       return status;
     }
     return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, 8 * (int64_t)b, -1},
-                   "one of the elements %d to %d is turned inside out", (int)(8 * b),
-                   (int)(8 * b + 7));
+                   "one of the elements %d to %d is inverted", (int)(8 * b), (int)(8 * b + 7));
   }
   return CT_OK;
 }

@@ -226,7 +226,7 @@ ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double 
 ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k,
                             double impulse[3], ct_error *error)
 {
-  if (k == 0) return CT_REFUSE(error, "energy: no impulse of the first effect is kept");
+  if (k == 0) return CT_REFUSE(error, "energy: the impulse of the first effect is not stored");
   ct_status status = begin(problem, state, k, impulse, error);
   if (status != CT_OK) return status;
   int32_t bodies = problem->body_count;

@@ -149,11 +149,12 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
   ct_place at = ct_effect_place(w->problem, largest_node(w->problem, state, NULL));
-  return ct_fail(error, CT_ERROR_ENERGY, at,
-                 "energy appears: %.3g more than the %.3g that should be there by t = %g (step "
-                 "%lld); most of it moves at body %s, node %d",
-                 fmax(e->appeared, grown), expected, state->time, (long long)state->step,
-                 w->problem->bodies[at.body].name, (int)at.point);
+  return ct_fail(
+      error, CT_ERROR_ENERGY, at,
+      "spurious energy: %.3g more than the %.3g that the bodies should have by t = %g (step "
+      "%lld); most of it moves at body %s, node %d",
+      fmax(e->appeared, grown), expected, state->time, (long long)state->step,
+      w->problem->bodies[at.body].name, (int)at.point);
 }
 
 /* Uniform on (-1, 1), the same for every run. */

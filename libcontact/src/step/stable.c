@@ -43,7 +43,7 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   if (status == CT_OK && effect->rate_bound != NULL)
     status = effect->rate_bound(effect, &view, rate, error);
   if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
-    return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are none",
+    return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are not valid",
                      effect->label, *omega_squared, *rate);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {

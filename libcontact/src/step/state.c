@@ -41,7 +41,7 @@ double *ct_stage_past(const ct_problem *problem, const ct_state *state)
 ct_status ct_stage_check(const ct_state *state, ct_error *error)
 {
   if (state->workspace->stage == 0) return CT_OK;
-  return CT_REFUSE(error, "the state stands within step %lld, whose second stage failed",
+  return CT_REFUSE(error, "the state is within step %lld, whose second stage failed",
                    (long long)state->step);
 }
 
@@ -72,7 +72,7 @@ static ct_status check_enlarging(const ct_problem *p, int32_t k, ct_error *error
     return CT_REFUSE(error, "problem: effect %s is for central differences", effect->label);
   for (int32_t i = k + 1; i < p->effect_count; i++)
     if (p->effects[i]->phase == CT_PHASE_STATE)
-      return CT_REFUSE(error, "problem: effect %s must stand behind %s, whose force it averages",
+      return CT_REFUSE(error, "problem: effect %s must follow %s, whose force it averages",
                        effect->label, p->effects[i]->label);
   return CT_OK;
 }
@@ -82,7 +82,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
       p->inverse_mass == NULL || p->initial_velocity == NULL || p->effects == NULL ||
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
-    return CT_REFUSE(error, "problem: something is missing");
+    return CT_REFUSE(error, "problem: bodies, effects or an array are missing");
   if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
       p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
     return CT_REFUSE(error, "problem: the first effect must act on all nodes");
