@@ -85,7 +85,8 @@ def test_a_sound_scene_is_not_warned_of():
 
 
 @pytest.mark.parametrize(
-    "surfaces, why", [(("a.x_min", "b.x_max"), "face away"), (("a.x_max", "b.x_max"), "same direction")]
+    "surfaces, why",
+    [(("a.x_min", "b.x_max"), "face away"), (("a.x_max", "b.x_max"), "same direction")],
 )
 def test_surfaces_that_face_away(surfaces, why):
     scene = pair(*surfaces)
@@ -177,7 +178,11 @@ def test_bodies_that_never_meet():
     )
     assert kinds(pair(gap=0.5, end=0.051)) == []
     text = str(pair(gap=0.5, speed=0.0).explain().warnings[0])
-    assert "0.5 apart" in text and "do not move towards each other" in text and "check velocities" in text
+    assert (
+        "0.5 apart" in text
+        and "do not move towards each other" in text
+        and "check velocities" in text
+    )
 
 
 @pytest.mark.parametrize(
