@@ -198,7 +198,7 @@ def amplitudes():
             run.probes["end"]["time"], run.probes["end"]["velocity"][:, 0], color=ORANGE, lw=1.2
         )
         axes[1, column].set_xlabel("time")
-    axes[0, 0].set(ylabel="amplitude h", ylim=(-0.1, 1.3), xlim=(-0.5, 2))
+    axes[0, 0].set(ylabel="amplitude φ", ylim=(-0.1, 1.3), xlim=(-0.5, 2))
     axes[1, 0].set(ylabel="velocity of the end", ylim=(-0.2, 1.5))
     return figure
 
@@ -573,11 +573,11 @@ def frequency(pattern, integration, kappa=1.0):
 
 
 def stiffness():
-    """The stiffness of the hourglass modes over κ, as frequencies of a cube, beside full integration."""
+    """The stiffness of the hourglass modes over Q, as frequencies of a cube, beside full integration."""
     figure = Figure(figsize=(7.5, 3.2))
     ax = figure.subplots()
     kappa = np.linspace(0, 1.6, 50)
-    ax.plot(kappa, 4 / 3 * kappa, color="black", lw=1, label="closed form, 4κ/3")
+    ax.plot(kappa, 4 / 3 * kappa, color="black", lw=1, label="closed form, 4Q/3")
     at = (0.1, 0.3, 0.6, 1.0, 1.5)
     for name, mark, colour in (("ηζ", "o", ORANGE), ("ξη", "s", BLUE), ("ξηζ", "^", GREEN)):
         runs = [frequency(name, "reduced", k) for k in at]
@@ -594,14 +594,14 @@ def stiffness():
             full = frequency(name, "full")
             ax.axhline(full, color=colour, lw=1, ls="--", label=f"{name}, full: {full:.2f}")
     ax.set(
-        xlabel="hourglass coefficient κ", ylabel="ω² ρ h² / E of the mode along x", xlim=(0, 1.6)
+        xlabel="hourglass coefficient Q", ylabel="ω² ρ h² / E of the mode along x", xlim=(0, 1.6)
     )
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
 def deflection(cells, kappa):
-    """End deflection of a cantilever of length 10 and height 1 with ν = 0, over Timoshenko's; full integration if κ is None."""
+    """End deflection of a cantilever of length 10 and height 1 with ν = 0, over Timoshenko's; full integration if Q is None."""
     scene = scene_of()
     size = [10.0, 1 / cells, 1.0]
     box = {"origin": [0, 0, 0], "size": size, "cells": [10 * cells, 1, cells]}
@@ -617,7 +617,7 @@ def deflection(cells, kappa):
 
 
 def bending():
-    """Deflection of cantilevers with one, two and four cubes through the height, over κ."""
+    """Deflection of cantilevers with one, two and four cubes through the height, over Q."""
     figure = Figure(figsize=(7.5, 3.2))
     ax = figure.subplots()
     kappa = np.linspace(0.05, 1.5, 100)
@@ -633,7 +633,7 @@ def bending():
     ax.text(1.4, 1.2, "full integration", ha="center")
     ax.axhline(1.0, color="black", lw=0.8)
     ax.set(
-        xlabel="hourglass coefficient κ",
+        xlabel="hourglass coefficient Q",
         ylabel="deflection / beam theory",
         ylim=(0, 4),
         xlim=(0, 1.55),

@@ -17,31 +17,31 @@ def roots(p, kappa):
 def amplitudes(p, kappa):
     """Amplitudes of the two potentials, times s²."""
     gamma1, gamma2 = roots(p, kappa)
-    epsilon, a = kappa**2 - 2, kappa**2 - 2 * p**2
+    ell, a = kappa**2 - 2, kappa**2 - 2 * p**2
     load = 2 / (1 - p**2)  # (eq:exact-load)
     R = a**2 + 4 * p**2 * gamma1 * gamma2  # (eq:exact-rayleigh)
-    return epsilon * load * a / R, 2 * epsilon * load * p * gamma1 / R  # (eq:exact-amplitudes)
+    return ell * load * a / R, 2 * ell * load * p * gamma1 / R  # (eq:exact-amplitudes)
 
 
 def integrands(p, kappa):
     """F_P and F_S of the five fields, shape (2, 5, ...)."""
     gamma1, gamma2 = roots(p, kappa)
-    A, B = amplitudes(p, kappa)
-    epsilon, a = kappa**2 - 2, kappa**2 - 2 * p**2
+    Phi, Psi = amplitudes(p, kappa)
+    ell, a = kappa**2 - 2, kappa**2 - 2 * p**2
     # -- Hooke's law and velocity of each wave (eq:exact-integrands)
     dilatation = [
-        (epsilon + 2 * p**2) / epsilon * A,
-        a / epsilon * A,
-        -2 * p * gamma1 / epsilon * A,
-        p * A,
-        -gamma1 * A,
+        (ell + 2 * p**2) / ell * Phi,
+        a / ell * Phi,
+        -2 * p * gamma1 / ell * Phi,
+        p * Phi,
+        -gamma1 * Phi,
     ]
     shear = [
-        -2 * p * gamma2 / epsilon * B,
-        2 * p * gamma2 / epsilon * B,
-        a / epsilon * B,
-        -gamma2 * B,
-        -p * B,
+        -2 * p * gamma2 / ell * Psi,
+        2 * p * gamma2 / ell * Psi,
+        a / ell * Psi,
+        -gamma2 * Psi,
+        -p * Psi,
     ]
     return np.array([dilatation, shear])
 

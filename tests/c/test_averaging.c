@@ -7,7 +7,7 @@ static const ct_material ROD = {1.0, 0.0, 1.0, CT_LINEAR};
 static const double PI = 3.14159265358979323846;
 
 /* γ of cubes. */
-static double gamma_of(const ct_material *material, double h, double dt)
+static double eta_of(const ct_material *material, double h, double dt)
 {
   double c1, c2;
   ct_material_speeds(material, &c1, &c2);
@@ -77,7 +77,7 @@ static void force(void)
     const ct_effect *effect = averaging_of(p);
     double *f = numbers(3 * n), *got = numbers(3 * n), off = 0.0, top = 0.0, sum[3] = {0.0},
            *D = mass_difference(m, STEEL.density, alone ? apart : NULL),
-           gamma = gamma_of(&STEEL, 0.5, p->dt);
+           eta = eta_of(&STEEL, 0.5, p->dt);
     void *scratch = NULL;
     for (int i = 0; i < 3 * n; i++) f[i] = uniform(1.0);
     need(effect->create_scratch(effect, &scratch, &e), &e);
@@ -87,7 +87,7 @@ static void force(void)
       double want = 0.0;
       for (int j = 0; j < n; j++)
         want +=
-            gamma * D[(int64_t)(i / 3) * n + j] * p->inverse_mass[3 * j + i % 3] * f[3 * j + i % 3];
+            eta * D[(int64_t)(i / 3) * n + j] * p->inverse_mass[3 * j + i % 3] * f[3 * j + i % 3];
       off = worst(off, got[i] - want);
       top = worst(top, want);
       sum[i % 3] += got[i];
@@ -105,7 +105,7 @@ static void force(void)
 }
 
 /* A standing wave of a bar between its free ends: u_n = cos(ω n Δt) cos(k x), with the frequency of
- * eq:averaged-dispersion (eq:averaged-gamma, eq:averaged-modes). */
+ * eq:averaged-dispersion (eq:averaged-eta, eq:averaged-modes). */
 static double wave_error(int cells, int mode, double courant)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, cells, 1, 1, cells, 1, 1);
@@ -178,11 +178,10 @@ static void dispersion(void)
     need(ct_dispersion(&def, 1, k, b, &e), &e);
     need(ct_dispersion(&lumped, 1, k, l, &e), &e);
     need(ct_dispersion(&consistent, 1, k, c, &e), &e);
-    double ratio = pow(l[2].omega_mesh / c[2].omega_mesh, 2),
-           gamma = gamma_of(&STEEL, 1.0, def.step);
+    double ratio = pow(l[2].omega_mesh / c[2].omega_mesh, 2), eta = eta_of(&STEEL, 1.0, def.step);
     for (int w = 0; w < 3; w++)
-      off_cell = worst(off_cell,
-                       pow(b[w].omega_mesh / l[w].omega_mesh, 2) - (1.0 + gamma * (1.0 - ratio)));
+      off_cell =
+          worst(off_cell, pow(b[w].omega_mesh / l[w].omega_mesh, 2) - (1.0 + eta * (1.0 - ratio)));
     // Bricks: the group velocity is the difference quotient.
     for (int d = 0; d < 3; d++) def.size[d] = 1.2 + uniform(0.2);
     need(ct_dispersion(&def, 1, k, b, &e), &e);
@@ -396,7 +395,7 @@ static void refusals(void)
 }
 
 /* Largest eigenvalue of P K with P = M⁺ + M⁺ γ D M⁺, by Cholesky and Jacobi. */
-static double true_limit(const ct_problem *bare, const ct_mesh *m, double density, double gamma)
+static double true_limit(const ct_problem *bare, const ct_mesh *m, double density, double eta)
 {
   int n = 3 * bare->node_count, free_count = 0;
   int32_t *dof = integers(n);
@@ -419,7 +418,7 @@ static double true_limit(const ct_problem *bare, const ct_mesh *m, double densit
       double w = bare->inverse_mass[dof[i]];
       if (dof[i] % 3 == dof[j] % 3)
         P[i * f + j] =
-            (i == j ? w : 0.0) + gamma * w * bare->inverse_mass[dof[j]] *
+            (i == j ? w : 0.0) + eta * w * bare->inverse_mass[dof[j]] *
                                      D[(int64_t)(dof[i] / 3) * bare->node_count + dof[j] / 3];
     }
   for (int i = 0; i < f; i++) // P = L Lᵀ
@@ -463,8 +462,8 @@ static double reported(int cells, ct_solid_kernel kernel, double hourglass, doub
   }
   double dt = stable[1].dt, low = 0.5 * dt, high = 2.0 * dt;
   for (int i = 0; i < 24; i++) { // the true limit, where γ is that of the step
-    double middle = 0.5 * (low + high), gamma = fmax(gamma_of(&material, 1.0, middle), 0.0);
-    if (middle * middle * true_limit(p[0], m, 1.0, gamma) < 4.0) low = middle;
+    double middle = 0.5 * (low + high), eta = fmax(eta_of(&material, 1.0, middle), 0.0);
+    if (middle * middle * true_limit(p[0], m, 1.0, eta) < 4.0) low = middle;
     else high = middle;
   }
   for (int s = 0; s < 2; s++) ct_scene_free(scene[s]);

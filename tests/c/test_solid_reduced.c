@@ -186,7 +186,7 @@ static void rigid(void)
   ct_mesh_free(m);
 }
 
-/* The amplitude a of ηζ on a cube of edge h costs (2/3) κ E h a², with κ = 1 what the beam with the
+/* The amplitude a of ηζ on a cube of edge h costs (2/3) Q E h a², with Q = 1 what the beam with the
  * linear strain stores (eq:hourglass-stiffness, eq:hourglass-amplitude, eq:reduced-energy). */
 static void modes(void)
 {
@@ -207,14 +207,14 @@ static void modes(void)
     strain = worst(strain, energy[0]);
   }
   tap_ok(wrong < 1e-13 && strain < 1e-25,
-         "the twelve hourglass modes of a cube cost 2/3 kappa E h a^2, off by %.2g, and strain "
+         "the twelve hourglass modes of a cube cost 2/3 Q E h a^2, off by %.2g, and strain "
          "nothing",
          wrong);
   ct_mesh_free(m);
 }
 
 /* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over
- * that of the beam is 1 - (1 - κ) / n² (eq:reduced-bending). */
+ * that of the beam is 1 - (1 - Q) / n² (eq:reduced-bending). */
 static void curvature(void)
 {
   ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};
@@ -237,10 +237,9 @@ static void curvature(void)
     free(f);
     ct_mesh_free(beam);
   }
-  tap_ok(
-      off < 1e-13,
-      "bent beams of 1 to 4 cubes: the energy is 1 - (1 - kappa) / n^2 of the beam's, off by %.2g",
-      off);
+  tap_ok(off < 1e-13,
+         "bent beams of 1 to 4 cubes: the energy is 1 - (1 - Q) / n^2 of the beam's, off by %.2g",
+         off);
 }
 
 /* The mean displacement at the end of a cantilever that is fixed at x = 0 and pulled up at x =
@@ -296,7 +295,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
  * Timoshenko's. */
 static void cantilever(void)
 {
-  static const double kappa[3] = {0.1, 0.3, 1.0};
+  static const double Q[3] = {0.1, 0.3, 1.0};
   ct_material m = {1.0, 0.3, 1.0, CT_LINEAR};
   double shear = m.young / (2.0 * (1.0 + m.poisson)),
          factor = 10.0 * (1.0 + m.poisson) / (12.0 + 11.0 * m.poisson), worst_off = 0.0, full[3];
@@ -309,11 +308,11 @@ static void cantilever(void)
       for (int i = 0; i < beam->node_count; i++) beam->nodes[3 * i + 1] += 0.5;
     full[k] = tip(beam, &m, CT_KERNEL_GENERAL, 0.0, 10.0, load) / exact;
     for (int c = 0; c < 3; c++) {
-      double ratio = tip(beam, &m, CT_KERNEL_REDUCED, kappa[c], 10.0, load) / exact,
-             simple = 1.0 / (1.0 - (1.0 - kappa[c]) / (n * n));
-      printf("# n = %d, kappa = %.1f: deflection %.4f of Timoshenko's (1 / (1 - (1 - kappa) / n^2) "
+      double ratio = tip(beam, &m, CT_KERNEL_REDUCED, Q[c], 10.0, load) / exact,
+             simple = 1.0 / (1.0 - (1.0 - Q[c]) / (n * n));
+      printf("# n = %d, Q = %.1f: deflection %.4f of Timoshenko's (1 / (1 - (1 - Q) / n^2) "
              "= %.4f); full integration %.4f\n",
-             n, kappa[c], ratio, simple, full[k]);
+             n, Q[c], ratio, simple, full[k]);
       worst_off = worst(worst_off, ratio / simple - 1.0);
     }
     ct_mesh_free(beam);
@@ -334,16 +333,16 @@ static void frequencies(void)
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, exp(uniform(1.5)), 1, exp(uniform(1.5)), 1, 1, 1);
     distort(m, 0.05);
     double K[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], spread[CT_ELEMENT_SIZE];
-    double x[60], u[24] = {0}, f[24], mass[20], w, kappa = exp(uniform(4.0));
+    double x[60], u[24] = {0}, f[24], mass[20], w, Q = exp(uniform(4.0));
     ct_error e;
     take_element(m, 0, m->nodes, x);
     need(ct_mass_element(CT_HEX8, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
     ct_spread_mass(8, mass, NULL, spread);
-    need(ct_reduced_stiffness(x, &STEEL, kappa, K, &e), &e);
+    need(ct_reduced_stiffness(x, &STEEL, Q, K, &e), &e);
     need(ct_largest_eigenvalue(24, spread, K, &w, &e), &e);
     for (int j = 0; j < 24; j++) {
       u[j] = 1.0;
-      need(ct_solid_reduced_force(x, u, &STEEL, kappa, f, NULL, &e), &e);
+      need(ct_solid_reduced_force(x, u, &STEEL, Q, f, NULL, &e), &e);
       u[j] = 0.0;
       for (int i = 0; i < 24; i++) A[24 * i + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
     }

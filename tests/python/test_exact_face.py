@@ -19,11 +19,11 @@ spec.loader.exec_module(face)
 def test_quadrature_along_the_path_gives_the_closed_form(nu):
     """All five fields of both faces and of the plane wave: eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
     random = np.random.default_rng(5)
-    epsilon, seen = 2 * nu / (1 - 2 * nu), set()
+    ell, seen = 2 * nu / (1 - 2 * nu), set()
     for x, z, t in random.uniform([0.05, -0.9, 0.3], [0.9, 0.9, 1.9], (60, 3)):
         upper, lower = face.face(x, 1 - z, t, nu), face.face(x, 1 + z, t, nu)
         up, low = upper.sum(axis=0), lower.sum(axis=0)
-        plane = np.array([-(epsilon + 2) / epsilon, -1, 0, 0, 0]) if x < t else [0, 0, 0, -1, 0]
+        plane = np.array([-(ell + 2) / ell, -1, 0, 0, 0]) if x < t else [0, 0, 0, -1, 0]
         mirror = np.array([1, 1, -1, 1, -1])
         (sx, sz, txz), (vx, vz) = ct.exact.plates(x, z, t, nu)
         # Gauss's rule is good to 1e-9 where a path ends close to a branch point.
@@ -35,7 +35,7 @@ def test_quadrature_along_the_path_gives_the_closed_form(nu):
 def transform(x, y, s, nu):
     """Laplace transform of s_y of one face at a complex s: eq:exact-load, eq:exact-gammas, and a linear system for each p."""
     kappa2 = 2 * (1 - nu) / (1 - 2 * nu)
-    epsilon = kappa2 - 2
+    ell = kappa2 - 2
     # The path is turned so that s p is imaginary; panels of Gauss points, dense near the branch points.
     edges = np.unique(
         np.concatenate([np.linspace(0, 4, 161), np.geomspace(4, 400 / abs(s) + 8, 60)])
@@ -48,12 +48,12 @@ def transform(x, y, s, nu):
     gamma1, gamma2 = np.sqrt(1 - p**2), np.sqrt(kappa2 - p**2)
     # u_x = phi_x + psi_y, u_y = phi_y - psi_x over s, d/dx = p, d/dy = -gamma (times s)
     div = p**2 + gamma1**2
-    normal = np.array([div + 2 / epsilon * gamma1**2, 2 / epsilon * p * gamma2])
-    shear = np.array([-2 * p * gamma1, gamma2**2 - p**2]) / epsilon
+    normal = np.array([div + 2 / ell * gamma1**2, 2 / ell * p * gamma2])
+    shear = np.array([-2 * p * gamma1, gamma2**2 - p**2]) / ell
     load = np.stack([2 / (1 - p**2), 0 * p], axis=-1)
     matrix = np.moveaxis(np.array([normal, shear]), -1, 0)
-    A, B = np.linalg.solve(matrix, load[..., None])[..., 0].T
-    field = normal[0] * A * np.exp(-s * gamma1 * y) + normal[1] * B * np.exp(-s * gamma2 * y)
+    Phi, Psi = np.linalg.solve(matrix, load[..., None])[..., 0].T
+    field = normal[0] * Phi * np.exp(-s * gamma1 * y) + normal[1] * Psi * np.exp(-s * gamma2 * y)
     return np.sum(2 * np.cosh(s * p * x) * field * dp) / (2j * np.pi * s)
 
 

@@ -38,7 +38,7 @@ typedef struct ct_scene_body {
   /** Null, or, instead of `velocity`, the velocity of each node at t = 0 [length / time], shape
    * (node_count, 3), copied. */
   const double *velocities;
-  /** Coefficient κ of the hourglass control with CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
+  /** Coefficient Q of the hourglass control with CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
    * 0: the default. */
   double hourglass;
   /** Largest number of threads for checking and preparing the body (ct_mesh.threads); 0: one.

@@ -59,7 +59,7 @@ typedef struct ct_solid_body {
   const ct_optimisations *optimisations;
   /** Number of threads for which memory is allocated; 0: one. The forces do not depend on it. */
   int threads;
-  /** Coefficient κ of the hourglass control for CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
+  /** Coefficient Q of the hourglass control for CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
    * 0: the default. */
   double hourglass;
   /**

@@ -29,7 +29,7 @@ typedef struct slip_point {
   double s[3];      /* elastic slip */
   double force[3];  /* -k s, on the point's own face */
   double couple[3]; /* k d, which acts on the other face with the weights q */
-  double q[8];      /* Σ_α c^α dN_b/dξ_α */
+  double q[8];      /* Σ_i c^i dN_b/dξ_i */
   double lost;      /* dissipated so far */
 } slip_point;
 
@@ -89,12 +89,12 @@ static int frame(const ct_search *search, int32_t face, const double xi[2], doub
  */
 static void components(const double t1[3], const double t2[3], const double v[3], double c[2])
 {
-  double g11 = ct_vector_dot(t1, t1), g22 = ct_vector_dot(t2, t2), g12 = ct_vector_dot(t1, t2);
+  double m11 = ct_vector_dot(t1, t1), m22 = ct_vector_dot(t2, t2), m12 = ct_vector_dot(t1, t2);
   double b1 = ct_vector_dot(v, t1), b2 = ct_vector_dot(v, t2);
-  double det = g11 * g22 - g12 * g12;
-  // -- c^α = g^{αβ} (v · t_β), the inverse of a matrix of two rows (eq:friction-components)
-  c[0] = (g22 * b1 - g12 * b2) / det;
-  c[1] = (g11 * b2 - g12 * b1) / det;
+  double det = m11 * m22 - m12 * m12;
+  // -- c^i = m^{ij} (v · t_j), the inverse of a matrix of two rows (eq:friction-components)
+  c[0] = (m22 * b1 - m12 * b2) / det;
+  c[1] = (m11 * b2 - m12 * b1) / det;
 }
 
 /* Whether parameters lie inside a face and not on its edges. */

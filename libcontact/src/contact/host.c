@@ -155,7 +155,7 @@ static double increment_of(const ct_contact_prediction *p, const side_prediction
 {
   if (side->increment != NULL) return side->increment[dof];
   double force = side->force == NULL ? 0.0 : side->force[dof];
-  // -- Δt v_{n+1/2} = Δt (v_{n-1/2} + κ f / m) (eq:host-step)
+  // -- Δt v_{n+1/2} = Δt (v_{n-1/2} + τ f / m) (eq:host-step)
   return p->dt * (side->velocity[dof] + p->kick * side->inverse_mass[dof] * force);
 }
 

@@ -80,27 +80,27 @@ ct_clock ct_clock_of(const ct_integrator *integrator, double Omega)
   if (Omega == 0.0) return (ct_clock){0.0, 0.0, 1.0};
   const gain g = step_gain(integrator, Omega * Omega);
   const double (*B)[3] = g.B, (*d)[3] = g.d;
-  double rho_slope, rho = memory_root(&g, &rho_slope);
+  double z3_slope, z3 = memory_root(&g, &z3_slope);
 
-  // -- The other two roots are 1 + m, m² - T m + D = 0 (eq:dispersion-quadratic)
+  // -- The other two roots are 1 + m, m² - S m + D = 0 (eq:dispersion-quadratic)
   const double minor = B[0][0] * B[1][1] - B[0][1] * B[1][0] - B[0][2] * B[2][0];
   const double minor_slope = d[0][0] * B[1][1] + B[0][0] * d[1][1] - d[0][1] * B[1][0] -
                              B[0][1] * d[1][0] - B[0][2] * d[2][0];
-  const double T = B[0][0] + B[1][1] - rho, D = minor - rho - rho * T;
-  const double T_slope = d[0][0] + d[1][1] - rho_slope;
-  const double D_slope = minor_slope - rho_slope - rho_slope * T - rho * T_slope;
-  const double inside = D - 0.25 * T * T;
+  const double S = B[0][0] + B[1][1] - z3, D = minor - z3 - z3 * S;
+  const double S_slope = d[0][0] + d[1][1] - z3_slope;
+  const double D_slope = minor_slope - z3_slope - z3_slope * S - z3 * S_slope;
+  const double inside = D - 0.25 * S * S;
   const double root = sqrt(fabs(inside));
   if (inside > 0.0) {
-    const ct_complex m = 0.5 * T + root * I;
+    const ct_complex m = 0.5 * S + root * I;
     // Angle and damping (eq:dispersion-root), and the slope (eq:dispersion-slope)
-    const ct_complex slope = (T_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m);
-    return (ct_clock){atan2(root, 1.0 + 0.5 * T), -0.5 * log1p(T + D), 2.0 * Omega * cimag(slope)};
+    const ct_complex slope = (S_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m);
+    return (ct_clock){atan2(root, 1.0 + 0.5 * S), -0.5 * log1p(S + D), 2.0 * Omega * cimag(slope)};
   }
   // All roots are real: the largest stays longest.
-  const double one = 1.0 + 0.5 * T + root, two = 1.0 + 0.5 * T - root;
+  const double one = 1.0 + 0.5 * S + root, two = 1.0 + 0.5 * S - root;
   double last = fabs(one) > fabs(two) ? one : two;
-  if (fabs(rho) > fabs(last)) last = rho;
+  if (fabs(z3) > fabs(last)) last = z3;
   return (ct_clock){last < 0.0 ? acos(-1.0) : 0.0, -log(fabs(last)), 0.0};
 }
 

@@ -63,7 +63,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_NO_MEMORY(error, "the averaging");
 }
 
-/* γ d of each mode of an element at a step: (1 - 3^-n) times the mean of γ = (1 - Co²) / 2 over the
+/* η d of each mode of an element at a step: (1 - 3^-n) times the mean of η = (1 - Co²) / 2 over the
  * n axes along which the mode changes (eq:averaged-gamma, eq:averaged-modes). */
 static void mode_shares(const averaged_body *body, double dt, double share[CT_MODES])
 {
@@ -91,7 +91,7 @@ static void body_batches(const averaged_body *body, const double share[CT_MODES]
       ct_lanes v[3 * 8], U[CT_MODES], weight;
       ct_load_lanes(body->mesh, NULL, b, 8, in, lane, v);
       memcpy(&weight, &body->weight[CT_BATCH * (int64_t)b + lane], sizeof weight);
-      // -- γ (M_L - M_C) of an element is diagonal in its modes (eq:averaged-element)
+      // -- η (M_L - M_C) of an element is diagonal in its modes (eq:averaged-element)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         for (int m = 0; m < CT_MODES; m++) U[m] = -(weight * (share[m] * U[m]));
@@ -101,7 +101,7 @@ static void body_batches(const averaged_body *body, const double share[CT_MODES]
     }
 }
 
-/* out = γ (M_L - M_C) in, both on the nodes of the effect. */
+/* out = η (M_L - M_C) in, both on the nodes of the effect. */
 static void average(const averaging_data *d, double *values, const double *in, double *out)
 {
   for (int32_t i = 0; i < d->body_count; i++) {
@@ -123,7 +123,7 @@ static ct_status averaging_force(const ct_effect *effect, const ct_view *view, d
   const averaging_data *d = effect->data;
   const averaging_scratch *s = view->scratch;
   (void)error;
-  // -- γ (M_L - M_C) M_L⁻¹ f; what a support holds does not accelerate (eq:averaging-force)
+  // -- η (M_L - M_C) M_L⁻¹ f; what a support holds does not accelerate (eq:averaging-force)
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int64_t c = 0, dof = 3 * (int64_t)d->nodes[i]; c < 3; c++)
       s->in[3 * (int64_t)i + c] = d->problem->inverse_mass[dof + c] * view->total[dof + c];
@@ -132,7 +132,7 @@ static ct_status averaging_force(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* y of (1 + M_L⁻¹ γ (M_L - M_C)) y = v on what is free, and γ (M_L - M_C) y in `out`
+/* y of (1 + M_L⁻¹ η (M_L - M_C)) y = v on what is free, and η (M_L - M_C) y in `out`
  * (eq:averaged-solve). */
 static void solve(const ct_effect *effect, const averaging_scratch *s, const double *v)
 {

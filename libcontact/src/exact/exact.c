@@ -1,6 +1,6 @@
 /* Closed form of the impact of two thick plates (docs/theory/exact.rst).
  *
- * d = c1 = density = v0 = 1, stresses over Lambda. kappa = c1/c2, kappa2 = kappa^2, epsilon =
+ * d = c1 = density = v0 = 1, stresses over Lambda. kappa = c1/c2, kappa2 = kappa^2, ell =
  * kappa^2 - 2 = Lambda/mu. p is the slowness along the face, q = p^2, gamma1 = sqrt(1 - q), gamma2
  * = sqrt(kappa^2 - q). All of them are elliptic functions of one variable u with modulus 1/kappa: p
  * = sn u, gamma1 = cn u, gamma2 = kappa dn u; K and iK' are the quarter periods and W = u - K. */
@@ -36,7 +36,7 @@ typedef struct ct_pole {
 
 /* What depends on Poisson's ratio alone. */
 typedef struct ct_plates {
-  double nu, kappa, kappa2, epsilon, c_r;
+  double nu, kappa, kappa2, ell, c_r;
   double modulus1;        /* sqrt(1 - 1/kappa^2) */
   double k, k1, scale;    /* the quarter periods K, K'; pi/4K */
   double nome, root_nome; /* exp(-pi K'/K) and its root */
@@ -187,25 +187,25 @@ static void primitives(const ct_plates *e, int wave, const ct_torus *point, doub
 static void numerators(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2,
                        ct_complex n[WAVES][FIELDS])
 {
-  const ct_complex q = p * p, a = e->epsilon + 2.0 * square(g1), g = 2.0 / e->kappa * g2 / g1;
+  const ct_complex q = p * p, a = e->ell + 2.0 * square(g1), g = 2.0 / e->kappa * g2 / g1;
   const double h = 2.0 / e->kappa;
   // (eq:exact-kernels)
-  n[WAVE_P][SX] = g * a * (e->epsilon + 2.0 * q);
+  n[WAVE_P][SX] = g * a * (e->ell + 2.0 * q);
   n[WAVE_P][SY] = g * a * a;
   n[WAVE_P][SXY] = -2.0 * h * p * g2 * a;
-  n[WAVE_P][VX] = e->epsilon * g * p * a;
-  n[WAVE_P][VY] = -e->epsilon * h * g2 * a;
+  n[WAVE_P][VX] = e->ell * g * p * a;
+  n[WAVE_P][VY] = -e->ell * h * g2 * a;
   n[WAVE_S][SY] = 4.0 * h * q * g2 * g2;
   n[WAVE_S][SX] = -n[WAVE_S][SY];
   n[WAVE_S][SXY] = -n[WAVE_P][SXY];
-  n[WAVE_S][VX] = -2.0 * e->epsilon * h * p * g2 * g2;
-  n[WAVE_S][VY] = -2.0 * e->epsilon * h * q * g2;
+  n[WAVE_S][VX] = -2.0 * e->ell * h * p * g2 * g2;
+  n[WAVE_S][VY] = -2.0 * e->ell * h * q * g2;
 }
 
 /* kappa dR/du. */
 static ct_complex rayleigh_slope(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2)
 {
-  const ct_complex q = p * p, g = g1 * g2, a = e->epsilon + 2.0 * square(g1);
+  const ct_complex q = p * p, g = g1 * g2, a = e->ell + 2.0 * square(g1);
   return p * (8.0 * g * (g - a) - 4.0 * q * (g1 * g1 + g2 * g2)); // (eq:exact-residue)
 }
 
@@ -244,7 +244,7 @@ static double rayleigh_root(double kappa2)
 static ct_complex polish_sheet(const ct_plates *e, ct_complex g)
 {
   for (int i = 0; i < 4; i++) {
-    const ct_complex s = g * g, g2 = csqrt(e->kappa2 - 1.0 + s), a = e->epsilon + 2.0 * s;
+    const ct_complex s = g * g, g2 = csqrt(e->kappa2 - 1.0 + s), a = e->ell + 2.0 * s;
     const ct_complex value = a * a - 4.0 * (1.0 - s) * g * g2;
     const ct_complex slope = 8.0 * a * g + 8.0 * s * g2 - 4.0 * (1.0 - s) * (g2 + s / g2);
     g -= value / slope;
@@ -264,7 +264,7 @@ static void other_sheet_add(ct_plates *e, ct_complex g, ct_complex weight)
     return;
   }
   // -- A point of the circle round two close zeros (eq:exact-circle)
-  const ct_complex a = e->epsilon + 2.0 * g * g, r = a * a - 4.0 * p * p * g * g2;
+  const ct_complex a = e->ell + 2.0 * g * g, r = a * a - 4.0 * p * p * g * g2;
   pole_add(e, p, -g, g2, b, weight * e->kappa / (p * g2 * r));
 }
 
@@ -297,7 +297,7 @@ static void plates_poles(ct_plates *e)
   // -- The front that runs along the face: u = K (eq:exact-residue)
   ct_pole *a = &e->pole[e->poles++];
   *a = (ct_pole){.sine = 0.0, .cosine = 1.0};
-  a->residue[WAVE_P][SX] = -2.0 * e->kappa2 / e->epsilon;
+  a->residue[WAVE_P][SX] = -2.0 * e->kappa2 / e->ell;
   a->residue[WAVE_P][SY] = -2.0;
   a->residue[WAVE_P][VX] = -2.0;
 }
@@ -364,8 +364,8 @@ static void plates_init(ct_plates *e, double nu)
 {
   e->nu = nu;
   // -- Ratio of the speeds (eq:exact-kappa)
-  e->epsilon = 2.0 * nu / (1.0 - 2.0 * nu);
-  e->kappa2 = 2.0 + e->epsilon;
+  e->ell = 2.0 * nu / (1.0 - 2.0 * nu);
+  e->kappa2 = 2.0 + e->ell;
   e->kappa = sqrt(e->kappa2);
   e->modulus1 = sqrt(1.0 - 1.0 / e->kappa2);
   // -- Periods of the torus (eq:exact-periods)
@@ -387,8 +387,8 @@ static void plates_init(ct_plates *e, double nu)
   e->infinity[SX] = -4.0 * s;
   e->infinity[SY] = 4.0 * s;
   e->infinity[SXY] = 2.0 * s;
-  e->infinity[VX] = 2.0 * e->epsilon * s;
-  e->infinity[VY] = -2.0 * e->epsilon * s;
+  e->infinity[VX] = 2.0 * e->ell * s;
+  e->infinity[VY] = -2.0 * e->ell * s;
   plates_origin(e);
 }
 
@@ -509,7 +509,7 @@ static void plates_point(const ct_plates *e, double x, double z, double t, doubl
   face_waves(e, x, 1.0 + z, t, lower);
   const int behind = x <= t;
   // The plane wave (eq:exact-plane) and the faces (eq:exact-sum)
-  out[SX] = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
+  out[SX] = (behind ? -e->kappa2 / e->ell : 0.0) + (upper[SX] + lower[SX]);
   out[SY] = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
   out[SXY] = lower[SXY] - upper[SXY];
   out[VX] = (behind ? 0.0 : -1.0) + (upper[VX] + lower[VX]);

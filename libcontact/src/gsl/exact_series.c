@@ -1,8 +1,9 @@
 /* Impact of two thick plates as a sum over Rayleigh-Lamb branches (docs/theory/exact.rst).
  *
  * d = c1 = density = v0 = 1, stresses over Lambda. xi is the wave number, omega the frequency of a
- * branch, alpha2 = omega^2 - xi^2, beta2 = kappa^2 omega^2 - xi^2; a mode is u_x = -(xi A cos(alpha
- * z) + B cos(beta z)) sin(xi x), u_z = -(A alpha sin(alpha z) - xi B sin(beta z)/beta) cos(xi x).
+ * branch, xi1_squared = omega^2 - xi^2, xi2_squared = kappa^2 omega^2 - xi^2; a mode is u_x = -(xi
+ * Phi cos(xi1 z) + Psi cos(xi2 z)) sin(xi x), u_z = -(Phi xi1 sin(xi1 z) - xi Psi sin(xi2 z)/xi2)
+ * cos(xi x).
  */
 #include <libcontact/exact.h>
 #include <libcontact/series.h>
@@ -24,19 +25,19 @@ static const double PI = 3.14159265358979323846;
 enum { NODES = 6, BLOCK = 128 };
 
 /* One mode: its place, the amplitudes times the weight of the quadrature. A and B are those of the
- * functions divided by exp(|Im alpha|), exp(|Im beta|), so that none overflows. */
+ * functions divided by exp(|Im xi1|), exp(|Im xi2|), so that none overflows. */
 typedef struct ct_mode {
-  double xi, omega, alpha2, beta2, a, b;
+  double xi, omega, xi1_squared, xi2_squared, a, b;
 } ct_mode;
 
 /* Modes as the sums want them; what a block has too many has no amplitude. */
 typedef struct ct_mode_block {
-  double xi[BLOCK], omega[BLOCK], alpha2[BLOCK], beta2[BLOCK], a[BLOCK], b[BLOCK];
+  double xi[BLOCK], omega[BLOCK], xi1_squared[BLOCK], xi2_squared[BLOCK], a[BLOCK], b[BLOCK];
 } ct_mode_block;
 
 /* The modes of one Poisson's ratio and number of branches on a grid of wave numbers. */
 typedef struct ct_series {
-  double epsilon, kappa2;
+  double ell, kappa2;
   size_t count, blocks, room; /* modes; blocks in use and in memory */
   ct_mode_block *block;
 } ct_series;
@@ -64,10 +65,10 @@ typedef struct ct_dispersion {
 static double dispersion(double omega, void *parameters)
 {
   const ct_dispersion *d = parameters;
-  const double xi2 = d->xi * d->xi, alpha2 = (omega - d->xi) * (omega + d->xi),
-               beta2 = d->kappa2 * omega * omega - xi2;
-  const ct_trig a = trig(alpha2), b = trig(beta2);
-  const double e = beta2 - xi2;
+  const double xi2 = d->xi * d->xi, xi1_squared = (omega - d->xi) * (omega + d->xi),
+               xi2_squared = d->kappa2 * omega * omega - xi2;
+  const ct_trig a = trig(xi1_squared), b = trig(xi2_squared);
+  const double e = xi2_squared - xi2;
   return e * e * a.c * b.sinc + 4.0 * xi2 * a.s * b.c; // (eq:series-dispersion)
 }
 
@@ -88,11 +89,12 @@ static double branch_root(gsl_root_fsolver *solver, ct_dispersion *d, double low
 }
 
 /* (1 - sin(b) cos(b)/b)/b^2 as a function of b^2, with the exponentials of `t`. */
-static double sine_energy(double beta2, const ct_trig *t)
+static double sine_energy(double xi2_squared, const ct_trig *t)
 {
-  if (fabs(beta2) > 0.01) return (t->unit - t->sinc * t->c) / beta2;
+  if (fabs(xi2_squared) > 0.01) return (t->unit - t->sinc * t->c) / xi2_squared;
   const double series =
-      2.0 / 3.0 - beta2 * (2.0 / 15.0 - beta2 * (4.0 / 315.0 - beta2 * 2.0 / 2835.0));
+      2.0 / 3.0 -
+      xi2_squared * (2.0 / 15.0 - xi2_squared * (4.0 / 315.0 - xi2_squared * 2.0 / 2835.0));
   return series * t->unit;
 }
 
@@ -102,8 +104,8 @@ static ct_mode mode_at(const ct_series *s, double xi, double omega, double weigh
   // -- Amplitudes from the free face (eq:series-free)
   ct_mode m = {xi,  omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi,
                0.0, 0.0};
-  const ct_trig ta = trig(m.alpha2), tb = trig(m.beta2);
-  const double e = m.beta2 - xi * xi;
+  const ct_trig ta = trig(m.xi1_squared), tb = trig(m.xi2_squared);
+  const double e = m.xi2_squared - xi * xi;
   const double a1 = -e * tb.sinc, b1 = 2.0 * xi * ta.s, a2 = 2.0 * xi * tb.c, b2 = e * ta.c;
   const int first = fabs(xi * a1) + fabs(b1) > fabs(xi * a2) + fabs(b2);
   m.a = first ? a1 : a2;
@@ -112,8 +114,8 @@ static ct_mode mode_at(const ct_series *s, double xi, double omega, double weigh
   const double mean = -(xi * m.a * ta.sinc + m.b * tb.sinc);
   const double energy =
       0.5 * m.a * m.a *
-          (xi * xi * (ta.unit + ta.sinc * ta.c) + (m.alpha2 * ta.unit - ta.s * ta.c)) +
-      0.5 * m.b * m.b * ((tb.unit + tb.sinc * tb.c) + xi * xi * sine_energy(m.beta2, &tb)) +
+          (xi * xi * (ta.unit + ta.sinc * ta.c) + (m.xi1_squared * ta.unit - ta.s * ta.c)) +
+      0.5 * m.b * m.b * ((tb.unit + tb.sinc * tb.c) + xi * xi * sine_energy(m.xi2_squared, &tb)) +
       2.0 * xi * m.a * m.b * ta.c * tb.sinc;
   // -- Weight (eq:series-sum)
   const double factor = -2.0 / PI * weight * mean / (energy * xi);
@@ -138,8 +140,8 @@ static ct_status keep(ct_series *s, const ct_mode *mode)
     for (int i = 0; i < BLOCK; i++) s->block[s->blocks - 1].omega[i] = 1.0;
   }
   ct_mode_block *b = &s->block[s->blocks - 1];
-  b->xi[place] = mode->xi, b->omega[place] = mode->omega, b->alpha2[place] = mode->alpha2;
-  b->beta2[place] = mode->beta2, b->a[place] = mode->a, b->b[place] = mode->b;
+  b->xi[place] = mode->xi, b->omega[place] = mode->omega, b->xi1_squared[place] = mode->xi1_squared;
+  b->xi2_squared[place] = mode->xi2_squared, b->a[place] = mode->a, b->b[place] = mode->b;
   s->count++;
   return CT_OK;
 }
@@ -219,8 +221,8 @@ static ct_status tabulated(double nu, size_t branches, double reach, ct_series *
   how.solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   ct_status status = s != NULL && rule != NULL && how.solver != NULL ? CT_OK : CT_ERROR_MEMORY;
   if (status == CT_OK) {
-    const double epsilon = 2.0 * nu / (1.0 - 2.0 * nu);
-    *s = (ct_series){epsilon, 2.0 + epsilon, 0, 0, 0, NULL};
+    const double ell = 2.0 * nu / (1.0 - 2.0 * nu);
+    *s = (ct_series){ell, 2.0 + ell, 0, 0, 0, NULL};
     status = tabulate(s, branches, &how, rule);
   }
   if (how.solver != NULL) gsl_root_fsolver_free(how.solver);
@@ -317,24 +319,25 @@ static void wave_factors(const ct_mode_block *m, double x, double t, ct_wave_fac
 
 /* Add a block of modes at height z >= 0. */
 CT_CLONES
-static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double epsilon, double z,
+static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double ell, double z,
                       double field[5])
 {
   double ca[BLOCK], sa[BLOCK], cb[BLOCK], sb[BLOCK];
-  shapes(m->alpha2, z, ca, sa);
-  shapes(m->beta2, z, cb, sb);
+  shapes(m->xi1_squared, z, ca, sa);
+  shapes(m->xi2_squared, z, cb, sb);
   double sum[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
   for (int i = 0; i < BLOCK; i++) {
     // -- Displacement of the mode and its derivatives over the thickness (eq:series-boundary)
     const double xi = m->xi[i], a = m->a[i], b = m->b[i];
-    const double sinc = m->beta2[i] != 0.0 ? sb[i] / m->beta2[i] : z;
+    const double sinc = m->xi2_squared[i] != 0.0 ? sb[i] / m->xi2_squared[i] : z;
     const double u = -(xi * a * ca[i] + b * cb[i]), w = xi * b * sinc - a * sa[i];
     const double divergence = -m->omega[i] * m->omega[i] * a * ca[i];
-    const double w_z = xi * b * cb[i] - m->alpha2[i] * a * ca[i], u_z = xi * a * sa[i] + b * sb[i];
+    const double w_z = xi * b * cb[i] - m->xi1_squared[i] * a * ca[i],
+                 u_z = xi * a * sa[i] + b * sb[i];
     // -- Hooke's law and velocity (eq:series-fields)
-    sum[0] += (divergence + 2.0 / epsilon * xi * u) * f->cos_sin[i];
-    sum[1] += (divergence + 2.0 / epsilon * w_z) * f->cos_sin[i];
-    sum[2] += (u_z - xi * w) / epsilon * f->sin_sin[i];
+    sum[0] += (divergence + 2.0 / ell * xi * u) * f->cos_sin[i];
+    sum[1] += (divergence + 2.0 / ell * w_z) * f->cos_sin[i];
+    sum[2] += (u_z - xi * w) / ell * f->sin_sin[i];
     sum[3] += u * f->sin_cos[i];
     sum[4] += w * f->cos_cos[i];
   }
@@ -350,7 +353,7 @@ static void sum_line(const ct_series *s, size_t first, size_t last, const double
     ct_wave_factors factors;
     wave_factors(&s->block[j], x[first], t[first], &factors);
     for (size_t i = first; i < last; i++)
-      add_modes(&s->block[j], &factors, s->epsilon, fabs(z[i]), fields + 5 * i);
+      add_modes(&s->block[j], &factors, s->ell, fabs(z[i]), fields + 5 * i);
   }
   // -- Shear stress and transversal velocity are odd in z
   for (size_t i = first; i < last; i++)

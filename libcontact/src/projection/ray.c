@@ -20,7 +20,7 @@ typedef struct square {
 } square;
 
 /* The components across the line at xi, and their Jacobian. */
-static void look_across(const sight *s, const double xi[2], double G[2], double J[2][2])
+static void look_across(const sight *s, const double xi[2], double G[2], double dG[2][2])
 {
   double d[3], t1[3], t2[3];
   value(s->patch, xi, d);
@@ -28,8 +28,8 @@ static void look_across(const sight *s, const double xi[2], double G[2], double 
   for (int i = 0; i < 2; i++) {
     // -- Components across the line (eq:ray-across)
     G[i] = ct_vector_dot(s->across[i], d);
-    J[i][0] = ct_vector_dot(s->across[i], t1);
-    J[i][1] = ct_vector_dot(s->across[i], t2);
+    dG[i][0] = ct_vector_dot(s->across[i], t1);
+    dG[i][1] = ct_vector_dot(s->across[i], t2);
   }
 }
 
@@ -60,23 +60,23 @@ static int sight_along(sight *s, const double direction[3])
 /* What one look at a square tells of the roots in it. */
 typedef enum verdict { NONE, ONE_AT_MOST, UNKNOWN } verdict;
 
-static verdict judge(const sight *s, const square *q, double G[2], double J[2][2])
+static verdict judge(const sight *s, const square *q, double G[2], double dG[2][2])
 {
   double w = q->half, spread[2];
-  look_across(s, q->centre, G, J);
+  look_across(s, q->centre, G, dG);
   for (int i = 0; i < 2; i++) {
     const double *b = s->bend[i];
     // -- No root where a component cannot vanish (eq:ray-empty)
     spread[i] = 0.5 * (b[0] + b[1] + 2 * b[2]) * w * w;
-    if (fabs(G[i]) > (fabs(J[i][0]) + fabs(J[i][1])) * w + spread[i]) return NONE;
+    if (fabs(G[i]) > (fabs(dG[i][0]) + fabs(dG[i][1])) * w + spread[i]) return NONE;
   }
-  double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+  double determinant = dG[0][0] * dG[1][1] - dG[0][1] * dG[1][0];
   if (!(fabs(determinant) > 0)) return UNKNOWN;
   double change = 0;
   for (int a = 0; a < 2; a++) {
     // -- The same for the components that Newton's step mixes (eq:ray-mixed)
-    double p = (a == 0 ? J[1][1] : -J[1][0]) / determinant,
-           r = (a == 0 ? -J[0][1] : J[0][0]) / determinant;
+    double p = (a == 0 ? dG[1][1] : -dG[1][0]) / determinant,
+           r = (a == 0 ? -dG[0][1] : dG[0][0]) / determinant;
     double step = p * G[0] + r * G[1], bend = fabs(p) * spread[0] + fabs(r) * spread[1];
     if (fabs(step) > w + bend) return NONE;
     change = fmax(change, 2 * bend / w);
@@ -88,15 +88,15 @@ static verdict judge(const sight *s, const square *q, double G[2], double J[2][2
 /* Newton to the root that the square may hold; answers whether it does. */
 static int polish(const sight *s, const square *q, double xi[2], int *looks)
 {
-  double G[2], J[2][2], beyond = q->half * (1 + 1e-9) + s->slack;
+  double G[2], dG[2][2], beyond = q->half * (1 + 1e-9) + s->slack;
   xi[0] = q->centre[0], xi[1] = q->centre[1];
   for (int i = 0; i < 20; i++) {
-    look_across(s, xi, G, J);
+    look_across(s, xi, G, dG);
     ++*looks;
-    double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+    double determinant = dG[0][0] * dG[1][1] - dG[0][1] * dG[1][0];
     // -- Newton's step across the line (eq:ray-newton)
-    double x = (J[0][1] * G[1] - J[1][1] * G[0]) / determinant,
-           y = (J[1][0] * G[0] - J[0][0] * G[1]) / determinant;
+    double x = (dG[0][1] * G[1] - dG[1][1] * G[0]) / determinant,
+           y = (dG[1][0] * G[0] - dG[0][0] * G[1]) / determinant;
     xi[0] += x, xi[1] += y;
     if (!(fabs(xi[0] - q->centre[0]) <= 2 * beyond && fabs(xi[1] - q->centre[1]) <= 2 * beyond))
       return 0;
@@ -127,12 +127,12 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
   if (!sight_along(&s, direction)) return CT_INVALID;
   stack[0].centre[0] = stack[0].centre[1] = triangular ? 0.5 : 0;
   stack[0].half = (triangular ? 0.5 : 1) + s.slack;
-  double smallest = ldexp(stack[0].half, -DEPTH), G[2], J[2][2], root[2];
+  double smallest = ldexp(stack[0].half, -DEPTH), G[2], dG[2][2], root[2];
   *distance = HUGE_VAL;
   for (; size > 0 && *looks < BUDGET; ++*looks) {
     square q = stack[--size];
     if (triangular && q.centre[0] + q.centre[1] - 2 * q.half > 1 + s.slack) continue;
-    verdict found = judge(&s, &q, G, J);
+    verdict found = judge(&s, &q, G, dG);
     if (found == NONE) continue;
     if (found == ONE_AT_MOST) {
       if (polish(&s, &q, root, looks)) keep(&s, root, distance, xi);

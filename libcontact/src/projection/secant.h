@@ -157,12 +157,12 @@ PART void linear_range(const proof *p, const cell *c, const real g[2], real midd
   *high = middle + most(i, most(j, k));
 }
 
-/* Add what one part of the linear term does over the cell: a share lambda of the direction e, which
+/* Add what one part of the linear term does over the cell: a slope l of the direction e, which
  * helps where it is positive. */
-PART void linear_share(const proof *p, const cell *c, const base *closest, real lambda,
+PART void linear_share(const proof *p, const cell *c, const base *closest, real l,
                        const double e[2], form *m, slack *rest)
 {
-  real low, high, g[2] = {lambda * e[0], lambda * e[1]}, zero = every(0);
+  real low, high, g[2] = {l * e[0], l * e[1]}, zero = every(0);
   linear_range(p, c, g,
                g[0] * (c->centre[0] - closest->xi[0]) + g[1] * (c->centre[1] - closest->xi[1]),
                &low, &high);
@@ -171,7 +171,7 @@ PART void linear_share(const proof *p, const cell *c, const base *closest, real 
   for (int a = 0; a < 2; a++) rest->g[a] += pick(helps, zero, g[a]);
   if (!any(helps)) return;
   // -- A slope away from the closest point is at least a parabola (eq:certified-slope)
-  real share = pick(helps, lambda / (high / lambda) * (1 - 16 * DBL_EPSILON), zero);
+  real share = pick(helps, l / (high / l) * (1 - 16 * DBL_EPSILON), zero);
   m->m11 += share * (e[0] * e[0]);
   m->m22 += share * (e[1] * e[1]);
   m->low += share * (e[0] * e[1]);

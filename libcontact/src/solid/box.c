@@ -60,16 +60,16 @@ typedef struct slope {
 } slope;
 
 /* Displacement gradients of a component from its modes: along x the bilinear terms are η, ζ, ηζ;
- * along y ξ, ζ, ζξ; along z ξ, η, ξη. k = 1 / (4 edge). */
-static inline void slopes(const ct_lanes U[CT_MODES], const double k[3], slope D[3])
+ * along y ξ, ζ, ζξ; along z ξ, η, ξη. c = 1 / (4 edge). */
+static inline void slopes(const ct_lanes U[CT_MODES], const double c[3], slope D[3])
 {
   // (eq:box-gradient)
   D[0] =
-      (slope){k[0] * U[CT_XI], k[0] * U[CT_XI_ETA], k[0] * U[CT_ZETA_XI], k[0] * U[CT_XI_ETA_ZETA]};
-  D[1] = (slope){k[1] * U[CT_ETA], k[1] * U[CT_XI_ETA], k[1] * U[CT_ETA_ZETA],
-                 k[1] * U[CT_XI_ETA_ZETA]};
-  D[2] = (slope){k[2] * U[CT_ZETA], k[2] * U[CT_ZETA_XI], k[2] * U[CT_ETA_ZETA],
-                 k[2] * U[CT_XI_ETA_ZETA]};
+      (slope){c[0] * U[CT_XI], c[0] * U[CT_XI_ETA], c[0] * U[CT_ZETA_XI], c[0] * U[CT_XI_ETA_ZETA]};
+  D[1] = (slope){c[1] * U[CT_ETA], c[1] * U[CT_XI_ETA], c[1] * U[CT_ETA_ZETA],
+                 c[1] * U[CT_XI_ETA_ZETA]};
+  D[2] = (slope){c[2] * U[CT_ZETA], c[2] * U[CT_ZETA_XI], c[2] * U[CT_ETA_ZETA],
+                 c[2] * U[CT_XI_ETA_ZETA]};
 }
 
 /* Modal forces of one component from the stress coefficients that its gradients along x, y, z work
@@ -117,12 +117,12 @@ CT_CLONES
 void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last,
                           const double *displacement, double *values)
 {
-  double volume = part->edge[0] * part->edge[1] * part->edge[2], k[3], K1[3], K3[3], K9[3];
+  double volume = part->edge[0] * part->edge[1] * part->edge[2], c[3], K1[3], K3[3], K9[3];
   for (int d = 0; d < 3; d++) {
     // -- V / (4 edge) times the mean squares
-    k[d] = 0.25 / part->edge[d];
+    c[d] = 0.25 / part->edge[d];
     // ⟨1⟩, ⟨ξ²⟩ = 1/3, ⟨ξ²η²⟩ = 1/9 (eq:box-moments)
-    K1[d] = volume * k[d];
+    K1[d] = volume * c[d];
     K3[d] = K1[d] / 3.0;
     K9[d] = K1[d] / 9.0;
   }
@@ -135,7 +135,7 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
         ct_brick_modes(&u[8 * i], U);
-        slopes(U, k, D[i]);
+        slopes(U, c, D[i]);
       }
       box_stress(D, part->lambda, part->mu, s);
       for (int i = 0; i < 3; i++) {

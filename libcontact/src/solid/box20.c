@@ -32,7 +32,7 @@ static double own_stiffness(const int degree[3], const double G[3])
   double sum[3];
   for (int d = 0; d < 3; d++) {
     int p = degree[d], q = degree[(d + 1) % 3], r = degree[(d + 2) % 3];
-    // G k² d_p s_q s_r (eq:box20-own)
+    // G c² d_p n_q n_r (eq:box20-own)
     sum[d] = G[d] * (SLOPE[p] * (SQUARE[q] * SQUARE[r]));
   }
   return (sum[0] + sum[1]) + sum[2];
@@ -42,8 +42,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
 {
   box20 *B = part->box20 = ct_allocate(1, sizeof *B);
   if (B == NULL) return CT_ERROR_MEMORY;
-  double volume = part->edge[0] * part->edge[1] * part->edge[2], k[3];
-  for (int d = 0; d < 3; d++) k[d] = 0.25 / part->edge[d];
+  double volume = part->edge[0] * part->edge[1] * part->edge[2], c[3];
+  for (int d = 0; d < 3; d++) c[d] = 0.25 / part->edge[d];
   // -- Degrees of the modes along each axis (eq:box20-modes)
   int degree[CT_MODES20][3] = {{0}};
   for (int d = 0; d < 3; d++) {
@@ -60,7 +60,7 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   for (int i = 0; i < 3; i++) {
     double G[3];
     for (int d = 0; d < 3; d++)
-      G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
+      G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (c[d] * c[d]));
     for (int m = 0; m < CT_MODES20; m++) B->own[i][m] = own_stiffness(degree[m], G);
   }
   // -- Two components, by the degrees of their term along the three axes
@@ -69,8 +69,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
                                       {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
     double mean = (MIXED[met[t][0]] * MIXED[met[t][1]]) * SQUARE[met[t][2]];
     for (int d = 0; d < 3; d++) {
-      // V k_i k_j m m s (eq:box20-couplings)
-      double both = (volume * (k[(d + 1) % 3] * k[(d + 2) % 3])) * mean;
+      // V c_i c_j m m n (eq:box20-couplings)
+      double both = (volume * (c[(d + 1) % 3] * c[(d + 2) % 3])) * mean;
       B->lambda[d][t] = part->lambda * both;
       B->mu[d][t] = part->mu * both;
     }

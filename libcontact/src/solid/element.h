@@ -64,7 +64,7 @@ ct_status ct_element_cauchy(const ct_material *material, double G[3][3], double 
 
 /* Force of one hex8 element with one point and hourglass control, the readable form,
  * eq:reduced-force. `nodes`, `displacement` and `force` have shape (8, 3); `hourglass` > 0 is
- * the coefficient κ of eq:hourglass-stiffness. `energy` (may be null) gets the energies of the
+ * the coefficient Q of eq:hourglass-stiffness. `energy` (may be null) gets the energies of the
  * mean strain and of the hourglass control, eq:reduced-energy. CT_ERROR_UNSUPPORTED for a
  * law of large deformation. */
 ct_status ct_solid_reduced_force(const double *nodes, const double *displacement,

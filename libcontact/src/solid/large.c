@@ -34,7 +34,7 @@ double ct_large_stress(const ct_material *material, double G[3][3], double S[3][
   deformation d = deform(G);
   // -- J - 1 from the gradient, where 1 has dropped out (eq:volume-change)
   double three = ct_cofactors(G, minor), two = (minor[0][0] + minor[1][1]) + minor[2][2];
-  double theta = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three), J = 1.0 + theta;
+  double change = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three), J = 1.0 + change;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double one = i == j ? 1.0 : 0.0;
@@ -45,7 +45,7 @@ double ct_large_stress(const ct_material *material, double G[3][3], double S[3][
         // -- S = μ (1 - C⁻¹) + Λ (J - 1) J C⁻¹ (eq:neo-hookean-stress, eq:neo-hookean-exact)
         double inverse = ((1.0 + d.one) * one - d.B[i][j] + d.adjugate[i][j]) / (J * J);
         double excess = ((d.two + d.three) * one + d.B[i][j] - d.adjugate[i][j]) / (J * J);
-        S[i][j] = mu * excess + lambda * theta * J * inverse;
+        S[i][j] = mu * excess + lambda * change * J * inverse;
       }
     }
   return J;
@@ -77,16 +77,16 @@ double ct_large_tangent(const ct_material *material, double G[3][3], ct_large_st
 static double log_excess(double t)
 {
   if (!(fabs(t) < 0.1)) return t - log1p(t);
-  double s = t / (2.0 + t), q = s * s, series = 0.0;
+  double r = t / (2.0 + t), q = r * r, series = 0.0;
   for (int k = 15; k >= 3; k -= 2) series = 1.0 / k + q * series;
-  return t * s - 2.0 * s * q * series;
+  return t * r - 2.0 * r * q * series;
 }
 
 double ct_large_volume_energy(double lambda, double mu, double t)
 {
   // -- Energy of the volume without a difference of large terms (eq:neo-hookean-exact)
-  double theta = t / (1.0 + sqrt(1.0 + t));
-  return 0.5 * lambda * theta * theta + 0.5 * mu * log_excess(t);
+  double change = t / (1.0 + sqrt(1.0 + t));
+  return 0.5 * lambda * change * change + 0.5 * mu * log_excess(t);
 }
 
 double ct_large_energy(const ct_material *material, double G[3][3])

@@ -76,9 +76,9 @@ CT_INLINE void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_lanes 
   I[2] = (B[0] * A[0] + B[3] * A[3]) + B[5] * A[5];
 }
 
-/* Second Piola-Kirchhoff stress from B and θ = J - 1 (eq:st-venant-kirchhoff,
+/* Second Piola-Kirchhoff stress from B and the change of volume J - 1 (eq:st-venant-kirchhoff,
  * eq:neo-hookean-stress). */
-CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *theta, double lambda,
+CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *change, double lambda,
                             double mu, ct_lanes S[6])
 {
   if (law == CT_ST_VENANT_KIRCHHOFF) {
@@ -88,8 +88,8 @@ CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *the
   }
   ct_lanes A[6], I[3];
   ct_large_invariants(B, A, I);
-  ct_lanes inverse = 1.0 / (1.0 + *theta), p = (mu * inverse) * inverse,
-           q = (lambda * *theta) * inverse;
+  ct_lanes inverse = 1.0 / (1.0 + *change), p = (mu * inverse) * inverse,
+           q = (lambda * *change) * inverse;
   ct_lanes diagonal = p * (I[1] + I[2]) + q * (1.0 + I[0]), rest = p - q;
   for (int k = 0; k < 6; k++) S[k] = k < 3 ? rest * (B[k] - A[k]) + diagonal : rest * (B[k] - A[k]);
 }
@@ -105,15 +105,15 @@ CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], do
   ct_large_strain(G, B);
   ct_lanes_cofactors(G, minor, &three);
   ct_lanes two = (minor[0][0] + minor[1][1]) + minor[2][2];
-  ct_lanes theta = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three);
-  ct_large_law(law, B, &theta, lambda, mu, S);
+  ct_lanes change = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three);
+  ct_large_law(law, B, &change, lambda, mu, S);
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++)
       T[j] =
           S[at[i][j]] + ((G[i][0] * S[at[0][j]] + G[i][1] * S[at[1][j]]) + G[i][2] * S[at[2][j]]);
     for (int j = 0; j < 3; j++) P[i][j] = (T[0] * C[0][j] + T[1] * C[1][j]) + T[2] * C[2][j];
   }
-  *volume = 1.0 + theta;
+  *volume = 1.0 + change;
 }
 
 /* Stored energy of one point times det J, for its weight (eq:large-energy). */

@@ -3,7 +3,7 @@
 
 #include "kernel.h"
 
-/* The coefficient κ of the hourglass control when none is given: a cube then bends as a beam does.
+/* The coefficient Q of the hourglass control when none is given: a cube then bends as a beam does.
  */
 static const double CT_HOURGLASS_DEFAULT = 1.0;
 

@@ -13,7 +13,7 @@
 /* The element's own: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the
  * stiffness of their amplitudes. */
 typedef struct reduced_element {
-  double V, B[20][3], gamma[4][20], c;
+  double V, B[20][3], Gamma[4][20], c;
 } reduced_element;
 
 ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume,
@@ -66,19 +66,19 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
 
   // -- Make the hourglass vectors blind to linear displacements (eq:hourglass-vector)
   for (int k = 0; k < 4; k++) {
-    double h[8], hx[3] = {0.0};
+    double m[8], mx[3] = {0.0};
     for (int a = 0; a < 8; a++) {
       ct_brick_reference(CT_HEX8, a, xi);
-      h[a] = k == 0   ? xi[0] * xi[1]
+      m[a] = k == 0   ? xi[0] * xi[1]
              : k == 1 ? xi[1] * xi[2]
              : k == 2 ? xi[2] * xi[0]
                       : xi[0] * xi[1] * xi[2];
-      for (int j = 0; j < 3; j++) hx[j] += h[a] * (x[a][j] - middle[j]);
+      for (int j = 0; j < 3; j++) mx[j] += m[a] * (x[a][j] - middle[j]);
     }
     for (int a = 0; a < 8; a++)
-      r->gamma[k][a] = h[a] - ((hx[0] * r->B[a][0] + hx[1] * r->B[a][1]) + hx[2] * r->B[a][2]);
+      r->Gamma[k][a] = m[a] - ((mx[0] * r->B[a][0] + mx[1] * r->B[a][1]) + mx[2] * r->B[a][2]);
   }
-  // -- The stiffness with which a cube bends as a beam for κ = 1 (eq:hourglass-stiffness)
+  // -- The stiffness with which a cube bends as a beam for Q = 1 (eq:hourglass-stiffness)
   r->c = hourglass * material->young * r->V * g2 / 72.0;
   return CT_OK;
 }
@@ -111,8 +111,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   for (int k = 0; k < 4; k++)
     for (int i = 0; i < 3; i++) {
       double q = 0.0;
-      for (int a = 0; a < 8; a++) q += r.gamma[k][a] * (u[a][i] - u[0][i]);
-      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.c * q * r.gamma[k][a];
+      for (int a = 0; a < 8; a++) q += r.Gamma[k][a] * (u[a][i] - u[0][i]);
+      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.c * q * r.Gamma[k][a];
       H += 0.5 * r.c * q * q;
     }
   if (energy != NULL) energy[0] = W, energy[1] = H;
@@ -132,7 +132,7 @@ ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material,
     for (int b = 0; b <= a; b++) {
       ct_add_stiffness(A, a, b, r.B[a], r.B[b], lambda * r.V, mu * r.V);
       for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 4; k++) A[3 * a + i][3 * b + i] += r.c * r.gamma[k][a] * r.gamma[k][b];
+        for (int k = 0; k < 4; k++) A[3 * a + i][3 * b + i] += r.c * r.Gamma[k][a] * r.Gamma[k][b];
     }
   return CT_OK;
 }

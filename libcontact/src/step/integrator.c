@@ -14,7 +14,7 @@ typedef struct range {
   double least, most, usual;
 } range;
 
-/* 2 - √2: with a larger p the method of Noh and Bathe damps less again. */
+/* 2 - √2: with a larger τ₁ the method of Noh and Bathe damps less again. */
 #define LARGEST_P 0.585786437626905
 static const range RANGES[] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0},
                                {"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0},
@@ -51,7 +51,7 @@ int ct_integrator_evaluations(const ct_integrator *integrator)
                                                                                              : 1;
 }
 
-/* Δt_c / Δt of the pushforward, κ. */
+/* Δt_c / Δt of the pushforward, q. */
 static double push_of(const ct_integrator *integrator) { return fmax(1.0, integrator->push); }
 
 /* φ of Tchamwa and Wielgosz. */
@@ -70,10 +70,10 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
     stages[0].l = 1.0 - value;
     break;
   case CT_NOH_BATHE: {
-    // -- Two stages of the lengths p and 1 - p (eq:noh-bathe-stages)
-    double p = value, q = 1.0 - p, second = q / (2.0 * p);
-    stages[0] = (ct_stage){p, 1.0 - second, p, 0.0};
-    stages[1] = (ct_stage){q, second, 0.5, -(2.0 * p - 1.0) * second};
+    // -- Two stages of the lengths τ₁ and τ₂ = 1 - τ₁ (eq:noh-bathe-stages)
+    double tau1 = value, tau2 = 1.0 - tau1, second = tau2 / (2.0 * tau1);
+    stages[0] = (ct_stage){tau1, 1.0 - second, tau1, 0.0};
+    stages[1] = (ct_stage){tau2, second, 0.5, -(2.0 * tau1 - 1.0) * second};
     return 2;
   }
   case CT_TCHAMWA_WIELGOSZ:
@@ -83,8 +83,8 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
   case CT_PUSHFORWARD_PULLBACK: {
     // -- The drift takes a share of the change of the acceleration over the push
     // (eq:pullback-drift)
-    double k = push_of(integrator);
-    stages[0].l = value * (k - 1.0 / k) / 6.0;
+    double q = push_of(integrator);
+    stages[0].l = value * (q - 1.0 / q) / 6.0;
     break;
   }
   }
@@ -100,7 +100,7 @@ double ct_integrator_share(const ct_integrator *integrator)
 static double stiffening(const ct_integrator *integrator)
 {
   const double value = integrator->parameter;
-  // -- 1, 4β - 3, (1 - p)(3p - 1), 2φ - 1 (eq:integrator-limits)
+  // -- 1, 4r - 3, (1 - τ₁)(3τ₁ - 1), 2φ - 1 (eq:integrator-limits)
   switch (integrator->scheme) {
   case CT_CENTRAL_DIFFERENCE:
     break;
@@ -111,9 +111,9 @@ static double stiffening(const ct_integrator *integrator)
   case CT_TCHAMWA_WIELGOSZ:
     return 2.0 * phi_of(value) - 1.0;
   case CT_PUSHFORWARD_PULLBACK: {
-    // -- 4 - x - θ/6 κ(κ² - 1) x² = 0 (eq:pullback-limit)
-    double k = push_of(integrator);
-    return 0.5 * (1.0 + sqrt(1.0 + 8.0 / 3.0 * value * k * (k * k - 1.0)));
+    // -- 4 - x - χ/6 q(q² - 1) x² = 0 (eq:pullback-limit)
+    double q = push_of(integrator);
+    return 0.5 * (1.0 + sqrt(1.0 + 8.0 / 3.0 * value * q * (q * q - 1.0)));
   }
   }
   return 1.0;

@@ -243,7 +243,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
   int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  // -- v = v_0 - g Δt a_0, a⁻ = a_0 (eq:stage-start)
+  // -- v = v_0 - f Δt a_0, a⁻ = a_0 (eq:stage-start)
   for (int64_t d = 0; d < dofs; d++) {
     // -- Half a step back from the initial velocity (eq:stage-start)
     state->velocity[d] = // (eq:leapfrog-start)

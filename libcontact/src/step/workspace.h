@@ -130,7 +130,7 @@ int ct_problem_is_linear(const ct_problem *problem);
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
                       double *velocity);
 
-/* Share g of Δt by which the force at t_n completes the velocity there, v_n = v + g Δt f_n / m
+/* Share f of Δt by which the force at t_n completes the velocity there, v_n = v + f Δt a_n
  * (eq:stage-velocity). */
 double ct_integrator_share(const ct_integrator *integrator);
 
