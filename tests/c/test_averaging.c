@@ -105,7 +105,7 @@ static void force(void)
 }
 
 /* A standing wave of a bar between its free ends: u_n = cos(ω n Δt) cos(k x), with the frequency of
- * eq:averaged-dispersion (eq:averaged-eta, eq:averaged-modes). */
+ * eq:averaged-dispersion (eq:averaged-gamma, eq:averaged-modes). */
 static double wave_error(int cells, int mode, double courant)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, cells, 1, 1, cells, 1, 1);

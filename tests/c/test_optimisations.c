@@ -22,7 +22,7 @@ static void fly(const double *reference, int32_t node_count, double time, double
 }
 
 /* Contact points of a contact that need not look, and of one that always does; on the way the first
- * one counts its looks. */
+ * one counts its looks (eq:contact-clear). */
 static void flight(ct_brick_kind kind, int self)
 {
   enum { STEPS = 800 };
@@ -201,7 +201,7 @@ static void lattices(void)
 
 /* A distorted box whose numbers are shuffled: its forces and energies are those of the tables, and
  * those of the box in its order. `turned`: the reference axes of its elements differ, so that
- * octants of nodes hold several elements, whose order is that of their numbers. */
+ * octants of nodes hold several elements, whose order is that of their numbers (eq:order-rows). */
 static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
 {
   ct_error e;

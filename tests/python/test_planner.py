@@ -69,6 +69,7 @@ def run_of(scene):
 @pytest.mark.parametrize("order", (0.5, 0.75, 1.0, 1.5, 2.0))
 @pytest.mark.parametrize("limit, change", ((3.0, 1.0), (-2e-7, 5e-7), (1.0, -0.01)))
 def test_a_power_law_is_found(order, limit, change):
+    """eq:planner-power and eq:planner-fit, of sequences without an error."""
     h = 0.7 * 2.0 ** (-0.5 * np.arange(5))
     found = planner.extrapolate(h, limit + change * h**order)
     assert found.value == pytest.approx(limit, abs=1e-9 * abs(change))
@@ -91,6 +92,7 @@ def test_the_uncertainty_holds_the_truth():
 
 
 def test_a_common_limit_trusts_the_surer_and_no_one_alone():
+    """eq:planner-mean by hand."""
     sure, vague = (
         planner.Limit(1.0, 0.01, 1.0, (1.0, 1.0)),
         planner.Limit(2.0, 1.0, 1.0, (1.0, 1.0)),

@@ -254,6 +254,7 @@ def _sizes(problem: Problem) -> dict[str, float]:
 def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
     """A cost that grows in proportion to a size, beside a fixed part, from pairs of size and cost."""
     (larger, most), (smaller, least) = seen[0], seen[-1]
+    # (eq:plan-size)
     slope = (most - least) / (larger - smaller) if larger > smaller else most / max(larger, 1.0)
     return most + max(slope, 0.0) * (size - larger)
 

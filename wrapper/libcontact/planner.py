@@ -138,7 +138,7 @@ class Limit:
 
 def extrapolate(sizes: Any, values: Any) -> Limit:
     """
-    Fit :math:`F + C h^p` to values on some meshes, :eq:`planner-fit`.
+    Fit :math:`F + C h^q` to values on some meshes, :eq:`planner-fit`.
 
     Parameters
     ----------
@@ -154,12 +154,14 @@ def extrapolate(sizes: Any, values: Any) -> Limit:
     """
     h, f = np.asarray(sizes, float)[-LAST:], np.asarray(values, float)[-LAST:]
     h, rows = h / h[0], []
-    for p in ORDERS:
-        matrix = np.column_stack([np.ones(len(h)), h**p])
+    for q in ORDERS:
+        # (eq:planner-power)
+        matrix = np.column_stack([np.ones(len(h)), h**q])
         (limit, slope), *_ = np.linalg.lstsq(matrix, f, rcond=None)
-        misfit = f - limit - slope * h**p
+        misfit = f - limit - slope * h**q
         rows.append((misfit @ misfit, limit, np.linalg.inv(matrix.T @ matrix)[0, 0]))
     squares, limits, spread = np.array(rows).T
+    # (eq:planner-fit)
     best, variance = int(squares.argmin()), float(squares.min() / (len(h) - 3))
     near = squares <= squares[best] + 4.0 * variance + (1e-12 * np.ptp(f)) ** 2
     wide = 2.0 * np.sqrt(variance * spread)
@@ -188,6 +190,7 @@ def together(limits: list[Limit]) -> tuple[float, float]:
     widths = np.maximum(widths, np.sort(widths)[len(widths) // 4])
     weights = 1.0 / np.maximum(widths, 1e-9 * np.abs(values).max() + 1e-150) ** 2
     weights /= weights.sum()
+    # (eq:planner-mean)
     mean = float(weights @ values)
     return mean, math.sqrt(weights @ (widths**2 + (values - mean) ** 2))
 

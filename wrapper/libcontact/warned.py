@@ -110,6 +110,7 @@ def _spread_of(X: NDArray[Any]) -> tuple[NDArray[Any], float]:
     some = _spread(len(X))
     spread = X[some] - X[some].mean(axis=0)
     inertia = spread.T @ spread
+    # (eq:turned-bound)
     across = float(np.trace(inertia) - np.linalg.eigvalsh(inertia)[-1])
     return some, (1.0 - 1e-9) * math.sin(0.5 * TURNED) ** 2 * across
 
@@ -322,6 +323,7 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
         first = _first_nodes(problem, touch)
         masses = {name: _masses(problem, name, first[name], touch.normal) for name in first}
         hit, moving = (_reduced(list(each)) for each in zip(*masses.values()))
+        # (eq:thin-loss)
         if math.isfinite(moving) and hit >= THIN * moving:
             share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]

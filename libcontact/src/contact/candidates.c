@@ -117,6 +117,7 @@ int ct_contact_is_separated(const ct_contact *contact)
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
   double part =
       a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
+  // (eq:contact-clear)
   return motion(a) + motion(b) <= part * contact->clear && !holds(a) && !holds(b);
 }
 

@@ -226,6 +226,7 @@ static void take_motion(ct_probes *probes, const probe *p, const ct_state *state
     for (int c = 0; c < 3; c++)
       probes->terms[(int64_t)c * count + i] = problem->mass[node] * own[c];
   }
+  // (eq:probe-mean)
   for (int c = 0; c < 3; c++) out[c] = ct_sum(&probes->terms[(int64_t)c * count], count) / p->mass;
 }
 
@@ -268,6 +269,7 @@ static void take_force(ct_probes *probes, const probe *p, const ct_state *state,
     }
     for (int c = 0; c < 3; c++) {
       int a = (c + 1) % 3, b = (c + 2) % 3;
+      // (eq:probe-resultant)
       probes->terms[(int64_t)c * count + i] =
           quantity == CT_QUANTITY_FORCE ? f[c] : x[a] * f[b] - x[b] * f[a];
     }

@@ -98,6 +98,7 @@ static double step_of(const ct_problem *problem, const bounds *sum)
   double dt = 0.0;
   for (int round = 0; round < (enlarging == NULL ? 1 : FIXED_POINT_ROUNDS); round++) {
     double factor = enlarging == NULL ? 1.0 : enlarging->amplification(enlarging, dt);
+    // (eq:averaged-bound)
     dt = ct_integrator_step(&problem->integrator, factor * sum->omega_squared, factor * sum->rate);
   }
   return dt;
