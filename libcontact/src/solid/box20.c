@@ -92,7 +92,7 @@ CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][CT_MODES20],
   const ct_lanes *u = U[i], *v = U[j], *w = U[k];
   const double *K = B->own[i], *Lv = B->lambda[k], *Lw = B->lambda[j], *Mv = B->mu[k],
                *Mw = B->mu[j];
-  // K U + Λ C U + μ C U (eq:box20-force)
+  // -- K U + Λ C U + μ C U (eq:box20-force)
   F[x] = K[x] * u[x] + (Lv[FLAT] * v[y] + Lw[FLAT] * w[z]);
   F[y] = K[y] * u[y] + Mv[FLAT] * v[x];
   F[z] = K[z] * u[z] + Mw[FLAT] * w[x];
