@@ -28,8 +28,8 @@ import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
-import two_speeds as speeds  # noqa: E402 (the prototype of the chapter)
 import face as free_face  # noqa: E402 (the program of the chapter on the exact solution)
+import two_speeds as speeds  # noqa: E402 (the prototype of the chapter)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)

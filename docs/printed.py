@@ -87,9 +87,7 @@ def numbers(reader: browser.Reader, count: int) -> PdfReader:
         f'<div style="height:100vh;break-after:page;position:relative"><p style="position:absolute;bottom:8mm;width:100%;text-align:center">{k + 1}</p></div>'
         for k in range(count)
     )
-    reader.page.set_content(
-        f'<body style="margin:0;font:11px sans-serif;color:#555">{each}'
-    )
+    reader.page.set_content(f'<body style="margin:0;font:11px sans-serif;color:#555">{each}')
     return PdfReader(io.BytesIO(reader.page.pdf(format="A4")))
 
 
@@ -114,7 +112,9 @@ def finish(writer: PdfWriter, address: str, book: list[Printed]) -> None:
 def write(folder: Path, path: Path) -> None:
     own = browser.find()
     if own is None:
-        raise SystemExit("no browser: install chromium, or run build/venv/bin/playwright install --only-shell chromium")
+        raise SystemExit(
+            "no browser: install chromium, or run build/venv/bin/playwright install --only-shell chromium"
+        )
     with browser.reading(folder, own) as reader:
         reader.page.emulate_media(media="print", color_scheme="light")
         reader.page.set_viewport_size({"width": WIDTH, "height": 1200})
