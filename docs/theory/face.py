@@ -55,7 +55,10 @@ def path_point(x, y, t, c):
 
 
 def primitive(p, wave, kappa):
-    """J(p), the integral of F from 0 over i to p, away from the branch points; most points near p, where a pole may be close."""
+    """
+    J(p), the integral of F from 0 over i to p, away from the branch points; most points near p,
+    where a pole may be close.
+    """
     v = 0.5 * (1 + GAUSS[0])
     total = 0
     for start, end, power in ((0, 1j, 1), (1j, p, 6)):
@@ -65,7 +68,10 @@ def primitive(p, wave, kappa):
 
 
 def face(x, y, t, nu=0.3):
-    """The contributions of the P and the S wave to the five fields at the depth y below the face, shape (2, 5)."""
+    """
+    The contributions of the P and the S wave to the five fields at the depth y below the face,
+    shape (2, 5).
+    """
     kappa = np.sqrt(2 * (1 - nu) / (1 - 2 * nu))
     parts = np.zeros((2, 5))
     for wave, c in enumerate((1.0, kappa)):
