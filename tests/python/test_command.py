@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -99,6 +100,50 @@ def test_plot_draws_a_picture(scene, capsys):
     assert main(["plot", "out.vtkhdf", "--field", "stress_xq"]) == 2
     assert "did you mean" in capsys.readouterr().err
     assert main(["plot", "out.vtkhdf", "-o", "none/v.png"]) == 2
+
+
+@pytest.mark.parametrize("file", ["out.vtkhdf", None])
+def test_run_with_plot_gives_a_picture_in_one_command(file, scene, capsys):
+    """Beside the results file, or, where a scene writes none, named after the scene in this folder."""
+    image = pytest.importorskip("matplotlib.image")
+    if file is None:
+        text = Path(scene).read_text()
+        Path(scene).write_text("\n".join(x for x in text.splitlines() if "vtkhdf" not in x))
+    elif not ct.has("hdf5"):
+        pytest.skip("built without HDF5")
+    output = ["-o", file] if file else []
+    more = ["--plot", "--field", "velocity_x", "--scale", "100"]
+    assert main(["run", scene, "--until", "1e-7", *output, *more]) == 0
+    name = "out.png" if file else "scene.png"
+    assert re.search(rf'picture in ".*{name}"', capsys.readouterr().err)
+    pixels = image.imread(name)
+    assert min(pixels.shape[:2]) > 1000 and pixels.std() > 0.05
+
+
+def test_a_view_shows_the_side_that_it_names():
+    """Of the scene Hertz: the pressed side is at z_max, the cut through its middle at y_min; the opposite sides show nothing of the stress peak."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    from libcontact.plot import draw_field
+
+    run = ct.Scene.load(ct.example("hertz")).run(progress=False, output=False)
+    stress = run.state["block"].stress[:, 2]
+    peaks = {}
+    for view in ("z_max", "y_min", "x_min", "z_min", "y_max", None):
+        figure, axes = pyplot.subplots()
+        peaks[view] = draw_field(axes, run, "stress_zz", view=view).get_array().min()
+        pyplot.close(figure)
+    assert peaks["z_max"] == peaks["y_min"] == peaks["x_min"] == stress.min()
+    assert peaks["z_min"] > 0.5 * stress.min() and peaks["y_max"] > 0.5 * stress.min()
+    assert peaks[None] > 0.5 * stress.min()
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--field", "stress_xq"], ["--scale", "inf"], ["--field", "velocity"]]
+)
+def test_run_refuses_a_picture_that_cannot_be_before_it_computes(wrong, scene, capsys):
+    pytest.importorskip("matplotlib")
+    assert main(["run", scene, "--plot", *wrong]) == 2
+    assert "error: " in capsys.readouterr().err and os.listdir() == ["scene.toml"]
 
 
 @needs_hdf5

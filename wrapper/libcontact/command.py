@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib.util
 import math
 import os
 import sys
@@ -91,6 +92,9 @@ def _parser() -> argparse.ArgumentParser:
         "--restart", metavar="FILE", help="continue from the newest record of this file"
     )
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    drawn = "draw the end of the run into a PNG beside its results file, or named after the scene"
+    run.add_argument("--plot", action="store_true", help=drawn)
+    _picture_options(run)
 
     explain = commands.add_parser("explain", help="show what a scene will compute, and why")
     explain.set_defaults(command=_explain)
@@ -119,9 +123,16 @@ def _parser() -> argparse.ArgumentParser:
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="RUN.vtkhdf")
     plot.add_argument("-o", "--output", metavar="PNG", help="picture, by default RUN.png")
-    plot.add_argument("--field", default="stress_xx", help="stress_xx (default), velocity_z, ...")
-    plot.add_argument("--scale", type=float, default=1.0, help="magnify displacements (default 1)")
+    _picture_options(plot)
     return parser
+
+
+def _picture_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--field", default="stress_xx", help="stress_xx (default), velocity_z, ...")
+    scale = {"type": float, "default": 1.0, "help": "magnify displacements (default 1)"}
+    parser.add_argument("--scale", **scale)
+    sides = [f"{axis}_{end}" for axis in "xyz" for end in ("min", "max")]
+    parser.add_argument("--view", choices=sides, help="look from this side, not the broadest one")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -131,6 +142,8 @@ def _run(options: argparse.Namespace) -> int:
     if options.output == "":
         raise BadInput("the name of the output is empty")
     named = options.output or scene.data.get("output", {}).get("file")
+    if options.plot:
+        _check_picture(options)
     keys = ("restart", "until", "output", "threads")
     run = scene.run(progress=not options.quiet, **{key: getattr(options, key) for key in keys})
     if not options.quiet:
@@ -142,6 +155,8 @@ def _run(options: argparse.Namespace) -> int:
     if named and (run.path is None or not run.path.exists()):
         _say(f'the results file "{named}" was not written', "red")
         return RUN_FAILED
+    if options.plot:
+        _draw(run, Path(run.path or Path(options.scene).name).with_suffix(".png"), options)
     return OK
 
 
@@ -201,22 +216,42 @@ def _schema(options: argparse.Namespace) -> int:
 def _plot(options: argparse.Namespace) -> int:
     from .run import Run
 
+    _check_picture(options)
+    try:
+        run = Run.load(options.file)
+    except ImportError as error:
+        raise BadInput(f"plotting needs h5py ({error})") from None
+    except ValueError as error:
+        raise BadInput(str(error)) from None
+    _draw(run, Path(options.output or Path(options.file).with_suffix(".png")), options)
+    return OK
+
+
+def _check_picture(options: argparse.Namespace) -> None:
+    """Refuse what can't be drawn before a run, not after it."""
+    from .run import COMPONENTS
+    from .schema import suggestion
+
     if not math.isfinite(options.scale) or abs(options.scale) > 1e12:
         raise BadInput(f"the scale {options.scale:g} can't be drawn")
-    try:
-        target = Path(options.output or Path(options.file).with_suffix(".png"))
-        run = Run.load(options.file)
-        from .plot import picture
+    if options.field not in COMPONENTS:
+        near = suggestion(options.field, COMPONENTS)
+        raise BadInput(f'no component is named "{options.field}"{near}')
+    if importlib.util.find_spec("matplotlib") is None:
+        raise BadInput('plotting needs matplotlib: pip install "libcontact[plot]"')
 
-        picture(run, target, options.field, options.scale)
-    except ImportError as error:
-        raise BadInput(f"plotting needs matplotlib ({error})") from None
+
+def _draw(run: Run, target: Path, options: argparse.Namespace) -> None:
+    from .plot import picture
+
+    try:
+        picture(run, target, options.field, options.scale, options.view)
     except OSError as error:
         raise BadInput(f'"{target}" can\'t be written: {error.strerror or error}') from None
     except ValueError as error:
         raise BadInput(str(error)) from None
-    _say(f'picture in "{target}"')
-    return OK
+    if not getattr(options, "quiet", False):
+        _say(f'picture in "{target}"')
 
 
 def _say(text: str, style: str = "") -> None:

@@ -1,15 +1,23 @@
-"""A picture of a run: one field on the deformed mesh, viewed along the thinnest direction, and the
-energies over time."""
+"""
+Pictures of runs: :func:`picture` draws one field over the deformed mesh and the energies over time.
+
+The other functions draw into axes of matplotlib: they shorten the programs of the tutorials. All need the extra ``plot``.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .run import COMPONENTS, BodyState, Run
+from . import exact
+from .run import COMPONENTS, ENERGY, BodyState, Run
+
+if TYPE_CHECKING:
+    from .plan import Cost
 
 Array = npt.NDArray[np.float64]
 # Corners and mid-sides of a Q8 face in the order in which one walks around it.
@@ -20,9 +28,24 @@ QUANTITY = {
     "velocity": "velocity",
     "contact_pressure": "stress",
 }
+VIEWS = ("x_max", "y_min", "z_max")
+# How each kind of wave front is drawn: colour, line and name.
+FRONTS = {
+    "plane_p": ("k", "-", "plane P"),
+    "circular_p": ("k", "--", "circular P"),
+    "circular_s": ("tab:purple", "--", "circular S"),
+    "head": ("tab:green", "-", "head waves"),
+    "rayleigh": ("tab:orange", "o", "Rayleigh"),
+}
 
 
-def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float = 1.0) -> None:
+def picture(
+    run: Run,
+    path: str | Path,
+    field: str = "stress_xx",
+    scale: float = 1.0,
+    view: str | None = None,
+) -> None:
     """
     Draw a component and the energies into an image file.
 
@@ -36,6 +59,8 @@ def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float =
         The component, such as ``stress_xx`` or ``velocity_z``.
     scale : float
         Magnification of the displacement.
+    view : str, optional
+        The side from which one looks, such as ``"y_min"``; by default along the thinnest direction.
 
     Raises
     ------
@@ -50,7 +75,7 @@ def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float =
     shape = {"figsize": (8, 8), "height_ratios": [2, 1], "layout": "constrained"}
     figure, (above, below) = pyplot.subplots(2, 1, **shape)
     try:
-        draw_field(above, run, field, scale)
+        draw_field(above, run, field, scale, view)
         draw_energies(below, run)
         figure.savefig(path, dpi=150)
     finally:
@@ -63,7 +88,7 @@ def thinnest(run: Run) -> int:
     return int(np.argmin(np.ptp(nodes, axis=0)))
 
 
-def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
+def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0, view: str | None = None) -> Any:
     """
     Draw the outer faces that the viewer sees, coloured by a component.
 
@@ -77,6 +102,8 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
         The component: the value of a face's element, or the mean of its nodes.
     scale : float
         Magnification of the displacement.
+    view : str, optional
+        As for :func:`picture`.
 
     Returns
     -------
@@ -85,10 +112,10 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
     """
     from matplotlib.collections import PolyCollection
 
-    axis = thinnest(run)
+    # Without a wish the viewer stands where x or z is large, or y is small: so the two other axes run to the right and up.
+    view = view or VIEWS[thinnest(run)]
+    axis, toward = "xyz".index(view[0]), -1.0 if view.endswith("min") else 1.0
     across, up = (a for a in range(3) if a != axis)
-    # The viewer stands where x or z is large, or y is small: so the two other axes run to the right and up.
-    toward = -1.0 if axis == 1 else 1.0
     polygons: list[Array] = []
     values: list[Array] = []
     depths: list[Array] = []
@@ -106,7 +133,9 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
     axes.add_collection(patches)
     axes.autoscale_view()
     length, unit = _unit(run, "length"), _unit(run, QUANTITY[COMPONENTS[field][0]])
-    title = f"{field} at t = {run.state.time:.6g}" if run.state else field
+    when = f" at t = {run.state.time:.6g} {_label(run, 'time')}".rstrip() if run.state else ""
+    title = field + when
+    title += f", displacements × {scale:g}" if scale != 1.0 else ""
     axes.set(xlabel="xyz"[across] + length, ylabel="xyz"[up] + length, title=title, aspect="equal")
     bar = {"location": "bottom", "aspect": 40, "shrink": 0.8}
     axes.figure.colorbar(patches, ax=axes, label=field + unit, **bar)
@@ -115,7 +144,7 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
 
 def draw_energies(axes: Any, run: Run) -> None:
     """
-    Draw kinetic, strain, contact and external energy and their total over time.
+    Draw the energy balance over time: each column that is not zero, and the total.
 
     Parameters
     ----------
@@ -124,12 +153,224 @@ def draw_energies(axes: Any, run: Run) -> None:
     run : Run
         The run.
     """
-    for name in ("kinetic", "strain", "contact", "external", "total"):
-        axes.plot(run.time, run.energy[name], "--" if name == "total" else "-", label=name)
+    own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
+    for name in ("kinetic", "strain", "contact", "external", *own):
+        if run.energy[name].any():
+            axes.plot(run.time, run.energy[name], label=name)
+    axes.plot(run.time, run.energy["total"], "k--", label="total")
     axes.set(xlabel="t" + _unit(run, "time"), ylabel="energy" + _unit(run, "energy"))
     axes.grid(alpha=0.3)
     place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
     axes.legend(ncols=5, fontsize="small", **place)
+
+
+def draw_curves(
+    axes: Any, curves: Mapping[str, Sequence[Any]], legend: str | None = "best", **settings: Any
+) -> None:
+    """
+    Draw curves with a grid and a legend.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    curves : dict
+        ``{label: (x, y)}`` or ``{label: (x, y, style)}`` with a style of matplotlib such as ``"C3--"``. A
+        label that begins with ``_`` is left out of the legend.
+    legend : str, optional
+        Place of the legend; ``None``: no legend; ``"below"``: under the whole figure.
+    **settings
+        For ``axes.set``: ``xlabel``, ``ylabel``, ``xlim``, ``title`` and so on.
+    """
+    for label, (x, y, *style) in curves.items():
+        axes.plot(x, y, *style, lw=1.2, ms=4, label=label)
+    axes.set(**settings)
+    axes.grid(alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+    if legend == "below":
+        axes.figure.legend(loc="outside lower center", fontsize=9, frameon=False)
+    elif legend:
+        axes.legend(loc=legend, fontsize=9, frameon=False)
+
+
+def draw_fronts(axes: Any, t: float, nu: float = 0.3) -> None:
+    """
+    Draw the wave fronts of the plate impact in all four quarters.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw, in units of half the thickness of a plate.
+    t : float
+        The time c1 t / d.
+    nu : float
+        Poisson's ratio.
+    """
+    for kind, curves in exact.fronts(t, nu).items():
+        colour, style, label = FRONTS[kind]
+        for i, (x, z) in enumerate(curve.T for curve in curves):
+            for side in (1, -1):
+                name = label if i == 0 and side == 1 else None
+                look = {"color": colour, "lw": 1.2, "ms": 7, "mec": "k", "label": name}
+                axes.plot(side * x, z, style, clip_on=style != "o", **look)
+
+
+def draw_faces(
+    axes: Any,
+    body: BodyState,
+    face: str,
+    values: npt.ArrayLike,
+    limits: tuple[float, float],
+    scale: float = 1.0,
+    turn: npt.ArrayLike = ((1.0, 0.0), (0.0, 1.0)),
+    **look: Any,
+) -> Any:
+    """
+    Draw one face of a body, deformed, coloured by values of its elements.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    body : BodyState
+        The body.
+    face : str
+        Name of the face, such as ``"y_min"``: the picture shows the two other axes.
+    values : array_like, shape (elements,)
+        The colours.
+    limits : tuple of float
+        The values at the two ends of the colours.
+    scale : float
+        Magnification of the displacement.
+    turn : array_like, shape (2, 2)
+        Matrix that the two coordinates are multiplied with from the right, such as a mirror.
+    **look
+        For ``PolyCollection``: ``cmap``, ``linewidths`` and so on.
+
+    Returns
+    -------
+    matplotlib.collections.PolyCollection
+        The faces, for a colour bar.
+    """
+    from matplotlib.collections import PolyCollection
+
+    faces, owners = body.mesh.faces(face)
+    corners = (body.nodes + scale * body.displacement)[faces[:, :4]]
+    flat = np.delete(corners, "xyz".index(face[0]), axis=2) @ np.asarray(turn, float)
+    look = {"cmap": "RdBu_r", "edgecolors": "k", "linewidths": 0.3, **look}
+    patches = PolyCollection(list(flat), array=np.asarray(values)[owners], **look)
+    patches.set_clim(*limits)
+    axes.add_collection(patches)
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    return patches
+
+
+def draw_bar_in_time(
+    axes: Any, times: Array, places: Array, values: Array, limit: float, upright: bool = False
+) -> Any:
+    """
+    Draw the cells of a bar at each time, coloured by a value.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    times : ndarray, shape (n,)
+        The times.
+    places : ndarray, shape (n, cells + 1)
+        Where the ends of the cells are.
+    values : ndarray, shape (n, cells)
+        The colours.
+    limit : float
+        The colours reach from minus to plus this value.
+    upright : bool
+        Whether time runs to the right, else up.
+
+    Returns
+    -------
+    matplotlib.collections.QuadMesh
+        The cells, for a colour bar.
+    """
+    between = (places[1:] + places[:-1]) / 2
+    x = np.vstack([places[:1], between, places[-1:]])
+    first = times[0] - (times[1] - times[0]) / 2
+    borders = np.concatenate([[first], (times[1:] + times[:-1]) / 2, times[-1:]])
+    t = np.broadcast_to(borders[:, None], x.shape)
+    look = {"cmap": "RdBu_r", "vmin": -limit, "vmax": limit, "rasterized": True}
+    return axes.pcolormesh(*((t, x) if upright else (x, t)), values, **look)
+
+
+def draw_costs(axes: Any, plans: Mapping[str, Sequence[Cost]], notes: Sequence[str] = ()) -> None:
+    """
+    Draw a pair of bars for each plan: above what was measured, below, pale, what was predicted.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    plans : dict
+        The costs of each run, ``{name: scene.costs(run)}``.
+    notes : sequence of str
+        A text beside each pair.
+    """
+    parts = list(dict.fromkeys(cost.name for plan in plans.values() for cost in plan))
+    seen: set[str] = set()
+    longest = 0.0
+    for row, plan in enumerate(plans.values()):
+        for kind, shift, alpha in (("measured", -0.2, 1.0), ("predicted", 0.2, 0.45)):
+            start = 0.0
+            for cost in plan:
+                width = 1e3 * (getattr(cost, kind) or 0.0)
+                look = {"height": 0.38, "color": f"C{parts.index(cost.name)}", "alpha": alpha}
+                label = None if cost.name in seen or kind == "predicted" else cost.name
+                axes.barh(row + shift, width, left=start, label=label, **look)
+                seen.add(cost.name)
+                start += width
+            longest = max(longest, start)
+        if notes:
+            axes.text(start, row, f"  {notes[row]}", va="center", fontsize=8)
+    axes.set_yticks(range(len(plans)), list(plans))
+    axes.invert_yaxis()
+    axes.set(xlim=(0, 1.9 * longest), xlabel="time of the run [ms]")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def draw_map(
+    axes: Any, values: Array, dots: Array, rows: Sequence[float], columns: Sequence[float]
+) -> Any:
+    """
+    Draw a table of fractions as a map with a logarithmic scale of colours, from 0.01 % to 1000 %.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    values : ndarray, shape (rows, columns)
+        The fractions; those above 1 % stand in their cells.
+    dots : ndarray of bool, shape (rows, columns)
+        Cells that get a dot.
+    rows, columns : sequence of float
+        What stands beside each row and under each column.
+
+    Returns
+    -------
+    matplotlib.image.AxesImage
+        The map.
+    """
+    shown = np.log10(np.maximum(values, 1e-4))
+    look = {"origin": "lower", "aspect": "auto", "cmap": "YlOrRd", "vmin": -4, "vmax": 1}
+    image = axes.imshow(shown, **look)
+    axes.plot(*np.nonzero(dots)[::-1], "k.", ms=4)
+    for i, j in zip(*np.nonzero(values > 0.01)):
+        text = f"{100 * values[i, j]:.0f} %"
+        axes.text(j, i + 0.22, text, ha="center", va="center", fontsize=7)
+    axes.set_xticks(range(len(columns)), columns)
+    axes.set_yticks(range(len(rows)), rows)
+    bar = axes.figure.colorbar(image, ax=axes, ticks=range(-4, 2))
+    bar.ax.set_yticklabels(["≤ 0.01 %", "0.1 %", "1 %", "10 %", "100 %", "1000 %"])
+    return image
 
 
 def _bodies(run: Run) -> list[BodyState]:
@@ -146,4 +387,8 @@ def _faces(body: BodyState, field: str, scale: float) -> tuple[Array, Array]:
 
 
 def _unit(run: Run, quantity: str) -> str:
-    return f" [{run.units.label(quantity)}]" if run.units else ""
+    return f" [{_label(run, quantity)}]" if run.units else ""
+
+
+def _label(run: Run, quantity: str) -> str:
+    return run.units.label(quantity) if run.units else ""
