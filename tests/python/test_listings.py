@@ -64,6 +64,61 @@ def test_the_same_effect_in_python_prints_the_same():
     assert done.stdout == script.with_suffix(".out").read_text(), done.stderr
 
 
+def test_the_number_of_the_reader_in_a_hurry(tmp_path):
+    """``docs/start/ball.py`` prints what the page shows; the page's statements on it hold."""
+    script = ROOT / "docs" / "start" / "ball.py"
+    command = [sys.executable, str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.stdout == script.with_suffix(".out").read_text(), done.stderr
+    hertz, *found = (float(x) for x in re.findall(r"([\d.]+) MPa", done.stdout))
+    default = found[1::2]
+    assert default[0] > 1.5 * hertz  # the coarse mesh
+    assert abs(default[2] / default[1] - 1) < 0.01 and abs(default[2] / hertz - 1.06) < 0.01
+
+
+def commands_of(page):
+    """The lines after ``$`` on a page."""
+    text = (ROOT / "docs" / "start" / page).read_text()
+    return re.findall(r"^   \$ (.*)$", text, re.M)
+
+
+@needs_a_copy
+def test_the_commands_for_a_c_programmer_compile_and_run_as_they_stand(tmp_path):
+    """In the folder of the sources, with the installed copy of the tests as the prefix; the programs go to another folder."""
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
+    lines = [x for x in commands_of("reading.rst") if x.startswith(("gcc", "./"))]
+    assert len(lines) == 6
+    printed = []
+    for line in lines:
+        line = line.replace("$HOME/.local", str(STAGE)).replace("gcc", shlex.join(CC), 1)
+        line = line.replace("-o ", f"-o {tmp_path}/").replace("./", f"{tmp_path}/")
+        line = line.replace("pkg-config", PKG_CONFIG)
+        done = subprocess.run(
+            line, shell=True, cwd=ROOT, env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0 and not done.stderr, line + done.stderr
+        printed.append(done.stdout)
+    for shown, program in ((printed[1], "03_projection"), (printed[3], "01_impact")):
+        assert shown == (ROOT / "tutorials" / "c" / f"{program}.out").read_text()
+    assert "ok" in printed[5] and "not ok" not in printed[5]
+
+
+def test_the_commands_for_a_number_run_as_they_stand(tmp_path):
+    pytest.importorskip("matplotlib")
+    lines = [x for x in commands_of("reading.rst") if "hertz" in x]
+    assert len(lines) == 3 and "--plot" in lines[2]
+    lines[0] = lines[0].replace("tutorials", str(ROOT / "tutorials"))
+    for line in lines:
+        line = (
+            line.replace("libcontact ", f"{shlex.quote(sys.executable)} -m libcontact ", 1)
+            if line.startswith("libcontact")
+            else line
+        )
+        done = subprocess.run(line, shell=True, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, line + done.stderr
+    assert (tmp_path / "hertz.png").stat().st_size > 10_000
+
+
 @needs_a_copy
 @pytest.mark.parametrize("text", list(listings()))
 def test_a_listing_of_a_page_compiles_and_runs(text, tmp_path):
