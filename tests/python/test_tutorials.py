@@ -58,6 +58,53 @@ def test_what_tutorials_import_comes_with_the_extra():
         assert {name.partition(".")[0] for name in names} <= brought, script.name
 
 
+def drawing(script):
+    """Lines that draw: statements that use matplotlib, ``libcontact.plot`` or what came from these."""
+    tree = ast.parse(script.read_text())
+    drawn, lines = {"plt", "pyplot", "matplotlib"}, set()
+
+    def visit(node):
+        blocks = [getattr(node, name, []) for name in ("body", "orelse", "handlers", "finalbody")]
+        inside = [statement for block in blocks for statement in block]
+        heads = [child for child in ast.iter_child_nodes(node) if child not in inside]
+        names = [x for head in heads for x in ast.walk(head) if isinstance(x, ast.Name)]
+        if isinstance(node, ast.ImportFrom) and "plot" in node.module:
+            drawn.update(alias.asname or alias.name for alias in node.names)
+        if any(x.id in drawn for x in names) and not isinstance(node, ast.Assert):
+            # What a drawing statement gives a name to is a part of the drawing, unless it is a number.
+            if isinstance(node, (ast.Assign, ast.For)) and "share" not in ast.dump(node):
+                drawn.update(x.id for x in names if isinstance(x.ctx, ast.Store) and x.id in AXES)
+            last = inside[0].lineno if inside else node.end_lineno + 1
+            lines.update(range(node.lineno, last))
+        for statement in inside:
+            visit(statement)
+
+    for statement in tree.body:
+        visit(statement)
+    return lines
+
+
+# Names of what is drawn into, in all tutorials.
+AXES = {"fig", "ax", "axes", "left", "right", "above", "below", "upper", "lower", "centre", "image"}
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
+def test_at_most_a_fifth_draws(script):
+    """Of all lines that are not blank. And no line is longer than a page is wide."""
+    lines = script.read_text().splitlines()
+    assert max(map(len, lines)) <= 100
+    assert len(drawing(script)) <= sum(map(bool, lines)) / 5
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
+def test_each_sends_the_reader_on(script):
+    """The last section names two or three changes and what to expect; the program has tried each."""
+    section = script.read_text().partition("# Change this, expect that\n")[2]
+    text, code = re.split(r"^(?!#)", section, maxsplit=1, flags=re.M)
+    assert 2 <= len(re.findall(r"^# \d\. ", text, re.M)) <= 3
+    assert code.count("assert ") >= 2
+
+
 def test_examples_are_the_scenes_of_the_repository():
     for path in (ROOT / "tutorials" / "scenes").glob("*.toml"):
         assert ct.example(path.stem).read_bytes() == path.read_bytes()

@@ -318,6 +318,7 @@ def draw_costs(axes: Any, plans: Mapping[str, Sequence[Cost]], notes: Sequence[s
     seen: set[str] = set()
     longest = 0.0
     for row, plan in enumerate(plans.values()):
+        ends = []
         for kind, shift, alpha in (("measured", -0.2, 1.0), ("predicted", 0.2, 0.45)):
             start = 0.0
             for cost in plan:
@@ -327,9 +328,10 @@ def draw_costs(axes: Any, plans: Mapping[str, Sequence[Cost]], notes: Sequence[s
                 axes.barh(row + shift, width, left=start, label=label, **look)
                 seen.add(cost.name)
                 start += width
-            longest = max(longest, start)
+            ends.append(start)
+        longest = max(longest, *ends)
         if notes:
-            axes.text(start, row, f"  {notes[row]}", va="center", fontsize=8)
+            axes.text(max(ends), row, f"  {notes[row]}", va="center", fontsize=8)
     axes.set_yticks(range(len(plans)), list(plans))
     axes.invert_yaxis()
     axes.set(xlim=(0, 1.9 * longest), xlabel="time of the run [ms]")
