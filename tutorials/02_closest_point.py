@@ -2,11 +2,12 @@
 The closest point of a distorted face
 =====================================
 
-Contact begins with a question about one point and one face: which point of the face is closest to the
-given point? On a flat face the answer is one linear solve. On a curved face it is a search, which can
-fail. Here we bend a face over a cylinder, after the benchmark of :cite:t:`Gabriel2010`, and place a
-point under the arch. Each method of :doc:`/theory/projection` finds the closest point, or another one, or
-none. Then we measure how much one more digit costs, and find a limit of all methods that compare values.
+Contact begins with a question about one point and one face: which point of the face is closest to
+the given point? On a flat face the answer is one linear solve. On a curved face it is a search,
+which can fail. Here we bend a face over a cylinder, after the benchmark of :cite:t:`Gabriel2010`,
+and place a point under the arch. Each method of :doc:`/theory/projection` finds the closest point,
+or another one, or none. Then we measure how much one more digit costs, and find a limit of all
+methods that compare values.
 
 Each claim on this page is followed by an ``assert``, so the program fails where a claim is wrong.
 """

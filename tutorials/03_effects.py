@@ -3,9 +3,9 @@ A scene pays only for what it calls for
 =======================================
 
 We drop a steel rod on a concrete pad and add one effect at a time: weight, contact, an absorbing
-boundary, damping, and a force of our own. We predict how each effect changes the motion. Each effect
-also costs time, which ``explain`` predicts and the run measures. An effect that the scene does not name
-costs no time and no memory, and does not change the result.
+boundary, damping, and a force of our own. We predict how each effect changes the motion. Each
+effect also costs time, which ``explain`` predicts and the run measures. An effect that the scene
+does not name costs no time and no memory, and does not change the result.
 """
 
 # %%

@@ -174,10 +174,10 @@ for name, curve in curves.items():
 #
 # Change this, expect that
 # ------------------------
-# 1. Take the last setting on half as fine a mesh, ``n = 25``. Expect an error that is less than twice
-#    as large, as the order is about 0.7, at a sixth of the cost.
-# 2. Take ``{"fraction": 0.5}`` with central differences. Expect an error between those of the steps
-#    0.125 and 0.98: the errors of time and space cancel only near the limit.
+# 1. Take the last setting on half as fine a mesh, ``n = 25``. Expect an error that is less than
+#    twice as large, as the order is about 0.7, at a sixth of the cost.
+# 2. Take ``{"fraction": 0.5}`` with central differences. Expect an error between those of the
+#    steps 0.125 and 0.98: the errors of time and space cancel only near the limit.
 
 coarse, half = (point(n, *methods["0.98, Tchamwa–Wielgosz"]) for n in (25, 50))
 print(
