@@ -39,8 +39,8 @@ PRESSURE, BEGIN, END = 300.0, 0.5, 0.5 + 2 * LENGTH / C
 def bar(enforcement, beta, landing=0.0, every=1, until=1.5, law=None, **step):
     """
     The bar on a wall; ``landing`` shifts the start, ``law`` has more keys of the obstacle. ``step``
-    is a ``fraction`` of the stable step or a ``courant`` number. By default a run ends with an error
-    when its energy doubles; we raise this limit to see what happens.
+    is a ``fraction`` of the stable step or a ``courant`` number. By default a run ends with an
+    error when its energy doubles; we raise this limit to see what happens.
     """
     scene = ct.Scene(title="Bar on a rigid wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("bar", young=E, poisson=0.0, density=1.0)
@@ -181,7 +181,7 @@ draw_curves(left, curves, ylabel="energy after / before", ylim=(0, None), **labe
 
 
 def gain_and_loss(fraction, landing):
-    """What the total gains on exit and loses on entry, over the kinetic energy before, for each landing."""
+    """Gain of the total on exit and loss on entry, over the kinetic energy before."""
     k, found = (2 * fraction) ** 2, []
     for outside in landing:
         before, g, v = outside, outside - 1, -1.0
@@ -357,8 +357,8 @@ for (name, run), time in zip(runs.items(), seconds):
     peak, deep = pressure.max() / PRESSURE, depth(*cures[name]) / H
     results[name] = {"most": total.max(), "after": total[-1], "rms": rms, "depth": deep}
     print(
-        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}{total[-1]:9.4f}"
-        f"{100 * rms:9.2f} %{peak:7.2f}"
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}"
+        f"{total[-1]:9.4f}{100 * rms:9.2f} %{peak:7.2f}"
         f"{deep:11.1e}"
     )
 
@@ -422,16 +422,16 @@ for beta, dissipation, colour in (
     ax.plot((t - BEGIN) * C / H, stress, color=colour, lw=1, label=label)
     late = stress[(t > BEGIN + 20 * H / C) & (t < BEGIN + 40 * H / C)]
     print(
-        f"beta = {beta}, dissipation {dissipation:g}: the stress deviates by {100 * late.std():.2f} %"
+        f"beta = {beta}, dissipation {dissipation:g}: "
+        f"the stress deviates by {100 * late.std():.2f} %"
     )
     if dissipation == 0.0:
         whole = stress - stress.mean()
         spectrum = np.abs(np.fft.rfft(whole * np.hanning(len(whole)), 16 * len(whole)))
         f = np.fft.rfftfreq(16 * len(whole), t[1] - t[0])[spectrum.argmax()] / (C / (np.pi * H))
         r = 1 / (beta + np.sqrt(1 + beta**2))
-        print(
-            f"frequency over the highest of a wave: {f:.3f}, theory {0.5 * np.sqrt(2 + r + 1 / r):.3f}"
-        )
+        theory = 0.5 * np.sqrt(2 + r + 1 / r)
+        print(f"frequency over the highest of a wave: {f:.3f}, theory {theory:.3f}")
         assert late.std() > 0.05 and abs(f / (0.5 * np.sqrt(2 + r + 1 / r)) - 1) < 0.02
     else:
         assert late.std() < 0.01
@@ -467,7 +467,7 @@ choices = {
 
 
 def plates(name, enforcement, beta, step):
-    """The plates' scene, or their reference (which has no contact), with another contact and step."""
+    """The plates, or their reference without contact, with another contact and step."""
     data = ct.Scene.load(ct.example(name)).data
     for contact in data.get("contact", []):
         contact["enforcement"] = enforcement
@@ -505,8 +505,8 @@ for (name, scene), time in zip(scenes.items(), seconds):
     differences[name] = np.mean(np.abs(front(run) - front(reference))) * 3 / 7
     total = run.energy["total"]
     print(
-        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{100 * differences[name]:10.3f} %"
-        f"{total[-1] / total[0]:14.4f}"
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}"
+        f"{100 * differences[name]:10.3f} %{total[-1] / total[0]:14.4f}"
     )
     if name == "penalty 4, 0.9":
         assert growth(run) > 0.05  # it heats, as the warning said

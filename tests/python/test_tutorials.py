@@ -105,6 +105,39 @@ def test_each_sends_the_reader_on(script):
     assert code.count("assert ") >= 2
 
 
+@pytest.mark.skipif("LIBCONTACT_DOWNLOADS" not in os.environ, reason="minutes; needs the book")
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
+def test_a_download_runs_with_the_wheel_and_its_extra(script, fresh, tmp_path):
+    """From the link of the built book, in an empty folder of a fresh environment: LIBCONTACT_DOWNLOADS is ``build/docs/html/_downloads``."""
+    downloads = Path(os.environ["LIBCONTACT_DOWNLOADS"]).resolve()
+    (found,) = {path.read_text() for path in downloads.glob(f"*/{script.name}")}
+    assert found == script.read_text()
+    (tmp_path / script.name).write_text(found)
+    names = ("PYTHONPATH", "LIBCONTACT_FIGURES", "LIBCONTACT_TIMES")
+    environment = {name: value for name, value in os.environ.items() if name not in names}
+    done = subprocess.run(
+        [str(fresh), "-I", script.name],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env=environment | {"MPLBACKEND": "Agg"},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert list(tmp_path.glob("*.png"))
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """The Python of a fresh environment with ``pip install WHEEL[plot]``."""
+    folder = tmp_path_factory.mktemp("fresh")
+    (wheel,) = (ROOT / "build" / "wheel").glob("libcontact-*.whl")  # of make wheel
+    subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
+    python = folder / "venv" / "bin" / "python"
+    install = [str(python), "-m", "pip", "install", "-q", f"libcontact[plot] @ {wheel.as_uri()}"]
+    subprocess.run(install, check=True)
+    return python
+
+
 def test_examples_are_the_scenes_of_the_repository():
     for path in (ROOT / "tutorials" / "scenes").glob("*.toml"):
         assert ct.example(path.stem).read_bytes() == path.read_bytes()
