@@ -141,7 +141,7 @@ curves = {
     "closed form: ends": (exact_end(fine), fine, "k--"),
     "_far": (exact_far_end(fine), fine, "k--"),
 }
-draw_curves(left, curves, "lower left", xlabel="x [m]", ylabel="t [s]", ylim=(0, 1.5))
+draw_curves(left, curves, "center right", xlabel="x [m]", ylabel="t [s]", ylim=(0, 1.5))
 middle, pressure = force(records, "bar", 0.01, 0)
 history = records.probes["wall"]
 off = 0.5 + 2 * L / C
@@ -211,7 +211,7 @@ middle, pressure = force(records, "bar", 0.01, 2)
 landing, touching = np.array([1, 11 / 3]), {}
 for i, start in enumerate(landing):
     times = [start, start, start + 2 * L / C, start + 2 * L / C]
-    touching["_second" if i else "contact of the closed form"] = (times, [0, P, P, 0], "k--")
+    touching["_second" if i else "contact by hand: from, to"] = (times, [0, 550, 550, 0], "k:")
 curves = {"_computed": (middle, pressure, "C3"), **touching}
 draw_curves(below, curves, "upper center", xlabel="t [s]", ylabel="pressure [Pa]", xlim=(0, period))
 fig.savefig(folder / "scene_bouncing_bar.png", dpi=150)
