@@ -1,4 +1,5 @@
-/* The point of a twisted face that is closest to a given point: the smallest host of the library. */
+/* The point of a twisted face that is closest to a given point: the smallest host of the library.
+ */
 #include <libcontact.h>
 #include <stdio.h>
 
