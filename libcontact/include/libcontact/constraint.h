@@ -1,5 +1,5 @@
-/* Laws of contact enforcement, and one row of the constraint problem of a step. Threads: plain
- * data. */
+/* Laws of contact enforcement, and one row of the constraint problem of a step.
+ * Threads: plain data. */
 #ifndef LIBCONTACT_CONSTRAINT_H
 #define LIBCONTACT_CONSTRAINT_H
 

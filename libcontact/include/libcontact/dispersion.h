@@ -1,6 +1,6 @@
 /* Dispersion of waves in a mesh of equal bricks with time steps: frequency and group velocity for
- * every wave vector, and the front of a stress step as the sum of such waves. Threads: every call
- * is safe at any time. */
+ * every wave vector, and the front of a stress step as the sum of such waves.
+ * Threads: every call is safe at any time. */
 #ifndef LIBCONTACT_DISPERSION_H
 #define LIBCONTACT_DISPERSION_H
 

@@ -1,6 +1,7 @@
 /* Effects of the library: solid bodies, supports, prescribed motions, loads, gravity, damping,
- * viscosity, absorbing faces, averaged mass; and the filter of output fields. Threads: effects may
- * be created at any time. An effect is constant, so several states may use it at the same time. */
+ * viscosity, absorbing faces, averaged mass; and the filter of output fields.
+ * Threads: effects may be created at any time. An effect is constant, so several states may use it
+ * at the same time. */
 #ifndef LIBCONTACT_EFFECT_H
 #define LIBCONTACT_EFFECT_H
 
@@ -232,9 +233,11 @@ typedef struct ct_viscosity_def {
   int32_t cookie;
   /** Coefficient Q₁ of the part proportional to the strain rate [-], >= 0; usually 0.06. */
   double linear;
-  /** Coefficient Q₂ of the part that grows with the square of the strain rate while it is small
+  /**
+   * Coefficient Q₂ of the part that grows with the square of the strain rate while it is small
    * [-], >= 0; usually 1.2. If it is not zero, the stable step is that of Q₁ + 0.06,
-   * :eq:`viscous-bound`. */
+   * :eq:`viscous-bound`.
+   */
   double quadratic;
   /** Numbers of the bodies, shape (body_count); null: all. */
   const int32_t *bodies;

@@ -1,5 +1,5 @@
-/* The exact solution of the impact of two thick plates, a reference for computed results. Threads:
- * every call at any time. */
+/* The exact solution of the impact of two thick plates, a reference for computed results.
+ * Threads: every call at any time. */
 #ifndef LIBCONTACT_EXACT_H
 #define LIBCONTACT_EXACT_H
 

@@ -1,5 +1,6 @@
-/* Meshes of bricks and their outer faces, materials, and nodal masses. Threads: several threads may
- * read one mesh; while a thread changes its arrays, no other may use it. */
+/* Meshes of bricks and their outer faces, materials, and nodal masses.
+ * Threads: several threads may read one mesh; while a thread changes its arrays, no other may use
+ * it. */
 #ifndef LIBCONTACT_MESH_H
 #define LIBCONTACT_MESH_H
 

@@ -1,5 +1,6 @@
-/* Results files and restart (HDF5), in the add-on library libcontact-hdf5. Threads: one call at a
- * time in the whole process, for all files together, unless HDF5 itself was built thread-safe. */
+/* Results files and restart (HDF5), in the add-on library libcontact-hdf5.
+ * Threads: one call at a time in the whole process, for all files together, unless HDF5 itself was
+ * built thread-safe. */
 #ifndef LIBCONTACT_OUTPUT_H
 #define LIBCONTACT_OUTPUT_H
 

@@ -1,5 +1,6 @@
-/* Closest points on one face: for one point, for many points, and along a line. Threads: every call
- * is safe at any time, also on the same face; a call writes only its output arguments. */
+/* Closest points on one face: for one point, for many points, and along a line.
+ * Threads: every call is safe at any time, also on the same face; a call writes only its output
+ * arguments. */
 #ifndef LIBCONTACT_PROJECTION_H
 #define LIBCONTACT_PROJECTION_H
 

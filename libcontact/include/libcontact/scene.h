@@ -1,7 +1,7 @@
 /* Scenes: bodies, contacts and supports, from which a problem is built with its numbering, masses,
- * effects and stable step. Threads: one call at a time per scene; different scenes are independent.
- * States of the built problem may be stepped at the same time while no call builds or frees the
- * scene. */
+ * effects and stable step.
+ * Threads: one call at a time per scene; different scenes are independent. States of the built
+ * problem may be stepped at the same time while no call builds or frees the scene. */
 #ifndef LIBCONTACT_SCENE_H
 #define LIBCONTACT_SCENE_H
 
@@ -87,9 +87,11 @@ typedef struct ct_scene_contact {
   ct_contact_options options;
   /** Coefficient μ of friction [-]; 0: no friction, at no cost. */
   double friction;
-  /** Ratio of the tangential to the normal penalty of friction [-]; 0: automatic. The automatic
+  /**
+   * Ratio of the tangential to the normal penalty of friction [-]; 0: automatic. The automatic
    * value is 1, or less if the normal penalty is stiffer than the usual explicit one, so that
-   * friction does not reduce the step further. */
+   * friction does not reduce the step further.
+   */
   double tangent;
   /** Instead of `faces_a`: the outer faces in this side of the first body. */
   ct_box_side side_a;

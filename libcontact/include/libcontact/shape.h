@@ -1,5 +1,5 @@
-/* Shape functions, tangents and quadrature rules of one face and of one brick. Threads: every call
- * is safe at any time; a call writes only its output arguments. */
+/* Shape functions, tangents and quadrature rules of one face and of one brick.
+ * Threads: every call is safe at any time; a call writes only its output arguments. */
 #ifndef LIBCONTACT_SHAPE_H
 #define LIBCONTACT_SHAPE_H
 

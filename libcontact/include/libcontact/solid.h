@@ -1,6 +1,6 @@
 /* Definition of the bodies of the solid effect, the kernels that compute their elements, and the
- * stress of a mesh. Threads: every call is safe at any time; a call writes only its output
- * arguments. */
+ * stress of a mesh.
+ * Threads: every call is safe at any time; a call writes only its output arguments. */
 #ifndef LIBCONTACT_SOLID_H
 #define LIBCONTACT_SOLID_H
 

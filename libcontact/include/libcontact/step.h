@@ -1,8 +1,8 @@
 /* The interface of an effect; the problem, which is constant during a run, and the state, which
- * changes; time steps, stable step, energy, momentum, probes, and the monitor of a run. Threads:
- * one call at a time per state and per monitor; several states of one problem may be stepped at the
- * same time. One step may itself use several threads (ct_problem.threads), with the same results
- * bit by bit. */
+ * changes; time steps, stable step, energy, momentum, probes, and the monitor of a run.
+ * Threads: one call at a time per state and per monitor; several states of one problem may be
+ * stepped at the same time. One step may itself use several threads (ct_problem.threads), with the
+ * same results bit by bit. */
 #ifndef LIBCONTACT_STEP_H
 #define LIBCONTACT_STEP_H
 
@@ -46,7 +46,8 @@ typedef struct ct_view {
    * [force], shape (node_count, 3).
    */
   const double *total;
-  /** Velocity half a step back, v_{n-1/2} [length / time], before this evaluation, shape
+  /**
+   * Velocity half a step back, v_{n-1/2} [length / time], before this evaluation, shape
    * (node_count, 3).
    */
   const double *velocity;
@@ -266,9 +267,11 @@ typedef struct ct_integrator {
   ct_scheme scheme;
   /** Its parameter; see `ct_scheme`. */
   double parameter;
-  /** For CT_PUSHFORWARD_PULLBACK: the time Δt_c of the pushforward divided by Δt, >= 1. 0 means 1,
+  /**
+   * For CT_PUSHFORWARD_PULLBACK: the time Δt_c of the pushforward divided by Δt, >= 1. 0 means 1,
    * with which the method is the central difference. `ct_scene_build` sets it to the stable step
-   * divided by Δt. */
+   * divided by Δt.
+   */
   double push;
 } ct_integrator;
 
