@@ -51,6 +51,8 @@ SLOWEST = 0.25
 NEAR = 0.1
 # A setting is tried on while it may cost so many times what the cheapest one does; runs shorter than this are repeated, for their times.
 BEHIND, SHORT_SECONDS, PASSES = 2.5, 0.06, 4
+# Before that, all settings are tried while a mesh costs less than this share of the time: on coarse meshes errors are no measure of those on fine ones.
+CHEAP = 0.05
 # No mesh is asked for that is so many times finer than the finest that was tried.
 FARTHEST = 16.0
 # Orders of convergence that an extrapolation may find, and the last meshes that it looks at.
@@ -532,7 +534,10 @@ class Planner:
                 beyond = goal.scale(live[0]) * (FINER if self.functional else 1.0)
                 if sure and beyond <= 1.001 * scale:
                     return
-                live = [each for each in live if goal.merit(each) <= BEHIND * goal.merit(live[0])]
+                if sum(each.next_seconds() for each in live) > CHEAP * self.trials:
+                    live = [
+                        each for each in live if goal.merit(each) <= BEHIND * goal.merit(live[0])
+                    ]
                 while live and sum(each.next_seconds() for each in live) > self.trials - self.spent:
                     live.pop()
             scale *= FINER
