@@ -218,7 +218,7 @@ def test_a_time_is_kept(monkeypatch):
 
     def price(problem, records):
         elements = sum(len(body.mesh.elements) for body in problem.bodies.values())
-        return SimpleNamespace(seconds=1e-6 * problem.step_count * elements)
+        return SimpleNamespace(seconds=1e-6 * problem.step_count * elements, costs=[])
 
     monkeypatch.setattr(planner, "predict", price)
     plans = [
