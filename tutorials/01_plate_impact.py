@@ -442,6 +442,6 @@ with warnings.catch_warnings(record=True) as caught:
     try:
         changed(paper_law=True, fraction=0.98)
     except ct.EnergyBlowup as error:
-        print("error:", error)
+        print("the last change stops, as expected:", error)
         stopped = True
 assert stopped and caught[0].category is ct.ChatterWarning
