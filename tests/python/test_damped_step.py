@@ -100,19 +100,25 @@ def stable(made, **time):
     return made.set_time(end=1.0, fraction=0.5, **time).explain().data["time"]["stable"]
 
 
+def damped(nu, cells, linear, quadratic, rate):
+    """A bar with viscosity and dampers, as a scene and by its matrices."""
+    made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)
+    if linear:
+        made.add("viscosity", linear=linear, quadratic=quadratic)
+        body.damping += (linear + (STEEPEST if quadratic else 0.0)) * body.viscous
+    if rate:
+        made.add("damping", rate=rate)
+        body.damping += rate * np.diag(body.mass)
+    return made, body
+
+
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_bars_with_dashpots_of_each_kind(cells, nu):
     """The reported step is stable (eq:damped-step-bound): viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. A little larger one is not: by 5 %, and with strong viscosity by 7 %."""
     viscosities = [(0.0, 0.0), (0.03, 0.0), (0.06, 1.2), (0.5, 0.0)]
     for (linear, quadratic), rate, absorbs in itertools.product(viscosities, (0.0, 0.7), (0, 1)):
-        made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)
-        if linear:
-            made.add("viscosity", linear=linear, quadratic=quadratic)
-            body.damping += (linear + (STEEPEST if quadratic else 0.0)) * body.viscous
-        if rate:
-            made.add("damping", rate=rate)
-            body.damping += rate * np.diag(body.mass)
+        made, body = damped(nu, cells, linear, quadratic, rate)
         if absorbs:
             made.add("absorb", surface="bar.x_max")
             body.absorb_at_end()
@@ -130,13 +136,7 @@ def test_dashpots_with_other_integrators(cells, nu):
     for (linear, quadratic), rate in itertools.product(
         [(0.0, 0.0), (0.06, 1.2), (0.5, 0.0)], (0.0, 0.7)
     ):
-        made, body = scene(nu, **box(cells)), Body(*mesh(cells), nu)
-        if linear:
-            made.add("viscosity", linear=linear, quadratic=quadratic)
-            body.damping += (linear + (STEEPEST if quadratic else 0.0)) * body.viscous
-        if rate:
-            made.add("damping", rate=rate)
-            body.damping += rate * np.diag(body.mass)
+        made, body = damped(nu, cells, linear, quadratic, rate)
         dt, r = stable(made, integrator="tchamwa_wielgosz"), 2 / 1.9
         assert not body.grows(dt, r=r), (linear, rate)
         sharp = 0.93 if linear > 0.12 else 0.95
