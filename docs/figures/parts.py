@@ -1,10 +1,12 @@
 """Maps of the parts of the book: its chapters, and which one needs which, as their own lists "You need" say."""
 
+import itertools
 import re
 import sys
 import textwrap
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -54,11 +56,7 @@ def places(before):
         after = [level[other] - 1 for other in before if page in before[other]]
         level[page] = min(after, default=level[page])
     connected, alone = groups(before)
-    place, row = {}, 0
-
-    def above(page):
-        found = [place[need] for need in before[page]]
-        return sum(x + 10 * y for x, y in found) / max(len(found), 1)
+    place, lines, row = {}, [], 0
 
     downwards = max(level.values()) >= COLUMNS
     left = rows = 0
@@ -67,7 +65,8 @@ def places(before):
         if downwards or left + len(depths) > COLUMNS:
             left, row, rows = 0, row + rows, 0
         for depth in depths:
-            line = sorted((p for p in before if p in group and level[p] == depth), key=above)
+            line = [page for page in before if page in group and level[page] == depth]
+            lines.append(line)
             for i, page in enumerate(line):
                 middle = 0.5 * (COLUMNS - len(line))
                 place[page] = (middle + i, row + depth) if downwards else (left + depth, row + i)
@@ -76,7 +75,41 @@ def places(before):
     row += rows
     for i, page in enumerate(alone):
         place[page] = (i % COLUMNS, row + i // COLUMNS)
-    return place, downwards
+    return untangled(place, lines, before, downwards), downwards
+
+
+def tangle(place, before):
+    """Length of all arrows, and a fine for each box that an arrow runs through."""
+    pages = list(place)
+    centre = np.array([place[page] for page in pages])
+    ends = [(pages.index(need), pages.index(page)) for page in before for need in before[page]]
+    if not ends:
+        return 0.0
+    a, b = np.array(ends).T
+    along = np.linspace(0.0, 1.0, 15)[:, None, None]
+    points = centre[a] + along * (centre[b] - centre[a])
+    away = np.abs(points[:, :, None] - centre) / (0.45, 0.36)
+    hit = (away.max(axis=-1) < 1.0).any(axis=0)
+    hit[np.arange(len(a)), a] = hit[np.arange(len(b)), b] = False
+    return np.hypot(*(centre[b] - centre[a]).T).sum() + 20.0 * hit.sum()
+
+
+def untangled(place, lines, before, downwards):
+    """The same boxes, each line of them moved to the places with the least tangle, given the others, down and up four times. A row may use all half columns."""
+    for line in 4 * (lines + lines[::-1]):
+        own = [place[page] for page in line]
+        if downwards:
+            halves = itertools.combinations(np.arange(0.0, COLUMNS - 0.5, 0.5), len(line))
+            choices = [
+                [(x, own[0][1]) for x in xs] for xs in halves if min(np.diff(xs), default=1) >= 1
+            ]
+        else:
+            choices = [own]
+        orders = itertools.chain(*map(itertools.permutations, choices))
+        tried = [place | dict(zip(line, order)) for order in orders]
+        if len(line) <= COLUMNS:
+            place = min(tried, key=lambda one: tangle(one, before))
+    return place
 
 
 def chart(part):
