@@ -1,10 +1,10 @@
 """Picture of the chapter on the planner: a bar on a wall, whose momentum after the impact is known."""
 
 import numpy as np
+from libcontact.planner import extrapolate, together
 from matplotlib.figure import Figure
 
 import libcontact as ct
-from libcontact.planner import extrapolate, together
 
 CELLS = (10, 14, 20, 28, 40)
 SETTINGS = {
