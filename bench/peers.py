@@ -35,18 +35,8 @@ def mesh():
 
 def stiffness():
     """Stiffness of one cube of edge H, 2 x 2 x 2 Gauss points."""
-    corner = np.array(
-        [
-            [-1, -1, -1],
-            [1, -1, -1],
-            [1, 1, -1],
-            [-1, 1, -1],
-            [-1, -1, 1],
-            [1, -1, 1],
-            [1, 1, 1],
-            [-1, 1, 1],
-        ]
-    )
+    square = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    corner = np.array([[*side, z] for z in (-1, 1) for side in square])
     C = np.zeros((6, 6))
     C[:3, :3] = LAMBDA
     C[range(6), range(6)] += [2 * MU] * 3 + [MU] * 3

@@ -1,7 +1,8 @@
-"""Pictures that are drawn when the book is built: ``.. drawn:: theory/dispersion.py front``.
+"""Pictures that are drawn when the book is built: ``.. drawn:: figures/contact.py wedge``.
 
 The file, named from the folder of the book, has a function of that name, without arguments, that returns a matplotlib figure. The text under the directive is the
-caption, the option ``:alt:`` says what is seen. A book that is built without the package says so in place of the picture.
+caption, the option ``:alt:`` says what is seen. A book that is built without the package says so in place of the picture. The program of a chapter has the name of the
+chapter; what several of them need lies in ``figures/shared``.
 """
 
 from __future__ import annotations
@@ -9,13 +10,16 @@ from __future__ import annotations
 import io
 import re
 import runpy
+import sys
 from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
-STYLE = Path(__file__).resolve().parents[1] / "figures" / "book.mplstyle"
+FIGURES = Path(__file__).resolve().parents[1] / "figures"
+STYLE = FIGURES / "book.mplstyle"
+sys.path.append(str(FIGURES))  # for ``from shared.drawing import BLUE``
 
 
 def svg(path: Path, name: str, alt: str) -> str:
@@ -49,7 +53,8 @@ class Drawn(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         path = Path(self.env.srcdir) / self.arguments[0]
-        self.env.note_dependency(str(path))
+        for program in (path, STYLE, *sorted((FIGURES / "shared").glob("*.py"))):
+            self.env.note_dependency(str(program))
         caption = self.parse_content_to_nodes()
         try:
             text = svg(path, self.arguments[1], self.options["alt"])

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from shared.drawing import BLUE, GREEN, GREY, ORANGE
 
 
 def wall_terms(method, epsilon, K, f, h):
@@ -55,7 +56,7 @@ def three_ways():
         total = body + 0.5 * k * np.minimum(g, 0) ** 2
         (line,) = energy.plot(g, total, label=f"with penalty {k:g}")
         energy.plot(-0.8 / (1 + k), total.min(), "o", color=line.get_color(), ms=5)
-    energy.axvspan(-1.2, 0, color="#8a8a8a", alpha=0.15, lw=0)
+    energy.axvspan(-1.2, 0, color=GREY, alpha=0.15, lw=0)
     energy.plot(0, 0.32, "k*", ms=11)
     energy.set(xlabel="gap g", ylabel="energy", ylim=(0, 1.5), xlim=(-1.2, 1.0))
     energy.legend(fontsize=8)
@@ -71,4 +72,27 @@ def three_ways():
     gap.text(13, 1e-5, "E / h", rotation=90)
     gap.set(xlabel="ε / (E / L)", ylabel="|gap| / displacement", ylim=(1e-18, 10))
     gap.legend(fontsize=8)
+    return figure
+
+
+def laws():
+    """The pressure that each law allows at a gap."""
+    figure = Figure(figsize=(7.5, 3.6))
+    ax = figure.subplots()
+    g = np.linspace(-0.6, 1.0, 400)
+    for epsilon in (2.0, 5.0, 20.0):
+        ax.plot(g, epsilon * np.maximum(-g, 0), color=BLUE, lw=1.4)
+    near = np.linspace(1e-3, 0.4, 400)
+    for epsilon in (0.5, 2.0):
+        p = epsilon * (2 * (near - 0.4) * np.log(near / 0.4) + (near - 0.4) ** 2 / near)
+        ax.plot(near, p, color=GREEN, lw=1.4)
+    for constant in (0.4, 0.8, 1.2):
+        ax.plot(g, constant + 2.5 * g, color=ORANGE, ls=":", lw=1.4)
+        ax.plot(0, constant, "o", color=ORANGE, ms=6)
+    ax.plot([0, 0, 1], [2, 0, 0], color="black", lw=2.6)
+    ax.text(-0.58, 1.3, "penalties", color=BLUE)
+    ax.text(0.27, 0.5, "barriers", color=GREEN)
+    ax.text(0.55, 1.35, "Nitsche: p − εg = const", color=ORANGE)
+    ax.text(0.45, 0.1, "exact condition, multiplier")
+    ax.set(xlabel="gap g / h", ylabel="pressure p", xlim=(-0.6, 1), ylim=(-0.1, 2), yticks=[0])
     return figure

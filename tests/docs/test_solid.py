@@ -1,14 +1,17 @@
-"""Numbers that the chapters on bricks, masses and time steps take from their pictures (docs/figures/solid.py)."""
+"""Numbers that the chapters on bricks, masses and time steps take from their pictures (docs/figures)."""
 
 import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from libcontact.loop import default_interval
 
-DRAWN = runpy.run_path(str(Path(__file__).resolve().parents[2] / "docs" / "figures" / "solid.py"))
-NODES, moduli, stiffness = (DRAWN[name] for name in ("NODES", "moduli", "stiffness"))
+FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures"
+sys.path.append(str(FIGURES))
+DRAWN = runpy.run_path(str(FIGURES / "solid.py"))
+from shared.bricks import BRICKS, moduli, stiffness  # noqa: E402
 
 
 @pytest.mark.parametrize(
@@ -16,14 +19,14 @@ NODES, moduli, stiffness = (DRAWN[name] for name in ("NODES", "moduli", "stiffne
 )
 def test_motions_without_energy(kind, points, zero):
     """The stiffness of a cube has as many zero eigenvalues as the page counts (eq:stiffness)."""
-    w = np.linalg.eigvalsh(stiffness(kind, NODES[kind], points, moduli(1, 0.3)))
+    w = np.linalg.eigvalsh(stiffness(kind, BRICKS[kind], points, moduli(1, 0.3)))
     assert (np.abs(w) < 1e-12).sum() == zero and w.min() > -1e-12
 
 
 @pytest.mark.parametrize("r", [1, 4])
 def test_hex8_is_too_stiff_in_bending(r):
     for kind, factor in (("hex8", 1 + r**2 / 2), ("hex20", 1)):
-        nodes = NODES[kind] * [r, 1, 1]
+        nodes = BRICKS[kind] * [r, 1, 1]
         u = np.column_stack(
             [-nodes[:, 0] * nodes[:, 1], nodes[:, 0] ** 2 / 2, 0 * nodes[:, 0]]
         ).ravel()
@@ -76,4 +79,6 @@ def test_a_large_step_by_hand():
 
 
 def test_orders_of_a_plain_sum_and_of_the_grids():
-    DRAWN["orders"]()  # asserts that all orders have the same bits
+    runpy.run_path(str(FIGURES / "sum.py"))[
+        "orders"
+    ]()  # asserts that all orders have the same bits

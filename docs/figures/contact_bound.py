@@ -1,0 +1,57 @@
+"""Pictures of the chapter on the stable step with contact."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED
+from shared.scenes import bar_on_wall, done
+
+
+def after_impact(fraction, landings=3, **law):
+    """Largest energy after the impact over that before, and the step over that of the elements."""
+    worst, cells = 0.0, 40
+    for place in range(landings):
+        at = 0.02 + place / landings * fraction / cells
+        scene = bar_on_wall(cells, at, **law).set_time(end=2.3 + at, dt=fraction / cells)
+        run = done(scene)
+        worst = max(worst, run.energy["total"][-1] / run.energy["total"][0])
+    return worst
+
+
+def delay():
+    """Pressure of a bar at a wall for three penalties, against the closed form."""
+    figure = Figure(figsize=(7.5, 3.2))
+    ax = figure.subplots()
+    cells, at = 100, 0.01
+    for beta, colour in ((0.2, BLUE), (1.0, ORANGE), (10.0, GREEN)):
+        scene = bar_on_wall(cells, at, beta=beta).set_time(end=at + 0.3, fraction=0.2)
+        run = scene.run(progress=False, output=False)
+        t = run.momentum["time"]
+        p = np.gradient(run.momentum["p"][:, 0], t) / 0.05**2
+        elements = cells * (t - at)
+        ax.plot(elements, p, color=colour, label=f"β = {beta:g}")
+        later = np.linspace(0, 20, 400)
+        ax.plot(later, 1 - np.exp(-beta * later), color=colour, ls="--", lw=1)
+    ax.plot([-2, 0, 0, 20], [0, 0, 1, 1], color="black", lw=1)
+    ax.set(xlabel="time c t / h after the touch", ylabel="pressure / (ρ c v)")
+    ax.set(xlim=(-1, 20), ylim=(-0.05, 1.5))
+    ax.legend()
+    return figure
+
+
+def growth():
+    """Energy after an impact over the length of the step, for the explicit penalty and the default."""
+    figure = Figure(figsize=(7.5, 3.2))
+    ax = figure.subplots()
+    part = np.linspace(0.4, 0.99, 5)
+    for beta, colour in ((1.0, ORANGE), (5.0, GREEN), (10.0, RED)):
+        # Reported step of a bar on a wall: 1 / sqrt(1 + β) of that of the elements.
+        steps = part / np.sqrt(1 + beta)
+        ratio = [after_impact(s, beta=beta, enforcement="penalty") for s in steps]
+        ax.plot(steps, ratio, "o-", ms=3.5, color=colour, label=f"explicit, β = {beta:g}")
+    steps = np.linspace(0.2, 0.98, 4)
+    ratio = [after_impact(s) for s in steps]
+    ax.plot(steps, ratio, "s-", ms=3.5, color="black", label="default")
+    ax.axhline(1.0, color=GREY, lw=0.8)
+    ax.set(xlabel="step / stable step of the elements", ylabel="energy after / before")
+    ax.legend(fontsize=8)
+    return figure

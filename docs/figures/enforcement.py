@@ -1,0 +1,91 @@
+"""Pictures of the chapter on the enforcement of contact."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from shared.drawing import BLUE, GREEN, GREY, ORANGE
+from shared.faces import patch
+
+import libcontact as ct
+
+
+def one_impact(enforcement, step, start=0.0):
+    """Gaps and forces of a plate of mass 1 that falls on a fixed one with K = 1 and speed 1."""
+    low, faces = patch(0.0, True, 1)
+    x, others = patch(start, False, 1)
+    contact = ct.Contact(
+        ct.Surface("Q4", x.copy(), others),
+        ct.Surface("Q4", low, faces),
+        epsilon=1.0,
+        enforcement=enforcement,
+        depth=100.0,
+    )
+    v = np.zeros_like(x)
+    v[:, 2] = -1.0
+    held, free = np.zeros_like(x), np.full_like(x, 4.0)
+    gaps, forces = [], []
+    for _ in range(int(12 / step)):
+        force = np.zeros_like(x)
+        contact.step(step, (x, low), (v, held), (free, held), kick=step)
+        contact.add_force((force, np.zeros_like(x)))
+        gaps.append(x[0, 2])
+        forces.append(force[:, 2].sum())
+        v = v + step * free * force
+        x = x + step * v
+        if x[0, 2] > 0.8 and v[0, 2] > 0:
+            break
+    return np.array(gaps), np.array(forces), v[0, 2]
+
+
+def impact_loop():
+    """Force over gap of one impact, for the explicit penalty and the energy-controlled one."""
+    figure = Figure(figsize=(7.5, 3.4))
+    names = (("penalty", "explicit penalty"), ("energy_controlled", "energy-controlled"))
+    for ax, (law, title) in zip(figure.subplots(1, 2, sharey=True), names):
+        gaps, forces, speed = one_impact(law, 0.6, start=0.5)
+        g = np.linspace(-1.4, 0.9, 50)
+        ax.plot(g, np.maximum(-g, 0), color=GREY, lw=1)
+        deepest = int(gaps.argmin())
+        for n in range(len(gaps) - 1):
+            if forces[n] == forces[n + 1] == 0.0:
+                continue
+            colour = ORANGE if n < deepest else BLUE
+            style = {"arrowstyle": "-|>", "color": colour, "lw": 1.2, "shrinkA": 2, "shrinkB": 2}
+            ax.annotate("", (gaps[n + 1], forces[n + 1]), (gaps[n], forces[n]), arrowprops=style)
+        ax.plot(gaps, forces, "o", color="black", ms=4)
+        ax.set(xlabel="gap g / (v / ω)", title=f"{title}: rebound {speed:.2f}", xlim=(-1.4, 0.9))
+        ax.text(-1.35, 0.08, "loading", color=ORANGE)
+        ax.text(-1.35, 0.25, "unloading", color=BLUE)
+    figure.axes[0].set_ylabel("force λ / (v √(k m))")
+    return figure
+
+
+def surface_mode():
+    """The mode at the end of a bar with a spring, from its matrix and from the closed form."""
+    figure = Figure(figsize=(7.5, 3.0))
+    shape, pitch = figure.subplots(1, 2)
+    n = 60
+
+    def highest(beta):
+        stiff = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+        stiff[0, 0] = 1 + beta
+        half = np.ones(n)
+        half[0] = np.sqrt(0.5)
+        values, vectors = np.linalg.eigh(stiff / np.outer(half, half))
+        mode = vectors[:, -1] / half
+        return np.sqrt(values[-1]) / 2, mode / mode[0]
+
+    node = np.arange(12)
+    for beta, colour in ((0.1, BLUE), (1.0, ORANGE), (4.0, GREEN)):
+        r = 1 / (beta + np.sqrt(1 + beta**2))
+        shape.plot(node, (-r) ** node, color=colour, lw=1)
+        shape.plot(node, highest(beta)[1][:12], "o", color=colour, ms=4, label=f"β′ = {beta:g}")
+    shape.set(xlabel="node from the contact", ylabel="displacement")
+    shape.legend(fontsize=8)
+    beta = np.geomspace(0.02, 50, 60)
+    r = 1 / (beta + np.sqrt(1 + beta**2))
+    pitch.semilogx(beta, 0.5 * np.sqrt(2 + r + 1 / r), color=BLUE, lw=1.2)
+    some = np.geomspace(0.02, 50, 9)
+    pitch.plot(some, [highest(b)[0] for b in some], "o", color=BLUE, ms=4)
+    pitch.axhline(1, color="black", ls=":", lw=1)
+    pitch.set(xlabel="β′", ylabel="frequency / cut-off")
+    return figure

@@ -1,0 +1,1 @@
+"""What the programs of several chapters share: colours and marks, faces, bricks, scenes."""
