@@ -82,7 +82,7 @@ def tidy(ax: Axes, **labels: Any) -> None:
 def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "reference") -> Figure:
     """Error against cost, a curve a method, with the Pareto front, the paper's point and the best buy."""
     rows = load(folder)
-    figure = Figure(figsize=(10.5, 5.8), layout="constrained")
+    figure = Figure(figsize=(7.5, 7.4), layout="constrained")
     paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
     name, best = best_buy(rows, scene)
     for ax, (column, label) in zip(figure.subplots(1, 2), NAMES.items()):
@@ -107,7 +107,7 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
         )
         for row, text, place in (
             (paper, "the paper, d/100", (0.97, 0.9)),
-            (best, f"best buy:\n{name}, d/{best['cells']:.0f}", (0.03, 0.06)),
+            (best, f"best buy:\n{name},\nd/{best['cells']:.0f}", (0.03, 0.06)),
         ):
             ax.plot(row[cost], row[column], "*", ms=17, mfc="none", mec="k", mew=1.2, zorder=5)
             ax.annotate(
@@ -117,7 +117,7 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
                 textcoords="axes fraction",
                 ha="right" if place[0] > 0.5 else "left",
                 fontsize=9,
-                arrowprops={"arrowstyle": "-", "color": "0.3", "lw": 0.8, "shrinkB": 8},
+                arrowprops={"arrowstyle": "-", "color": "0.5", "lw": 0.8, "shrinkB": 8},
             )
         unit = "seconds" if cost == "times_paper" else "element updates"
         tidy(ax, xlabel=f"cost: {unit} over those of the paper's setting", ylabel=label)
@@ -127,7 +127,7 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
         ax.yaxis.set_minor_locator(LogLocator(subs=(2, 3, 5)))
         ax.yaxis.set_minor_formatter(plain)
     figure.legend(
-        *ax.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False
+        *ax.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False
     )
     return figure
 
@@ -135,7 +135,7 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
 def growth(folder: Path = table.BOOK) -> Figure:
     """Element updates and seconds against 1/h, beside the theoretical power."""
     rows = load(folder)
-    figure = Figure(figsize=(9, 4.2), layout="constrained")
+    figure = Figure(figsize=(7.5, 4.4), layout="constrained")
     for ax, column, label in zip(
         figure.subplots(1, 2),
         ("updates", "seconds"),
@@ -151,14 +151,16 @@ def growth(folder: Path = table.BOOK) -> Figure:
         tidy(ax, xlabel="elements over half the thickness, d/h", ylabel=label)
         ax.set_xticks(x, [f"{n:.0f}" for n in x])
         ax.minorticks_off()
-    ax.legend(fontsize=8, frameon=False)
+    figure.legend(
+        *ax.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False
+    )
     return figure
 
 
 def contact(folder: Path = table.BOOK) -> Figure:
     """Penetration and error of the contact against the penalty, for each law and two steps."""
     rows, cells = load(folder), campaign.LAW_CELLS
-    figure = Figure(figsize=(10.5, 4.6), layout="constrained")
+    figure = Figure(figsize=(7.5, 4.6), layout="constrained")
     axes = figure.subplots(1, 2)
     for k, (law, name) in enumerate(LAWS.items()):
         for fraction, style in ((0.3, "o--"), (0.98, "s-")):
@@ -177,7 +179,7 @@ def contact(folder: Path = table.BOOK) -> Figure:
     tidy(axes[0], xlabel="penalty factor β", ylabel="deepest contact point / h")
     tidy(axes[1], xlabel="penalty factor β", ylabel="error of the contact on Fig. 4's line")
     figure.legend(
-        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, frameon=False
+        *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False
     )
     return figure
 
@@ -185,7 +187,7 @@ def contact(folder: Path = table.BOOK) -> Figure:
 def search(folder: Path = table.BOOK) -> Figure:
     """Error of the closest point against evaluations of f, a curve a method over its tolerances."""
     rows = table.read(folder / "accuracy_search.csv")
-    figure = Figure(figsize=(9, 4.6), layout="constrained")
+    figure = Figure(figsize=(7.5, 4.2), layout="constrained")
     ax = figure.subplots()
     for k, name in enumerate(dict.fromkeys(row["method"] for row in rows)):
         own = [row for row in rows if row["method"] == name]
@@ -195,7 +197,7 @@ def search(folder: Path = table.BOOK) -> Figure:
         style["ls"] = "-" if k < 10 else "--"
         ax.loglog(x, y, label=name.replace("_", " "), **style)
     tidy(ax, xlabel="evaluations of f a point", ylabel="error of the closest point in ξ, median")
-    ax.legend(fontsize=8, frameon=False, bbox_to_anchor=(1.0, 1.0), loc="upper left")
+    ax.legend(fontsize=9, frameon=False, bbox_to_anchor=(1.0, 1.0), loc="upper left")
     return figure
 
 
@@ -230,7 +232,7 @@ def factors(folder: Path = table.BOOK) -> Figure:
     changes = [("reference", own) for found in campaign.FACTORS.values() for own in found] + [
         ("contact", own) for found in campaign.CONTACT_FACTORS.values() for own in found
     ]
-    figure = Figure(figsize=(10.5, 8.4), layout="constrained")
+    figure = Figure(figsize=(7.5, 8.6), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for ax, (name, centre) in zip(axes, campaign.CENTRES.items()):
         for place, (scene, change) in enumerate(changes):
@@ -240,14 +242,14 @@ def factors(folder: Path = table.BOOK) -> Figure:
                 if base and own:
                     break
             else:
-                ax.text(1.0, place, " ends with an error", va="center", fontsize=8, color="0.4")
+                ax.text(1.15, place, "ends with an error", va="center", fontsize=9, color="0.5")
                 continue
             ratios = [own[column] / base[column] for column in ("times_paper", *NAMES)]
             for ratio, marker, colour in zip(ratios, "|os", ("k", "C0", "C1")):
                 ax.plot(ratio, place, marker, color=colour, ms=12 if marker == "|" else 6, mew=2)
         ax.axvline(1.0, color="0.6", lw=1, zorder=0)
         tidy(ax, xscale="log", xlabel="over that of the centre", title=f"from: {name}")
-    axes[0].set_yticks(range(len(changes)), [label(change) for _, change in changes])
+    axes[0].set_yticks(range(len(changes)), [label(change) for _, change in changes], fontsize=9)
     axes[0].invert_yaxis()
     for marker, colour, text in zip("|os", ("k", "C0", "C1"), ("seconds", *NAMES.values())):
         axes[0].plot([], [], marker, color=colour, mew=2, label=text)

@@ -2,8 +2,27 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import proj3d
 from shared.bricks import BRICKS, CORNERS, EDGES, draw_edges
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, arrow_in_space, axes_in_space
+
+
+def number_nodes(ax, nodes):
+    """The numbers of the nodes, each in the widest gap between the edges that are drawn from its node."""
+    flat = np.column_stack(proj3d.proj_transform(*nodes.T, ax.get_proj())[:2])
+    for n, node in enumerate(nodes):
+        on = [e for e in EDGES if np.cross(CORNERS[e[0]] - node, CORNERS[e[1]] - node).any() == 0]
+        ends = np.unique([end for e in on for end in e if np.abs(CORNERS[end] - node).any()])
+        angle = np.sort(np.arctan2(*(flat[ends] - flat[n]).T[::-1]))
+        gap = np.diff(angle, append=angle[0] + 2 * np.pi)
+        middle = angle + gap / 2
+        way = np.column_stack([np.cos(middle), np.sin(middle)])
+        best = way[np.argmax(gap + 0.1 * way @ (flat[n] - flat.mean(axis=0)))]
+        if len(ends) == 2:  # aslant, as hidden edges may end behind the middle of an edge
+            best = best @ [[0.87, -0.5], [0.5, 0.87]]
+        ax.annotate(
+            str(n + 1), flat[n], 11 * best, textcoords="offset points", ha="center", va="center"
+        )
 
 
 def bricks():
@@ -15,13 +34,12 @@ def bricks():
             hidden = 3 in (i, j)
             ax.plot(*CORNERS[[i, j]].T, "--" if hidden else "-", color=GREY, lw=1.1)
         ax.plot(*nodes.T, "o", ms=5)
-        for number, node in enumerate(nodes, 1):
-            ax.text(*(1.17 * node), str(number), ha="center", va="center")
         if name == "hex8":
             for axis, label in zip(np.eye(3), ("ξ₁", "ξ₂", "ξ₃")):
                 arrow_in_space(ax, np.zeros(3), 0.6 * axis, label, GREEN)
-        ax.set_title(name, y=0.98)
+        ax.set_title(name, y=1.02)
         ax.set_box_aspect((1, 1, 1), zoom=1.0)
+        number_nodes(ax, nodes)
     return figure
 
 

@@ -63,7 +63,7 @@ def fold_normals(ax, slope, marks, off):
     ax.plot(*points[~wrong].T, "o", color=BLUE, ms=3.5)
     ax.plot(*points[wrong].T, "o", color=RED, ms=3.5)
     for normal, side, name in zip(normals, sides, ("$\\mathbf{n}_1$", "$\\mathbf{n}_2$")):
-        arrow(ax, 1.5 * side, 0.6 * normal, name)
+        arrow(ax, 1.5 * side, 0.6 * normal, name, off=0.1 * normal)
     arrow(ax, (0, 0), 0.45 * normals.sum(axis=0), marks, GREEN, off=off)
 
 

@@ -53,5 +53,5 @@ def growth():
     ax.plot(steps, ratio, "s-", ms=3.5, color="black", label="default")
     ax.axhline(1.0, color=GREY, lw=0.8)
     ax.set(xlabel="step / stable step of the elements", ylabel="energy after / before")
-    ax.legend(fontsize=8)
+    ax.legend()
     return figure

@@ -47,7 +47,7 @@ def pressed(method, stiffness, elements=10, pushed=-1.0):
 
 def three_ways():
     """Energy of a spring at a wall, and the gap that each way of enforcing contact leaves."""
-    figure = Figure(figsize=(7.5, 3.3))
+    figure = Figure(figsize=(7.5, 3.8))
     energy, gap = figure.subplots(1, 2)
     g = np.linspace(-1.2, 1.0, 300)
     body = 0.5 * (g + 0.8) ** 2
@@ -59,7 +59,7 @@ def three_ways():
     energy.axvspan(-1.2, 0, color=GREY, alpha=0.15, lw=0)
     energy.plot(0, 0.32, "k*", ms=11)
     energy.set(xlabel="gap g", ylabel="energy", ylim=(0, 1.5), xlim=(-1.2, 1.0))
-    energy.legend(fontsize=8)
+    energy.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     stiffness = np.geomspace(1, 1e8, 49)
     for method, name in (
         ("penalty", "penalty"),
@@ -71,7 +71,7 @@ def three_ways():
     gap.axvline(10, color="black", ls=":", lw=1)
     gap.text(13, 1e-5, "E / h", rotation=90)
     gap.set(xlabel="ε / (E / L)", ylabel="|gap| / displacement", ylim=(1e-18, 10))
-    gap.legend(fontsize=8)
+    gap.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return figure
 
 

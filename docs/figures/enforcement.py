@@ -80,7 +80,7 @@ def surface_mode():
         shape.plot(node, (-r) ** node, color=colour, lw=1)
         shape.plot(node, highest(beta)[1][:12], "o", color=colour, ms=4, label=f"β′ = {beta:g}")
     shape.set(xlabel="node from the contact", ylabel="displacement")
-    shape.legend(fontsize=8)
+    shape.legend(fontsize=9)
     beta = np.geomspace(0.02, 50, 60)
     r = 1 / (beta + np.sqrt(1 + beta**2))
     pitch.semilogx(beta, 0.5 * np.sqrt(2 + r + 1 / r), color=BLUE, lw=1.2)

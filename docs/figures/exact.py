@@ -89,8 +89,9 @@ def branches():
     lamb.contour(X, W, value, levels=[0.0], colors=[BLUE], linewidths=1.2)
     lamb.plot(xi, xi, "--", color="black", lw=1)
     lamb.plot(xi, xi / KAPPA, ":", color="black", lw=1.4)
-    lamb.text(7.6, 8.7, r"$\omega = \xi$", rotation=45)
-    lamb.text(11, 4.6, r"$\omega = \xi/\kappa$", rotation=28)
+    page = {"facecolor": "#fefefe", "edgecolor": "none", "pad": 1.0}
+    lamb.text(7.6, 8.9, r"$\omega = \xi$", bbox=page)
+    lamb.text(9.6, 3.6, r"$\omega = \xi/\kappa$", bbox=page)
     lamb.set(xlabel=r"wave number $\xi$", ylabel=r"frequency $\omega$")
     z = np.linspace(0, 1, 401)
     try:

@@ -64,7 +64,12 @@ def nodal_forces():
             colour = BLUE if up else RED
             ax.plot(*place[n, :2], "o", ms=6, color=colour)
             inwards = np.array([0.34, 0.2]) * (np.array([0.5, 0.5]) - place[n, :2])
-            ax.text(*(place[n, :2] + inwards), f"{force[n]:+.3f}", ha="center", va="center")
+            ax.text(
+                *(place[n, :2] + inwards),
+                f"{force[n]:+.3f}".replace("-", "−"),
+                ha="center",
+                va="center",
+            )
         ax.set(title={"hex8": "Q4", "hex20": "Q8"}[element], aspect="equal")
         ax.set(xlim=(-0.1, 1.1), ylim=(-0.1, 1.1))
         ax.set_axis_off()

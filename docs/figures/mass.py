@@ -26,6 +26,8 @@ def masses():
             )
         label = f"corner {m[0]:+.3f}" + ("" if kind == "hex8" else f"\nmiddle {m[8]:+.3f}")
         ax.set_title(f"{kind}, {name}", pad=14)
-        ax.text2D(0.5, -0.02, label, transform=ax.transAxes, ha="center", va="top")
+        ax.text2D(
+            0.5, -0.02, label.replace("-", "−"), transform=ax.transAxes, ha="center", va="top"
+        )
         ax.set_box_aspect((1, 1, 1), zoom=0.9)
     return figure

@@ -135,7 +135,7 @@ def chart(part):
             ax.annotate("", **ends, arrowprops=line, zorder=1)
         label = "\n".join([f"{numbers[page]}", *title(page)])
         box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": "#3b8bd4"}
-        text = ax.text(x, y, label, ha="center", va="center", fontsize=8, bbox=box, zorder=2)
+        text = ax.text(x, y, label, ha="center", va="center", fontsize=8.4, bbox=box, zorder=2)
         folder = Path(part).parent
         text.set_url(
             f"{Path(page).name}.html" if Path(page).parent == folder else f"../{page}.html"

@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, VIOLET
+from shared.drawing import BLUE, DARK, GREEN, GREY, ORANGE, RED, VIOLET
 
 import libcontact as ct
 
@@ -50,14 +50,12 @@ def snapshots():
     x = np.linspace(0.0025, 0.9975, 200)
     for ax, t in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, (0.28, 0.56, 0.84, 1.4)):
         stress = ct.exact.plates(x[None, :], x[:, None], t).stress.sigma_z
-        image = ax.imshow(
-            stress, origin="lower", extent=(0, 1, 0, 1), vmin=-1.5, vmax=1.5, alpha=0.75
-        )
+        image = ax.imshow(stress, origin="lower", extent=(0, 1, 0, 1), vmin=-1.5, vmax=1.5)
         for name, curves in ct.exact.fronts(t).items():
             label, colour = FRONTS[name]
             for i, curve in enumerate(curves):
                 if len(curve) > 1:
-                    ax.plot(*curve.T, color="black", lw=1.3)
+                    ax.plot(*curve.T, color=DARK, lw=1.3)
                 elif i == 0:
                     ax.plot(*curve.T, "o", color=colour, ms=6, clip_on=False, label=label)
         ax.set(title=f"$c_1t/d = {t}$", xlim=(0, 1), ylim=(0, 1), aspect="equal")
@@ -66,7 +64,7 @@ def snapshots():
         ax.set_xlabel("x / d")
     for ax in (figure.axes[0], figure.axes[2]):
         ax.set_ylabel("z / d")
-    figure.axes[0].legend(loc="lower right", fontsize=9, labelcolor="#303030")
+    figure.axes[0].legend(loc="lower right", fontsize=9, labelcolor=DARK)
     figure.colorbar(image, ax=figure.axes, label=r"$\sigma_z^*$", shrink=0.8)
     return figure
 

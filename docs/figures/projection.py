@@ -10,7 +10,7 @@ import libcontact as ct
 
 def closest():
     """Fig. 1 of the paper, redrawn: a face, a point, its closest point, and the tangents there."""
-    figure = Figure(figsize=(6.0, 2.8))
+    figure = Figure(figsize=(6.0, 3.0))
     ax = axes_in_space(figure, elev=24, azim=-62)
     nodes = ARCH
     xi = np.array([0.25, 0.1])
@@ -30,11 +30,12 @@ def closest():
     ax.text(*(foot + [-0.35, 0, -0.12]), r"$\bar{\mathbf{y}}$")
     for tangent, name in zip(tangents, (r"$\mathbf{t}_1$", r"$\mathbf{t}_2$")):
         arrow_in_space(ax, foot, 0.55 * tangent, name, GREEN)
-    ax.text(*(0.5 * (point + foot) + [0.1, 0, 0]), r"$g_n$")
+    ax.text(*(0.5 * (point + foot) + [-0.28, 0, 0]), r"$g_n$")
     ax.text(*nodes[3] + [0, 0, 0.15], r"$\gamma_c$")
-    ax.set_box_aspect((3, 3, 1.7))
+    ax.set_box_aspect((3, 3, 1.7), zoom=1.1)
     figure.set_layout_engine("none")
-    ax.set_position([-0.1, -0.25, 1.2, 1.74])
+    ax.set_in_layout(False)  # its box is larger than what is drawn in it
+    ax.set_position([-0.1, -0.28, 1.2, 1.74])
     return figure
 
 

@@ -52,9 +52,9 @@ def mapping():
     normal = np.cross(*tangents)
     for along, name in zip(tangents, (r"$\mathbf{t}_1$", r"$\mathbf{t}_2$")):
         arrow_in_space(ax, near[0], 0.6 * along, name, GREEN)
-    arrow_in_space(ax, near[0], 0.9 * normal / np.linalg.norm(normal), r"$\mathbf{n}$", BLUE)
+    arrow_in_space(ax, near[0], 0.75 * normal / np.linalg.norm(normal), r"$\mathbf{n}$", BLUE)
     ax.set_box_aspect((3, 3, 1.7))
     figure.set_layout_engine("none")
     flat.set_position([0.08, 0.17, 0.32, 0.76])
-    ax.set_position([0.40, -0.22, 0.66, 1.5])
+    ax.set_position([0.40, -0.26, 0.66, 1.5])
     return figure

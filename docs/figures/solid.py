@@ -76,7 +76,7 @@ def zero_modes():
         )
     ax.set(xlabel="eigenvalue no.", yticks=[1e-3, 1e-2, 1e-1, 1, 10])
     ax.set_yticklabels(["0", "0.01", "0.1", "1", "10"])
-    ax.legend(fontsize=8, loc="lower right", bbox_to_anchor=(1.06, 1.0), handletextpad=0.1)
+    ax.legend(fontsize=9, loc="lower right", bbox_to_anchor=(1.08, 1.0), handletextpad=0.1)
     return figure
 
 

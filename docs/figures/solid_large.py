@@ -30,7 +30,7 @@ LAWS = {
 
 def turning():
     """Stress of a cube that only turns, and strains of a bar that is stretched."""
-    figure = Figure(figsize=(7.5, 3.2))
+    figure = Figure(figsize=(7.5, 4.0))
     turn, strain = figure.subplots(1, 2)
     angle = np.linspace(0, 180, 181)
     lame, shear = 0.3 / (1.3 * 0.4), 1 / 2.6
@@ -46,7 +46,7 @@ def turning():
             found.append(stress_at(law, gradient)[0])
         turn.plot(at, found, "o", color=colour, ms=7 if "St" in name else 4, label=name)
     turn.set(xlabel="angle of rotation, degrees", ylabel="σxx / E", xlim=(0, 180))
-    turn.legend(loc="lower left", fontsize=8)
+    turn.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)
     a = np.linspace(0.05, 2, 200)
     for label, value, colour in (
         ("small strain, a − 1", a - 1, GREY),
@@ -55,7 +55,7 @@ def turning():
     ):
         strain.plot(a, value, color=colour, label=label)
     strain.set(xlabel="stretch a", ylabel="strain", xlim=(0, 2), ylim=(-2, 1.6))
-    strain.legend(loc="lower right", fontsize=8)
+    strain.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)
     return figure
 
 

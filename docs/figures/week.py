@@ -10,6 +10,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "week"))
 import bar  # noqa: E402
 import plates  # noqa: E402
 import wall  # noqa: E402
+from shared.drawing import DARK  # noqa: E402
 
 import libcontact as ct  # noqa: E402
 
@@ -72,7 +73,7 @@ def waves():
     image = ax.imshow(
         shown, origin="lower", extent=(-1, 1, 0, 3), aspect="auto", vmin=-1.2, vmax=1.2
     )
-    ax.axvline(0, color="black", lw=0.8)
+    ax.axvline(0, color=DARK, lw=0.8)
     ax.set(xlabel="place x / L", ylabel="time c t / L")
     ax.grid(False)
     figure.colorbar(image, label="stress / (ρ c v)")
@@ -123,9 +124,9 @@ def field():
     angle = np.linspace(0, np.pi / 2, 200)
     slow = np.sqrt((1 - 2 * plates.NU) / (2 - 2 * plates.NU))
     for radius, name in ((0.56, "c₁"), (0.56 * slow, "c₂")):
-        ax.plot(radius * np.sin(angle), 1 - radius * np.cos(angle), color="black", lw=0.8)
-        ax.annotate(name, (radius * 0.7, 1 - radius * 0.72))
-    ax.axvline(0.56, color="black", lw=0.8)
+        ax.plot(radius * np.sin(angle), 1 - radius * np.cos(angle), color=DARK, lw=0.8)
+        ax.annotate(name, (radius * 0.6, 1 - radius * 0.64), color=DARK)
+    ax.axvline(0.56, color=DARK, lw=0.8)
     ax.set(xlabel="x / d", ylabel="z / d")
     ax.grid(False)
     figure.colorbar(image, label="σz*")

@@ -64,12 +64,12 @@ def draw_path(
     points = face_points(kind, nodes, np.stack([x, y], -1))
     distance = np.linalg.norm(points - np.asarray(point, float), axis=-1)
     levels = np.quantile(distance, np.linspace(0.002, 0.9, 24))
-    axes.contour(x, y, distance, levels=levels, colors="0.75", linewidths=0.6)
+    axes.contour(x, y, distance, levels=levels, colors="0.5", alpha=0.45, linewidths=0.6)
     best = _finish(axes, kind, nodes, point, x, y)
     iterates, found = project_path(kind, nodes, point, method, tolerance, start)
     colour = COLOURS[_ends(found, best)[0]]
     axes.plot(*iterates.T, ".-", color=colour, lw=1.4, ms=5)
-    axes.plot(*iterates[0], "o", color=colour, mfc="white", mew=1.4, ms=7)
+    axes.plot(*iterates[0], "o", color=colour, mfc="none", mew=1.4, ms=7)
     return int(found.evaluations[0])
 
 

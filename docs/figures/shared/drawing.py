@@ -4,6 +4,7 @@ import numpy as np
 
 BLUE, ORANGE, GREEN, RED = "#3b8bd4", "#e8762b", "#3fa34d", "#d64550"
 VIOLET, GREY = "#9b6fd0", "#8a8a8a"
+DARK = "#101010"  # over an image with pale colours: black, and light on a dark page, is for lines beside it
 
 
 def line(ax, a, b, **style):
@@ -34,6 +35,7 @@ def axes_in_space(figure, place=111, elev=18, azim=-64):
 
 
 def arrow_in_space(ax, start, along, name, colour):
-    """An arrow with its name at the tip, in space."""
+    """An arrow with its name beyond the tip, in space."""
     ax.quiver(*start, *along, color=colour, arrow_length_ratio=0.12, lw=1.8)
-    ax.text(*(start + 1.12 * along), name, color=colour, ha="center", va="center")
+    beyond = start + (1 + 0.2 / np.linalg.norm(along)) * along
+    ax.text(*beyond, name, color=colour, ha="center", va="center")
