@@ -2,7 +2,7 @@
 Laws of contact on a bar in one dimension (chapter "Enforcement"): what each loses while contact lasts, and how much of the surface mode it leaves.
 
 A bar of n elements with the element length, wave speed and density 1, so that a step is its Courant number and a penalty is β. ``--book`` writes the table
-and the picture of the chapter.
+of the chapter.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 # The force of the wall from β, the gaps g_n and g_{n-1}, the gap that would come without it, how far a unit force moves the node, and the step.
@@ -62,7 +61,6 @@ LAWS = {
     "ζ = 0.5": damped(0.5),
     "multipliers": multipliers,
 }
-DEFAULT = "ζ = 0.15"
 
 
 def bar(law: Law, k: float, dt: float, u: np.ndarray, v: np.ndarray, pull: float, steps: int):
@@ -132,30 +130,6 @@ def measured(name: str, k: float) -> dict[str, float]:
     return {what: 100 * value for what, value in row.items()}
 
 
-def draw(rows: dict[tuple[str, float], dict[str, float]], file: Path) -> None:
-    """The trade: what settled contact loses against the mode that is left; along a line β grows."""
-    fig, ax = plt.subplots(figsize=(7.5, 4.5), layout="constrained")
-    for name in [name for name in LAWS if name != "multipliers"]:
-        line = [(rows[name, k]["settled"], rows[name, k]["mode"]) for k in BETAS]
-        x, y = np.maximum(np.transpose(line), 0.01)
-        ax.plot(x, y, "o-", ms=3, lw=2 if name == DEFAULT else 1, label=name)
-        ax.annotate(f"β = {BETAS[0]:g}", (x[0], y[0]), fontsize=7)
-        ax.annotate(f"{BETAS[-1]:g}", (x[-1], y[-1]), fontsize=7, ha="right", va="top")
-    ax.axhline(1, color="k", lw=0.6, ls=":")
-    ax.axvline(0.5, color="k", lw=0.6, ls=":")
-    ax.set(
-        xscale="log",
-        yscale="log",
-        xlabel="settled contact: energy lost a period [%] (0 drawn at 0.01)",
-        ylabel="surface mode that is left [% of the plateau]",
-    )
-    ax.text(0.52, 0.1, "0.5 %", fontsize=7)
-    ax.text(0.011, 1.05, "1 %", fontsize=7)
-    ax.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(0.12, 1))
-    ax.spines[["top", "right"]].set_visible(False)
-    fig.savefig(file, dpi=150)
-
-
 def main() -> None:
     rows = {}
     for name in LAWS:
@@ -180,7 +154,6 @@ def main() -> None:
                 ]
                 blanks = [""] * (len(columns) - len(cells))
                 table.writerow([name, "" if name == "multipliers" else f"{k:g}", *blanks, *cells])
-    draw(rows, folder / "laws.png")
 
 
 if __name__ == "__main__":

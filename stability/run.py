@@ -1,5 +1,5 @@
 """
-``make stability``: every case, one table, pictures. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C keeps what is done. ``--book`` also writes what the chapter
+``make stability``: every case, one table. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C keeps what is done. ``--book`` also writes what the chapter
 "Stability" shows, into ``docs/stability``.
 """
 
@@ -125,6 +125,21 @@ def write_summary(rows: list[lab.Row], folder: Path) -> None:
         table.writerows(summarise(rows))
 
 
+def write_sweep(rows: list[lab.Row], folder: Path) -> None:
+    """What the default law dissipates in the plates and how deep their points get, over penalty and step: a picture of the book (``docs/figures/stability.py``)."""
+    own = [row for row in rows if row.case == "plates" and row.enforcement == lab.DEFAULT]
+    if len({row.fraction for row in own}) < 2:
+        return
+    with (folder / "plates.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        table.writerow(["beta", "step", "energy lost", "energy grows by", "points / h"])
+        for row in sorted(own, key=lambda row: (round(row.fraction, 2), row.beta)):
+            values = (row.lost, row.energy, row.points)
+            table.writerow(
+                [f"{row.beta:g}", f"{row.fraction:.2f}", *(f"{value:.3g}" for value in values)]
+            )
+
+
 def main() -> int:
     arguments = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     folder, names = Path(arguments[0]), arguments[1:]
@@ -135,13 +150,9 @@ def main() -> int:
     rows = collect(names, "--short" in sys.argv)
     if rows:
         write(rows, folder)
-        import pictures
-
-        pictures.draw(rows, folder)
-        write_summary(rows, folder)
-        if "--book" in sys.argv:
-            pictures.draw(rows, BOOK)
-            write_summary(rows, BOOK)
+        for place in (folder, BOOK) if "--book" in sys.argv else (folder,):
+            write_sweep(rows, place)
+            write_summary(rows, place)
     odd = surprises(rows)
     default = [row for row in rows if row.enforcement == lab.DEFAULT]
     print(

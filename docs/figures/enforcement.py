@@ -1,8 +1,11 @@
 """Pictures of the chapter on the enforcement of contact."""
 
+import csv
+from pathlib import Path
+
 import numpy as np
 from matplotlib.figure import Figure
-from shared.drawing import BLUE, GREEN, GREY, ORANGE
+from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, VIOLET
 from shared.faces import patch
 
 import libcontact as ct
@@ -56,6 +59,29 @@ def impact_loop():
         ax.text(-1.35, 0.08, "loading", color=ORANGE)
         ax.text(-1.35, 0.25, "unloading", color=BLUE)
     figure.axes[0].set_ylabel("force λ / (v √(k m))")
+    return figure
+
+
+def laws():
+    """What settled contact loses in a period, and the surface mode that is left, for each law and four penalties."""
+    with (Path(__file__).resolve().parents[1] / "theory" / "laws.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["settled, %"]]
+    figure = Figure(figsize=(7.5, 4.4))
+    ax = figure.subplots()
+    colours = (GREY, VIOLET, GREEN, ORANGE, BLUE, RED)
+    for law, colour in zip(dict.fromkeys(row["law"] for row in rows), colours, strict=True):
+        own = [row for row in rows if row["law"] == law]
+        x = np.maximum([float(row["settled, %"]) for row in own], 0.01)
+        y = np.array([float(row["mode, %"]) for row in own])
+        ax.loglog(x, y, "-", lw=2.4 if law == "ζ = 0.15" else 1.2, color=colour, label=law)
+        ax.scatter(x, y, s=[12, 24, 44, 70], color=colour, zorder=3)
+    ax.axhline(1, color="black", lw=0.8, ls=":")
+    ax.axvline(0.5, color="black", lw=0.8, ls=":")
+    ax.text(0.011, 1.05, "1 %", va="bottom")
+    ax.text(0.52, 20, "0.5 %", va="top")
+    ax.set(xlabel="settled contact: energy lost in a period, %  (0 is drawn at 0.01)")
+    ax.set_ylabel("surface mode that is left, %")
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return figure
 
 

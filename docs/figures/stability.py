@@ -1,4 +1,4 @@
-"""Picture of the stability laboratory, from the table of its chapter."""
+"""Pictures of the stability laboratory, from the tables of its chapter."""
 
 import csv
 from pathlib import Path
@@ -6,22 +6,18 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, VIOLET
 
 import libcontact as ct
 
-TABLE = Path(__file__).resolve().parents[1] / "stability" / "summary.csv"
-COLOURS = {
-    "energy-controlled": "#3b8bd4",
-    "penalty": "#e8762b",
-    "bipenalty": "#9b6fd0",
-    "none": "#8a8a8a",
-}
+TABLES = Path(__file__).resolve().parents[1] / "stability"
+COLOURS = {"energy-controlled": BLUE, "penalty": ORANGE, "bipenalty": VIOLET, "none": GREY}
 SMALLEST = 1e-17  # what is less is drawn there
 
 
 def growth():
     """The largest growth of energy in each case, by the law of contact."""
-    with TABLE.open() as file:
+    with (TABLES / "summary.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["energy grows by"]]
     cases = list(dict.fromkeys(row["case"] for row in rows))[::-1]
     figure = Figure(figsize=(7.5, 7.2))
@@ -38,7 +34,7 @@ def growth():
             ms=6 if passed == of else 9,
             clip_on=False,
         )
-    ax.axvspan(0.01, 10, color="#d64550", alpha=0.15, lw=0)
+    ax.axvspan(0.01, 10, color=RED, alpha=0.15, lw=0)
     ax.set(xscale="log", xlim=(SMALLEST, 10), ylim=(-0.6, len(cases) - 0.4))
     ax.set_xticks(
         [SMALLEST, 1e-14, 1e-10, 1e-6, 1e-2, 1],
@@ -55,6 +51,31 @@ def growth():
     ]
     marks.append(Line2D([], [], color="black", marker="X", ls="", ms=8, label="some runs fail"))
     figure.legend(handles=marks, loc="outside lower center", ncols=5, fontsize=9)
+    return figure
+
+
+def sweep():
+    """Energy that the default law takes from two plates, and the deepest point, over penalty and step."""
+    with (TABLES / "plates.csv").open() as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    figure = Figure(figsize=(7.5, 3.4))
+    lost, depth = figure.subplots(1, 2)
+    steps = sorted({row["step"] for row in rows})
+    marks = zip("osv^DX", (BLUE, ORANGE, GREEN, RED, VIOLET, "black"))
+    for step, (mark, colour) in zip(steps, marks, strict=True):
+        own = [row for row in rows if row["step"] == step]
+        beta = [row["beta"] for row in own]
+        style = {"marker": mark, "ms": 4, "lw": 1.2, "color": colour}
+        lost.semilogx(beta, [100 * row["energy lost"] for row in own], label=f"{step:g}", **style)
+        depth.loglog(beta, [row["points / h"] for row in own], **style)
+    lost.set(xlabel="penalty factor β", ylabel="energy removed, %", ylim=(0, None))
+    depth.set(xlabel="penalty factor β", ylabel="deepest Gauss point / h")
+    figure.legend(
+        *lost.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=6,
+        title="step / stable step of the elements",
+    )
     return figure
 
 
