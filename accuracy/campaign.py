@@ -1,6 +1,7 @@
 """
-What the campaign runs. A setting is a dict of scene keys, ``{"time.courant": 0.125}``, laid over the plates of ``tutorials/scenes``; so a new method is one line of
-``METHODS``, and a new value of a factor one entry of ``FACTORS``.
+The cases of the campaign. A setting is a dict of scene keys, ``{"time.courant": 0.125}``, that replaces
+keys of the plates of ``tutorials/scenes``. So a new method is one line of ``METHODS``, and a new value of
+a factor one entry of ``FACTORS``.
 """
 
 from __future__ import annotations
@@ -14,12 +15,13 @@ PAPER: Keys = {"time.courant": 0.125, "contact.enforcement": "penalty", "contact
 BEST: Keys = {"time.fraction": 0.98}
 CENTRES = {"paper's setting": PAPER, "default at 0.98": BEST}
 
-# Keys of which a scene has one: the last one laid over it counts.
+# Keys of which a scene has one: the last one that is set counts.
 RIVALS = ("time.courant", "time.fraction")
 
 
 def hourglass(share: float, nu: float) -> float:
-    """The key ``hourglass`` that gives the hourglass modes the stiffness share·(λ + 2μ), H' of the chapter "Averaged mass"."""
+    """The key ``hourglass`` for which the hourglass modes have the stiffness share·(λ + 2μ), H' in the
+    chapter "Averaged mass"."""
     return 3 * share * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
 
 
@@ -32,7 +34,7 @@ AVERAGED: Keys = {"averaging": {}}
 FILTERED: Keys = {"output.filter": 2}
 PULLBACK: Keys = {"time.integrator": "pushforward_pullback", "time.integrator_parameter": 0.75}
 STIFF: Keys = {"body.integration": "reduced", "body.hourglass": round(hourglass(0.8, 0.3), 4)}
-# One line a method: an integrator by "time.integrator", an option of the output by "output.…".
+# One line per method: an integrator by "time.integrator", an option of the output by "output.…".
 METHODS: dict[str, Keys] = {
     "paper's setting": PAPER,
     "default at 0.98": BEST,
@@ -102,7 +104,7 @@ CONTACT_FACTORS: dict[str, list[Keys]] = {
     ],
 }
 
-# The penalty, with each law, at each share of the stable step that the law has: on a mesh that makes a run short.
+# The penalty, with each law, at each fraction of its stable step, on a coarse mesh for short runs.
 BETAS = (0.5, 1.0, 4.0, 10.0, 40.0, 100.0)
 LAWS = ("penalty", "bipenalty", "energy_controlled")
 LAW_FRACTIONS = (0.3, 0.6, 0.9, 0.98)
@@ -111,7 +113,8 @@ LAW_CELLS = 50
 
 class Level(NamedTuple):
     """
-    How much of the campaign is run: meshes d/n of the methods, more of those that damp, the mesh of the factors, and whether every method meets the other plate, too.
+    Extent of the campaign: meshes d/n of the methods, further ones of the dissipative methods, the mesh of
+    the factors, and whether each method also runs with contact.
     """
 
     meshes: tuple[int, ...]
@@ -128,7 +131,8 @@ LEVELS = {
 
 
 class Case(NamedTuple):
-    """One row: ``reference`` (a wall) or ``contact`` (two plates), elements along d, what differs from the scene's usual keys, and whether seconds are taken."""
+    """One row: ``reference`` (a wall) or ``contact`` (two plates), elements along d, the changed keys, and
+    whether seconds are measured."""
 
     scene: str
     cells: int
@@ -141,7 +145,7 @@ class Case(NamedTuple):
 
     @property
     def name(self) -> tuple[str, int, str]:
-        """What tells a row from all others."""
+        """The identification of a row."""
         return self.scene, self.cells, self.setting
 
 
@@ -156,7 +160,7 @@ def over(centre: Keys, change: Keys) -> Keys:
 
 
 def case(scene: str, cells: int, keys: Keys) -> Case:
-    """A case; a plate on a wall has no keys of contact."""
+    """A case; keys of contact are dropped for a plate on a wall."""
     own = {
         name: value
         for name, value in keys.items()
@@ -175,7 +179,7 @@ def methods(level: Level) -> Iterator[Case]:
 
 
 def with_poisson(keys: Keys, nu: float) -> Keys:
-    """A setting for another Poisson's ratio; H' stays."""
+    """A setting for another Poisson's ratio, with the same H'."""
     own = keys | {"material.poisson": nu}
     if "body.hourglass" in own:
         own["body.hourglass"] = round(hourglass(0.8, nu), 4)
@@ -183,7 +187,8 @@ def with_poisson(keys: Keys, nu: float) -> Keys:
 
 
 def ratios(level: Level) -> Iterator[Case]:
-    """The paper's setting, the default law near its limit and the methods that damp, for other Poisson's ratios."""
+    """The paper's setting, the default law near its limit and the dissipative methods, for other Poisson's
+    ratios."""
     for nu in POISSON if level.damped_meshes else ():
         for name in ("paper's setting", "default at 0.98", *DAMPING):
             keys = with_poisson(METHODS[name], nu)
@@ -212,7 +217,7 @@ def laws(level: Level) -> Iterator[Case]:
 
 
 def cases(name: str) -> list[Case]:
-    """All cases of a level, each once, the cheap ones first."""
+    """All cases of a level, each once, cheap ones first."""
     level = LEVELS[name]
     found = {own.name: own for part in (methods, ratios, factors, laws) for own in part(level)}
     return sorted(found.values(), key=lambda own: own.cells)

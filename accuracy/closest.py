@@ -13,8 +13,8 @@ COLUMNS = ("method", "tolerance", "evaluations", "ns", "xi_error", "distance_err
 
 
 def write(path: Path) -> None:
-    """Every method of the library on the ordinary curved Q8 faces of the bench; an existing table
-    is not computed again."""
+    """Run each method of the library on the ordinary curved Q8 faces of the bench; an existing table is
+    not computed again."""
     if path.exists():
         return
     import faces

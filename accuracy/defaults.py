@@ -1,7 +1,7 @@
 """The scenes from which the defaults of a scene were chosen: two plates, a bar on a wall, an
 elastic ball on a plane (a smooth impact) and a bar that bounces 30 times (a long run). One factor
-at a time is changed from the default law at 0.98 of the stable step, each scene on its own mesh,
-against its exact answer. The first setting chooses nothing at all.
+at a time is changed from the default law at 0.98 of the stable step. Each scene has its own mesh, and is
+compared with its exact result. The first setting sets no key at all.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ FACTORS: dict[str, list[Keys]] = {
 GRADING = 1.8
 
 
-# A contact by Hertz lasts so many times its depth over the speed of approach.
+# Duration of Hertz's impact, in units of its depth over the speed of approach.
 DURATION = 2.9432
 
 
 class Answer(NamedTuple):
-    """Relative errors of the functionals, and what the run has cost."""
+    """Relative errors of the functionals, and the cost of the run."""
 
     errors: dict[str, float]
     run: ct.Run
@@ -63,7 +63,8 @@ def settings() -> list[Keys]:
 
 
 def measure(name: str, keys: Keys) -> dict[str, Any]:
-    """A row: relative errors of the functionals, their mean size, and the cost in updates, weighed with what callgrind counts for the setting's extra passes."""
+    """A row: relative errors of the functionals, their mean size, and the cost in updates, weighted with
+    the instructions that callgrind counts for the setting."""
     row: dict[str, Any] = {column: float("nan") for column in COLUMNS}
     setting = campaign.Case(name, 0, keys).setting
     row |= {"scene": name, "setting": setting, "status": "done"}
@@ -91,7 +92,7 @@ def measure(name: str, keys: Keys) -> dict[str, Any]:
 
 
 def write(path: Path) -> None:
-    """All rows; about a minute. A table that is there stays."""
+    """Compute all rows in about a minute; an existing table is not computed again."""
     if path.exists():
         return
     cases = [(name, keys) for name in SCENES for keys in settings()]
@@ -105,8 +106,8 @@ def write(path: Path) -> None:
 
 def distances(rows: list[dict[str, Any]]) -> dict[str, float]:
     """
-    How far each setting of a scene is from the scene's Pareto front: the factor by which both cost and error must shrink until no other setting is better in
-    both; 1 on the front, infinite for one that failed.
+    Distance of each setting of a scene from the scene's Pareto front: the factor by which both cost and
+    error must shrink until no other setting is better in both; 1 on the front, infinite if it failed.
     """
     good = [row for row in rows if row["status"] == "done"]
     out = {row["setting"]: float("inf") for row in rows}
@@ -117,7 +118,8 @@ def distances(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 
 def beaten(rows: list[dict[str, Any]], slack: float = 1.3) -> float:
-    """The error of the setting that chooses nothing over the least error of all that cost at most ``slack`` times as much: 1 if none is better."""
+    """Error of the setting without keys over the least error of all settings that cost at most ``slack``
+    times as much: 1 if none is better."""
     good = [row for row in rows if row["status"] == "done"]
     own = next(row for row in good if row["setting"] == "")
     least = min(row["error"] for row in good if row["cost"] <= slack * own["cost"])
@@ -125,7 +127,7 @@ def beaten(rows: list[dict[str, Any]], slack: float = 1.3) -> float:
 
 
 def far(folder: Path = table.BOOK) -> list[dict[str, str]]:
-    """One line a setting: its distance from the front of each scene, those that are nearest in their worst scene first."""
+    """One line per setting with its distance from the front of each scene, sorted by the largest one."""
     rows = table.read(folder / "accuracy_defaults.csv")
     found = {name: distances([row for row in rows if row["scene"] == name]) for name in SCENES}
     lines = []
@@ -141,7 +143,7 @@ def far(folder: Path = table.BOOK) -> list[dict[str, str]]:
 
 
 def laid_over(data: dict[str, Any], keys: Keys) -> ct.Scene:
-    """A scene with the keys of a setting; those of contact go to its obstacles."""
+    """A scene with the keys of a setting; keys of contact apply to its obstacles."""
     for name, value in keys.items():
         place, _, key = name.partition(".")
         if not key:
@@ -186,14 +188,16 @@ def bar_on_a_wall(keys: Keys) -> Answer:
 
 
 def bouncing_bar(keys: Keys) -> Answer:
-    """After 30 bounces, at 15·16 L / c = 80, the bar is where it began and has the energy that it had; 5 is the height of the fall."""
+    """After 30 bounces, at 15·16 L / c = 80, the bar has its initial position and energy; 5 is the height
+    of the fall."""
     run = price.run(laid_over(bar("bouncing_bar", 2, 100, 80.0), keys))
     total, weight = run.energy["total"], 10.0 * 10 * 0.1**2
     return Answer({"energy": (total[-1] - total[0]) / (5 * weight)}, run)
 
 
 def octant(parts: int, layers: int, core: float = 0.45) -> tuple[np.ndarray, np.ndarray]:
-    """The corners (elements, 8, 3) of the part of the unit ball with no negative coordinate: a cube inside, and layers from three of its faces to the sphere."""
+    """The corners (elements, 8, 3) of the octant of the unit ball with non-negative coordinates: a cube,
+    and layers from three of its faces to the sphere."""
     corners = np.array(
         [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
     )
@@ -218,7 +222,7 @@ def ball(parts: int = 6, layers: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and elements of the unit ball: an octant and its mirror images."""
     part, whole = octant(parts, layers), []
     for signs in itertools.product((1, -1), repeat=3):
-        # A mirrored brick is one from top to bottom.
+        # The nodes of a mirrored brick are reordered, bottom and top exchanged.
         order = np.arange(8) if np.prod(signs) > 0 else np.roll(np.arange(8), 4)
         whole.append((part * signs)[:, order])
     points = np.concatenate(whole).reshape(-1, 3)
@@ -258,7 +262,7 @@ def ball_on_a_plane(keys: Keys) -> Answer:
 
 
 def two_plates(keys: Keys) -> Answer:
-    """Mean errors of the paper's two lines, that of Fig. 4 over its plateau."""
+    """Mean errors on the paper's two lines, that of Fig. 4 over its plateau."""
     own = campaign.Case("contact", 50, keys)
     means = price.times_of(own)[1]
     run = price.run(price.scene_of(own, price.T))

@@ -1,4 +1,4 @@
-"""Pictures of the campaign, drawn from its tables; without a folder from those of the book."""
+"""Pictures of the campaign from its tables; without a folder from the tables of the book."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LAWS = {
 
 
 def load(folder: Path = table.BOOK) -> Rows:
-    """Rows of runs that came to their end, by scene, mesh and setting."""
+    """Rows of completed runs, by scene, mesh and setting."""
     return {
         (row["scene"], int(row["cells"]), row["setting"]): row
         for row in table.read(folder / "accuracy.csv")
@@ -50,7 +50,8 @@ def meshes(rows: Rows, scene: str, keys: Keys) -> list[Case]:
 
 
 def front(cost: Any, error: Any) -> np.ndarray:
-    """Indices of the Pareto front, cheapest first: no other point costs at most as much and is better, or is as good and costs less."""
+    """Indices of the Pareto front, cheapest first: no other point has at most this cost and a smaller
+    error, or at most this error and a smaller cost."""
     cost, error = np.asarray(cost, float), np.asarray(error, float)
     order, best, out = np.lexsort((error, cost)), np.inf, []
     for i in order:
@@ -61,7 +62,8 @@ def front(cost: Any, error: Any) -> np.ndarray:
 
 
 def best_buy(rows: Rows, scene: str = "reference") -> tuple[str, dict[str, Any]]:
-    """The method and row with the least seconds among those, shown as they are, whose mean errors on both lines are at most the paper's."""
+    """The method and row with the least seconds among the unfiltered ones whose mean errors on both lines
+    are at most the paper's."""
     paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
     good = [
         (method, rows[own.name])
@@ -80,7 +82,8 @@ def tidy(ax: Axes, **labels: Any) -> None:
 
 
 def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "reference") -> Figure:
-    """Error against cost, a curve a method, with the Pareto front, the paper's point and the best buy."""
+    """Error against cost, one curve per method, with the Pareto front, the paper's point and the best
+    buy."""
     rows = load(folder)
     figure = Figure(figsize=(7.5, 7.4), layout="constrained")
     paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
@@ -133,7 +136,7 @@ def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "ref
 
 
 def growth(folder: Path = table.BOOK) -> Figure:
-    """Element updates and seconds against 1/h, beside the theoretical power."""
+    """Element updates and seconds against 1/h, with the theoretical power."""
     rows = load(folder)
     figure = Figure(figsize=(7.5, 4.4), layout="constrained")
     for ax, column, label in zip(
@@ -185,7 +188,7 @@ def contact(folder: Path = table.BOOK) -> Figure:
 
 
 def search(folder: Path = table.BOOK) -> Figure:
-    """Error of the closest point against evaluations of f, a curve a method over its tolerances."""
+    """Error of the closest point against evaluations of f, one curve per method over its tolerances."""
     rows = table.read(folder / "accuracy_search.csv")
     figure = Figure(figsize=(7.5, 4.2), layout="constrained")
     ax = figure.subplots()
@@ -196,7 +199,7 @@ def search(folder: Path = table.BOOK) -> Figure:
         style = {"marker": "osv^D<>phX*P"[k % 12], "ms": 4, "lw": 1.2, "color": f"C{k % 10}"}
         style["ls"] = "-" if k < 10 else "--"
         ax.loglog(x, y, label=name.replace("_", " "), **style)
-    tidy(ax, xlabel="evaluations of f a point", ylabel="error of the closest point in ξ, median")
+    tidy(ax, xlabel="evaluations of f per point", ylabel="error of the closest point in ξ, median")
     ax.legend(fontsize=9, frameon=False, bbox_to_anchor=(1.0, 1.0), loc="upper left")
     return figure
 
@@ -221,12 +224,12 @@ WORDS = {
 
 
 def label(change: Keys) -> str:
-    """What a change of one factor is called in a picture."""
+    """The label of a change of one factor in a picture."""
     return ", ".join(WORDS[name].format(value).replace("_", " ") for name, value in change.items())
 
 
 def factors(folder: Path = table.BOOK) -> Figure:
-    """What one changed factor does to cost and errors, over its centre, for both centres."""
+    """Cost and errors after the change of one factor, over those of the centre, for both centres."""
     rows = load(folder)
     sizes = [n for n in (200, 100, 12) if any(name[1] == n for name in rows)]
     changes = [("reference", own) for found in campaign.FACTORS.values() for own in found] + [
@@ -260,14 +263,15 @@ def factors(folder: Path = table.BOOK) -> Figure:
 
 
 def counts(folder: Path = table.BOOK) -> dict[str, float]:
-    """Instructions of a method's element update over those of the central difference near its limit, on the finest mesh counted."""
+    """Instructions of a method's element update over those of the central difference near its limit, on
+    the finest mesh with counts."""
     rows = table.read(folder / "accuracy_instructions.csv")
     finest = max((row["cells"] for row in rows), default=0)
     return {row["method"]: row["over_plain"] for row in rows if row["cells"] == finest}
 
 
 def price_list(rows: Rows, folder: Path = table.BOOK, cells: int = 100) -> list[dict[str, str]]:
-    """One line a method: its errors and its price for the plate on a wall."""
+    """One line per method: its errors and its cost for the plate on a wall."""
     out, each = [], counts(folder)
     for method, keys in campaign.METHODS.items():
         row = rows[campaign.case("reference", cells, keys).name]
@@ -299,7 +303,7 @@ class Point(NamedTuple):
 
     method: str
     row: dict[str, Any]
-    equivalents: float  # updates over the paper's, each weighed with its instructions if they are more than a plain update's
+    equivalents: float  # updates over the paper's, weighted with their instructions if these exceed a plain update's
 
     def over(self, limits: dict[str, float]) -> dict[str, float]:
         """The larger of the mean error and the error at 0.56, over a limit, for each line."""
@@ -327,8 +331,9 @@ def limits(rows: Rows, nu: float) -> dict[str, float]:
 
 def bargains(rows: Rows, folder: Path = table.BOOK) -> list[dict[str, str]]:
     """
-    For each Poisson's ratio the contact run with the least seconds that is as good as the paper's setting at its lucky instant, the one without the filter of the picture, and the
-    best run that costs no more than the paper's.
+    For each Poisson's ratio the contact run with the least seconds that is as accurate as the paper's
+    setting at its most favourable time, the same without filter, and the most accurate run that costs no
+    more than the paper's.
     """
     out = []
     for nu in (0.3, *campaign.POISSON):
@@ -375,7 +380,7 @@ def bargains(rows: Rows, folder: Path = table.BOOK) -> list[dict[str, str]]:
 
 
 def write_lists(level: str, folder: Path) -> None:
-    """The price list of the chapter, and where its table was made."""
+    """The price list of the chapter, and the machine of its table."""
     rows = load(folder)
     places = {
         (row["machine"], row["compiler"], row["flags"], row["commit"]) for row in rows.values()
@@ -409,6 +414,6 @@ PICTURES = {
 
 
 def draw(folder: Path) -> None:
-    """Every picture of the tables of a folder, into it."""
+    """Draw all pictures from the tables of a folder into it."""
     for name, picture in PICTURES.items():
         picture(folder).savefig(folder / f"{name}.png", dpi=150)

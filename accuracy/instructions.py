@@ -1,6 +1,7 @@
 """
-What an element update costs in instructions, method by method, so that runs whose updates do more can be compared: ``run.py FOLDER --instructions`` counts the time loop of
-the short runs under callgrind. The counts repeat on any machine that compiles the same code.
+Instructions of an element update for each method, to compare runs whose updates differ in cost:
+``run.py FOLDER --instructions`` counts the time loop of the short runs with callgrind. Any machine with
+the same compiled code has the same counts.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import price
 
 MESHES = (12, 25)
 COLUMNS = ("method", "cells", "steps", "evaluations", "updates", "instructions", "over_plain")
-# The time loop, without records and ledger; each run begins with a state.
+# The time loop, without records and energy balance; each run begins with a state.
 LOOP, BEGIN = "ct_series_steps", "ct_scene_start"
 HERE = "import sys; sys.path.insert(0, {!r}); import instructions; instructions.run_all()"
 
@@ -33,7 +34,7 @@ def cases() -> list[tuple[str, campaign.Case]]:
 
 
 def run_all() -> None:
-    """What callgrind watches."""
+    """The program that callgrind counts."""
     for _, own in cases():
         price.run(price.scene_of(own, price.T))
 

@@ -1,9 +1,8 @@
 """Comparison of the planner's predictions with true errors and times: ``python accuracy/planned.py
 [--trials SECONDS] [--grid] [NAME ...]`` plans the scenes below for 5, 2 and 1 %, runs each choice,
-and prints asked, expected and true error, predicted and taken time. ``--grid`` also runs every
-setting of the list on meshes in steps of 2^(1/2), as long as a run takes no longer than the most
-expensive choice, and says how much cheaper the cheapest one is that truly meets the error. It
-belongs on a quiet machine.
+and prints requested, expected and true error, predicted and measured time. ``--grid`` also runs each
+setting of the list on meshes in steps of 2^(1/2), up to runs as long as the most expensive choice, and
+prints how much less the cheapest run costs that truly meets the error. Use a machine without other load.
 """
 
 from __future__ import annotations
@@ -26,12 +25,14 @@ from rich.table import Table  # noqa: E402
 import libcontact as ct  # noqa: E402
 
 ASKED = (0.05, 0.02, 0.01)
-# The value of the sphere's force at the end of its way has no closed form, as the block is finite and moves: from 40 cells along an edge, with the default penalty and with beta 4.
+# The sphere's force at the end of its displacement has no closed form, because the block is finite and
+# moves: computed with 40 cells along an edge, with the default penalty and with beta 4.
 HERTZ = -26.42
 
 
 class Known(NamedTuple):
-    """A scene whose true error can be found: from the closed form of the plates, or from the exact value of a functional."""
+    """A scene with a known true error: from the closed form of the plates, or from the exact value of a
+    functional."""
 
     scene: ct.Scene
     functional: str | None = None
@@ -64,8 +65,9 @@ def plates_until(nu: float, end: float) -> ct.Scene:
 
 def known() -> Iterator[tuple[str, Known]]:
     """
-    The scenes by name. The bar leaves the wall with the momentum m v = 0.1 * 10. The bar on the floor meets it with v = 10, and its free end turns when
-    the wave comes back from it, after 5 + v L / c + g (L / c)^2 / 2 ... = 8 + 8/9.
+    The scenes by name. The bar leaves the wall with the momentum m v = 0.1 * 10. The bouncing bar meets the
+    floor with v = 10, and its free end reverses when the wave returns from it, after
+    5 + v L / c + g (L / c)^2 / 2 ... = 8 + 8/9.
     """
     for nu in (0.3, 0.4):
         for end in (0.56, 0.8):
@@ -78,7 +80,7 @@ def known() -> Iterator[tuple[str, Known]]:
 
 
 def taken(scene: ct.Scene) -> tuple[ct.Run, float]:
-    """A run, and the least seconds of some: what disturbs a run only makes it longer."""
+    """A run, and the least time of several [s], because disturbances only make runs longer."""
     seconds: list[float] = []
     begin = clock.perf_counter()
     while len(seconds) < 10 and (len(seconds) < 3 or clock.perf_counter() - begin < 5.0):
@@ -88,7 +90,8 @@ def taken(scene: ct.Scene) -> tuple[ct.Run, float]:
 
 
 def grid(own: Known, trials: float, longest: float) -> list[tuple[float, float]]:
-    """Seconds and true errors of every setting of the list on meshes in steps of the planner, up to runs of the seconds ``longest``."""
+    """Times [s] and true errors of each setting of the list on the planner's sequence of meshes, up to runs
+    of ``longest`` seconds."""
     planner, found = Planner(own.scene, own.functional, trials), []
     finest = max(max(each.cells) for each in planner.lattices)
     for tried in planner.tried:
@@ -108,9 +111,7 @@ def main() -> None:
     words = sys.argv[1:]
     trials = float(words[words.index("--trials") + 1]) if "--trials" in words else 10.0
     names = [word for word in words if not word.startswith("--") and not word[0].isdigit()]
-    heads = (
-        "scene, asked, expected, true, of asked, predicted, taken, ratio, cheapest, mesh, setting"
-    )
+    heads = "scene, requested, expected, true, of requested, predicted, measured, ratio, cheapest, mesh, setting"
     table = Table(*heads.split(", "), box=None, pad_edge=False)
     for name, own in known():
         if names and not any(word in name for word in names):

@@ -15,8 +15,8 @@ import libcontact as ct
 D, T = 2.5, 0.56  # half the thickness [mm], the paper's time c1 t / d
 TIMES = np.linspace(0.50, 0.60, 9)
 YOUNG, DENSITY, SPEED = 2.1e5, 7.8e-9, 1000.0  # MPa, t/mm³, mm/s
-LINES = (0.4, 0.8)  # x/d of Fig. 5's line, |z|/d of a line that the circular fronts cross
-FIELD = 100  # places along an edge, at most, at which a field is compared
+LINES = (0.4, 0.8)  # x/d of Fig. 5's line, |z|/d of a line crossed by the circular fronts
+FIELD = 100  # largest number of places along an edge at which a field is compared
 PAPER_UPDATES = {"reference": 448 * 100**2, "contact": 2 * 448 * 100**2}
 PAPER_CELLS = 100  # of the run that seconds are compared with
 BUDGET = 0.6  # seconds after which a row is not timed once more
@@ -35,7 +35,8 @@ COLUMNS = (
 
 
 class Plate(NamedTuple):
-    """What Poisson's ratio decides: the speed c1 [mm/s], the unit Λ v₀ / c₁ of stresses [MPa], and the plateau of σx*."""
+    """Values that depend on Poisson's ratio: the speed c1 [mm/s], the unit Λ v₀ / c₁ of stresses [MPa], and
+    the plateau of σx*."""
 
     nu: float
     speed: float
@@ -83,13 +84,14 @@ def run(scene: ct.Scene, **options: Any) -> ct.Run:
 
 
 def shown(own: Case, result: ct.Run) -> Any:
-    """The body whose stresses a case shows: filtered, where the case has the filter."""
+    """The body whose stresses are compared, filtered if the case has the filter."""
     body = result.state["right"]
     return body.filtered if own.keys.get("output.filter") else body
 
 
 class Table(NamedTuple):
-    """Element centres of a plate as a table: places (n) over d, and σx*, σz*, v_x/v₀ as (n, n), a row for each z."""
+    """Element centres of a plate as a table: places (n) over d, and σx*, σz*, v_x/v₀ as (n, n), one row per
+    z."""
 
     place: np.ndarray
     sigma_x: np.ndarray
@@ -107,7 +109,7 @@ def table_of(body: Any, own: Plate) -> Table:
 
 
 def between(place: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:
-    """Rows of values (n, m) at a place, linear between the two rows beside it."""
+    """Rows of values (n, m) at a place, linear between its two neighbours."""
     after = int(np.searchsorted(place, at))
     part = (at - place[after - 1]) / (place[after] - place[after - 1])
     return (1 - part) * values[after - 1] + part * values[after]
@@ -119,7 +121,8 @@ def variation(values: np.ndarray, exact: np.ndarray) -> float:
 
 
 def compared(body: Any, t: float, own: Plate) -> dict[str, float]:
-    """Errors on the lines of Figs. 4 and 5 at the time t, what the front looks like, and total variation behind the circular fronts."""
+    """Errors on the lines of Figs. 4 and 5 at the time t, overshoot and width of the front, and total
+    variation behind the circular fronts."""
     table = table_of(body, own)
     place, sx = table.place, table.sigma_x[0]
     sz = between(place, table.sigma_z.T, LINES[0])
@@ -171,7 +174,7 @@ def fields(body: Any, t: float, own: Plate) -> dict[str, float]:
 
 
 def outermost(front: ct.Front, level: float) -> float:
-    """The outermost place where the stress passes a level, linear between places."""
+    """The outermost place where the stress crosses a level, linear between places."""
     passed = np.flatnonzero((front.stress[:-1] >= level) & (front.stress[1:] < level))
     if not passed.size:
         return float("nan")
@@ -180,7 +183,8 @@ def outermost(front: ct.Front, level: float) -> float:
 
 
 def times_of(own: Case) -> tuple[list[float], dict[str, float]]:
-    """c1 t / d of the records, and for each quantity its mean over the records nearest to TIMES; for a contact also the deepest point then, over h."""
+    """c1 t / d of the records, and the mean of each quantity over the records nearest to TIMES; for a
+    contact also the largest penetration at these records, over h."""
     seen: list[tuple[float, dict[str, float]]] = []
 
     def look(now: ct.Run) -> None:
@@ -202,8 +206,8 @@ def times_of(own: Case) -> tuple[list[float], dict[str, float]]:
 
 def timed(own: Case) -> tuple[ct.Run, float, float]:
     """
-    A run to c1 t / d = 0.56, the seconds of its time loop, and their ratio to the paper's setting. Both are run in turn a few times, and the least of each counts: what
-    disturbs a run only makes it longer.
+    A run to c1 t / d = 0.56, the seconds of its time loop, and their ratio to the paper's setting. Both
+    run alternately a few times, and the least of each counts, because disturbances only make runs longer.
     """
     paper, seconds = case(own.scene, PAPER_CELLS, PAPER), np.full(2, np.inf)
     if not own.timed:
@@ -228,7 +232,7 @@ def work(result: ct.Run, own: Case) -> tuple[int, int]:
 
 
 def row(own: Case) -> dict[str, Any]:
-    """All columns of a case; one that the library refuses or ends says so in ``status``."""
+    """All columns of a case; ``status`` says if the library has refused it or ended it with an error."""
     found: dict[str, Any] = {name: float("nan") for name in COLUMNS}
     found |= {"scene": own.scene, "cells": own.cells, "setting": own.setting}
     try:
@@ -238,7 +242,7 @@ def row(own: Case) -> dict[str, Any]:
         return found | {"status": type(error).__name__}
     body = shown(own, result)
     updates, evaluations = work(result, own)
-    # Each pass over the picture is one more force.
+    # Each pass of the filter costs one more force evaluation.
     passes = own.keys.get("output.filter", 0)
     evaluations += passes
     updates += passes * len(result.bodies) * own.cells**2

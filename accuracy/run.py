@@ -1,7 +1,9 @@
 """
-``make accuracy``: what accuracy costs. ``run.py FOLDER [--reduced | --short] [--book]`` runs every case of ``campaign.py`` that FOLDER/accuracy.csv does not have yet, so
-it can be stopped at any time and goes on where it was. ``--book`` renews the tables of the chapter "What accuracy costs", the list of the planner and the picture of the start page.
-``--instructions`` only counts the instructions of the short runs (callgrind), ``--book`` with it renews that table.
+``make accuracy``: the cost of accuracy. ``run.py FOLDER [--reduced | --short] [--book]`` runs each case of
+``campaign.py`` that FOLDER/accuracy.csv does not have yet, so it can be stopped at any time and continued
+with the same command. ``--book`` renews the tables of the chapter "What accuracy costs", the list of the
+planner and the picture of the start page. ``--instructions`` only counts the instructions of the short
+runs (callgrind); with ``--book`` it renews their table.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ def main() -> int:
     try:
         rows = table.collect(level, folder / "accuracy.csv")
     except KeyboardInterrupt:
-        print("interrupted: the rows so far are kept, and the same command goes on")
+        print("interrupted: the rows so far are kept; the same command continues")
         return 1
     closest.write(folder / "accuracy_search.csv")
     defaults.write(folder / "accuracy_defaults.csv")
@@ -54,7 +56,7 @@ def count(folder: Path, book: bool) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     counts = folder / "accuracy_instructions.csv"
     if not instructions.write(counts):
-        print("instructions are counted by callgrind: install valgrind")
+        print("callgrind counts the instructions: install valgrind")
         return 1
     if book:
         shutil.copyfile(counts, table.BOOK / counts.name)

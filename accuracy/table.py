@@ -1,4 +1,4 @@
-"""The campaign's table: one CSV, a row per case, written as the rows are done."""
+"""The campaign's table: one CSV with a row per case, written row by row."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ BOOK = ROOT / "docs" / "theory"
 PRICES = ROOT / "wrapper" / "libcontact" / "prices.csv"
 LIBRARY = ("libcontact", "wrapper")
 TEXT = {"scene", "setting", "status", "machine", "compiler", "flags", "commit"}
-OTHER = re.compile(r"material\.|output\.")  # what a scene does not choose for its price
+OTHER = re.compile(r"material\.|output\.")  # keys that are not part of a setting of the planner
 COLUMNS = (*price.COLUMNS, "machine", "compiler", "flags", "commit")
 
 
 def where() -> dict[str, str]:
-    """Machine, compiler, flags, and the last commit that changed the library ("+": and changes since)."""
+    """Machine, compiler, flags, and the last commit that changed the library ("+": with later changes)."""
 
     def says(*command: str) -> str:
         done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
@@ -47,7 +47,8 @@ def where() -> dict[str, str]:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """The whole rows of a table; numbers as numbers. A line that a kill cut short is left out."""
+    """The complete rows of a table, with numbers as numbers. An incomplete line, as a kill may leave it, is
+    skipped."""
     if not path.exists():
         return []
     text = path.read_text(encoding="utf-8")
@@ -74,7 +75,8 @@ def line(values: Any) -> str:
 
 
 def write_prices(rows: list[dict[str, Any]], path: Path) -> None:
-    """The list that the package has for its planner, of one material and without the filter: error on Fig. 4's line over the plateau, and cost over that of the paper's setting."""
+    """Write the planner's list, for one material and without the filter: error on Fig. 4's line over the
+    plateau, and cost over that of the paper's setting."""
     head = ["scene", "cells", "setting", "cost", "error", "growth"]
     done = [row for row in rows if row["status"] == "done" and not OTHER.search(row["setting"])]
     plateau = price.plate(campaign.case("reference", 1, {})).plateau
@@ -84,7 +86,7 @@ def write_prices(rows: list[dict[str, Any]], path: Path) -> None:
 
 
 def collect(level: str, path: Path) -> list[dict[str, Any]]:
-    """Run the cases that the table lacks and add each as it is done."""
+    """Run the cases that the table lacks, and add each row when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     rows = read(path)
     head = "".join([line(COLUMNS), *(line(row[name] for name in COLUMNS) for row in rows)])

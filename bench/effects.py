@@ -1,7 +1,8 @@
 """
-What each effect costs, alone and together, predicted before the run and measured in it: the plate impact, three other scenes,
-one with everything, and two that the prediction was not tuned on, a bouncing bar and a ring that is thrown against a wall.
-Predictions and measurements are minima of repeated trials and runs, taken in turns.
+The cost of each effect, predicted before a run and measured in it. The scenes are the plate impact,
+three others, one with all effects, and two for which the prediction was not tuned: a bouncing bar and a
+ring that is thrown against a wall. Predictions and measurements are minima of repeated trials and runs,
+which alternate.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ REPEATS = 3
 
 
 def everything() -> ct.Scene:
-    """A block that lies on a floor with all that can act on it, and another one that falls on it."""
+    """A block at rest on a floor, with all effects that can act on it, and another one that falls on it."""
     scene = ct.Scene(title="everything", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("stone", young=1e7, poisson=0.25, density=1000)
     block = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [20, 20, 20]}
@@ -39,7 +40,7 @@ def everything() -> ct.Scene:
 
 
 def ring_on_a_wall() -> ct.Scene:
-    """A soft ring that turns and flies against a rough wall, sticks, is flattened and flies back."""
+    """A soft spinning ring that hits a rough wall, sticks, is flattened and rebounds."""
     scene = ct.Scene(title="ring on a wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, law="neo_hookean")
     scene.add_body(

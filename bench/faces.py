@@ -12,15 +12,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "data"
 import corpus  # noqa: E402, F401 (for those who import it from here)
 
 RIGHT = 1e-6  # of the distance or the face size, whichever is larger
-MARGIN = 1e-6  # a foot this far from the edges, in xi, is inside
+MARGIN = 1e-6  # a closest point this far from the edges, in xi, counts as inside
 
 
 def benchmark():
     """The distorted face and a point above it: nodes (8, 3), point (3,).
 
-    The paper's benchmark is a segment cut from two rectangular plates that are bent over a cylinder. This one is constructed in its place: a Q8 square,
-    sheared, laid over a cylinder of radius 1 and twisted a little. The point stands beneath the arch, near the axis of the cylinder: each flank has a foot, and
-    one of them is nearer.
+    The paper's benchmark is a segment cut from two rectangular plates that are bent over a cylinder. We
+    construct a similar one: a Q8 square, sheared, laid over a cylinder of radius 1 and slightly twisted.
+    The point lies beneath the arch, near the axis of the cylinder: each flank has a locally closest
+    point, and one of them is closer.
     """
     square = corpus.QUADRILATERAL * [1.1, 1.0]
     s, y = square[:, 0] + 0.35 * square[:, 1], square[:, 1] + 0.1 * square[:, 0] * square[:, 1]
@@ -68,7 +69,8 @@ def right(cases, distance, outside):
 
 
 def side_by_side(ct, method):
-    """One method of ``ct`` (libcontact): median evaluations on ordinary faces to 1e-10, and the share of the corpus where it is right."""
+    """Median evaluations of one method of ``ct`` (libcontact) on ordinary faces to 1e-10, and the fraction
+    of the corpus with a correct result."""
     nodes, points, _, _ = ordinary(400)
     calls = [
         ct.project("Q8", own, [point], method).evaluations[0] for own, point in zip(nodes, points)

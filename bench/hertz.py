@@ -1,7 +1,8 @@
 """
-Hertz's contact on finer and finer meshes: a rigid sphere is pressed into a quarter of a large block. Force and contact radius
-against the closed form, at the approach that the surface of the block shows; with the observed order. Prints the table of the
-chapter "Obstacle". Takes about a minute.
+Hertz's contact on finer and finer meshes: a rigid sphere is pressed into a quarter of a large block.
+Force and contact radius are compared with the closed form, at the approach measured on the surface of
+the block, and the observed order is computed. Prints the table of the chapter "Obstacle" in about a
+minute.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ YOUNG, POISSON, RADIUS, CONTACT = 1000.0, 0.3, 160.0, 1.0
 SIZE, RIM = (
     20.0,
     3.0,
-)  # half the width of the block and where its surface is looked at, in contact radii
+)  # half the width of the block and place where its surface is measured, in contact radii
 MESHES = (2, 3, 4, 6)  # elements over the contact radius
 MODULUS = YOUNG / (1.0 - POISSON**2)
 GAUSS = np.array([-1.0, 1.0]) / math.sqrt(3.0)
 
 
 def coordinates(n: int) -> np.ndarray:
-    """Equal elements over two contact radii, then each larger than the one before; all halve when n doubles."""
+    """Equal elements over two contact radii, then growing ones; all sizes halve when n doubles."""
     x = list(np.arange(2 * n + 1) * CONTACT / n)
     while x[-1] < SIZE * CONTACT:
         x.append(x[-1] + (x[-1] - x[-2]) * 2.0 ** (1.0 / n))
@@ -80,8 +81,8 @@ def solve(n: int) -> dict:
 
 def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]:
     """
-    Force on the surface, and the integral of pressure times distance from the axis squared, at the Gauss points as the library
-    has them.
+    Force on the surface, and the integral of pressure times the squared distance from the axis, from the
+    library's Gauss points.
     """
     centre = np.array([0.0, 0.0, RADIUS - CONTACT**2 / RADIUS])
     X = np.zeros_like(u)
@@ -103,7 +104,7 @@ def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]
 
 
 def exact(force: float) -> tuple[float, float]:
-    """Contact radius, and how much deeper the middle of the surface is than the rim, at a force."""
+    """Contact radius, and depth of the surface's middle below its rim, at a force."""
     a = (0.75 * force * RADIUS / MODULUS) ** (1 / 3)  # (eq:hertz)
     r = RIM * CONTACT
     rim = ((2 * a**2 - r**2) * math.asin(a / r) + r * a * math.sqrt(1 - (a / r) ** 2)) / (

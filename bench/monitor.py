@@ -1,5 +1,5 @@
-"""The cost of the monitor of a run: time of steps with a check after every 1024 divided by that of
-the same steps without checks, the least of several runs in turn."""
+"""The cost of the monitor of a run: time of steps with a check after every 1024 of them divided by that
+of the same steps without checks, the least of several alternating runs."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def measure() -> dict:
 def report(result: dict) -> str:
     return "\n".join(
         [
-            "What the watch costs, of the time of the steps:",
+            "Cost of the monitor, relative to the time of the steps:",
             *(f"  {name}: {share:+.2%}" for name, share in result.items()),
         ]
     )

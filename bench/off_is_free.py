@@ -1,8 +1,9 @@
 """The cost of each effect in a scene that has it, and a check that it costs nothing in a scene
-without it. ``effect_loop.c`` is compiled once for each effect, so that the program holds the code
+without it. ``effect_loop.c`` is compiled once for each effect, so that the program contains the code
 of this effect alone; a program without any effect is linked a second time with the code of all.
-Instructions in the time loop by callgrind, bytes by a counting allocator, code by ``size``. At last
-the plates with contact, with the objects they need and with all, and with ten probes.
+Callgrind counts instructions in the time loop, an allocator counts bytes, and ``size`` measures code.
+The last rows are the plates with contact, linked with the objects that they need and with all, and with
+ten probes.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ STEPS = 20
 
 
 def compiled(source: str, folder: Path, effect: str = "none", whole: bool = False) -> Path:
-    """A program, linked with the objects that it names or with the whole library."""
+    """A program, linked with the objects that it refers to or with the whole library."""
     out = folder / f"{Path(source).stem}_{effect}_{'all' if whole else 'own'}"
     archive = [str(ROOT / "build" / "lib" / "libcontact.a")]
     if whole:
@@ -38,7 +39,7 @@ def compiled(source: str, folder: Path, effect: str = "none", whole: bool = Fals
 
 
 def counted(program: Path, arguments: list[str], folder: Path) -> dict:
-    """Instructions inside ct_step_many or ct_probes_steps, bytes of code, and what the program prints."""
+    """Instructions inside ct_step_many or ct_probes_steps, bytes of code, and the program's output."""
     out = folder / "callgrind.out"
     command = ["valgrind", "--tool=callgrind", "--toggle-collect=ct_step_many"]
     command += ["--toggle-collect=ct_probes_steps"]
@@ -86,11 +87,11 @@ def measure() -> dict:
 
 def report(result: dict) -> str:
     if "skipped" in result:
-        return "Only the effects a scene calls for: not measured, " + result["skipped"]
+        return "Cost of the effects in a scene: not measured, " + result["skipped"]
     none, off = result["effects"]["none"], result["off"]
     lines = [
-        f"Only the effects a scene calls for: two blocks of 12 x 12 x 12 hex8, {STEPS} steps; what an effect adds",
-        f"  {'':22}{'instructions a step':>20}{'bytes held':>14}{'bytes of code':>15}",
+        f"Cost that each effect adds to two blocks of 12 x 12 x 12 hex8, {STEPS} steps",
+        f"  {'':22}{'instructions/step':>20}{'bytes held':>14}{'bytes of code':>15}",
         f"  {'solid alone':22}{none['instructions'] // STEPS:>20}{none['bytes']:>14}{none['code']:>15}",
     ]
     for effect in EFFECTS:
@@ -112,7 +113,7 @@ def report(result: dict) -> str:
         f"  the plates with ten probes (six nodes, two faces of 202 nodes, two resultants): {share:+.2%}"
     )
     lines.append(
-        "  friction stands on an obstacle and includes it; probe: a node and a face of 169 nodes"
+        "  the row of friction includes its obstacle; probe: a node and a face of 169 nodes"
     )
     return "\n".join(lines)
 

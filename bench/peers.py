@@ -1,7 +1,8 @@
-"""One plate (100 x 100 hex8, no contact) advanced by other codes: seconds a step, each in a process of its own.
+"""Seconds per step of other codes for one plate (100 x 100 hex8, no contact), each in its own process.
 
-``python peers.py scipy STEPS`` or ``python peers.py akantu STEPS`` prints one JSON object. The plate, its supports, its lumped mass and the
-step are those of tutorials/scenes/plates_reference.toml; ``check`` is the kinetic energy at the end, to see that all do the same.
+``python peers.py scipy STEPS`` or ``python peers.py akantu STEPS`` prints one JSON object. The plate, its
+supports, its lumped mass and the step are those of tutorials/scenes/plates_reference.toml. ``check``, the
+kinetic energy at the end, shows that all codes compute the same motion.
 """
 
 import json
@@ -61,7 +62,8 @@ def stiffness():
 
 
 def run_scipy(steps):
-    """The assembled sparse matrix, multiplied by the displacements once a step: seconds of the set-up and of the steps, and the kinetic energy."""
+    """The assembled sparse matrix times the displacements, once per step: seconds of the set-up and of the
+    steps, and the kinetic energy."""
     from scipy import sparse
 
     begin = time.perf_counter()
@@ -88,7 +90,7 @@ def run_scipy(steps):
 
 
 def write_msh(path):
-    """The mesh in gmsh's format 2.2; the element kind is hexahedron_8."""
+    """Write the mesh in gmsh's format 2.2; the element kind is hexahedron_8."""
     nodes, elements = mesh()
     with open(path, "w") as file:
         file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes)}\n")
@@ -101,7 +103,7 @@ def write_msh(path):
 
 
 def run_akantu(steps):
-    """Akantu, explicit with lumped mass, its solveStep called from Python."""
+    """Akantu, explicit with lumped mass; Python calls its solveStep."""
     import akantu
 
     begin = time.perf_counter()

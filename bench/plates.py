@@ -35,7 +35,8 @@ def without_contact(scene: ct.Scene) -> ct.Scene:
 
 
 def roofline() -> dict[str, float]:
-    """What one core can do here: bytes a second of a copy that does not fit the cache of one core, and Gflop/s of a product of matrices."""
+    """Limits of one core of this machine: GB/s of a copy that does not fit its cache, and Gflop/s of a
+    matrix product."""
     array, other = np.zeros(4_000_000), np.ones(4_000_000)
     copies = []
     for _ in range(5):
@@ -55,8 +56,9 @@ def roofline() -> dict[str, float]:
 
 
 def peer(code: str, steps: int) -> dict | None:
-    """The same plate in another code, in a process of its own; None where it is not installed."""
-    # A large block that malloc keeps: without it Akantu gives its arrays back to the system in every step and takes twice as long.
+    """The same plate in another code, in a process of its own; None if it is not installed."""
+    # malloc keeps large blocks: otherwise Akantu returns its arrays to the system in each step and takes
+    # twice as long.
     keep = {
         "MALLOC_MMAP_THRESHOLD_": str(2**30),
         "MALLOC_TRIM_THRESHOLD_": str(2**30),
@@ -72,7 +74,7 @@ def peer(code: str, steps: int) -> dict | None:
 
 
 def measure() -> dict:
-    """All figures; ours and the peers' in turn, so that a machine that slows down slows all of them."""
+    """All figures. Our runs and those of the other codes alternate, so that a slower machine affects all."""
     contact_scene = ct.Scene.load(SCENES / "plates.toml")
     data = contact_scene.data
     data["output"] = {"every": 10**9}
@@ -119,21 +121,21 @@ def measure() -> dict:
 def report(result: dict) -> str:
     lines = [
         f"two plates, {2 * ELEMENTS} hex8, {result['steps']} steps, one core, everything included:",
-        f"  {result['updates_per_s'] / 1e6:.1f} million element updates a second ({result['us_per_update']:.4f} µs an update)",
-        f"  contact: {result['contact_us_per_pair_and_step']:.2f} µs a face pair and step ({PAIRS} pairs)",
-        f"one plate, no contact: {result['us_per_update_one_plate']:.4f} µs an update",
+        f"  {result['updates_per_s'] / 1e6:.1f} million element updates per second ({result['us_per_update']:.4f} µs per update)",
+        f"  contact: {result['contact_us_per_pair_and_step']:.2f} µs per face pair and step ({PAIRS} pairs)",
+        f"one plate, no contact: {result['us_per_update_one_plate']:.4f} µs per update",
     ]
     for code, row in result["peers"].items():
         low, high = row["times_ours_range"]
         lines.append(
-            f"  {code}: {row['us_per_update']:.3f} µs an update, {row['times_ours']:.1f} times ours ({low:.1f} to {high:.1f} in {RUNS} pairs)"
+            f"  {code}: {row['us_per_update']:.3f} µs per update, {row['times_ours']:.1f} times ours ({low:.1f} to {high:.1f} in {RUNS} pairs)"
         )
     for code in ("scipy", "akantu"):
         if code not in result["peers"]:
             lines.append(f"  {code}: not installed here")
     roof = result["roofline"]
     lines.append(
-        f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a product of matrices runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s"
+        f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a matrix product runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s"
     )
     return "\n".join(lines)
 
@@ -151,7 +153,7 @@ def draw(result: dict, path: Path) -> None:
     ax.bar_label(bars, [f"{v:.3f} µs ({v / values[0]:.0f} x)" for v in values], padding=4)
     ax.set(
         xscale="log",
-        xlabel="µs an element update, one core (one plate of 10 000 hex8, no contact)",
+        xlabel="µs per element update, one core (one plate of 10 000 hex8, no contact)",
         xlim=(values[0] / 2, max(values) * 6),
     )
     ax.invert_yaxis()

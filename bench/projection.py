@@ -1,7 +1,9 @@
-"""Closest points: what each method costs for what accuracy, where each fails, and how that compares with general minimisers in the same run.
+"""Closest points: cost and accuracy of each method, its failures, and a comparison with general
+minimisers in the same run.
 
-Every library is called from C in the same loop (projection_loops.c) on the same pairs of a face and a point, with the same f and gradient. NLopt's
-functions are those inside its Python wheel. SciPy is called from Python, and its times have Python in them.
+Each library is called from C in the same loop (projection_loops.c) for the same pairs of a face and a
+point, with the same f and gradient. NLopt's functions are those inside its Python wheel. SciPy is called
+from Python, whose cost is part of its times.
 """
 
 from __future__ import annotations
@@ -78,7 +80,7 @@ class Pairs(ctypes.Structure):
 
 # -- The loops ------------------------------------------------------------------------------------------------------
 def build(folder: Path) -> ctypes.CDLL:
-    """projection_loops.c as a shared library with the archive of the build, and with GSL where it is there."""
+    """projection_loops.c as a shared library with the archive of the build, and with GSL if it was found."""
     target = folder / "loops.so"
     command = [
         os.environ.get("CC", "cc"),
@@ -115,7 +117,7 @@ def build(folder: Path) -> ctypes.CDLL:
 
 
 def nlopt_table():
-    """NLopt's C functions from its wheel, and its names of methods; None where it is not installed."""
+    """NLopt's C functions from its wheel, and its names of methods; None if it is not installed."""
     try:
         import nlopt
 
@@ -128,7 +130,7 @@ def nlopt_table():
 
 
 def solvers(loops) -> dict:
-    """Name -> function(pairs, tolerance) that returns seconds, for every method and every peer that is here."""
+    """Name -> function(pairs, tolerance) that returns seconds, for each method and each installed library."""
     out = {}
 
     def add(name, call):
@@ -192,7 +194,7 @@ def scipy_run(nodes, points, tolerance, method):
 
 # -- What is measured ---------------------------------------------------------------------------------------------------
 def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
-    """For each tolerance: evaluations, ns and errors; without xi there is no error in it."""
+    """For each tolerance: evaluations, ns and errors; without xi no error in xi."""
     rows = []
     for tolerance in TOLERANCES:
         seconds = min(run(pairs, tolerance) for _ in range(2))
@@ -223,13 +225,15 @@ def is_outside(pairs, tolerance):
 
 
 def success(run, closed, pairs, cases) -> np.ndarray:
-    """Is each answer right? A search that does not know the edges may say "outside" where the minimum is not inside."""
+    """Which results are correct? An unconstrained search may return "outside" if the minimum is not
+    inside."""
     run(pairs, 1e-10)
     return faces.right(cases, pairs.distances, is_outside(pairs, 1e-10) & (not closed))
 
 
 def speeds(loops, run) -> dict:
-    """Seconds in turn, so that a machine that slows down slows all of them. The least of the rounds is the least disturbed one; ratios are to robust."""
+    """Seconds of alternating runs, so that a slower machine affects all. The least of the rounds is the
+    least disturbed one; ratios are relative to robust."""
     nodes, points, _, _ = faces.ordinary(2048, seed=11)
     pairs = Pairs(lib.CT_Q8, nodes, points)
     tolerances = {
@@ -295,7 +299,8 @@ def speeds(loops, run) -> dict:
 
 
 def batch_of(nodes, points):
-    """Q8 faces and points in lanes, and room for the feet; the arrays come along so that they stay."""
+    """Q8 faces and points in lanes, with memory for the closest points; the arrays are returned to keep
+    them alive."""
     m = len(points)
     blocks = -(-m // 8)
     padded = np.minimum(np.arange(8 * blocks), m - 1)
@@ -393,7 +398,7 @@ def scipy_rows(nodes, points, xi) -> dict:
 # -- Tables and pictures ----------------------------------------------------------------------------------------------------
 def report(result: dict) -> str:
     lines = [
-        f"closest points on {ORDINARY} ordinary Q8 faces, tolerance 1e-10 (feet known by construction; errors are medians):",
+        f"closest points on {ORDINARY} ordinary Q8 faces, tolerance 1e-10 (closest points known by construction; errors are medians):",
         f"  {'':18} {'evaluations':>11} {'ns':>9} {'error in xi':>12} {'in distance':>12}",
     ]
     for name, rows in result["ordinary"].items():
@@ -407,8 +412,8 @@ def report(result: dict) -> str:
             f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e}   (called from Python, 40 faces)"
         )
     lines.append(
-        "speed on 2048 ordinary Q8 faces from node coordinates, times robust at 1e-10 (warm: times robust warm), least and "
-        f"range of {ROUNDS} rounds in turn:"
+        "speed on 2048 ordinary Q8 faces from node coordinates, relative to robust at 1e-10 (warm: to robust warm), least and "
+        f"range of {ROUNDS} alternating rounds:"
     )
     for name, row in result["speeds"].items():
         low, high = row["range"]
@@ -417,7 +422,7 @@ def report(result: dict) -> str:
         )
     names = list(result["success"])
     lines.append(
-        f'answers right to {RIGHT:.0e} in % of {result["cases"]} hard cases (free searches may say "outside" where the minimum is not inside;'
+        f'results correct to {RIGHT:.0e} in % of {result["cases"]} hard cases (unconstrained searches may return "outside" if the minimum is not inside;'
     )
     lines.append("NLopt has the box about the reference face):")
     lines += [f"  {chr(97 + i)}  {name}" for i, name in enumerate(names)]
@@ -438,7 +443,8 @@ def colours(names):
 
 
 def draw(result: dict, path: Path) -> None:
-    """Work and precision at `path`; beside it the paths of all methods and the map of starts on the benchmark face."""
+    """Draw work against precision into `path`; beside it the paths of all methods and the map of starts on
+    the benchmark face."""
     import matplotlib.pyplot as plt
 
     fig, axes = plt.subplots(2, 3, figsize=(15, 9), layout="constrained")
@@ -461,12 +467,12 @@ def draw(result: dict, path: Path) -> None:
             )
         words = {
             "xi_error": "median error in ξ",
-            "wrong": "share of distances wrong by more than 1e-6 (1e-3: none)",
+            "wrong": "fraction of distances with an error above 1e-6 (1e-3: none)",
         }[error]
         row[0].set(
             xlabel="evaluations of f",
             ylabel=words,
-            title={"ordinary": "ordinary faces", "hard": "hard faces, foot inside"}[which],
+            title={"ordinary": "ordinary faces", "hard": "hard faces, closest point inside"}[which],
         )
         row[1].set(xlabel="ns", ylabel=words)
         row[2].set(xlabel="tolerance", ylabel="median error in distance")
@@ -495,11 +501,9 @@ def draw_starts(path: Path) -> None:
     fig, axes = panels()
     for ax, name in zip(axes.flat, METHODS):
         share = plot_projection.draw_starts(ax, "Q8", nodes, point, name, cells=121)
-        ax.set_title(f"{name}: right from {100 * share:.0f} %", fontsize=10)
+        ax.set_title(f"{name}: correct from {100 * share:.0f} %", fontsize=10)
     plot_projection.legend_of_ends(fig)
-    fig.suptitle(
-        "The benchmark face: where a search ends, by its start; the star is the closest point"
-    )
+    fig.suptitle("The benchmark face: end of a search by its start; the star is the closest point")
     fig.savefig(path, dpi=130)
 
 

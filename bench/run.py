@@ -27,7 +27,7 @@ import libcontact as ct  # noqa: E402
 
 
 def machine() -> dict:
-    """Where the figures come from."""
+    """Machine and software of the figures."""
     try:
         cpu = next(
             line.split(":", 1)[1].strip()

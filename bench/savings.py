@@ -1,7 +1,8 @@
 """
-What each optimisation saves, beside the same run with it off: time and memory, with the same values, those of plane strain, too. Six scenes of bench/scene_loop.c; minima of
-interleaved runs. As a program with --instructions it counts the instructions of the time loop instead (valgrind must be there), which no other process disturbs, and writes the table of
-the book.
+Time and memory that each optimisation saves, compared with the same run without it; all results have the
+same values. The scenes are the six of bench/scene_loop.c; times are minima of alternating runs. With
+--instructions the program instead counts the instructions of the time loop with valgrind, which other
+processes do not disturb, and writes the table of the book.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ ROOT = Path(__file__).parent.parent
 RUNS = 5
 SCENES = {
     "plates": "plate impact, 100 x 100, near the stable step",
-    "platesz": "the same, numbered along the way of the wave",
+    "platesz": "the same, numbered along the direction of the wave",
     "plates200": "plate impact, 200 x 200",
     "bar": "bar hit by a bar, 200 x 8 x 8",
     "block": "block that flies, 40 x 40 x 40",
@@ -94,18 +95,18 @@ def measure() -> dict:
 
 def report(result: dict) -> str:
     lines = [
-        "What the optimisations save (all results have the same values); contact and the rest of the time loop as parts of the run without them"
+        "Gain by the optimisations (all results have the same values); contact and the rest of the time loop as fractions of the run without them"
     ]
     for scene, rows in result.items():
         plain = rows["-"]
         lines.append(
             f"{SCENES[scene]}: {plain['elements']} elements, {plain['steps']} steps at Courant number {plain['courant']:.3f}, "
-            f"{1e3 * plain['seconds']:.4g} ms, {plain['bytes'] / plain['elements']:.0f} bytes an element, contact {plain['contact'] / plain['seconds']:.0%}"
+            f"{1e3 * plain['seconds']:.4g} ms, {plain['bytes'] / plain['elements']:.0f} bytes per element, contact {plain['contact'] / plain['seconds']:.0%}"
         )
         for savings, row in rows.items():
             if savings == "-":
                 continue
-            # What sleeping alone saves, also beside the others.
+            # Gain by sleeping alone, also in addition to the others.
             without = rows.get(savings.replace("q", "")) if "q" in savings else None
             beside = (
                 f"; {without['seconds'] / row['seconds']:.2f} times faster than without sleeping"
@@ -115,8 +116,8 @@ def report(result: dict) -> str:
             own = (plain["solid"] + plain["rest"]) / (row["solid"] + row["rest"])
             lines.append(
                 f"  {SAVINGS[savings]:>10}: run {plain['seconds'] / row['seconds']:.2f} times faster, elements and nodes {own:.2f} times, "
-                f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element, "
-                f"{row['peak'] / row['bytes']:.2f} times that at most while it is built){beside}"
+                f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes per element, "
+                f"{row['peak'] / row['bytes']:.2f} times as much while it is built){beside}"
             )
     return "\n".join(lines)
 
@@ -143,7 +144,7 @@ def draw(result: dict, path: Path) -> None:
     plt.close(figure)
 
 
-# The table of the book: what is compared with what.
+# The table of the book: the pairs that are compared.
 TABLE = ROOT / "docs" / "theory" / "savings.csv"
 RATIOS = {
     "sleep": ("-", "q"),

@@ -1,4 +1,5 @@
-"""The nearest face of a surface of 10^5 faces for a cloud of points near it: flat triangles and curved Q8 faces, beside libigl's tree of triangles."""
+"""The nearest face of a surface of 10^5 faces to a cloud of points near it: flat triangles and curved Q8
+faces, compared with libigl's tree of triangles."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ POINTS = 100_000
 TRIANGLES, QUADRILATERALS = (
     224,
     317,
-)  # cells a side: 2 * 224^2 triangles, 317^2 Q8 faces, both about 10^5
+)  # cells per side: 2 * 224^2 triangles, 317^2 Q8 faces, both about 10^5
 
 
 def bumpy_torus(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -48,7 +49,7 @@ def quadrilaterals(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def morton_order(points: np.ndarray) -> np.ndarray:
-    """Points along the curve that visits the cells of a 1024^3 grid by interleaved digits."""
+    """Points in Morton order: along the curve through the cells of a 1024^3 grid by interleaved digits."""
     cell = ((points - points.min(0)) / (np.ptp(points, axis=0).max() * (1 + 1e-12)) * 1024).astype(
         np.int64
     )
@@ -58,21 +59,21 @@ def morton_order(points: np.ndarray) -> np.ndarray:
 
 
 def cloud() -> np.ndarray:
-    """Points off the surface by about a face's edge, in Morton order."""
+    """Points at a distance of about a face's edge from the surface, in Morton order."""
     rng = np.random.default_rng(2012)
     u, v = rng.uniform(0, 2 * np.pi, (2, POINTS))
     return morton_order(bumpy_torus(u, v) + rng.normal(scale=0.02, size=(POINTS, 3)))
 
 
 def timed(call) -> tuple[float, object]:
-    """CPU seconds of one call, all threads together, and what it answers."""
+    """CPU seconds of one call, all threads together, and its result."""
     start = time.process_time()
     result = call()
     return time.process_time() - start, result
 
 
 def libigl_tree(nodes: np.ndarray, faces: np.ndarray):
-    """libigl's tree of triangles; None where it is not installed."""
+    """libigl's tree of triangles; None if it is not installed."""
     try:
         import igl
     except ImportError:
@@ -83,7 +84,7 @@ def libigl_tree(nodes: np.ndarray, faces: np.ndarray):
 
 
 def measure() -> dict:
-    """All figures; ours and libigl's in turn, so that a machine that slows down slows both."""
+    """All figures. Our runs and libigl's alternate, so that a slower machine affects both."""
     flat, curved, points = triangles(TRIANGLES), quadrilaterals(QUADRILATERALS), cloud()
     surfaces = {"T3": ct.Surface("T3", *flat), "Q8": ct.Surface("Q8", *curved)}
     peer = libigl_tree(*flat)
@@ -143,14 +144,14 @@ def report(result: dict) -> str:
     ]
     for kind in ("T3", "Q8"):
         lines.append(
-            f"  {result['faces'][kind]} {kind} faces: {median[kind]:.3f} µs a point; build {median[kind + ' build']:.0f} ns a face, "
-            f"refit {median[kind + ' refit']:.0f} ns a face"
+            f"  {result['faces'][kind]} {kind} faces: {median[kind]:.3f} µs per point; build {median[kind + ' build']:.0f} ns per face, "
+            f"refit {median[kind + ' refit']:.0f} ns per face"
         )
     if "libigl" not in median:
         lines.append("  libigl: not installed here")
         return "\n".join(lines)
     lines.append(
-        f"  libigl, {result['faces']['T3']} triangles: {median['libigl']:.3f} µs a point; build {median['libigl build']:.0f} ns a face; "
+        f"  libigl, {result['faces']['T3']} triangles: {median['libigl']:.3f} µs per point; build {median['libigl build']:.0f} ns per face; "
         f"distances differ by {result['largest_difference']:.1g} at most"
     )
     for kind, row in result["times_faster_than_libigl"].items():
@@ -177,7 +178,9 @@ def draw(result: dict, path: Path) -> None:
         color=["tab:gray" if key == "libigl" else "tab:red" for key in keys],
     )
     ax.bar_label(bars, [f"{value:.2f} µs" for value in values], padding=4)
-    ax.set(xlabel="µs of CPU time a point, one thread (10$^5$ faces)", xlim=(0, 1.25 * max(values)))
+    ax.set(
+        xlabel="µs of CPU time per point, one thread (10$^5$ faces)", xlim=(0, 1.25 * max(values))
+    )
     ax.invert_yaxis()
     fig.savefig(path, dpi=150)
     plt.close(fig)

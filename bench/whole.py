@@ -1,7 +1,11 @@
 """
-What a user waits for: a whole run in its parts (process start, set-up, solid, contact and obstacle, time loop, records, file) for two plates, a block and a general mesh; how time and memory grow with the number of elements; what a second thread gives; and the same plate in other codes.
+The time of a whole run in its parts (process start, set-up, solid, contact and obstacle, time loop,
+records, file) for two plates, a block and a general mesh; growth of time and memory with the number of
+elements; speed-up by a second thread; and the same plate in other codes.
 
-``python whole.py SCENE CELLS STEPS THREADS`` runs one scene in a process of its own and prints one JSON object. With 0 threads it is the run of a user: one thread, elements that wait for the wave asleep, and a second run for the price of the file. Else all elements are awake, so that steps of all sizes do the same work.
+``python whole.py SCENE CELLS STEPS THREADS`` runs one scene in a process of its own and prints one JSON
+object. With 0 threads it is the run of a user: one thread, sleeping elements, and a second run for the
+cost of the file. Otherwise all elements are active, so that the work of a step depends on the size alone.
 """
 
 from __future__ import annotations
@@ -29,13 +33,13 @@ SCENES = {
 CELLS = {"plates": 100, "block": 100, "general": 60}
 STEPS, THREAD_STEPS = 100, 40
 RUNS = 3
-# Elements along an edge, 10^4 to 10^7, with steps and runs, of which the fastest counts.
+# Elements along an edge (10^4 to 10^7 in all), steps, and runs; the fastest run counts.
 GROWTH = {22: (200, 5), 46: (100, 5), 100: (20, 3), 215: (20, 1)}
 PARTS = ("start", "set-up", "solid", "contact and obstacle", "time loop", "records", "file", "rest")
 
 
 def awake(scene: Any) -> Any:
-    """The scene with all elements awake from its start."""
+    """The scene with all elements active from its start."""
     from libcontact.model import SAVINGS
 
     return type(scene)(
@@ -44,7 +48,7 @@ def awake(scene: Any) -> Any:
 
 
 def scene_of(name: str, cells: int, steps: int) -> Any:
-    """A scene by its name, with a ledger row every tenth of the run."""
+    """A scene by its name, with a record every tenth of the run."""
     import libcontact as ct
 
     if name in ("plates", "free plates"):
@@ -63,12 +67,12 @@ def scene_of(name: str, cells: int, steps: int) -> Any:
     scene.add_body("body", material="steel", velocity=[-1000.0, 0, 0], **shape)
     scene.add("obstacle", surface="body.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
     scene.set_output(fields=[], every=max(steps // 10, 1))
-    # About so many steps: c1 is 6020 km/s, and the stable step about h / c1.
+    # About ``steps`` steps: c1 is 6020 km/s, and the stable step about h / c1.
     return scene.set_time(end=0.9 * steps / cells / 6.02e6, fraction=0.9)
 
 
 def brick(cells: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and elements of a unit cube, bent inside by up to a quarter of an element."""
+    """Nodes and elements of a unit cube, distorted inside by up to a quarter of an element."""
     x = np.stack(np.meshgrid(*[np.arange(cells + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
     inside = np.sin(np.pi * x / cells).prod(axis=1, keepdims=True)
     number = np.arange(len(x)).reshape([cells + 1] * 3)
@@ -80,10 +84,10 @@ def brick(cells: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def one(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
-    """The parts of one run [s], the memory that it took above the imports [bytes], and its counts."""
+    """The parts of one run [s], its memory in addition to the imports [bytes], and its counts."""
     import libcontact as ct
 
-    assert ct.Scene  # names are imported when they are asked for
+    assert ct.Scene  # names are imported on first use
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.perf_counter() - STARTED
     began = time.perf_counter()
@@ -125,7 +129,7 @@ def step_of(row: dict[str, Any]) -> float:
 
 
 def fastest(runs: int, name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
-    """Of several runs each part at its fastest, and the least memory."""
+    """The fastest time of each part in several runs, and the least memory."""
     rows = [alone(name, cells, steps, threads) for _ in range(runs)]
     return {key: min(row[key] for row in rows) for key in rows[0]}
 
@@ -174,7 +178,7 @@ def report(result: dict[str, Any]) -> str:
         parts = ", ".join(f"{part} {100 * row[part] / total(row):.0f}" for part in PARTS)
         lines.append(f"  {label(name, row)}: {parts}")
     lines.append(
-        "growth of a block: elements, set-up in steps, ns a step and element, bytes an element"
+        "growth of a block: elements, set-up in steps, ns per step and element, bytes per element"
     )
     for row in result["growth"]:
         n, step = row["elements"], step_of(row)
@@ -183,17 +187,17 @@ def report(result: dict[str, Any]) -> str:
         )
     powers = ", ".join(f"{name} {value:.2f}" for name, value in result["exponents"].items())
     lines.append(f"  exponents: {powers}")
-    lines.append("two threads against one, ms a step with all elements awake:")
+    lines.append("one thread, two threads, ms per step with all elements active, and the ratio:")
     for name, (first, second) in result["threads"].items():
         lines.append(
             f"  {SCENES[name]}: {1e3 * first:.2f}, {1e3 * second:.2f}, {first / second:.2f} times"
         )
     lines.append(
-        f"  libcontact, plates without contact: {result['ours']:.0f} ns a step and element"
+        f"  libcontact, plates without contact: {result['ours']:.0f} ns per step and element"
     )
     for code, row in result["peers"].items():
         lines.append(
-            f"  {code}, one plate: set-up {row['setup']:.2f} s, {1e3 * row['us_per_update']:.0f} ns a step and element"
+            f"  {code}, one plate: set-up {row['setup']:.2f} s, {1e3 * row['us_per_update']:.0f} ns per step and element"
             if row
             else f"  {code}: not installed here"
         )
@@ -208,12 +212,12 @@ def draw_threads(axes: Any, threads: dict[str, list[float]]) -> None:
     axes.bar_label(bars, [f"{value:.2f}" for value in gain], padding=3)
     axes.axvline(1.0, color="0.5", lw=0.8)
     axes.axvline(2.0, color="0.5", lw=0.8, ls="--")
-    axes.set(xlim=(0, 2.2), xlabel="times one thread", title="What a second thread gives")
+    axes.set(xlim=(0, 2.2), xlabel="times one thread", title="Speed-up by a second thread")
     axes.invert_yaxis()
 
 
 def draw_peers(axes: Any, result: dict[str, Any]) -> None:
-    """Nanoseconds a step and element of plates without contact, here and in other codes."""
+    """Nanoseconds per step and element of plates without contact, here and in other codes."""
     times = {"libcontact": result["ours"]}
     names = {"scipy": "SciPy, assembled", "akantu": "Akantu"}
     for code, row in result["peers"].items():
@@ -221,7 +225,7 @@ def draw_peers(axes: Any, result: dict[str, Any]) -> None:
             times[names[code]] = 1e3 * row["us_per_update"]
     bars = axes.barh(list(times), list(times.values()), color="tab:blue", height=0.6)
     axes.bar_label(bars, [f"{value:.0f}" for value in times.values()], padding=3)
-    axes.set(xscale="log", xlabel="ns a step and element", title="A plate in other codes")
+    axes.set(xscale="log", xlabel="ns per step and element", title="A plate in other codes")
     axes.set_xlim(right=3 * max(times.values()))
     axes.invert_yaxis()
 
@@ -239,7 +243,7 @@ def draw(result: dict[str, Any], path: Path) -> None:
         ticks = [label(name, row).replace(", ", "\n") for name, row in zip(names, rows)]
         left.barh(ticks, values, left=base, label=part)
         base += values
-    left.set(xlabel="% of the whole run", title="Where the time goes", xlim=(0, 100))
+    left.set(xlabel="% of the whole run", title="Parts of a run", xlim=(0, 100))
     left.invert_yaxis()
     left.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False)
     growth = result["growth"]

@@ -1,6 +1,6 @@
 """
-The cases of the stability laboratory. Each is a generator of rows; ``short`` makes it a matter of seconds. What is expected to fail, and why, is said where the case is
-made: a row that fails as expected teaches, one that fails unexpectedly is a defect.
+The cases of the stability laboratory. Each is a generator of rows; with ``short`` it takes seconds. A
+comment at the case gives the expected failures and their reasons. An unexpected failure is a defect.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ FLOOR = {"point": [0, 0, 0], "normal": [0, 0, 1]}
 
 
 def lowest(body: str, axis: int = 2):
-    """How far the lowest node of a body is below the plane at 0."""
+    """Depth of the lowest node of a body below the plane at 0."""
     return lambda run: float(-run.state[body].positions[:, axis].min())
 
 
 def overlap(a: str, b: str, face_a: str, face_b: str):
-    """How far nodes of one surface are inside the other one, either way; far sides of a body do not count."""
+    """Largest depth of nodes of either surface inside the other one, without the far sides of a body."""
 
     def depth(run: ct.Run) -> float:
         most = 0.0
@@ -44,7 +44,7 @@ def overlap(a: str, b: str, face_a: str, face_b: str):
                 "Q4" if mesh.element == "hex8" else "Q8", run.state[two].positions, faces, points
             )
             inside = np.asarray(near.signed_distance)
-            # Beyond the border of a surface nothing is inside it: the way to the foot is then not along the normal.
+            # A point beyond the border of a surface is not inside: the line to its closest point is not normal.
             along = np.abs(((points - near.point) * near.normal).sum(1)) > 0.999 * near.distance
             most = max(
                 [most, *(-inside[along & (inside < 0) & (inside > -0.9 * mesh.shortest_edge)])]
@@ -65,7 +65,7 @@ def wall(
     integrator: str | None = None,
     **more: Any,
 ) -> Row:
-    """A bar of n elements that flies against a wall."""
+    """A bar of n elements that hits a wall."""
     made = scene("bar on a wall")
     material(made, young=900, poisson=0)
     made.add_body(
@@ -105,7 +105,7 @@ def bar_on_a_wall(short: bool) -> Iterator[Row]:
 
 
 def bar_with_each_integrator(short: bool) -> Iterator[Row]:
-    """The same bar with the integrators that damp: also the explicit penalty is then quiet."""
+    """The same bar with the dissipative integrators: then the explicit penalty does not chatter either."""
     n = 50 if short else 100
     for integrator in ("chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"):
         few = ((DEFAULT, None), ("penalty", 1.0))
@@ -129,7 +129,7 @@ def bar_with_each_integrator(short: bool) -> Iterator[Row]:
 def bouncing(
     n: int, impacts: int, enforcement: str, beta: float | None, fraction: float = 0.9
 ) -> tuple[Row, np.ndarray]:
-    """A bar that falls on a floor again and again, and by how much each impact is late, in periods of 16 L / c."""
+    """A bar that bounces on a floor, and the delay of each impact in periods of 16 L / c."""
     length, c, g = 10.0, 30.0, 10.0
     made = scene("bouncing bar")
     material(made, young=900, poisson=0)
@@ -180,7 +180,7 @@ def bouncing(
 
 
 def _before(pushed: np.ndarray, time: np.ndarray, contact: float) -> np.ndarray:
-    """Where there was a push within the time of one contact before."""
+    """Whether there was a contact force within the duration of one contact before."""
     out = np.zeros(len(pushed), bool)
     last = -math.inf
     for i, (now, is_pushed) in enumerate(zip(time, pushed)):
@@ -191,8 +191,9 @@ def _before(pushed: np.ndarray, time: np.ndarray, contact: float) -> np.ndarray:
 
 def bouncing_bar(short: bool) -> Iterator[Row]:
     """
-    Each impact leaves a vibration that changes the next one, so errors of phase grow. What an impact takes from the nodes at the floor makes the next flight shorter: here
-    the bipenalty, which takes nothing, is the best, as long as it is soft.
+    Each impact leaves a vibration that changes the next one, so errors of phase grow. The energy that an
+    impact takes from the nodes at the floor makes the next flight shorter. Here the bipenalty, which
+    dissipates nothing, is the most accurate law as long as it is soft.
     """
     impacts = 4 if short else 30
     ways = [(DEFAULT, None, 0.99), ("bipenalty", 1.0, 0.99)]
@@ -201,7 +202,7 @@ def bouncing_bar(short: bool) -> Iterator[Row]:
             ways if n < 400 else [*ways, (DEFAULT, None, 0.9), ("penalty", 0.5, 0.9)]
         ):
             row, late = bouncing(n, impacts, enforcement, beta, fraction)
-            # On coarse meshes the vibration of thirty impacts makes the points of a bipenalty chatter.
+            # On coarse meshes the vibration after thirty impacts makes the points of a bipenalty chatter.
             row.expected = (
                 "energy" if enforcement == "bipenalty" and n < 400 and impacts > 4 else "passes"
             )
@@ -224,7 +225,8 @@ def bouncing_bar(short: bool) -> Iterator[Row]:
 
 
 def two_bars(short: bool) -> Iterator[Row]:
-    """Equal bars (contact lasts 2 L / c, pressure 0.1), and bars of impedance 1:100 and 1:1e4 in stiffness."""
+    """Equal bars (contact lasts 2 L / c, pressure 0.1), and bars with ratios of the impedance 1:100 and of
+    the stiffness 1:1e4."""
     for name, stiff in (("equal", 1.0), ("impedance 1:100", 1e4)):
         for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
             made = scene("two bars")
@@ -302,11 +304,11 @@ def plates(
 
 
 def plate_impact(short: bool) -> Iterator[Row]:
-    """Every penalty over six decades, every step that the library accepts."""
+    """Penalties over six decades, steps up to the largest that the library accepts."""
     cells = 12 if short else 24
     for beta in (4.0, 1e4) if short else (1e-2, 1e-1, 1.0, 4.0, 10.0, 1e2, 1e3, 1e4):
         for fraction in (0.9,) if short else (0.1, 0.3, 0.5, 0.7, 0.9, 0.99):
-            # A penalty of a hundredth of the elements' stiffness is no wall: what it overlaps is its own choice.
+            # With a penalty below the stiffness of the elements the overlap is large by definition.
             yield plates(cells, DEFAULT, beta, fraction, bound=math.inf if beta < 1 else 0.5)
     for enforcement, beta, expected in (
         ("penalty", 1.0, "passes"),
@@ -317,7 +319,8 @@ def plate_impact(short: bool) -> Iterator[Row]:
 
 
 def plates_with_each_method(short: bool) -> Iterator[Row]:
-    """The plates with each integrator that damps and with the averaged mass, whatever the penalty of the default law."""
+    """The plates with each dissipative integrator and with the averaged mass, over the penalties of the
+    default law."""
     cells = 12 if short else 24
     for method in (
         *({"integrator": name} for name in INTEGRATORS if name != "central_difference"),
@@ -330,9 +333,9 @@ def plates_with_each_method(short: bool) -> Iterator[Row]:
 
 def contact_and_reference(short: bool) -> Iterator[Row]:
     """
-    Plate impact against the same impact with a wall in place of the contact: the default at 0.94 of the limit (a little less, for a whole
-    number of steps), and the penalty at Courant number 0.125. The default is
-    asked to be within 0.3 %.
+    Plate impact compared with the same impact on a wall in place of the contact: the default at 0.94 of the
+    limit (slightly less, for a whole number of steps), and the penalty at Courant number 0.125. The default
+    must be within 0.3 %.
     """
     from pathlib import Path
 
@@ -389,7 +392,7 @@ def turned_cube(
 
 
 def from_to(direction: np.ndarray) -> np.ndarray:
-    """A rotation that turns a direction to -z."""
+    """A rotation that maps a direction to -z."""
     a = direction / np.linalg.norm(direction)
     b = np.array([0.0, 0.0, -1.0])
     v, c = np.cross(a, b), a @ b
@@ -400,7 +403,7 @@ def from_to(direction: np.ndarray) -> np.ndarray:
 
 
 def dropped_cube(short: bool) -> Iterator[Row]:
-    """A soft cube on its face, edge, corner, and any which way."""
+    """A soft cube dropped on its face, edge, corner, and in random orientations."""
     random = np.random.default_rng(5)
     ways = [
         ("face", from_to(np.array([0, 0, -1.0]))),
@@ -467,7 +470,7 @@ def spinning_ring(short: bool) -> Iterator[Row]:
 
 
 def crossing_rings(short: bool) -> Iterator[Row]:
-    """Two rings hit each other at a fifth of the speed of waves."""
+    """Two rings hit each other at a fifth of the wave speed."""
     cells = [1, 32, 1] if short else [2, 64, 1]
     for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("rings")
@@ -489,7 +492,7 @@ def crossing_rings(short: bool) -> Iterator[Row]:
 
 
 def sliding_block(short: bool) -> Iterator[Row]:
-    """A block slides over the borders of 20 faces, pressed on by its weight; the force must not jump there."""
+    """A block slides over the borders of 20 faces under its weight; the force must not jump there."""
     borders = 5 if short else 20
     for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("sliding block")
@@ -536,7 +539,8 @@ def sliding_block(short: bool) -> Iterator[Row]:
 
 
 def thin_plates(short: bool) -> Iterator[Row]:
-    """One plate of one element's thickness falls on another: each must meet the near side of the other, never the far one."""
+    """A plate of one element's thickness falls on another one: each must be in contact with the near side
+    of the other."""
     for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("thin plates")
         material(made, young=1e5, poisson=0.3)
@@ -582,7 +586,8 @@ def two_blocks(
     beta: float | None,
     length: float = 1.0,
 ) -> ct.Scene:
-    """Two blocks that meet. Speeds go with ``length``, so that all times stay: stiffness goes with its square."""
+    """Two blocks that meet. Speeds are proportional to ``length`` and stiffness to its square, so that all
+    times are the same."""
     made = scene("blocks")
     material(made, young=1e4 * length**2)
     for k in range(2):
@@ -607,7 +612,8 @@ def block_pair(cells: int = 4, stretch: float = 1.0) -> tuple[list[np.ndarray], 
 
 
 def distorted_mesh(short: bool) -> Iterator[Row]:
-    """Inner nodes moved at random by 0.2 h: it runs. By 0.45 h: some elements are inverted, and refused by name."""
+    """Inner nodes moved at random: by 0.2 h the scene runs; by 0.45 h some elements are inverted, and the
+    error names one."""
     random = np.random.default_rng(3)
     for amount, wanted in ((0.2, "passes"), (0.45, "GeometryError")):
         nodes, elements = block_pair(6)
@@ -652,7 +658,7 @@ def aspect_ratio(short: bool) -> Iterator[Row]:
 
 
 def sizes(short: bool) -> Iterator[Row]:
-    """The same impact from a nanometre to a thousand kilometres: what happens is the same."""
+    """The same impact from a nanometre to a thousand kilometres, with the same result."""
     nodes, elements = block_pair()
     first = None
     for length in (1.0, 1e-9, 1e6) if short else (1.0, 1e-9, 1e-6, 1e-3, 1e3, 1e6):
@@ -675,7 +681,7 @@ def sizes(short: bool) -> Iterator[Row]:
 
 
 def last_bit(short: bool) -> Iterator[Row]:
-    """The last bit of every coordinate is changed at random: an impact that is over soon must not notice."""
+    """The last bit of each coordinate is changed at random: the result of a short impact must not change."""
     random = np.random.default_rng(8)
     nodes, elements = block_pair()
     answers = []

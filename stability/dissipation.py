@@ -1,6 +1,7 @@
 """
-What the damping ratio ``dissipation`` of the energy-controlled penalty does to the bar on a wall (chapter "Enforcement"): errors of force, impulse, release and energy,
-the worst of five ways to meet the wall between two steps.
+Influence of the damping ratio ``dissipation`` of the energy-controlled penalty on the bar on a wall
+(chapter "Enforcement"): errors of force, impulse, release and energy, the largest for five positions of
+the impact between two steps.
 """
 
 from __future__ import annotations
@@ -28,8 +29,10 @@ def thrown(
     **step: Any,
 ) -> ct.Run:
     """
-    The bar of Doyen, Ern and Piperno thrown at a rigid wall, every step recorded. ``landing`` is where between two steps it meets the wall; ``step`` are
-    entries of [time]. The limit of the energy is raised, as some of these runs are meant to pass it.
+    The bar of Doyen, Ern and Piperno thrown at a rigid wall, with every step recorded.
+
+    ``landing`` is the position of the impact between two steps; ``step`` are entries of [time]. The energy
+    limit is raised, because some of these runs are expected to exceed it.
     """
     scene = ct.Scene(title="bar", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("bar", young=YOUNG, poisson=0.0, density=1.0)
@@ -54,7 +57,8 @@ def thrown(
 
 
 def wall_pressure(run: ct.Run) -> np.ndarray:
-    """Pressure of the wall at each step: the table's momentum is the mean of the two half steps around t_n; from one to the next the force of t_n acts."""
+    """Pressure of the wall at each step, from the momentum of the half steps: between them the force of t_n
+    acts, and the table has the mean of the two around t_n."""
     p = run.momentum["p"][:, 0]
     half = np.empty(len(p) + 1)
     half[0] = p[0]
@@ -66,7 +70,8 @@ def wall_pressure(run: ct.Run) -> np.ndarray:
 def bar(
     enforcement: str, dissipation: float | None, beta: float, landing: float, fraction: float = 0.9
 ) -> tuple[float, float, float, float]:
-    """Root mean square error of the force over 0.1 ... 0.6 after the impact, error of the impulse, steps of the release after its time, energy lost."""
+    """Root mean square error of the force over 0.1 ... 0.6 after the impact, error of the impulse, delay of
+    the release in steps, energy lost."""
     step = {"fraction": fraction} if enforcement == "penalty" else {"dt": fraction * H / C}
     run = thrown(enforcement, beta, landing, dissipation, **step)
     time, p, force = run.time, run.momentum["p"][:, 0], wall_pressure(run)
@@ -82,7 +87,7 @@ def bar(
 
 
 def worst(enforcement: str, dissipation: float | None, beta: float) -> np.ndarray:
-    """The four figures of ``bar``, each the worst of five landings."""
+    """The four errors, each the largest of five landings."""
     return np.max([bar(enforcement, dissipation, beta, landing) for landing in LANDINGS], axis=0)
 
 

@@ -1,4 +1,4 @@
-"""Bodies that are pressed onto themselves: a folding strip, a rolled one, a coil, a crushed ring."""
+"""Bodies in contact with themselves: a folding strip, a rolled one, a coil, a crushed ring."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ from lab import DEFAULT, Row, judge, material, scene
 import libcontact as ct
 
 YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
-# Energy from nothing, as a share of the work put in; how far on the way to the centre of its element a corner may be inside another part of the body: 0.4 of an element, of which no
-# Gauss point sees the first 0.3 (chapter "Contact").
+# Largest spurious energy, as a fraction of the work put in; and the depth of a corner inside another part
+# of the body, as a fraction of the line to the centre of its element: 0.4 of an element, of which the
+# Gauss points miss the first 0.3 (chapter "Contact").
 GROWTH, DEEP = 0.002, 0.8
-# The energies of a leapfrog rise and fall a little where strain is large; what rises by more after a loss is growth, too.
+# The energy of a leapfrog oscillates slightly at large strain; a larger rise after a loss is growth, too.
 LATE = 0.01
 FRACTIONS = (0.3, 0.6, 0.9)
 
 
 def smooth(end: float, points: int = 33) -> dict[str, list[float]]:
-    """A history from 0 to 1 that starts and ends without a slope."""
+    """A history from 0 to 1 whose slope is 0 at both ends."""
     s = np.linspace(0.0, 1.0, points)
     return {"time": list(s * end), "value": list(s * s * (3 - 2 * s))}
 
@@ -44,7 +45,7 @@ class Fold:
         return {"total": float(run.energy["total"][-1]), "work": float(run.energy["external"][-1])}
 
     def look(self, run: ct.Run) -> None:
-        """Count by solid angles, which takes far longer than a step."""
+        """Count by solid angles, which takes much longer than a step."""
         state = run.state[self.body]
         self.twice = max(self.twice, inside.twice(state.positions, state.elements, DEEP))
 
@@ -62,7 +63,8 @@ class Fold:
 
 
 def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
-    """How far the total rose above its start, and above its lowest value before, over the work put in (where bodies move at the start, over their energy)."""
+    """Rise of the total energy above its start, and above its lowest earlier value, over the work put in
+    (over the initial energy if bodies move at the start)."""
     total, work = np.array(curve["total"]), np.array(curve["work"])
     unit = max(np.abs(work).max(), abs(total[0]), 1e-300)
     return float((total - total[0]).max() / unit), float(
@@ -87,7 +89,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
         momentum_scale=mass * C,
     )
     if row.verdict == "StepTooLarge" and "too stiff" in row.note:
-        # The solid, and not the contact, wants a smaller step: the library need not accept this one.
+        # The solid, not the contact, needs a smaller step: the library may reject this one.
         row.verdict = fold.wrong(row.curve) or "passes"
     if row.curve:
         growth, late = growths(row.curve)
@@ -100,7 +102,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
 
 
 def soft(title: str, bricks: shapes.Bricks) -> ct.Scene:
-    """A soft body that may meet itself."""
+    """A soft body in contact with itself."""
     made = scene(title)
     material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
     made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft")
@@ -108,7 +110,7 @@ def soft(title: str, bricks: shapes.Bricks) -> ct.Scene:
 
 
 def led(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
-    """The sides at the smallest and the largest z are led towards each other, each by ``way``."""
+    """The sides at the smallest and the largest z are moved towards each other, each by ``way``."""
     made = soft("folding", bricks)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add_support(f"body.{side}", fix="z", travel=[0, 0, sign * way], history=smooth(time))
@@ -116,7 +118,7 @@ def led(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float
 
 
 def loaded(bricks: shapes.Bricks, traction: float, time: float) -> tuple[ct.Scene, float]:
-    """The sides at the smallest and the largest z are loaded towards each other, with a share ``traction`` of E."""
+    """The sides at the smallest and the largest z are loaded towards each other, with ``traction`` E."""
     made = soft("folding", bricks)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add(
@@ -129,7 +131,8 @@ def loaded(bricks: shapes.Bricks, traction: float, time: float) -> tuple[ct.Scen
 
 
 def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
-    """Name, mesh, drive and its two numbers: a bend that is round, and one with corners, whose legs close from the ends to the root."""
+    """Name, mesh, drive and its two numbers: a round bend, and one with corners, whose legs close from their
+    ends to the root."""
     thin, middle, thick = (
         shapes.hairpin(0.6, t, gap, cells, 0.2)
         for t, gap, cells in (
@@ -163,7 +166,8 @@ def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
 
 
 def folding_strip(short: bool) -> Iterator[Row]:
-    """A U of neo-Hookean hex8 whose legs are pushed together until they are in contact over their length, and pressed."""
+    """A U of neo-Hookean hex8 whose legs are moved together until they are in contact over their length, and
+    compressed."""
     chosen = strips()
     for name, bricks, drive, *values in (
         [chosen[0], chosen[5], chosen[6], chosen[13]] if short else chosen
@@ -174,7 +178,7 @@ def folding_strip(short: bool) -> Iterator[Row]:
 
 
 def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
-    """Two planes, above and below, come towards each other, each by ``way``."""
+    """Two planes, above and below, move towards each other, each by ``way``."""
     made = soft("pressed", bricks)
     low, high = bricks[0][:, 2].min(), bricks[0][:, 2].max()
     for height, sign in ((low, 1.0), (high, -1.0)):
@@ -189,7 +193,8 @@ def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, f
 
 
 def rolled_strip(short: bool) -> Iterator[Row]:
-    """A strip wound up loosely, of two and a half turns, is pressed flat: its layers meet all along, and turn around sharp bends."""
+    """A loosely wound strip of two and a half turns is pressed flat: its layers come into contact over their
+    length, with sharp bends."""
     rolls = [
         ("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4),
         ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
@@ -202,7 +207,7 @@ def rolled_strip(short: bool) -> Iterator[Row]:
 
 
 def crushed_ring(short: bool) -> Iterator[Row]:
-    """A ring between two planes, until its inner walls meet and are pressed onto each other."""
+    """A ring is crushed between two planes until its inner walls are in contact and compressed."""
     rings = [
         ("thin", 1, 40, 0.05, 0.1),
         ("two through", 2, 48, 0.08, 0.1),
@@ -220,8 +225,8 @@ def crushed_ring(short: bool) -> Iterator[Row]:
 
 def coil(short: bool) -> Iterator[Row]:
     """
-    A spiral strip turns about its axis while its outer end is held: one way it winds up until its turns lie on each other, the other way it unwinds and strikes back. The energy is that of its
-    first motion.
+    A spiral strip turns about its axis while its outer end is fixed. In one direction it winds up until its
+    turns are in contact, in the other it unwinds and rebounds. The reference is its initial energy.
     """
     coils = [("tightened", 1.0), ("let loose", -1.0)]
     for name, sign in coils[:1] if short else coils:
@@ -231,7 +236,7 @@ def coil(short: bool) -> Iterator[Row]:
 
 
 def wound(bricks: shapes.Bricks, rate: float) -> tuple[ct.Scene, float]:
-    """A coil with a straight outer end along x, which is held, and a spin about y."""
+    """A coil with a straight outer end along x, which is fixed, and a spin about y."""
     made = scene("coil")
     material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
     made.add_body(

@@ -1,13 +1,13 @@
 """
-Which points are inside a body, found without the library: by the solid angle that the skin fills as seen from a point, 4π times the number of times that the body
-covers it (Van Oosterom and Strackee 1983).
+Points inside a body, found without the library by the solid angle of the skin as seen from a point: 4π
+times the number of times that the body covers the point (Van Oosterom and Strackee 1983).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-# The faces of a brick, counter-clockwise from outside, by VTK's corners, and the nodes on their edges.
+# The faces of a brick, counter-clockwise from outside: VTK's corners, and the nodes on their edges.
 FACES = np.array(
     [(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)]
 )
@@ -24,7 +24,7 @@ MIDDLES = np.array(
 
 
 def skin(elements: np.ndarray) -> np.ndarray:
-    """Outer faces (m, 4) of hex8 or (m, 8) of hex20: those that only one element has."""
+    """Outer faces (m, 4) of hex8 or (m, 8) of hex20: those of one element only."""
     columns = FACES if elements.shape[1] == 8 else np.hstack([FACES, MIDDLES])
     faces = elements[:, columns].reshape(-1, columns.shape[1])
     _, first, count = np.unique(
@@ -49,7 +49,8 @@ def shape(count: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def triangles(x: np.ndarray, faces: np.ndarray, parts: int = 2) -> np.ndarray:
-    """Triangles (n, 3, 3) of the faces of a skin, each cut into ``parts`` by ``parts`` pieces, with the nodes at ``x``."""
+    """Triangles (n, 3, 3) of the faces of a skin with the nodes at ``x``, each face cut into ``parts`` by
+    ``parts`` pieces."""
     line = np.linspace(-1, 1, parts + 1)
     p = np.einsum(
         "abk,fkc->fabc", shape(faces.shape[1], *np.meshgrid(line, line, indexing="ij")), x[faces]
@@ -64,7 +65,8 @@ def triangles(x: np.ndarray, faces: np.ndarray, parts: int = 2) -> np.ndarray:
 
 
 def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
-    """How many times the body within a closed skin covers each point (n,): 0 outside, 1 inside, 2 where it overlaps itself."""
+    """Number of times that the body within a closed skin covers each point (n,): 0 outside, 1 inside, 2 if
+    it overlaps itself."""
     out = np.empty(len(points))
     for first in range(0, len(points), 256):
         a, b, c = (skin_triangles[None, :, k] - points[first : first + 256, None] for k in range(3))
@@ -77,8 +79,9 @@ def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
 
 def twice(x: np.ndarray, elements: np.ndarray, share: float) -> int:
     """
-    How many corners of the skin of one body are inside another part of it by more than a ``share`` of the way to the centres of their elements: the point so far on the way is
-    then covered twice, for each element of the corner.
+    Count corners of the skin that are inside another part of the body by more than a ``share`` of the line
+    to the centres of their elements: for each element of the corner the body covers the point at this
+    fraction twice.
     """
     faces = skin(elements)
     on_skin = np.isin(elements[:, :8], faces[:, :4])
@@ -90,5 +93,6 @@ def twice(x: np.ndarray, elements: np.ndarray, share: float) -> int:
 
 
 def within(points: np.ndarray, x: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Which points are inside a body. Its faces are warped, so that two triangles a face would put a point near the skin on the wrong side."""
+    """Find points inside a body. Its faces are warped, so two triangles per face are too coarse for points
+    near the skin."""
     return covered(points, triangles(x, skin(elements), 8)) > 0.5

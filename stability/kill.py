@@ -1,8 +1,9 @@
 """
 Kill runs while they write: ``python stability/kill.py [KILLS] [SEED]``, or ``make kill``.
 
-A child process runs a scene that records every step. After a random while it is killed (SIGKILL). Then the file must open, every record in it must be that of the run that
-nobody killed, and a restart from it must end with the same bits. A file that is not there yet is right only if no record was whole.
+A child process runs a scene that records every step. After a random time it is killed (SIGKILL). Then the
+file must open, its records must be those of an undisturbed run, and a restart from it must end with the
+same bits. A missing file is correct only if no record was complete.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ STEPS = 300
 
 
 def scene() -> ct.Scene:
-    """Two blocks of large deformation that collide with friction: the state has memory."""
+    """Two blocks with large strain that collide with friction, so that the state has memory."""
     out = ct.Scene(title="two blocks", units={"length": "m", "mass": "kg", "time": "s"})
     out.add_material("soft", young=2.0, poisson=0.3, density=1.0, law="neo_hookean")
     for name, x, v in (("left", -1.0, 0.1), ("right", 0.01, -0.1)):
@@ -39,7 +40,7 @@ def scene() -> ct.Scene:
 
 
 def child(path: Path) -> int:
-    """Start a run that writes to the path; the process that does it."""
+    """Start a run that writes to the path, and return its process."""
     pid = os.fork()
     if pid:
         return pid
@@ -50,7 +51,7 @@ def child(path: Path) -> int:
 
 
 def killed(path: Path, wait: float) -> bool:
-    """Start a run, kill it after a while; whether it was still at work."""
+    """Start a run and kill it after a time; return whether it was still running."""
     pid = child(path)
     time.sleep(wait)
     os.kill(pid, signal.SIGKILL)
@@ -66,7 +67,7 @@ def same(a: Run, b: Run) -> bool:
 
 
 def verdict(path: Path, whole: Run) -> str:
-    """What a killed run has left: "early", or "good", or a sentence that says what is wrong."""
+    """Check the file of a killed run: "early" (no file yet), "good", or a sentence with the fault."""
     if not path.exists():
         return "early"
     try:
@@ -87,7 +88,7 @@ def verdict(path: Path, whole: Run) -> str:
 
 
 def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict[str, int]:
-    """Kill so many runs at random moments; how many ended in which verdict, and "late" for runs that had ended before the kill."""
+    """Kill runs at random times and count the results; "late" counts runs that had ended before."""
     chance, counts = random.Random(seed), {}
     with tempfile.TemporaryDirectory(dir=folder) as name:
         path = Path(name) / "run.vtkhdf"
@@ -95,7 +96,7 @@ def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict
         whole = scene().run(progress=False, output=path)
         took = time.perf_counter() - begin
         for file in Path(name).iterdir():
-            assert file == path, f"a run that has ended leaves {file.name}"
+            assert file == path, f"a completed run leaves {file.name}"
         while (
             counts.get("good", 0)
             + sum(n for told, n in counts.items() if told not in ("good", "late", "early"))
@@ -106,7 +107,7 @@ def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict
             told = verdict(path, whole) if killed(path, chance.uniform(0.0, took)) else "late"
             counts[told] = counts.get(told, 0) + 1
             if counts.get("late", 0) + counts.get("early", 0) > 20 * kills + 100:
-                raise RuntimeError(f"no run could be killed at work: {counts}")
+                raise RuntimeError(f"no run was still running when it was killed: {counts}")
     return counts
 
 

@@ -14,7 +14,7 @@ import libcontact as ct
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 DEFAULT = "energy_controlled"
-# Energy may grow by this share of the case's scale, momentum drift by that of the largest momentum.
+# Largest growth of energy over the case's scale, and largest drift of momentum over its largest value.
 ENERGY, MOMENTUM = 0.01, 1e-12
 
 
@@ -51,7 +51,7 @@ class Row:
 
 @dataclass
 class Watch:
-    """What is seen at the records of a run: the deepest point and node so far, and whatever a case measures."""
+    """Measurements at the records of a run: the deepest point and node so far, and those of the case."""
 
     h: float
     depth: Callable[[ct.Run], float] | None = None
@@ -162,7 +162,7 @@ def judge(
             time.perf_counter() - begin,
             watch.curve,
         )
-        # The step that was accepted at the start is none for the body as it is now.
+        # The step was stable at the start, but is not for the deformed body.
         row.note += (
             "; the solid has become too stiff for the step"
             if "The stable step has decreased" in str(error)
@@ -180,7 +180,7 @@ def judge(
 
 
 def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
-    """How far the total of the ledger rose above its start, and what was lost in the end."""
+    """Rise of the total energy above its start, and its loss at the end."""
     total = run.energy["total"]
     unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
     row.energy, row.lost = (
@@ -190,7 +190,8 @@ def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
 
 
 def drift(run: ct.Run, scale: float) -> float:
-    """Change of momentum that no impulse accounts for, over the largest momentum or impulse, or a scale of the case where forces cancel each other."""
+    """Change of momentum without an impulse, over the largest momentum or impulse, or over a scale of the
+    case if forces cancel each other."""
     first, last = (
         np.array([rows["p"][i] for rows in (run.body_momentum(name) for name in run.bodies)])
         for i in (0, -1)
@@ -209,7 +210,7 @@ def drift(run: ct.Run, scale: float) -> float:
 
 
 def verdict(row: Row, momentum: float, bound: float) -> str:
-    """What is wrong with a row by the rules that hold for all, or ""."""
+    """The fault of a row by the rules for all cases, or ""."""
     if not np.isfinite([row.energy, row.momentum, row.points, row.nodes]).all():
         return "not finite"
     if row.energy > ENERGY:

@@ -1,8 +1,9 @@
 """
-Laws of contact on a bar in one dimension (chapter "Enforcement"): what each loses while contact lasts, and how much of the surface mode it leaves.
+Contact laws on a bar in one dimension (chapter "Enforcement"): energy that each law loses while contact
+lasts, and the part of the surface mode that remains.
 
-A bar of n elements with the element length, wave speed and density 1, so that a step is its Courant number and a penalty is β. ``--book`` writes the table
-of the chapter.
+The bar has n elements. Element length, wave speed and density are 1, so a step is its Courant number and a
+penalty is β. ``--book`` writes the table of the chapter.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-# The force of the wall from β, the gaps g_n and g_{n-1}, the gap that would come without it, how far a unit force moves the node, and the step.
+# The force of the wall from β, the gaps g_n and g_{n-1}, the gap without the force, the displacement of
+# the node by a unit force, and the step.
 Law = Callable[[float, float, float, float, float, float], float]
 COURANT = (0.03, 0.125, 0.25, 0.5, 0.9, 0.98)
 LANDINGS = (0.0, 0.2, 0.4, 0.6, 0.8)
@@ -22,7 +24,7 @@ BETAS = (1.0, 2.0, 4.0, 10.0, 40.0, 100.0)
 
 
 def ramp(share: Callable[[float, float], float]) -> Law:
-    """The law of the library, with a dashpot of its own; ``share`` is a, from β and the step."""
+    """The law of the library, with its dashpot; ``share`` is the function a of β and the step."""
 
     def force(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
         a, p = share(k, dt), min(before, 0.0)
@@ -32,12 +34,13 @@ def ramp(share: Callable[[float, float], float]) -> Law:
 
 
 def damped(zeta: float) -> Law:
-    """Of a damping ratio, as in the library: (ω Δt)² = k Δt²/m with the half mass of the last node."""
+    """The function a for a damping ratio, as in the library: (ω Δt)² = k Δt²/m with the half mass of the
+    last node."""
     return ramp(lambda k, dt: zeta * np.sqrt(1 + 4 / (2 * k * dt * dt)))
 
 
 def two_ramps(s: float) -> Law:
-    """One ramp at the middle of the coming step, a share s at its end."""
+    """One ramp at the middle of the next step, with a fraction s at its end."""
     m = 0.5 * (1 - s)
 
     def force(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
@@ -48,7 +51,7 @@ def two_ramps(s: float) -> Law:
 
 
 def multipliers(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
-    """No gap of the coming step is negative."""
+    """The gap of the next step is not negative."""
     return max(0.0, -free / moves)
 
 
@@ -82,7 +85,7 @@ def bar(law: Law, k: float, dt: float, u: np.ndarray, v: np.ndarray, pull: float
 
 
 def impact(law: Law, k: float, dt: float, n: int = 100) -> np.ndarray:
-    """Mode beside the contact, error of the force, energy lost, largest force; the worst of the landings."""
+    """Mode next to the contact, error of the force, energy lost, largest force; the worst of the landings."""
     found = []
     for landing in LANDINGS:
         gap, steps = landing * dt, int((2 * n + 40) / dt)
@@ -96,7 +99,8 @@ def impact(law: Law, k: float, dt: float, n: int = 100) -> np.ndarray:
 
 
 def lasting(law: Law, k: float, dt: float, n: int, slow: bool) -> float:
-    """Part of the energy of an oscillation that is lost in a period, for a bar that never opens: after a jump of the load by half, or in its slowest mode."""
+    """Fraction of the energy of an oscillation that is lost per period while the contact stays closed:
+    after a jump of the load by half, or in the slowest mode."""
     u, v = -1 / k - np.arange(n + 1.0), np.zeros(n + 1)
     pull, period = (-1.0 if slow else -1.5), 4.0 * n
     if slow:

@@ -1,4 +1,4 @@
-"""Two nested quarter shells with unlike meshes, whose facets overlap here and gape there."""
+"""Two nested quarter shells with different meshes, whose facets overlap or leave gaps."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def shell(inner: float, around: int, element: str) -> shapes.Bricks:
 
 
 def pressed_from_inside(bricks: shapes.Bricks) -> tuple[np.ndarray, np.ndarray]:
-    """The nodes on the inner side and the forces of a uniform pressure there: that of each node is along its radius, shared as the faces' shape functions are."""
+    """The nodes on the inner side and the forces of a uniform pressure on them, radial and distributed with
+    the faces' shape functions."""
     nodes, elements = bricks
     inner = np.flatnonzero(np.abs(np.hypot(nodes[:, 0], nodes[:, 2]) - RADIUS) < 1e-9)
     share = np.zeros(len(nodes))
@@ -63,9 +64,9 @@ def shells(inner: int, outer: int, element: str, adjust: float) -> ct.Scene:
 
 
 def mean_pressure(run: ct.Run) -> float:
-    """The force between the shells, as both sides have it, over twice the area between them."""
+    """Sum of the forces on both shells over twice the area between them."""
     points = run.contact[0]
-    # Ends and sides of the shells meet nobody.
+    # The ends and sides of the shells touch nothing.
     middle = (
         np.abs(np.hypot(points["position"][:, 0], points["position"][:, 2]) - RADIUS - THICK)
         < 0.3 * THICK
@@ -76,7 +77,7 @@ def mean_pressure(run: ct.Run) -> float:
 
 
 def at_rest_under_pressure(inner: int, outer: int, element: str, adjust: float) -> ct.Scene:
-    """The scene that comes to rest under a pressure that is put on gently."""
+    """A scene that comes to rest under a slowly increasing pressure."""
     made = shells(inner, outer, element, adjust)
     nodes, force = pressed_from_inside(shell(RADIUS, inner, element))
     # Four times as long as a wave of speed 100 takes for the length 1.
@@ -90,7 +91,8 @@ def at_rest_under_pressure(inner: int, outer: int, element: str, adjust: float) 
 
 
 def nested_shells(short: bool) -> Iterator[Row]:
-    """Shells with 4:5, 8:11 and 3:4 (hex20) elements to a quarter: adjusted, they start without energy and have the mean pressure of matching meshes."""
+    """Shells with 4:5, 8:11 and 3:4 (hex20) elements per quarter. With ``adjust`` they start without energy
+    and have the mean pressure of matching meshes."""
     for inner, outer, element in (
         ((4, 5, "hex8"),)
         if short
@@ -109,7 +111,7 @@ def nested_shells(short: bool) -> Iterator[Row]:
 
 
 def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
-    """Run shells to rest; the first ones are the measure of the next."""
+    """Run shells to rest; the first run is the reference for the next ones."""
     volume = 0.25 * np.pi * ((RADIUS + 2 * THICK) ** 2 - RADIUS**2) * WIDTH
     first: list[float] = []
 

@@ -17,18 +17,21 @@ import libcontact as ct
 KINDS = ("box", "moved", "ball", "wedge")
 # Spurious energy, as a fraction of the energy at the start.
 GROWTH = 0.002
-# How deep a point must be reported for its sign to count, in the shortest edge: triangles cut curved faces by less.
+# Smallest reported depth at which the sign is checked, over the shortest edge: the triangles that replace
+# curved faces deviate by less.
 FALSE = 0.1
-# The largest sum of |N| on a face: a point of it moves by at most so many times the motion of its nodes. Four nodes: 1. Eight: 3 in the middle, -1/4 at corners, 1/2 at sides.
+# The largest sum of |N| on a face: a point of it moves by at most this multiple of the motion of its
+# nodes. Four nodes: 1. Eight nodes: 3 in the middle (-1/4 per corner, 1/2 per side).
 REACH = {"hex8": 1.0, "hex20": 3.0}
 
 
 @dataclass
 class Gaps:
     """
-    The distance of a point from a closed surface changes in a step by no more than the point and the surface move: by
-    |x_new - x_old| + max sum|N| max |u_new - u_old| over the nodes of the other surface. So a point comes in, goes out or goes deeper by no more than that. A point without a
-    partner is outside. What changes among gaps that stay open is counted and not judged: they belong to the nearest face that may be met.
+    The distance of a point from a closed surface changes in a step by at most the motion of the point and of
+    the surface, |x_new - x_old| + max sum|N| max |u_new - u_old| over the nodes of the other surface. This
+    bounds the change of a penetration. A point without a partner is outside. Larger changes of gaps that
+    stay open are counted but allowed: such a gap belongs to the nearest face that may come into contact.
     """
 
     bodies: tuple[str, str] = ("a", "b")
@@ -70,7 +73,7 @@ class Gaps:
             + reach[1 - points["side"]]
             + 1e-9 * np.ptp(nodes["a"], axis=0).max()
         )
-        # Without a partner: at least on the surface.
+        # A point without a partner counts as at least on the surface.
         now, then = (
             np.where(np.isnan(gap) & (other < 0), 0.0, gap)
             for gap, other in ((points["gap"], old["gap"]), (old["gap"], points["gap"]))
@@ -125,7 +128,7 @@ class Gaps:
 
 
 def pair(seed: int) -> tuple[str, ct.Scene]:
-    """Two bodies near each other, that fly at each other and turn."""
+    """Two bodies close to each other that approach and rotate."""
     random = np.random.default_rng([12, seed])
     made = scene("pair")
     ratio = 10 ** random.uniform(0, 4)
@@ -171,7 +174,8 @@ def pair(seed: int) -> tuple[str, ct.Scene]:
 
 
 def body_pairs(short: bool) -> Iterator[Row]:
-    """200 pairs: boxes, distorted ones, balls and wedges of hex8 and hex20, turned at random, with stiffnesses of 1 to 10000 and speeds up to a fifth of that of waves."""
+    """200 pairs of boxes, distorted boxes, balls and wedges of hex8 and hex20 in random orientations, with
+    ratios of stiffness from 1 to 10000 and speeds up to a fifth of the wave speed."""
     for seed in (0, 1, 2, 4, 125, 134) if short else range(200):
         name, made = pair(seed)
         gaps = Gaps()

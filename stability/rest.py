@@ -14,12 +14,12 @@ import libcontact as ct
 
 # Density 1.
 YOUNG, C = 1e4, 1e2
-# What counts as nothing: energy over E V, and displacement over the shortest edge.
+# Values that count as zero: energy over E V, and displacement over the shortest edge.
 NO_ENERGY, NO_MOTION = 1e-24, 1e-10
 
 
 def still(run: ct.Run) -> dict[str, float]:
-    """What must be zero in a body at rest: its energy of every kind, and how far its nodes have moved."""
+    """Values that must be zero in a body at rest: its energies, and the displacement of its nodes."""
     row = run.energy[-1]
     moved = max(float(np.abs(body.displacement).max()) for body in run.state.values())
     return {
@@ -31,7 +31,7 @@ def still(run: ct.Run) -> dict[str, float]:
 
 
 def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -> Row:
-    """Run a scene in which nothing may happen for so many steps."""
+    """Run a scene for some steps in which all bodies must stay at rest."""
     h = shortest_edge(set_steps(made, steps, 0.9, 50))
 
     def nothing(run: ct.Run, watch) -> str:
@@ -66,7 +66,7 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
 
 
 def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
-    """One body whose surface may meet itself."""
+    """One body in contact with itself."""
     made = scene("at rest")
     material(made, young=YOUNG)
     made.add_body(
@@ -76,14 +76,15 @@ def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
         element="hex8" if bricks[1].shape[1] == 8 else "hex20",
         material="soft",
     )
-    # An overlap that the library takes for real is to show: in its energy.
+    # "push", so that a false overlap shows in the energy.
     return made.add_contact("body.outer", "body.outer", points=points, initial_penetration="push")
 
 
 def concave_meshes(
     name: str, parts: int, element: str, amount: float, count: int
 ) -> list[shapes.Bricks]:
-    """One regular mesh of a shape, or ``count`` of them with nodes moved by ``amount`` of an edge and turned at random."""
+    """One regular mesh of a shape, or ``count`` meshes with nodes moved by ``amount`` of an edge, in random
+    orientations."""
     out = []
     for seed in range(count if amount else 1):
         random = np.random.default_rng([seed, parts, int(10 * amount), *name.encode()])
@@ -97,7 +98,7 @@ def concave_meshes(
 
 
 def accepted(made: ct.Scene) -> bool:
-    """Whether the library takes the mesh of a scene."""
+    """Whether the library accepts the mesh of a scene."""
     try:
         made.set_time(end=1.0, fraction=0.9)._built(None)
     except ct.SceneError as error:
@@ -109,8 +110,9 @@ def accepted(made: ct.Scene) -> bool:
 
 def concave_at_rest(short: bool) -> Iterator[Row]:
     """
-    Eight concave shapes of cubes, undeformed: whatever the mesh and the rule, no point of them is inside, so there is no energy and nothing moves. Meshes that the library refuses
-    (elements turned inside out by moving nodes) are counted.
+    Eight concave shapes of cubes, undeformed. For each mesh and rule no point is inside the body, so there is
+    no energy and nothing moves. Meshes that the library rejects, because moved nodes invert elements, are
+    counted.
     """
     for name in shapes.CONCAVE:
         sizes = [("hex8", 1, 3), ("hex8", 2, 1), ("hex8", 3, 1), ("hex20", 1, 1)]
@@ -133,7 +135,7 @@ def concave_at_rest(short: bool) -> Iterator[Row]:
 def concave_rows(
     name: str, element: str, parts: int, amount: float, points: str, steps: int, count: int
 ) -> Iterator[Row]:
-    """A row for each accepted mesh of a shape; the last one says how many were refused."""
+    """A row for each accepted mesh of a shape; the last one has the number of rejected meshes."""
     scenes = [
         concave(bricks, points) for bricks in concave_meshes(name, parts, element, amount, count)
     ]
@@ -170,7 +172,8 @@ def later(end: float) -> dict[str, list[float]]:
 def turned_box(
     random: np.random.Generator, scale: float, rotation: np.ndarray, place: np.ndarray
 ) -> tuple[shapes.Bricks, np.ndarray]:
-    """A box of random size on the plane through ``place`` across the third column of ``rotation``; with the size."""
+    """A box of random size on the plane through ``place`` normal to the third column of ``rotation``, and
+    its size."""
     size = random.uniform(0.5, 1.5, 3) * scale
     nodes, elements = shapes.box(size, random.integers(1, 4, 3))
     return ((nodes + [0, 0, 0.5 * size[2]]) @ rotation.T + place, elements), size
@@ -178,8 +181,8 @@ def turned_box(
 
 def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
     """
-    Two blocks on each other with coincident faces and a load that comes later, or a block on an inclined plane under gravity, of random orientation, size and stiffness; with
-    an energy of the problem.
+    Two blocks with coincident faces and a load that begins later, or a block on an inclined plane under
+    gravity, with random orientation, size and stiffness; and an energy of the problem.
     """
     random = np.random.default_rng([7, seed])
     made, rotation, scale, young = (
@@ -227,7 +230,7 @@ def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
 
 
 def anyhow_at_rest(short: bool) -> Iterator[Row]:
-    """200 scenes that begin at rest, in random orientations: what round-off does to them is no alarm."""
+    """200 scenes that begin at rest, in random orientations: round-off must not raise an error."""
     for seed in range(12 if short else 200):
         case, made, scale = rest_scene(seed)
         mass = sum(

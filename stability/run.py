@@ -1,6 +1,7 @@
 """
-``make stability``: every case, one table. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C keeps what is done. ``--book`` also writes what the chapter
-"Stability" shows, into ``docs/stability``.
+``make stability``: all cases, one table. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C
+keeps the completed rows. ``--book`` also writes the tables of the chapter "Stability" into
+``docs/stability``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import cases  # noqa: E402
 import lab  # noqa: E402
 
 BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
-# Cases that are one line of the summary.
+# Cases that share one line of the summary.
 GROUPS = {
     "bar on a wall, other integrators": "bar on a wall, other integrators",
     "plates, other integrators": "plates, other integrators",
@@ -57,7 +58,7 @@ def collect(names: list[str], short: bool) -> list[lab.Row]:
 
 
 def surprises(rows: list[lab.Row]) -> list[lab.Row]:
-    """Rows that do not end as their case expects."""
+    """Rows whose result differs from the expectation of their case."""
     return [row for row in rows if row.good != (row.expected == "passes")]
 
 
@@ -72,7 +73,7 @@ def write(rows: list[lab.Row], folder: Path) -> None:
 
 
 def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
-    """One line for all rows of a case with one enforcement: the worst of each figure."""
+    """One line for all rows of a case with one enforcement, with the worst value of each column."""
     groups: dict[tuple[str, str], list[lab.Row]] = {}
     for row in rows:
         groups.setdefault(

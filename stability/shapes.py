@@ -1,4 +1,5 @@
-"""Meshes of the stability laboratory: shapes of cubes, strips, coils, balls, wedges; moved, turned, and with nodes on their edges."""
+"""Meshes of the stability laboratory: shapes of cubes, strips, coils, balls, wedges; also with moved
+nodes, rotated, and as hex20."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ CORNERS = np.array(
 EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
-# Each of these has an edge or a corner that points inwards.
+# Each of these has a re-entrant edge or corner.
 CONCAVE: dict[str, list[tuple[int, int, int]]] = {
     "L": [(i, 0, 0) for i in range(4)] + [(0, j, 0) for j in range(1, 4)],
     "T": [(i, 2, 0) for i in range(5)] + [(2, 0, 0), (2, 1, 0)],
@@ -31,7 +32,7 @@ Bricks = tuple[np.ndarray, np.ndarray]
 
 
 def joined(corners: np.ndarray) -> Bricks:
-    """Nodes and elements of bricks given by the coordinates of their corners (cells, 8, 3), on a lattice of integers."""
+    """Nodes and elements of bricks from the integer coordinates of their corners (cells, 8, 3)."""
     nodes, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
     return nodes.astype(float), numbers.reshape(len(corners), 8).astype(np.int32)
 
@@ -45,7 +46,7 @@ def cubes(cells: Sequence[tuple[int, int, int]], parts: int = 1) -> Bricks:
 
 
 def moved(bricks: Bricks, amount: float, random: np.random.Generator) -> Bricks:
-    """Every node moved at random by up to ``amount`` along each axis."""
+    """Move each node at random by up to ``amount`` along each axis."""
     nodes, elements = bricks
     return nodes + random.uniform(-amount, amount, nodes.shape), elements
 
@@ -53,7 +54,7 @@ def moved(bricks: Bricks, amount: float, random: np.random.Generator) -> Bricks:
 def with_edges(
     bricks: Bricks, onto: Callable[[np.ndarray], np.ndarray] = lambda middle: middle
 ) -> Bricks:
-    """hex20 of hex8: a node in the middle of every edge, taken by ``onto`` to where it belongs."""
+    """Make hex20 of hex8: a node in the middle of each edge, which ``onto`` maps to its place."""
     nodes, elements = bricks
     pairs = np.sort(elements[:, EDGES], axis=2)
     edges, numbers = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
@@ -90,8 +91,8 @@ def bent(
     closed: bool = False,
 ) -> Bricks:
     """
-    A strip about the middle line ``curve(s)``, 0 <= s <= 1, which answers points and unit normals (n, 2), in the plane of x and z. The line of a ``closed`` one ends where
-    it starts.
+    A strip about the middle line ``curve(s)``, 0 <= s <= 1, which returns points and unit normals (n, 2) in
+    the plane of x and z. The line of a ``closed`` strip ends at its start.
     """
     places = (
         np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3)
@@ -195,21 +196,22 @@ def box(size: Sequence[float], cells: Sequence[int]) -> Bricks:
 
 
 def rounded(x: np.ndarray, share: float = 0.6) -> np.ndarray:
-    """A cube about the origin, its surface taken towards a sphere. A whole sphere would make the edges of the cube flat, and bricks there collapse."""
+    """A cube about the origin whose surface is moved towards a sphere. A full sphere would flatten the edges
+    of the cube, and bricks there would collapse."""
     length = np.linalg.norm(x, axis=1, keepdims=True)
     onto = x * np.abs(x).max(1, keepdims=True) / np.where(length > 0, length, 1.0)
     return (1 - share) * x + share * onto
 
 
 def tapered(x: np.ndarray) -> np.ndarray:
-    """A box about the origin becomes a wedge."""
+    """Map a box about the origin to a wedge."""
     return x * np.stack(
         [1 - 0.8 * (x[:, 2] / np.ptp(x[:, 2]) + 0.5), np.ones(len(x)), np.ones(len(x))], -1
     )
 
 
 def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
-    """The smallest det J of hex8 or hex20 at the points of a lattice in each element, corners among them."""
+    """The smallest det J of hex8 or hex20 on a regular grid of points in each element, with the corners."""
     nodes, elements = bricks
     at = np.linspace(-1, 1, parts + 1)
     xi = np.stack(np.meshgrid(at, at, at, indexing="ij"), -1).reshape(-1, 1, 3)
@@ -235,7 +237,8 @@ def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
 
 
 def any_body(kind: str, element: str, random: np.random.Generator) -> Bricks:
-    """A box, a box with moved nodes, a ball or a wedge, of random size, mesh and orientation, and with no element turned inside out anywhere."""
+    """A box, a box with moved nodes, a ball or a wedge with random size, mesh and orientation, without
+    inverted elements."""
     while True:
         cells = random.integers(2, 4, 3) if element == "hex8" else random.integers(1, 3, 3)
         bricks = box(random.uniform(0.6, 1.2, 3), cells)
@@ -243,7 +246,7 @@ def any_body(kind: str, element: str, random: np.random.Generator) -> Bricks:
         if element == "hex20":
             bricks = with_edges(bricks)
         if kind == "moved":
-            # Edges of hex20 are bent by that.
+            # This bends the edges of hex20.
             bricks = moved(bricks, (0.15 if element == "hex8" else 0.1) * h, random)
         nodes, elements = bricks
         nodes = {"ball": rounded, "wedge": tapered}.get(kind, lambda x: x)(nodes)

@@ -1,6 +1,7 @@
 """
-Is the reported step safe, and how sharp is it? For each mesh the true limit comes from all eigenvalues of the assembled system, and each integrator
-runs below the reported step and above the true one (chapter "Integrator").
+Is the reported step safe, and how sharp is it? For each mesh the true limit follows from all eigenvalues
+of the assembled system. Each integrator runs below the reported step and above the true one (chapter
+"Integrator").
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ BELOW, ABOVE, BLOWN = 0.999, 1.02, 1e3
 
 @dataclass
 class Row:
-    """One mesh with one integrator: the reported and the true stable step, and the growth of the velocity below the one and above the other.
-    ``elements`` is what the bound by elements and blocks of them reports, the default; ``reported`` that of the assembled bodies, which is never below it."""
+    """One mesh with one integrator: the reported and the true stable step, and the growth of the velocity
+    below the reported and above the true one. ``elements`` is the default bound by elements and blocks,
+    ``reported`` that of the assembled bodies, which is never below it."""
 
     element: str
     mesh: str
@@ -92,7 +94,7 @@ def block(element: str, mesh: str) -> tuple[np.ndarray, np.ndarray]:
         inside = corners[np.all((nodes[corners] > 1e-9) & (nodes[corners] < 1 - 1e-9), axis=1)]
         nodes[inside] += np.random.default_rng(7).uniform(-amount, amount, (len(inside), 3))
     if element == "hex20":
-        # Mid-sides stay in the middle of their corners.
+        # Mid-side nodes stay halfway between their corners.
         for k, (a, b) in enumerate(EDGES):
             nodes[elements[:, 8 + k]] = 0.5 * (nodes[elements[:, a]] + nodes[elements[:, b]])
     return nodes, elements
@@ -141,7 +143,7 @@ def largest_omega(problem: Problem) -> float:
 
 
 def growth(problem: Problem, dt: float, steps: int) -> float:
-    """Largest velocity after a number of steps, looked at now and then, over the largest of a random start."""
+    """Largest velocity over a number of steps, sampled at intervals, over the largest of a random start."""
     count = 3 * problem.pointer.node_count
     start = np.random.default_rng(3).uniform(-1e-6, 1e-6, count)
     own = ffi.new("ct_problem *", problem.pointer[0])

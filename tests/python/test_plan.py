@@ -82,7 +82,7 @@ def counted(problem):
     """Rounds per step and the share of computed elements of a whole run, from the counters of its state."""
     state = new_state(problem)
     check(lib.ct_step_many(problem.pointer, state, problem.step_count, new_error()))
-    return state.constraint_rounds / state.step, planned.computed_share(state)
+    return state.constraint_rounds / state.step, planned.computed_fraction(state)
 
 
 def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(monkeypatch):

@@ -328,7 +328,7 @@ REFUSED = [
     (
         {"resultant": "obstacle", "quantities": ["stress"]},
         "probe[0].quantities[0]",
-        "is not taken of a resultant, which has force, moment",
+        "is not recorded of a resultant, which has force, moment",
     ),
     (
         {"surface": "bar.x_min", "quantities": ["displacment"]},

@@ -47,7 +47,7 @@ def test_a_bar_presses_on_a_wall_for_two_passages_of_its_wave(cheap):
     cells = [one.coarse.parts.bodies["bar"].box.cells[0] for one in both]
     assert cells[1] == pytest.approx(cells[0] / plan.COARSER, abs=1) and cells[0] < 1000
     assert seen.steps == problem.step_count
-    pressed = seen.pressed[:, problem.effects.index("obstacle")]
+    pressed = seen.acted[:, problem.effects.index("obstacle")]
     assert pressed.mean() == pytest.approx(20 / 30 / 1.5, abs=0.03)
     assert pressed.argmax() / len(pressed) == pytest.approx(0.5 / 1.5, abs=0.01)
 
@@ -68,14 +68,14 @@ def test_the_share_of_computed_elements_is_that_of_a_front_that_goes_one_element
 
 def test_a_bouncing_bar_is_seen_to_come_back(cheap):
     seen, problem, _ = rehearsed(scene_of("bouncing_bar", [1, 1, 500]))
-    pressed = seen.pressed[:, problem.effects.index("obstacle")]
+    pressed = seen.acted[:, problem.effects.index("obstacle")]
     time = 5.3333 * (np.arange(len(pressed)) + 0.5) / len(pressed)
     np.testing.assert_allclose(pressed[(time > 1.1) & (time < 1.6)], True)
     np.testing.assert_allclose(pressed[(time > 3.75) & (time < 4.25)], True)
     # after it has left, ringing may touch once more
     assert pressed[(time < 0.95) | ((time > 1.8) & (time < 3.6)) | (time > 4.5)].mean() < 0.03
     # The elements have no impulse; gravity acts always.
-    assert not seen.pressed[:, 0].any() and seen.pressed[:, problem.effects.index("gravity")].all()
+    assert not seen.acted[:, 0].any() and seen.pressed[:, problem.effects.index("gravity")].all()
 
 
 def test_what_is_cheap_is_rehearsed_as_it_is():

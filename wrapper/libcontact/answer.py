@@ -1,5 +1,5 @@
-"""The error of a run: the distance from a closed form if the scene has one, otherwise the value of
-a functional that the user names."""
+"""The error of a run from a closed form if the scene has one, and functionals, numbers of a run that
+the user names."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ NUMERICAL = ("viscosity", "averaging")
 @dataclass(frozen=True)
 class Plates:
     """
-    The impact of two thick plates in plane strain, or of one on a wall, whose stress has a closed form (chapter :doc:`/theory/exact`).
+    The impact of two thick plates in plane strain, or of one on a wall, whose stress has a closed form
+    (chapter :doc:`/theory/exact`).
 
     Attributes
     ----------
@@ -54,7 +55,10 @@ class Plates:
 
     def error(self, problem: Problem, run: Run) -> float:
         """
-        L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`: of the elements next to the plane of symmetry, up to the distance d from the impact.
+        Compute the error L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`.
+
+        It averages over the elements next to the plane of symmetry, up to the distance d from the
+        impact.
 
         Parameters
         ----------
@@ -139,7 +143,7 @@ def plates(problem: Problem) -> Plates | None:
 
 
 def _sides(held: set[tuple[str, str]], body: str, axis: int) -> tuple[str, ...]:
-    """The faces across an axis, of the two, that are fixed."""
+    """The fixed ones among the two faces normal to an axis."""
     return tuple(end for end in ("min", "max") if (body, f"{AXES[axis]}_{end}") in held)
 
 
@@ -159,7 +163,7 @@ def _impact(parts: Any, held: set[tuple[str, str]]) -> tuple[int, float, float] 
     if len(bodies) != 2 or len(parts.contact) != 1 or parts.contact[0].friction:
         return None
     faces = sorted(parts.contact[0].surfaces, key=lambda face: str(face[1]))
-    (upper, top), (lower, bottom) = faces  # x_max of the one, x_min of the other
+    (upper, top), (lower, bottom) = faces  # x_max of one body, x_min of the other
     k = AXES.index(top[0])
     one, two = parts.bodies[upper], parts.bodies[lower]
     plane, other = one.box.origin[k] + one.box.size[k], two.box.origin[k]
@@ -192,8 +196,9 @@ class Functional:
     """
     A number of a run: ``TABLE.COLUMN.HOW``.
 
-    The table is that of a probe (``"wall.force_x.max"``), of a body's momentum (``"bar.p_x.end"``), or ``energy`` (``"energy.kinetic.end"``); HOW is ``end``,
-    ``max``, ``min``, or the ``mean`` over time. Probes have a row per step, the other tables a row per record.
+    TABLE is a probe (``"wall.force_x.max"``), a body with its momentum (``"bar.p_x.end"``), or
+    ``energy`` (``"energy.kinetic.end"``). HOW is ``end``, ``max``, ``min``, or the ``mean`` over time.
+    Probes have a row per step, the other tables a row per record.
     """
 
     name: str
@@ -207,7 +212,7 @@ class Functional:
 
     def value(self, run: Run) -> float:
         """
-        The number.
+        Evaluate the number.
 
         Parameters
         ----------

@@ -150,7 +150,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
 
 
 def _why(asked: str, body: BuiltBody) -> str:
-    """The reason for the kernel of a body."""
+    """The reason for the choice of a body's kernel."""
     if asked != "auto" or body.kernel in KERNELS:
         return "asked for" if asked != "auto" else KERNELS[body.kernel]
     large = body.material.law != "linear"
@@ -195,7 +195,8 @@ def _time(problem: Problem, plan: Sequence[Cost]) -> dict[str, Any]:
 
 
 def _limited_by(problem: Problem, plan: Sequence[Cost]) -> str:
-    """The effects that bound the stable step, :eq:`plan-share`, that with the largest share first; those with less than 1 % are left out."""
+    """The effects that bound the stable step, :eq:`plan-share`, the largest contribution first; those
+    below 1 % are left out."""
     rate, shares = 2.0 / problem.stable.dt, dict[str, float]()
     for cost in plan:
         shares[cost.name] = cost.omega_squared + rate * cost.rate
@@ -251,7 +252,7 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     lines += ["", "Time", TIME.format(**{**time, "time": labels["time"]})]
     if output["filter"]:
-        fields += f", as computed and filtered {output['filter']} times,"
+        fields += f", unfiltered and filtered {output['filter']} times,"
     lines += ["", "Output", f"  {output['records']} records of {fields} {where}"]
     lines += [f"  {_probe_line(probe)}" for probe in data["probes"]]
     lines += ["", "Cost", COST.format(**cost, megabytes=cost["memory_bytes"] / 1e6)]
@@ -316,4 +317,4 @@ def _plan_lines(data: dict[str, Any]) -> list[str]:
     if data["cost"]["rehearsed"]:
         how = "predicted from a rehearsal and a trial on this machine"
     rows = table(data["plan"], data["time"]["stable"]).splitlines()
-    return [f"{how}; flops and bytes with all at work:", *rows]
+    return [f"{how}; flops and bytes with all parts active:", *rows]

@@ -24,7 +24,7 @@ from .bridge import Floats, Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, bare, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING, FIELDS, FILTERED
-from .plan import computed_share, measured, step_seconds
+from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
@@ -32,10 +32,11 @@ from .schema import Place, SceneError, is_number
 from .surfaces import pressing
 from .warned import Turning
 
-# Without a wish of the scene: so many records, at least so many steps apart in a problem of many nodes, and so many values of nodes.
+# Defaults of the recording interval: the number of records, the least number of steps between them in
+# a problem of many nodes, and bounds on the recorded values (records times nodes).
 MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
 CHUNK_SECONDS = 0.1
-# But each chunk first determines which elements sleep, which takes as long as two or three steps.
+# Shortest chunk in steps: each chunk first finds the sleeping elements, at the cost of 2 to 3 steps.
 CHUNK_STEPS = 16
 REST_STEPS = 20
 
@@ -94,12 +95,12 @@ class Loop:
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
-        # One entry a record in each, after empty tables.
+        # One entry per record in each, after empty tables.
         self.steps: list[int] = []
         none = np.empty((0, len(problem.effects)))
         self.energy = [energy_table(np.empty(0, ENERGY), problem.effects, none)]
         self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
-        # The first chunk is short by its number of nodes, the next ones by what it took.
+        # The first chunk is limited by the number of nodes, later ones by the time of earlier ones.
         self.interrupted, self.chunk = False, max(1, FEW_VALUES // problem.pointer.node_count)
         self.issued: set[str] = set()
         self.seconds = self.output_seconds = 0.0
@@ -111,17 +112,17 @@ class Loop:
         # A pickled run has no loop.
         return type(None), ()
 
-    # What is written.
+    # Output.
 
     def _input(self, key: str, function: Any, *arguments: Any) -> Any:
-        """Call a function; an error of the C library is here an error of the input."""
+        """Call a function; an error of the C library becomes an error of the input."""
         try:
             return function(*arguments)
         except Error as error:
             raise SceneError(str(error), key, self.problem.file) from None
 
     def _filter(self, passes: int) -> Any:
-        """The filter of what is recorded; None without passes."""
+        """The filter of the recorded fields; None without passes."""
         if passes == 0:
             return None
         given = self.problem.pointer, passes
@@ -129,7 +130,8 @@ class Loop:
         return ffi.gc(made, lambda own, problem=self.problem: lib.ct_filter_free(own))
 
     def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
-        """Continue from the newest restart record of a file; ``coarse`` is the same problem with the file's step, where that is larger."""
+        """Continue from the newest restart record of a file. ``coarse`` is the same problem with the file's
+        step if that is larger."""
         if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
         problem, state = coarse or self.problem, self.state if coarse is None else new_state(coarse)
@@ -150,7 +152,7 @@ class Loop:
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
 
     def open(self, path: str | Path) -> None:
-        """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
+        """Create the results file. Without HDF5 the results stay in memory, and ``known`` has warned."""
         if has("hdf5"):
             self.output = self._input("output.file", self._create, path)
             self.path = Path(path).absolute()
@@ -162,7 +164,7 @@ class Loop:
             raise RunError(text_of(error.code, error), self.result())
 
     def abandon(self) -> None:
-        """Close the file after a failure; what was written before stays readable."""
+        """Close the file after a failure; earlier records stay readable."""
         with contextlib.suppress(RunError):
             self.close()
 
@@ -239,14 +241,14 @@ class Loop:
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
 
-    # The loop.
+    # Time loop.
 
     def run(self, progress: Any, path: str | Path | None = None) -> Run:
         """Step to the end and record as the scene says, into a file if a path is given. An error is
         a RunError with the run so far."""
         begin = clock.perf_counter()
         try:
-            # Before the file is there: an interrupted run has a record in it.
+            # From here on Ctrl-C waits, so that the file of an interrupted run has a record.
             with _ctrl_c() as stop:
                 if path is not None:
                     self.open(path)
@@ -291,7 +293,7 @@ class Loop:
             issue(errors.NotSettled(text + "choose a smaller step or a smaller beta"))
 
     def start_guard(self) -> None:
-        """Monitor the state from here on; an error at this point is an error of the input."""
+        """Start the monitor of the state; an error at this point is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable, options.probes = self.problem.stable.dt, self.probes.pointer
@@ -334,7 +336,7 @@ class Loop:
         return words[kind] + who, key, advice
 
     def _record_and_warn(self, checked: bool = True) -> None:
-        """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
+        """Record, and warn once of each body that has rotated too far for its law."""
         self.record(checked)
         for warning in self.turning.warnings(self.state):
             issue(warning)
@@ -360,8 +362,10 @@ class Loop:
 
     def _advance(self, target: int, due: int, advanced: Any, stop: list[int]) -> None:
         """
-        Steps to ``target`` in chunks of about a tenth of a second, or of 16 steps if these take longer, so that
-        Ctrl-C and the progress bar get their turn; the state that is ``due`` to be recorded is checked at once.
+        Step to ``target`` in chunks of about a tenth of a second, or of 16 steps if these take longer.
+
+        Ctrl-C and the progress bar are served between chunks. A state that is ``due`` to be recorded is
+        checked in the same call.
         """
         while self.state.step < target and not stop:
             count = min(self.chunk, target - self.state.step)
@@ -393,10 +397,10 @@ class Loop:
         fault.body_name = name
         raise fault
 
-    # What comes out.
+    # Results.
 
     def result(self, records: int = 0, **fault: Any) -> Run:
-        """The run so far, or its last records; after a fault with the state that is given."""
+        """The run so far, or its last records; after a fault with the given state."""
         problem = self.problem
         return Run(
             bodies=list(problem.bodies),
@@ -409,14 +413,14 @@ class Loop:
             interrupted=self.interrupted,
             seconds=self.seconds,
             costs=measured(problem, self.state, self.output_seconds),
-            computed=computed_share(self.state),
+            computed=computed_fraction(self.state),
             dt=problem.dt,
             probes=self.probes.tables(last=bool(records)),
             **(fault or self._last(bool(records))),
         )
 
     def _last(self, watched: bool) -> dict[str, Any]:
-        """What a run knows of its last state only."""
+        """The results that a run has for its last state only."""
         problem, state = self.problem, self.state
         impulse: dict[str, Any] = {}
         for k, name in enumerate(problem.effects[1:], start=1):

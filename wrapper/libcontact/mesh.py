@@ -46,7 +46,7 @@ def c_mesh(nodes: Floats, elements: Ints) -> Any:
 
 
 def row_length(box: Any, layers: str) -> int:
-    """Cells along a row of a box (with ``cells``), numbered in these layers."""
+    """Number of cells along a row of a box (with ``cells``) that is numbered in these layers."""
     axes, c = ffi.new("int[3]"), {"cells": list(box.cells), "layers": LAYERS[layers]}
     lib.ct_box_axes(ffi.new("ct_box *", c), axes)
     return int(box.cells[axes[0]])
@@ -175,7 +175,7 @@ class Mesh:
         Parameters
         ----------
         face : {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer"}
-            Those in the plane of the smallest or largest coordinate, or all.
+            Faces in the plane of the smallest or largest coordinate, or all outer faces.
 
         Returns
         -------
@@ -209,7 +209,7 @@ class Mesh:
         """
         if face == "outer":
             return np.unique(self.faces(face)[0])
-        # Room for all, which no page of memory stands behind until it is written.
+        # Capacity for all faces; the system provides memory only for what is written.
         room = np.empty(self.pointer.node_count, np.int32)
         count = lib.ct_mesh_plane_nodes(self.pointer, *self._plane(face), ints(room))
         return room[:count].copy()
@@ -223,7 +223,7 @@ class Mesh:
         Parameters
         ----------
         positions : ndarray, shape (n, 3), optional
-            Coordinates of the nodes [length], by default those of the reference.
+            Coordinates of the nodes [length], by default the reference coordinates.
 
         Returns
         -------
@@ -250,9 +250,10 @@ class Mesh:
         Returns
         -------
         elements : ndarray of int, shape (m,)
-            On a face between elements the one with the lowest number; -1 where no element contains the point.
+            On a face between elements the one with the lowest number; -1 if no element contains the
+            point.
         xi : ndarray, shape (m, 3)
-            The point's ξ in its element; NaN where there is none.
+            The point's ξ in its element; NaN if there is none.
         """
         x = self.nodes[self.elements]
         low, high = x.min(axis=1), x.max(axis=1)
@@ -307,14 +308,14 @@ class Mesh:
 
 
 def rotation(X: Floats, x: Floats) -> Floats:
-    """The rotation (3, 3) that takes X nearest to x, both about their means."""
+    """The rotation (3, 3) that maps X closest to x, both about their means."""
     left, _, right = np.linalg.svd((x - x.mean(axis=0)).T @ (X - X.mean(axis=0)))
     turn: Floats = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
     return turn
 
 
 def open_hdf5(path: str | Path, mode: str = "r") -> Any:
-    """An HDF5 file, to be used by ``with``; a ValueError says why it can't be read."""
+    """Open an HDF5 file, for ``with``; a ValueError gives the reason if it can't be read."""
     try:
         import h5py
 
@@ -334,7 +335,8 @@ def text_in(value: Any) -> str:
 
 def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
     """
-    Read the mesh of a VTKHDF file of one part, an unstructured grid of one kind of bricks; of a transient file that of the first step.
+    Read the mesh of a VTKHDF file: one part, an unstructured grid of one kind of bricks. From a
+    transient file it reads the first step.
 
     Parameters
     ----------
@@ -365,7 +367,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
             raise wrong("has no group VTKHDF")
         kind = text_in(group.attrs.get("Type", b""))
         if kind != "UnstructuredGrid":
-            raise wrong(f'holds "{kind}", not an UnstructuredGrid')
+            raise wrong(f'contains "{kind}", not an UnstructuredGrid')
         wanted = ("NumberOfPoints", "NumberOfCells", "Points", "Connectivity", "Offsets", "Types")
         for name in wanted:
             if not hasattr(group.get(name), "nbytes"):
@@ -373,7 +375,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
         size, room = sum(group[name].nbytes for name in wanted) / 1e9, physical_memory() / 1e9
         if size > room:
             raise wrong(
-                f"holds a mesh of {size:.3g} GB, and this machine has {room:.3g} GB of memory"
+                f"contains a mesh of {size:.3g} GB, and this machine has {room:.3g} GB of memory"
             )
         parts, cells, points, connectivity, offsets, types = (group[name][()] for name in wanted)
         if "Steps" not in group and len(parts) != 1:
@@ -384,7 +386,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
         raise wrong(f"has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)")
     width = WIDTH[VTK_TYPE[kinds[0]]]
     if not np.array_equal(offsets[: count + 1], width * np.arange(count + 1)):
-        raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes a cell')
+        raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes per cell')
     if len(connectivity) < count * width or len(points) < nodes:
         raise wrong("is cut short")
     return points[:nodes], connectivity[: count * width].reshape(count, width)

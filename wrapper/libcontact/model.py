@@ -43,13 +43,14 @@ GONE = {
     "lagrange": "is gone: on unlike meshes multipliers are neither unique nor bounded, and most steps do not converge; "
     'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element'
 }
-# Enforcements that can feed energy into the bodies. They store the energy of an impact and give it back; the others dissipate a part of it.
+# Enforcements that can feed energy into the bodies. They store the energy of an impact and return it;
+# the others dissipate a part of it.
 FEEDING = ("penalty", "bipenalty")
 POINTS = names("ct_contact_rule")
 INITIAL = names("ct_initial")
 INTEGRATORS = names("ct_scheme")
 LAYERS = names("ct_layers")
-# Keys of run.savings, and what the C library calls them.
+# Keys of run.savings, and their names in the C library.
 OPTIMISATIONS = {
     "quiet": "sleep",
     "plane_strain": "plane_strain",
@@ -60,7 +61,7 @@ SAVINGS = tuple(OPTIMISATIONS)
 FIELDS = ("displacement", "velocity", "stress", "contact_pressure")
 FILTERED = tuple(f"{name}_filtered" for name in FIELDS[:3])
 AXES = ("x", "y", "z")
-# What a probe can take, and of what; the first ones are taken where nothing is said.
+# Quantities that a probe can record, by its place; the first ones are the default.
 QUANTITIES = names("ct_quantity")
 TAKEN = {
     "point": ("displacement", "velocity", "acceleration", "stress", "pressure"),
@@ -68,7 +69,7 @@ TAKEN = {
     "resultant": ("force", "moment"),
 }
 USUAL = ("displacement", "velocity", "force")
-# What the C library takes where nothing is said.
+# Defaults of the C library.
 CONTACT = lib.ct_contact_options_default()
 POSITIVE = Number(above=0.0)
 FORWARD = Number(least=0.0)
@@ -78,7 +79,7 @@ Vector = Sequence[float] | NDArray[Any]
 
 
 def without(known: Mapping[str, int], *left_out: str) -> dict[str, int]:
-    """The words of an enum but those that a scene does not have."""
+    """The words of an enum, except those that scenes do not allow."""
     return {name: value for name, value in known.items() if name not in left_out}
 
 
@@ -273,7 +274,7 @@ class Body(Table):
                 row = self.elements[bad[0]].tolist()
                 yield "elements", f"row {bad[0]} names a node outside 0 ... {most}: {row}"
             if self.element not in (None, self.bricks):
-                there = f'"elements" has {width} nodes a row ({self.bricks})'
+                there = f'"elements" has {width} nodes per row ({self.bricks})'
                 yield "element", f'is "{self.element}", but {there}'
         if self.bricks == "hex20":
             yield from self._chosen(HEX8_ONLY)
@@ -291,14 +292,13 @@ class Body(Table):
             yield "spin", f'{why}; give it the law "st_venant_kirchhoff" or "neo_hookean"'
 
     def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
-        """Those of the given words that the body has for their keys, each with the reason against
-        it."""
+        """The ones among the given words that the body uses, each with the reason against it."""
         for (name, chosen), why in words.items():
             if getattr(self, name) == chosen:
                 yield name, f'"{chosen}" {why}'
 
 
-# What hex20 and laws of large strain do not have: the key, its word, and the reason.
+# Options that hex20 and laws of large strain lack: the key, its word, and the reason.
 HEX8_ONLY = {
     ("lumping", "row_sum"): 'gives the corners of hex20 a negative mass; use "hrz"',
     ("kernel", "plane"): 'is for hex8; hex20 has the kernels "general" and "box"',
@@ -380,7 +380,7 @@ class ContactKeys(Pressing):
     Attributes
     ----------
     method
-        Method that finds closest points, one of of :doc:`/theory/projection_methods`; an
+        Method that finds closest points, one of :doc:`/theory/projection_methods`; an
         unconstrained one, such as ``"newton"``, misses points whose closest point lies on an edge.
     tolerance
         Tolerance of the search, in half-widths of a face.
@@ -554,7 +554,7 @@ class Probe(Table):
                 words = ", ".join(TAKEN[self.where])
                 yield (
                     f"quantities[{i}]",
-                    f'"{name}" is not taken of a {self.where}, which has {words}',
+                    f'"{name}" is not recorded of a {self.where}, which has {words}',
                 )
 
 

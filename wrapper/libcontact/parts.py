@@ -15,7 +15,8 @@ NO_FRICTION = "can't stand alone: there is no friction without a pressure; write
 
 
 class Parts(Table):
-    """A whole scene, whose keys are its tables; those of effects stand in the order in which forces are added and columns of the ledger follow one another."""
+    """A whole scene, whose keys are its tables. Forces are added, and columns of the energy balance are
+    written, in the order of the effects' tables."""
 
     title: str = key(Text(), default="")
     units: Units = key(Nested(Units))
@@ -63,7 +64,8 @@ EFFECTS = {name: kind.model for name, kind in MODELS.items() if issubclass(kind.
 
 
 def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
-    """Check the tables of a scene. ``whole`` also asks for what a scene that is still being built may lack: bodies and time."""
+    """Check the tables of a scene. ``whole`` also requires bodies and time, which a scene that is still
+    being built may lack."""
     top = Place("", file)
     if isinstance(data, dict) and "friction" in data:
         raise (top / "friction").error(NO_FRICTION)
@@ -107,11 +109,11 @@ def schema() -> dict[str, Any]:
     return out
 
 
-# Tables that are right one by one and contradict each other together.
+# Tables that are valid alone but contradict each other.
 
 
 def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Keys of later ones of two tables that contradict each other, and the reasons."""
+    """For each pair of tables that contradict each other the key of the later one, and the reason."""
     for i, body in enumerate(parts.body):
         for name, reason in body.small_strain_only(parts.materials[body.material]):
             yield f"body[{i}].{name}", reason
@@ -135,7 +137,7 @@ def acts_on(effect: Any, name: str) -> bool:
 
 
 def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
-    """Viscosity of hex20, and a load along the thickness of a body that asks for the kernel of plane strain."""
+    """Refuse viscosity for hex20, and a load along the thickness of a body with the plane kernel."""
     if added.name == "viscosity" and body.bricks == "hex20":
         yield f"{added.key}.bodies", f'"{body.name}" is of hex20; bulk viscosity is for hex8'
     held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
@@ -148,7 +150,7 @@ def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]
 
 
 def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Two contacts of one pair would press twice."""
+    """Refuse two contacts of one pair, whose force would act twice."""
     pairs = [frozenset(contact.surfaces) for contact in parts.contact]
     for i, pair in enumerate(pairs):
         if pair in pairs[:i]:
@@ -159,7 +161,8 @@ def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
 
 
 def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
-    """A surface that absorbs twice has twice the impedance and reflects a third of each wave; one that can't move takes no energy out."""
+    """Refuse a surface that absorbs twice, as twice the impedance reflects a third of each wave, and one
+    that cannot move, as it absorbs no energy."""
     surfaces = [each.surface for each in parts.absorb]
     for i, surface in enumerate(surfaces):
         at, name = f"absorb[{i}].surface", f'"{".".join(surface)}"'
@@ -173,7 +176,7 @@ def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
 
 
 def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
-    """What the averaged mass is not for."""
+    """Refuse the averaged mass with relaxation, hex20 or nonlinear bodies."""
     if parts.averaging is None:
         return
     if parts.damping is not None and parts.damping.relaxation:
@@ -188,7 +191,7 @@ def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
 
 
 def resultant_of(parts: Parts, probe: Probe) -> tuple[int, Any, tuple[str, ...]]:
-    """The number of the part whose resultant a probe takes, what was given for it, and the bodies that it acts on."""
+    """Number, table and bodies of the contact, obstacle or support whose resultant a probe records."""
     table, number = probe.resultant
     given = getattr(parts, table)[number or 0]
     one: Any = given.set if table == "support" else getattr(given, "surface", None)
@@ -197,7 +200,7 @@ def resultant_of(parts: Parts, probe: Probe) -> tuple[int, Any, tuple[str, ...]]
 
 
 def _probing(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Resultants of what is not there, of what could be one of several, and of another body."""
+    """Refuse a resultant that does not exist, is ambiguous, or acts on another body."""
     for i, probe in enumerate(parts.probe):
         if probe.resultant is None:
             continue

@@ -32,20 +32,20 @@ from .touch import first_touch
 
 Array = npt.NDArray[np.float64]
 
-# Cost limits of a rehearsal, in updates of one element: this number or this fraction of the run, but never more than the
-# last. A node that may touch counts as some elements.
+# Cost limits of a rehearsal, in updates of one element: this number or this fraction of the run,
+# whichever is larger, but at most MOST_EVER. A node that may touch counts as NODE_UPDATES elements.
 MOST_UPDATES, MOST_FRACTION, MOST_EVER, NODE_UPDATES = 1e6, 0.15, 1e8, 50
-# The second rehearsal has elements that are this many times larger again.
+# Ratio of the element sizes of the second rehearsal and the first.
 COARSER = 2.0
-# The fewest cells around a ring.
+# Smallest number of cells around a ring.
 FEWEST_AROUND = 12
-# Effects that have no force where nothing touches.
+# Effects without force while nothing touches.
 TOUCHING = (lib.CT_EFFECT_CONTACT, lib.CT_EFFECT_OBSTACLE, lib.CT_EFFECT_FRICTION)
-# Equal parts of the run's time after which the counters are read, each of some steps.
+# Number of equal windows of a run at whose ends the counters are read, and the fewest steps in one.
 WINDOWS, FEWEST_STEPS = 240, 4
-# A short rehearsal is repeated, for its times.
+# A short rehearsal is repeated, because short times are uncertain: number of passes, and their time [s].
 PASSES, PASS_SECONDS = 3, 0.15
-# A trial takes about this long, in rounds of some steps and a record.
+# Approximate time of a trial [s]; numbers of its rounds, each of some steps and a record; steps of one.
 TRIAL_SECONDS, FEWEST_ROUNDS, MOST_ROUNDS, MOST_STEPS = 0.2, 4, 24, 24
 # The strain that makes all elements active in a trial.
 STRETCH = 1e-12
@@ -55,7 +55,8 @@ LOOP, OUTPUT = "time loop", "output"
 @dataclass(frozen=True)
 class Cost:
     """
-    What one part of a run costs: all effects of one name, the ``"time loop"`` around them, or the ``"output"``.
+    Cost of one part of a run: all effects of one name, the ``"time loop"`` around them, or the
+    ``"output"``.
 
     Attributes
     ----------
@@ -69,11 +70,11 @@ class Cost:
         Predicted fraction of the elements that are computed, or of the steps in which surfaces are
         in contact.
     done : float or None
-        The fraction of the elements that a run has computed; None where not known.
+        Fraction of the elements that a run has computed; None if unknown.
     predicted, measured : float or None
-        Time over the whole run [s]; None where not known.
+        Time over the whole run [s]; None if unknown.
     flops, bytes : float
-        Operations and bytes of one step; 0 where not counted.
+        Operations and bytes per step; 0 if not counted.
     omega_squared, rate : float
         Contribution to the bound on the step [1/time²] and [1/time], :eq:`plan-share`.
     """
@@ -102,9 +103,9 @@ class Prediction:
     steps : int
         Steps that the run will take.
     memory : int
-        Memory that the run holds [bytes].
+        Memory of the run [bytes].
     output : int
-        Size of the results file [bytes]; 0 where none is written.
+        Size of the results file [bytes]; 0 if none is written.
     rehearsed : bool
         Whether the prediction uses a rehearsal. Without one, times are those of a run in which all
         elements are active and all surfaces touch from the beginning.
@@ -118,13 +119,13 @@ class Prediction:
 
     @property
     def seconds(self) -> float | None:
-        """Time of the whole run [s]; None where the trial failed."""
+        """Time of the whole run [s]; None if the trial failed."""
         return _total([cost.predicted for cost in self.costs])
 
 
 def predict(problem: Problem, records: int) -> Prediction:
     """
-    Predict what a run will cost on this machine.
+    Predict the cost of a run on this machine.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def predict(problem: Problem, records: int) -> Prediction:
     Returns
     -------
     Prediction
-        Costs without predicted times where no step can be computed.
+        The costs; without predicted times if no step can be computed.
     """
     seen, steps = rehearse(problem), problem.step_count
     interval = max(1, steps // max(1, records - 1))
@@ -157,7 +158,7 @@ def predict(problem: Problem, records: int) -> Prediction:
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
     """
-    Return what each part of a run cost.
+    Return the measured time of each part of a run.
 
     Parameters
     ----------
@@ -177,7 +178,7 @@ def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, f
 
 
 def _by_name(problem: Problem, values: Array) -> dict[str, float]:
-    """Values of the effects and the time loop, summed by name. What only holds nodes is work of the time loop."""
+    """Sum the values of the effects and the time loop by name. Supports count as part of the time loop."""
     out: dict[str, float] = {}
     for k, name in enumerate([*problem.effects, LOOP]):
         if name == LOOP or problem.made[k].phase != lib.CT_PHASE_REACTION:
@@ -185,18 +186,19 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
     return out
 
 
-# What is known of each part without a step, and what a rehearsal adds.
+# Costs that are known without a step, and those from a rehearsal.
 
 
 def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
-    """Nodes, operations, bytes and bounds of each part, with ``rounds`` of the solver a point, :eq:`round-flops`; of the output nothing."""
+    """Nodes, operations, bytes and bounds of each part, with ``rounds`` of the solver per point,
+    :eq:`round-flops`; zeros for the output."""
     state, bounds = new_state(problem), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
     face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
     for k, effect in enumerate(problem.made):
         call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
-        # A point of a contact moves the nodes of two faces.
+        # A contact point acts on the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
         round_cost = np.array([40.0 + 18.0 * moves, 80.0 + 100.0 * moves])
         rows[k, 1:3] += rounds * effect.constraint_count * round_cost
@@ -210,7 +212,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
 
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
-    """The solver's rounds in a step, per point."""
+    """Rounds of the solver per step and point."""
     count = lambda one: float(sum(effect.constraint_count for effect in one.made))
     counted = [(count(one.coarse), one.rounds) for one in seen]
     points = count(problem)
@@ -218,11 +220,12 @@ def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
 
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
-    """The fraction in which the elements and each effect that waits for a touch are active."""
+    """Fraction of the elements that are computed, and of the windows in which each effect that needs a
+    touch acts."""
     coarse, out = rehearsal.coarse, {"solid": rehearsal.computed}
     for k, effect in enumerate(coarse.made):
         if effect.kind in TOUCHING:
-            share = float(rehearsal.pressed[:, k].mean())
+            share = float(rehearsal.acted[:, k].mean())
             out[coarse.effects[k]] = max(out.get(coarse.effects[k], 0.0), share)
     return out
 
@@ -231,8 +234,9 @@ def _foreseen(
     problem: Problem, seen: list[Rehearsal], tried: dict[str, float], interval: int
 ) -> dict[str, float]:
     """
-    Seconds of a step of each part: what waits for a touch at the size of the run, :eq:`plan-size`,
-    all else as a trial has it, :eq:`plan-trial`.
+    Predict the time of a step in each part [s].
+
+    Effects that need a touch follow :eq:`plan-size`; all others are scaled by trials, :eq:`plan-trial`.
     """
     coarse = seen[0].coarse
     other = tried if coarse is problem else _try(coarse, interval).seconds
@@ -247,12 +251,13 @@ def _foreseen(
 
 
 def _sizes(problem: Problem) -> dict[str, float]:
-    """What the cost of each part is proportional to: its operations, or its nodes where these are not counted."""
+    """Size of each part, to which its cost is proportional: its operations, or its nodes if these are not
+    counted."""
     return {cost.name: cost.flops or float(cost.nodes) for cost in _known(problem)}
 
 
 def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
-    """A cost that grows in proportion to a size, beside a fixed part, from pairs of size and cost."""
+    """Cost at a size: a fixed part plus one proportional to the size, from pairs of size and cost."""
     (larger, most), (smaller, least) = seen[0], seen[-1]
     # (eq:plan-size)
     slope = (most - least) / (larger - smaller) if larger > smaller else most / max(larger, 1.0)
@@ -261,7 +266,8 @@ def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """Seconds of a step of each part and of a record; bytes of the file after the first record, and of each further one."""
+    """Time of a step in each part, and of a record [s]; bytes of the file after the first record, and of
+    each further record."""
 
     seconds: dict[str, float]
     first_bytes: float
@@ -270,8 +276,9 @@ class _Trial:
 
 def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     """
-    Measure some steps and a record after them, again and again, from the start of the run with all elements active; with the
-    surfaces moved ``together`` where that is asked for.
+    Measure rounds of some steps and a record, from the start of the run with all elements active.
+
+    With ``together`` the surfaces are moved into touch.
     """
     import tempfile
 
@@ -293,27 +300,28 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
             loop.open(file)
         try:
             loop.start_guard()
-            # The first step warms the caches, and tells how many there is time for.
+            # The first step fills the caches, and its time gives the number of steps in a round.
             there_is_time = TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1).sum(), 1e-9)
             count = max(1, min(interval, MOST_STEPS, int(there_is_time)))
             while len(rounds) < FEWEST_ROUNDS or (
                 len(rounds) < MOST_ROUNDS and count * np.sum(rounds) < TRIAL_SECONDS
             ):
-                # A record computes the forces of the next step, which takes less time then.
+                # A record computes the forces of the next step, which then takes less time.
                 steps, begin = seconds_of(count), loop.output_seconds
                 loop.record(checked=False)
                 rounds.append(np.append(steps, loop.output_seconds - begin))
                 sizes.append(file.stat().st_size if file.exists() else 0)
         finally:
             loop.abandon()
-    # A median leaves out what another program interrupted.
+    # The median excludes rounds that another program interrupted.
     *steps, record = np.median(rounds[1:], axis=0)
     seconds = _by_name(problem, steps) | {OUTPUT: float(record)}
     return _Trial(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
 
 
 def _place(problem: Problem, state: Any, together: bool) -> None:
-    """Stretch all bodies a little, which makes every element active, and move them into touch."""
+    """Stretch all bodies slightly, which makes every element active; ``together`` also moves them into
+    touch."""
     u, free = problem.rows(state.displacement), problem.rows(problem.pointer.inverse_mass) > 0.0
     u += STRETCH * problem.rows(problem.pointer.reference) * free
     moved = set()
@@ -330,16 +338,16 @@ def _place(problem: Problem, state: Any, together: bool) -> None:
 @dataclass(frozen=True, eq=False)
 class Rehearsal:
     """
-    What the run of a coarse problem counted.
+    Counters of the run of a coarse problem.
 
     Attributes
     ----------
     coarse : Problem
-        The scene with larger elements; the problem itself where that is cheap enough.
+        The scene with larger elements; the problem itself if that is cheap enough.
     steps : int
-        Steps that the run will take, fewer than it may where it ends at rest.
-    pressed : ndarray, shape (windows, effects)
-        Whether an effect acted in a part of the run: its impulses changed.
+        Steps that the real run will take; fewer than requested if it ends at rest.
+    acted : ndarray, shape (windows, effects)
+        Whether an effect acted in a window of the run, that is, its impulses changed.
     seconds : ndarray, shape (effects + 1,)
         Mean time of one coarse step in each effect and, last, in the time loop.
     computed : float
@@ -356,8 +364,9 @@ class Rehearsal:
     rounds: float
 
 
-def computed_share(state: Any) -> float:
-    """Return the fraction of the element forces that the steps of a state computed; the others were asleep."""
+def computed_fraction(state: Any) -> float:
+    """Return the fraction of the element forces that the steps of a state computed; the others were
+    asleep."""
     computed, left_out = state.element_updates
     return float(computed / max(computed + left_out, 1))
 
@@ -374,13 +383,14 @@ def rehearse(problem: Problem) -> list[Rehearsal]:
     Returns
     -------
     list of Rehearsal
-        One with the smallest elements that are cheap enough, and one with larger ones; only the problem itself where that is
-        cheap enough. Empty where none is, as for large bodies with meshes of their own, or where the coarse run fails.
+        One with the smallest elements that are cheap enough, and one with larger ones; only the
+        problem itself if that is cheap enough. Empty if no mesh is cheap enough, as for large bodies
+        with meshes of their own, or if the coarse run fails.
     """
     most = max(MOST_UPDATES, MOST_FRACTION * _updates(problem, 1.0))
     sizes = (1.1**k for k in range(100))
     times = next((q for q in sizes if _updates(problem, q) <= min(most, MOST_EVER)), math.inf)
-    # Nodes that an effect of the user lists by number do not exist in a coarse body.
+    # A coarse body lacks nodes that a user's effect lists by number.
     numbered = not all(isinstance(own.given, str) for own in problem.own)
     if times > 1.0 and (numbered or math.isinf(times)):
         return []
@@ -393,7 +403,7 @@ def rehearse(problem: Problem) -> list[Rehearsal]:
 
 
 def _coarse(problem: Problem, times: float) -> Problem:
-    """The scene with elements that are some times larger, at the same fraction of its stable step."""
+    """The scene with elements that are ``times`` times larger, at the same fraction of its stable step."""
     parts = problem.parts
     bodies = tuple(_larger(problem, body, times) for body in parts.body)
     steps = {**dict.fromkeys(Time.rivals[0]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
@@ -403,7 +413,8 @@ def _coarse(problem: Problem, times: float) -> Problem:
 
 
 def _cells(body: Body, times: float) -> tuple[int, int, int] | None:
-    """The cells of a body with elements that are some times larger; None where it has a mesh of its own."""
+    """Numbers of cells of a body with elements that are ``times`` times larger; None for a body with a
+    mesh of its own."""
     lattice = body.box or body.ring
     if lattice is None:
         return None
@@ -413,7 +424,8 @@ def _cells(body: Body, times: float) -> tuple[int, int, int] | None:
 
 
 def _larger(problem: Problem, body: Body, times: float) -> Body:
-    """A body with elements that are some times larger, numbered along the same axis; one with a mesh of its own as it is."""
+    """A body with elements that are ``times`` times larger, numbered along the same axis. A body with a
+    mesh of its own is returned unchanged."""
     cells = _cells(body, times)
     if cells and body.box:
         return replace(body, box=replace(body.box, cells=cells, layers=problem.layers(body)))
@@ -421,7 +433,7 @@ def _larger(problem: Problem, body: Body, times: float) -> Body:
 
 
 def _updates(problem: Problem, times: float) -> float:
-    """The cost of a run with elements that are some times larger, in updates of one element, about."""
+    """Approximate cost of a run with elements that are ``times`` times larger, in updates of one element."""
     elements, whole, shorter = 0.0, 0.0, 1.0
     for name, body in problem.parts.bodies.items():
         count, cells = len(problem.bodies[name].mesh.elements), _cells(body, times)
@@ -429,13 +441,15 @@ def _updates(problem: Problem, times: float) -> float:
         elements, whole = elements + count * ratios.prod(), whole + count
         shorter = min(shorter, ratios.mean())
     touching = sum(one.node_count for one in problem.made if one.kind in TOUCHING)
-    # The stable step grows with the elements, surfaces go with the power 2/3 of their number.
+    # The stable step is proportional to the size of the elements. The number of nodes on surfaces goes
+    # with the power 2/3 of the number of elements.
     faces = touching * (elements / whole) ** (2 / 3)
     return float((elements + NODE_UPDATES * faces) * problem.step_count * shorter)
 
 
 def _observe(coarse: Problem, steps: int) -> Rehearsal:
-    """Run the coarse problem, which stands for a run of ``steps``; a short one again, for its times: the fastest was disturbed least by other programs."""
+    """Run the coarse problem, which represents a run of ``steps``. Of repeated short runs the fastest
+    counts, because other programs disturbed it least."""
     begin = clock.process_time()
     passes = [_pass(coarse, steps)]
     while len(passes) < PASSES and clock.process_time() - begin < PASS_SECONDS:
@@ -445,12 +459,12 @@ def _observe(coarse: Problem, steps: int) -> Rehearsal:
 
 def _pass(coarse: Problem, steps: int) -> Rehearsal:
     """
-    Run the coarse problem to its end, or until it is at rest where that ends it, and see after each
-    window which effects pressed.
+    Run the coarse problem to its end, or to rest if the scene ends there, and record which effects
+    acted in each window.
     """
     state = new_state(coarse)
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
-    # The first effect, the elements, has no impulse.
+    # The first effect, the elements, records no impulse.
     ends = np.cumsum([0, 0, *(effect.node_count for effect in coarse.made[1:])])
     pressed: list[list[bool]] = []
     impulse = _impulse(state)
@@ -465,7 +479,7 @@ def _pass(coarse: Problem, steps: int) -> Rehearsal:
         math.ceil(len(pressed) / windows * steps),
         np.array(pressed),
         step_seconds(coarse, state) / state.step,
-        computed_share(state),
+        computed_fraction(state),
         state.constraint_rounds / state.step,
     )
 
@@ -479,13 +493,13 @@ def _impulse(state: Any) -> Array:
 
 
 def step_seconds(problem: Problem, state: Any) -> Array:
-    """Return the time that a state's steps took in each effect and, last, in the time loop (effects + 1,) [s]."""
+    """Return the time that a state has spent in each effect and, last, in the time loop (effects + 1,) [s]."""
     size = 8 * (len(problem.effects) + 1)
     return np.frombuffer(ffi.buffer(state.effect_seconds, size), np.float64).copy()
 
 
 def _at_rest(problem: Problem, state: Any) -> bool:
-    """Whether a run that ends at rest would end here."""
+    """Whether a run with ``until_static`` would end in this state."""
     wanted = problem.parts.time.until_static
     if wanted is None or state.time < problem.settled:
         return False
@@ -498,14 +512,14 @@ def _at_rest(problem: Problem, state: Any) -> bool:
 
 def table(costs: Sequence[Cost], stable: float) -> str:
     """
-    Lay out costs as a table.
+    Format costs as a table.
 
     Parameters
     ----------
     costs : sequence of Cost
         The rows.
     stable : float
-        The stable step [time], of whose bound each effect has a part, :eq:`plan-share`.
+        The stable step [time], to whose bound each effect contributes, :eq:`plan-share`.
 
     Returns
     -------
@@ -532,8 +546,8 @@ def table(costs: Sequence[Cost], stable: float) -> str:
 
 
 def _row(cost: Cost, stable: float) -> dict[str, str]:
-    """A row of the table, by the heads of its columns."""
-    # The part of 4 / dt² = W + 2 D / dt that belongs to the effect.
+    """A row of the table, by the headings of its columns."""
+    # The contribution of the effect to 4 / dt² = W + 2 D / dt.
     bound = (cost.omega_squared + 2.0 * cost.rate / stable) * stable**2 / 4.0
     return {
         "": cost.name,

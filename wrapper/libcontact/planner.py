@@ -30,7 +30,8 @@ Keys = dict[str, Any]
 Array = npt.NDArray[np.float64]
 
 PRICES = Path(__file__).with_name("prices.csv")
-# Keys that a planner may choose, in words; settings of the list with other keys, such as those of the search, are not for it.
+# Keys that the planner may set, with their words in the table of a plan. Settings of the list with
+# other keys, such as those of the search, are left out.
 WORDS = {
     "time.fraction": "{:g} of the stable step",
     "time.integrator": "{}",
@@ -41,26 +42,31 @@ WORDS = {
     "contact.enforcement": "{}",
     "contact.beta": "beta {:g}",
 }
-# What a setting of the list may cost over the cheapest one that is as good, to be tried; laws of contact that are tried beside the default; their growth of energy.
+# A setting is tried if it costs at most WORTH times as much as the cheapest one of the same
+# accuracy. LAWS contact laws are tried beside the default; their energy may grow by MOST_GROWTH.
 WORTH, LAWS, MOST_GROWTH = 2.0, 2, 1e-3
-# The longest side of the coarsest mesh has so many elements; the next mesh is this many times finer; so many meshes before anything is concluded.
+# Elements along the longest side of the coarsest mesh; ratio of the sizes of successive meshes; and
+# the number of meshes that an error estimate needs.
 COARSEST, FINER, FEWEST = 8, 2.0**0.5, 4
-# Beyond the trials errors are taken to fall at least with this power.
+# Smallest order of convergence that is assumed beyond the trials.
 SLOWEST = 0.25
-# Two meshes whose sizes differ by this logarithm, or less, are not told apart.
+# Two meshes count as equal if the logarithms of their scales differ by less.
 NEAR = 0.1
-# A setting is tried on while it may cost so many times what the cheapest one does; runs shorter than this are repeated, for their times.
+# A setting stays in the trials while its merit is at most BEHIND times the best one. Runs that take
+# less than SHORT_SECONDS in all are repeated, up to PASSES times, because short times are uncertain.
 BEHIND, SHORT_SECONDS, PASSES = 2.5, 0.06, 4
-# Before that, all settings are tried while a mesh costs less than this share of the time: on coarse meshes errors are no measure of those on fine ones.
+# All settings stay while one mesh takes less than this fraction of the time for trials, because
+# errors on coarse meshes say little about fine ones.
 CHEAP = 0.05
-# No mesh is asked for that is so many times finer than the finest that was tried.
+# Largest ratio of the chosen mesh's scale to the finest one that was tried.
 FARTHEST = 16.0
-# Orders of convergence that an extrapolation may find, and the last meshes that it looks at.
-# And the share of the way from the finest value to the limit that it doubts.
+# Orders of convergence that a fit may find; number of finest meshes that it uses; and the fraction of
+# the extrapolated difference that is added to the uncertainty.
 ORDERS, LAST, SAFETY = np.linspace(0.5, 3.0, 101), 5, 0.25
-# So many of the best settings are priced; their last trials may take this share of the time for trials, also when it is over.
+# Number of best settings that get a price. Their last trials may take the fraction SETTLE of the time
+# for trials, even if that time is over.
 FINALISTS, SETTLE = 2, 0.2
-# A value is sure where it is uncertain by less than this share of the error that was asked for.
+# A plan is "sure" if the uncertainty is at most this fraction of the requested error.
 SURE = 0.2
 
 
@@ -69,12 +75,12 @@ SURE = 0.2
 
 def settings(contact: bool) -> list[Keys]:
     """
-    Settings of the price list that are worth a trial.
+    Select the settings of the price list that are worth a trial.
 
     Parameters
     ----------
     contact : bool
-        Whether anything touches, so that laws of contact are a part of the choice.
+        Whether the scene has a contact or an obstacle, so that contact laws are part of the choice.
 
     Returns
     -------
@@ -100,7 +106,7 @@ def settings(contact: bool) -> list[Keys]:
 
 
 class _Row(NamedTuple):
-    """A row of the list."""
+    """A row of the price list."""
 
     scene: str
     keys: Keys
@@ -118,7 +124,7 @@ def _keys(setting: str) -> Keys:
     """A setting of the list as keys and values."""
     pairs = (part.split("=") for part in setting.split("; "))
     keys = {name: float(value) if value[0].isdigit() else value for name, value in pairs}
-    # A law that is the default needs no word.
+    # The default enforcement is left out.
     usual = keys.get("contact.enforcement") == Contact.keys()["enforcement"].default
     return {
         name: value for name, value in keys.items() if not (usual and name == "contact.enforcement")
@@ -130,7 +136,8 @@ def _keys(setting: str) -> Keys:
 
 @dataclass(frozen=True)
 class Limit:
-    """What values on finer and finer meshes go to, with the uncertainty, and the observed order with its bounds, :eq:`planner-fit`."""
+    """Limit of the values on finer and finer meshes, its uncertainty, and the observed order with its
+    bounds, :eq:`planner-fit`."""
 
     value: float
     uncertainty: float
@@ -175,20 +182,20 @@ def extrapolate(sizes: Any, values: Any) -> Limit:
 
 def together(limits: list[Limit]) -> tuple[float, float]:
     """
-    The common limit of several methods and its uncertainty, :eq:`planner-mean`.
+    Combine the limits of several methods into one, with its uncertainty, :eq:`planner-mean`.
 
     Parameters
     ----------
     limits : list of Limit
-        What each method goes to.
+        The limit of each method.
 
     Returns
     -------
     value, uncertainty : float
-        The weighted mean, and what it is uncertain by.
+        The weighted mean and its uncertainty.
     """
     values, widths = np.array([(each.value, each.uncertainty) for each in limits]).T
-    # Few meshes may lie on a line by chance: no method is taken to be surer than a quarter of them are.
+    # Few meshes may lie on a curve by chance: the lower quartile bounds each uncertainty from below.
     widths = np.maximum(widths, np.sort(widths)[len(widths) // 4])
     weights = 1.0 / np.maximum(widths, 1e-9 * np.abs(values).max() + 1e-150) ** 2
     weights /= weights.sum()
@@ -202,7 +209,8 @@ def together(limits: list[Limit]) -> tuple[float, float]:
 
 @dataclass(eq=False)
 class Tried:
-    """A setting, the power of the scale with which its time grows, and its trials, from coarse to fine: refinement of the scene's mesh, value, error, and seconds."""
+    """A setting, the power of the scale with which its time grows, and its trials from coarse to fine:
+    refinement of the scene's mesh, value, error, and time [s]."""
 
     keys: Keys
     growth: float
@@ -212,11 +220,12 @@ class Tried:
     errors: Array = field(default_factory=lambda: np.empty(0))
 
     def next_seconds(self) -> float:
-        """What the trial on the next mesh will take, about."""
+        """Estimated time of the trial on the next mesh [s]."""
         return self.seconds_at(self.scales[-1] * FINER)
 
     def add(self, scale: float, value: float, seconds: float) -> None:
-        """Put a trial where its mesh belongs; of runs of one mesh the shortest counts, as what disturbs a run makes it longer."""
+        """Insert a trial in the order of the scales. Of several runs on one mesh the shortest time
+        counts, because other programs can only make a run slower."""
         at = int(np.searchsorted(self.scales, scale))
         if scale in self.scales:
             self.seconds[at] = min(seconds, self.seconds[at])
@@ -225,11 +234,12 @@ class Tried:
             kept.insert(at, new)
 
     def limit(self) -> Limit:
-        """What the values go to."""
+        """The extrapolated limit of the values."""
         return extrapolate(1.0 / np.array(self.scales), self.values)
 
     def line(self, values: Any, last: int = LAST) -> tuple[float, float]:
-        """Slope of the logarithm against that of the scale over the last meshes, and what it is uncertain by."""
+        """Slope of the values' logarithm over that of the scale, fitted to the finest meshes, and its
+        standard deviation."""
         x, y = np.log(self.scales[-last:]), np.log(np.maximum(values[-last:], 1e-300))
         x, mean = x - x.mean(), y.mean()
         slope = float(x @ (y - mean) / (x @ x))
@@ -237,27 +247,31 @@ class Tried:
         return slope, math.sqrt(misfit @ misfit / max(1, len(x) - 2) / (x @ x))
 
     def order(self) -> float:
-        """The power of the scale with which errors fall beyond the trials, on the cautious side."""
+        """Order with which errors are assumed to fall beyond the trials: the observed one less its
+        standard deviation."""
         slope, spread = self.line(self.errors)
         return max(SLOWEST, -slope - spread)
 
     def error_at(self, scale: float) -> float:
-        """The error between trials, or on the line beyond them."""
+        """Expected error on a mesh, interpolated between trials or extrapolated beyond them."""
         return self._at(scale, self.errors, -self.order())
 
     def seconds_at(self, scale: float) -> float:
-        """The same of the time, which grows beyond the trials with the number of elements and of steps."""
+        """Expected time on a mesh [s]; beyond the trials it grows with the number of elements and of
+        steps."""
         return self._at(scale, self.seconds, self.growth)
 
     def _at(self, scale: float, values: Any, slope: float) -> float:
-        """A value by its logarithm, linear between trials and with a slope beyond them."""
+        """A value whose logarithm is linear in that of the scale between trials, and has this slope
+        beyond them."""
         if scale > self.scales[-1]:
             return float(values[-1] * (scale / self.scales[-1]) ** slope)
         logs = np.log(np.maximum(values, 1e-300))
         return float(np.exp(np.interp(math.log(scale), np.log(self.scales), logs)))
 
     def scale_for(self, error: float) -> float:
-        """The coarsest mesh on which, and on all finer ones, the error is as small; beyond the trials, on the line of the last ones."""
+        """Scale of the coarsest mesh such that it and all finer ones have at most this error,
+        extrapolated beyond the trials."""
         bad = np.flatnonzero(self.errors > error)
         if not bad.size:
             return self.scales[0]
@@ -270,7 +284,7 @@ class Tried:
         return math.exp(x[0] + (x[1] - x[0]) * (y[0] - math.log(error)) / (y[0] - y[1]))
 
     def scale_in(self, seconds: float) -> float:
-        """The finest mesh whose run takes as long."""
+        """Scale of the finest mesh whose run takes at most this time."""
         scales = self.scales[0] * 1.01 ** np.arange(3000)
         times = np.array([self.seconds_at(scale) for scale in scales])
         return float(
@@ -280,22 +294,23 @@ class Tried:
 
 @dataclass(frozen=True)
 class Goal:
-    """What was asked for: an error, or a time."""
+    """The request: an error, or a time [s]."""
 
     error: float | None
     seconds: float | None
 
     def scale(self, tried: Tried) -> float:
-        """The mesh that a setting needs, or can pay."""
+        """Scale of the mesh on which a setting meets the requested error or time."""
         return tried.scale_in(self.seconds) if self.seconds else tried.scale_for(self.error or 1.0)
 
     def merit(self, tried: Tried) -> float:
-        """What the best setting has least: the time, or the error."""
+        """The quantity that the best setting minimises: its time if an error was requested, its error
+        if a time was."""
         scale = self.scale(tried)
         return tried.error_at(scale) if self.seconds else tried.seconds_at(scale)
 
     def error_of(self, tried: Tried) -> float:
-        """The error that a setting will have."""
+        """The requested error, or the expected error of a setting in the requested time."""
         return self.error or tried.error_at(self.scale(tried))
 
 
@@ -306,15 +321,15 @@ class Offer:
     Attributes
     ----------
     scene : Scene
-        The scene so changed.
+        The scene with this setting and mesh.
     mesh, setting : str
-        Words for what was changed.
+        Both in words.
     error : float
         Expected error.
     seconds : float
-        Predicted time of the run [s], that of ``explain``.
+        Predicted time of the run [s], as ``explain`` predicts it.
     why : str
-        Why it is, or is not, the choice.
+        The reason for or against it.
     """
 
     scene: Scene
@@ -339,9 +354,9 @@ class Plan:
     scene : Scene
         The scene of the choice.
     measure : str
-        What the error is.
+        Definition of the error, in words.
     sure : str
-        How sure it is, in a sentence.
+        How certain the expected error is, in a sentence.
     value, uncertainty : float or None
         The estimated value of the functional and its uncertainty.
     interrupted : bool
@@ -403,7 +418,7 @@ class Planner:
         self.plates: Plates | None = None if named else plates(problem)
         self.functional: Functional | None = functional(problem, named) if named else None
         if not (self.plates or self.functional):
-            reason = "is missing; the scene has no exact answer that is known, so name what the error is of"
+            reason = "is missing; the scene has no known closed form, so name the number whose error is meant"
             raise SceneError(f'{reason}, such as "energy.kinetic.end"', "functional", scene.file)
         parts = problem.parts
         self.lattices = [body.box or body.ring for body in parts.body]
@@ -418,7 +433,8 @@ class Planner:
     # The scene with another setting on another mesh.
 
     def changed(self, keys: Keys, scale: float) -> Scene:
-        """The scene with the keys of a setting and elements so many times smaller; with meshes of its own the steps are."""
+        """The scene with the keys of a setting, and with elements that are ``scale`` times smaller. A
+        scene with meshes of its own gets smaller steps instead."""
         data = self.scene.data
         time, pressing = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
         for name in (*Time.rivals[0], "integrator", "integrator_parameter"):
@@ -439,7 +455,8 @@ class Planner:
         return type(self.scene)(data, file=self.scene.file)
 
     def _refine(self, bodies: list[Keys], scale: float) -> None:
-        """Change the cells, but one across stays one; in the plane strain of plates it gets the size of the others."""
+        """Change the numbers of cells; a single cell across stays one. In plane strain the single layer
+        gets the thickness of the shortest other edge."""
         for body, lattice in zip(bodies, self.lattices):
             body["box" if "box" in body else "ring"]["cells"] = _cells(lattice, scale)
         across = self.plates.axes[1] if self.plates else 0
@@ -449,7 +466,7 @@ class Planner:
                 body["box"]["size"][across] = float(np.delete(edges, across, axis=1).min())
 
     def true_scale(self, scale: float) -> float:
-        """The refinement that whole numbers of elements give."""
+        """The scale that results from whole numbers of elements."""
         if self.own_mesh:
             return max(1.0, scale)
         ratios = [
@@ -462,12 +479,14 @@ class Planner:
     # Trials.
 
     def _try(self, tried: Tried, scale: float, short: float = 0.0) -> bool:
-        """Run a setting on a new mesh, or on any for its times, again while the runs are ``short``; False where the scene refuses it, the run fails, or energy grows."""
+        """Run a setting on a mesh and store the trial. Short runs are repeated until they take
+        ``short`` seconds in all; without ``short`` a mesh that was tried is skipped. False if the
+        scene rejects the setting, the run fails, or energy grows."""
         true, seconds = self.true_scale(scale), list[float]()
         if true in tried.scales and not short:
             return True
         data = self.changed(tried.keys, scale).data
-        # Tables of the ledger have a row per record.
+        # Tables of momentum and energy have a row per record.
         ledger = self.functional and self.functional.table not in {
             each["name"] for each in data.get("probe", [])
         }
@@ -495,7 +514,8 @@ class Planner:
         return True
 
     def judge(self, goal: Goal) -> None:
-        """The errors of all trials: as they are, or from the common limit of the settings, of whose uncertainty one half is added."""
+        """Set the errors of all trials: measured ones for the plates, otherwise the distance from the
+        common limit of all settings plus half the limit's uncertainty."""
         if self.functional:
             self.value, width = together([each.limit() for each in self.finest()])
             self.uncertainty = width / max(abs(self.value), 1e-300)
@@ -512,7 +532,8 @@ class Planner:
         return [each for each in enough if each.scales[-1] > 0.6 * finest]
 
     def climb(self, goal: Goal, bar: Any) -> None:
-        """Try all settings on finer and finer meshes, and leave behind what is expensive, until the answer is among the trials or their time is over."""
+        """Try all settings on finer and finer meshes and drop expensive ones, until the trials include
+        the choice or their time is over."""
         scale, live = 1.0, [*self.tried]
         if not self.own_mesh:
             scale = COARSEST / max(max(each.cells) for each in self.lattices)
@@ -543,7 +564,7 @@ class Planner:
             scale *= FINER
 
     def mesh(self, tried: Tried, goal: Goal) -> float:
-        """The scale of the mesh that a setting needs, in whole elements."""
+        """Scale of the mesh that a setting needs, with whole numbers of elements."""
         far = FARTHEST * tried.scales[-1]
         scale = self.true_scale(min(goal.scale(tried), 2.0 * far))
         if goal.seconds:
@@ -554,7 +575,7 @@ class Planner:
         return scale
 
     def settle(self, tried: Tried, goal: Goal) -> None:
-        """Further trials of a setting on the mesh that it needs, while there is time."""
+        """Run further trials of a setting on exactly the mesh that it needs, while time is left."""
         scale = 0.0
         for _ in range(4):
             before, scale = scale, self.mesh(tried, goal)
@@ -564,7 +585,8 @@ class Planner:
             self.judge(goal)
 
     def price(self, tried: Tried, scale: float) -> float:
-        """What a setting takes on a mesh: what the trials of this mesh took, else the one prediction of cost; with the output of the scene."""
+        """Time of a setting on a mesh with the scene's output [s]: measured if this mesh was tried,
+        otherwise predicted."""
         problem = self.changed(tried.keys, scale)._built(None)
         prediction = predict(problem, record_count(problem))
         if prediction.seconds is not None and scale not in tried.scales:
@@ -573,7 +595,7 @@ class Planner:
         return tried.seconds_at(scale) + sum(output)
 
     def offer(self, tried: Tried, scale: float, seconds: float) -> Offer:
-        """A setting on a mesh at a price."""
+        """Describe a setting on a mesh, with its time."""
         cells = (
             ["mesh of its own"]
             if self.own_mesh
@@ -585,12 +607,12 @@ class Planner:
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
     def judged(self, goal: Goal) -> list[Tried]:
-        """The settings with trials enough, the best first."""
+        """The settings with enough trials, best first."""
         enough = [each for each in self.tried if len(each.scales) >= FEWEST]
         return sorted(enough, key=goal.merit)
 
     def plan(self, goal: Goal, bar: Any) -> Plan:
-        """Try, choose, and price the choice and its neighbours."""
+        """Run the trials, choose, and compute the prices of the choice and its neighbours."""
         try:
             self.climb(goal, bar)
             settled = list[Tried]()
@@ -606,7 +628,9 @@ class Planner:
         if self.functional and not (self.value and self.uncertainty < 1.0):
             much = f"{self.value:.3g}, uncertain by {self.uncertainty * abs(self.value):.2g}"
             raise SceneError(
-                f"goes to {much}; a share of it has no meaning", "functional", self.scene.file
+                f"converges to {much}; a relative error of it has no meaning",
+                "functional",
+                self.scene.file,
             )
         (choice, tried, scale), *others = self.priced(goal)
         count = len(self.tried)
@@ -631,7 +655,8 @@ class Planner:
         return replace(plan, measure=measure, value=self.value, uncertainty=width)
 
     def priced(self, goal: Goal) -> list[tuple[Offer, Tried, float]]:
-        """The best settings on their meshes with their prices, the best first; what no mesh within reach gives is refused."""
+        """The best settings with meshes and prices, best first. A SceneError if no feasible mesh meets
+        the request."""
         found, far = list[tuple[Offer, Tried, float]](), 0.0
         for each in self.judged(goal)[:FINALISTS]:
             scale = self.mesh(each, goal)
@@ -647,7 +672,7 @@ class Planner:
             return sorted(found, key=lambda one: one[0].error if goal.seconds else one[0].seconds)
         reason = "are not enough for the coarsest mesh that was tried"
         if goal.error:
-            reason = f"asks for a mesh {far:.3g} times finer than the finest that was tried; ask for more, or give more time to trials"
+            reason = f"needs a mesh {far:.3g} times finer than the finest that was tried; allow a larger error, or more time for trials"
         asked = f"{goal.seconds:.3g} s" if goal.seconds else percent(goal.error or 0.0)
         raise SceneError(
             f"{asked} {reason}", "seconds" if goal.seconds else "error", self.scene.file
@@ -656,7 +681,8 @@ class Planner:
     def _beside(
         self, choice: Offer, tried: Tried, scale: float, goal: Goal
     ) -> tuple[Offer | None, Offer | None]:
-        """The most accurate offer of those that cost less than the choice, and the cheapest of those that are more accurate; all on meshes in steps of the trials."""
+        """The most accurate offer that costs less than the choice, and the cheapest one that is more
+        accurate. Both have meshes from the sequence of the trials."""
         ratio = choice.seconds / tried.seconds_at(scale)
         grid = [
             (each, each.scales[-1] * FINER**k) for each in self.judged(goal) for k in range(-12, 3)
@@ -681,7 +707,7 @@ class Planner:
         return told(cheaper), told(min(more, key=lambda one: one[1], default=None))
 
     def _sure(self, goal: Goal, tried: Tried, scale: float) -> str:
-        """How sure an expected error is."""
+        """How certain the expected error is, in a sentence."""
         slope, spread = tried.line(tried.errors, 0)
         order = f"observed order {-slope:.2f} +- {2.0 * spread:.2f}"
         if self.functional:
@@ -702,17 +728,17 @@ class Planner:
             )
             text = f"{words}: {text}"
         if self.own_mesh:
-            text += "; the mesh stays as it is, and its own error is not seen"
+            text += "; the mesh stays as it is, so its own error is not included"
         return text + ("; the trials were interrupted" if self.interrupted else "")
 
 
-def percent(share: float) -> str:
-    """A share in per cent."""
-    return f"{100.0 * share:.3g} %"
+def percent(fraction: float) -> str:
+    """A fraction in per cent."""
+    return f"{100.0 * fraction:.3g} %"
 
 
 def _cells(lattice: Any, scale: float) -> list[int]:
-    """The cells of a box or a ring with smaller elements; one across stays one."""
+    """Numbers of cells of a box or a ring with smaller elements; a single cell stays one."""
     fewest = (1, 1, 1) if isinstance(lattice, Box) else (1, 3, 1)
     return [
         n if n == 1 else max(least, round(n * scale)) for n, least in zip(lattice.cells, fewest)
@@ -735,7 +761,7 @@ def plan(
     scene : Scene
         The scene.
     error, seconds : float or None
-        What is asked for, one of the two.
+        The request; exactly one of the two is given.
     named : str or None
         The functional.
     trials : float

@@ -29,7 +29,7 @@ QUANTITY = {
     "contact_pressure": "stress",
 }
 VIEWS = ("x_max", "y_min", "z_max")
-# How each kind of wave front is drawn: colour, line and name.
+# Colour, line and name of each kind of wave front.
 FRONTS = {
     "plane_p": ("k", "-", "plane P"),
     "circular_p": ("k", "--", "circular P"),
@@ -112,7 +112,7 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0, view: str | 
     """
     from matplotlib.collections import PolyCollection
 
-    # Without a wish the viewer stands where x or z is large, or y is small: so the two other axes run to the right and up.
+    # By default the viewer is at large x or z, or at small y, so that the other axes run right and up.
     view = view or VIEWS[thinnest(run)]
     axis, toward = "xyz".index(view[0]), -1.0 if view.endswith("min") else 1.0
     across, up = (a for a in range(3) if a != axis)
@@ -200,7 +200,7 @@ def draw_fronts(axes: Any, t: float, nu: float = 0.3) -> None:
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Where to draw, in units of half the thickness of a plate.
+        The axes, in units of half the thickness of a plate.
     t : float
         The time c1 t / d.
     nu : float
@@ -380,7 +380,8 @@ def _bodies(run: Run) -> list[BodyState]:
 
 
 def _faces(body: BodyState, field: str, scale: float) -> tuple[Array, Array]:
-    """Corners (faces, 4 or 8, 3) of the outer faces, deformed if the displacement is known, in walking order, and a value for each."""
+    """Nodes of the outer faces in order around each (faces, 4 or 8, 3), deformed if the displacement is
+    known, and a value for each face."""
     faces, owners = body.mesh.faces("outer")
     values, at_elements = body.component(field)
     positions = body.nodes + scale * body.displacement if body.holds("displacement") else body.nodes

@@ -17,7 +17,7 @@ from .schema import SceneError, word
 if TYPE_CHECKING:
     from .problem import Problem
 
-# Numbers of a quantity that is no vector.
+# Number of components of a quantity; others have 3.
 WIDTH = {"time": 1, "stress": 6, "pressure": 1}
 KINDS = {
     "contact": (lib.CT_EFFECT_CONTACT,),
@@ -28,7 +28,7 @@ KINDS = {
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """A probe that is found in a problem: its members of ``ct_probe_def``, its nodes, and words for ``explain``."""
+    """A probe in a problem: its members of ``ct_probe_def``, its nodes, and its text for ``explain``."""
 
     given: Probe
     members: dict[str, Any]
@@ -76,7 +76,7 @@ def _resultant(problem: Problem, i: int, probe: Probe) -> Located:
     kinds, nodes, members = KINDS[table], problem.bodies[name].nodes, dict[str, Any]()
     held: NDArray[np.int32] = np.arange(nodes.start, nodes.stop, dtype=np.int32)
     if table == "support":
-        # All supports are one effect, and those on a path another one.
+        # All supports are one effect, except that those with a prescribed displacement are another one.
         kinds, number = kinds[bool(given.history) :][:1], 0
         held = _face_nodes(problem, given.set, f"probe[{i}].resultant")
         members["axes"] = [axis in given.fix for axis in AXES]
@@ -88,7 +88,7 @@ def _resultant(problem: Problem, i: int, probe: Probe) -> Located:
 
 
 def _face_nodes(problem: Problem, surface: tuple[str, str], key: str) -> NDArray[np.int32]:
-    """Numbers of the nodes of a surface in the problem."""
+    """Numbers in the problem of the nodes of a surface."""
     body = problem.bodies[surface[0]]
     nodes = body.mesh.face_nodes(surface[1])
     if not len(nodes):
@@ -98,7 +98,7 @@ def _face_nodes(problem: Problem, surface: tuple[str, str], key: str) -> NDArray
 
 
 class Histories:
-    """The probes of one run, in the memory of C; false where a scene has none."""
+    """The probes of one run, in the memory of C; false if the scene has none."""
 
     def __init__(self, problem: Problem):
         self.names = [located.given.name for located in problem.probes]
@@ -112,7 +112,7 @@ class Histories:
             _fill(definitions[i], located, kept)
         out, count = ffi.new("ct_probes **"), len(self.names)
         call(lib.ct_probes_create, problem.pointer, definitions, count, out)
-        # They ask the problem, so they keep it alive.
+        # The probes refer to the problem, so they keep it alive.
         free = lib.ct_probes_free
         self.pointer = ffi.gc(out[0], lambda probes, problem=problem: free(probes))
 
@@ -120,7 +120,7 @@ class Histories:
         return bool(self.names)
 
     def tables(self, last: bool = False) -> dict[str, Rows]:
-        """The histories so far, or their last rows, by name; copies."""
+        """Copies of the histories so far, or of their last rows, by name."""
         found, history = {}, ffi.new("ct_probe_history *")
         for i, name in enumerate(self.names):
             assert lib.ct_probes_history(self.pointer, i, history) == lib.CT_OK
@@ -136,7 +136,7 @@ class Histories:
 
 
 def _fill(definition: Any, located: Located, kept: list[Any]) -> None:
-    """Write the definition of a probe; ``kept`` holds what it points to."""
+    """Write the definition of a probe; ``kept`` keeps alive the objects that it points to."""
     name = ffi.new("char[]", located.given.name.encode())
     members = {**located.members, "name": name, "every": located.given.every}
     members |= {"nodes": ints(located.nodes), "node_count": len(located.nodes)}

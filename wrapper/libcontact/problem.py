@@ -31,14 +31,14 @@ from .probes import locate
 from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
-# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search, which an obstacle does
-# without. Of an integrator for each node: accelerations before.
+# Bytes per point of a contact: the point, its memory, and its part of the faces and their search. An
+# obstacle needs no search. Bytes per node of an integrator: earlier accelerations.
 POINT_BYTES, OBSTACLE_POINT_BYTES = 640, 550
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 CARRIED[lib.CT_PUSHFORWARD_PULLBACK] = 72
-# Shorter rows are numbered along x: many short pieces cost more than whole layers save.
+# With shorter rows the layers follow one another along z: many short rows cost more than layers save.
 SHORTEST_ROW = 32
-# Bodies with shorter rows are not told from others (the library's ct_force_ring_create).
+# The library treats bodies with shorter rows as general ones (ct_force_ring_create).
 SHORTEST_LATTICE = 8
 POINT = row("ct_contact_point")
 NODE = np.dtype(
@@ -76,7 +76,8 @@ class Arrays(NamedTuple):
 
 @dataclass(frozen=True)
 class BuiltContact:
-    """A contact; ``faces`` and ``gauss_points`` count those of each side. A surface in contact with itself is its one side."""
+    """A contact; ``faces`` and ``gauss_points`` are the counts of each side. A surface in contact with
+    itself is the only side."""
 
     surfaces: tuple[str, str]
     with_itself: bool
@@ -93,22 +94,26 @@ def speeds(material: Material) -> tuple[float, float]:
 
 
 def c_material(material: Material) -> Any:
-    """A material for the library's calls."""
+    """A ``ct_material *`` of a material."""
     return ffi.new("ct_material *", material.c("ct_material"))
 
 
 def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
-    Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
-    displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
-    elements, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers and runs of nodes only.
+    Estimate the memory of a run of bodies without other effects [bytes].
+
+    There are 31 numbers per node: 10 of the problem (coordinates, masses, initial velocity), 12 of the
+    state (displacement, velocity, work, force), 9 of the last good state. Each element has its node
+    numbers and the forces on its nodes, and each node a list of the forces to add. A ``lattice``, a
+    body of equal elements numbered in rows, stores only node numbers and runs of nodes.
     """
     forces = nodes * 8 if lattice else nodes * 8 * 4 + elements * width * 3 * 8
     return nodes * 31 * 8 + elements * width * 4 + forces
 
 
 def memory_of(problem: Problem) -> int:
-    """The same for all that a built problem has, about: what is laid down for a kernel, the integrator, effects, contacts and their search."""
+    """Estimate the memory of a whole problem [bytes]: bodies, kernels, integrator, effects, contacts and
+    their search."""
     total = 0
     for name, body in problem.bodies.items():
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
@@ -117,31 +122,32 @@ def memory_of(problem: Problem) -> int:
         linear = width == 8 and body.material.law == "linear"
         ordered = linear and not lattice and "congruent" in problem.parts.run.savings
         if ordered:
-            # A mesh in an order of its own, numbers, and displacements; and lists of corners, where an octant of a node holds two elements.
+            # The mesh is copied in an order by rows, with its numbering and displacements. Lists of
+            # corners are needed if two elements have one node as the same corner.
             lattice = all(np.bincount(corner).max() == 1 for corner in body.mesh.elements.T)
             total += nodes * 56 + elements * (36 if lattice else 68)
         total += memory_estimate(nodes, elements, width, lattice or ordered)
-        # What sleeps has the batches of each node, but of a lattice.
+        # Sleeping needs the batches of each node, except in a lattice.
         total += nodes * 22 if "quiet" in problem.parts.run.savings and not lattice else 0
-        # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
+        # A body that may stiffen has its frequency monitored: a vector, and the force on it.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
-        # The scene holds arrays that it was given, as its tables and as it has read them.
+        # A scene holds the arrays of a mesh twice: in its tables and as it has read them.
         total += nodes * 24 + elements * width * 8 if given.elements is not None else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
     for effect in problem.made[1:]:
-        # Impulse in two parts, of the state and the good one; of a support also its nodes and who holds them; of a force also its work,
-        # itself, and what it is put right with.
+        # Impulses in two parts, of the state and of the last good one. A support also has its nodes and
+        # their owners; a force has its work, its value, and the correction of its sum.
         works = effect.phase != lib.CT_PHASE_REACTION
         total += effect.node_count * (96 + (48 + 24 + 76 if works else 16))
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
-        # The solver keeps the entries of a row at its nodes, where they stand, and 10 numbers to find its force.
+        # The solver stores the entries of a row, their nodes, and 10 numbers for its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
         total += pressing * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
-        # Points of an obstacle: its rows, or where it has none about four a node.
+        # Points of an obstacle: one per row; without rows about four per node.
         if effect.kind == lib.CT_EFFECT_OBSTACLE:
             total += OBSTACLE_POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)
-    # Rows of probes, for which there is room for twice as many.
+    # Rows of probes; their capacity may be twice their number.
     for probe in problem.probes:
         total += 2 * problem.step_count // probe.given.every * probe.row_bytes
     return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
@@ -256,7 +262,7 @@ class Problem:
                 raise self._error(f"the run needs about {need / 1e9:.3g} GB, {there}", key)
 
     def _is_lattice(self, body: Body) -> bool:
-        """Whether no forces of the elements of a body are stored, :eq:`lattice-ring`."""
+        """Whether the library stores no element forces of a box, :eq:`lattice-ring`."""
         return (
             "congruent" in self.parts.run.savings
             and self.parts.materials[body.material].law == "linear"
@@ -266,7 +272,8 @@ class Problem:
         )
 
     def _is_numbered_in_rows(self, body: Body, mesh: Mesh) -> bool:
-        """The same for a mesh of its own, if most elements have the node numbers of the one before and one more."""
+        """The same for a mesh of its own: most elements have the node numbers of the preceding one plus
+        one."""
         if (
             "congruent" not in self.parts.run.savings
             or self.parts.materials[body.material].law != "linear"
@@ -279,8 +286,11 @@ class Problem:
 
     def layers(self, body: Body) -> str:
         """
-        The axis that layers of a box follow one another along. Unless the scene says it, it goes from the faces that something presses on into the body, so that a wave comes to layer
-        after layer; ``"z"`` where there are no such faces, or several, or where rows would be short.
+        The axis along which layers of a box follow one another.
+
+        By default it is normal to the faces with a contact, an obstacle or a load, so that a wave
+        reaches layer after layer. It is ``"z"`` if there are no such faces, if they have several
+        axes, or if rows would be short.
         """
         if body.box.layers is not None:
             return str(body.box.layers)
@@ -294,7 +304,8 @@ class Problem:
         return axis if row_length(body.box, axis) >= SHORTEST_ROW else "z"
 
     def _shape(self, body: Body, key: str) -> tuple[dict[str, Any], Mesh | Arrays | None]:
-        """The members of a ``ct_scene_body`` that say its mesh, and what holds that; a box that does not turn is made by the scene."""
+        """The mesh members of a ``ct_scene_body``, and the object that keeps them alive. The scene itself
+        meshes a box without spin."""
         if body.box is None and body.ring is None:
             arrays = self._arrays(body, key)
             return {"mesh": c_mesh(*arrays)}, arrays
@@ -307,7 +318,7 @@ class Problem:
         return {"kind": kind, "box": box[0]}, made
 
     def _arrays(self, body: Body, key: str) -> Arrays:
-        """A body's own nodes and elements, or those of its file, which may contradict other keys as well."""
+        """Nodes and elements of a body, from the scene or its mesh file, checked against the other keys."""
         if body.mesh is not None:
             path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
             at, (nodes, elements) = Place(key, self.file), read_vtkhdf(path)
@@ -322,7 +333,7 @@ class Problem:
         return Arrays(body.nodes, body.elements)
 
     def _add_bodies(self) -> None:
-        """Add all bodies and join them, from when on their meshes are those of the scene."""
+        """Add all bodies and join them. From then on the C scene holds their meshes."""
         for i, body in enumerate(self.parts.bodies.values()):
             given = self.parts.materials[body.material]
             c1 = speeds(given)[0]
@@ -337,7 +348,7 @@ class Problem:
         self._meshes = {name: Mesh(m, self._scene) for name, m in zip(self.parts.bodies, meshes)}
 
     def _add_body(self, i: int, body: Body, given: Material) -> None:
-        """Add a body; what is wrong with its mesh is an error of the key that says it."""
+        """Add a body. An error of its mesh names the key that gives the mesh."""
         key = next(name for name in Body.one[0] if getattr(body, name) is not None)
         key, about = f"body[{i}].{key}", f'body "{body.name}": '
         try:
@@ -374,7 +385,7 @@ class Problem:
         return faces[:1] if contact.with_itself else faces
 
     def _on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
-        """The faces or the nodes of a surface; none is an error."""
+        """The faces or the nodes of a surface; an empty surface is an error."""
         mesh, face = self._meshes[surface[0]], surface[1]
         found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
         if not len(found):
@@ -389,7 +400,8 @@ class Problem:
         self._call(f"support[{i}]", lib.ct_scene_add_support, self._scene, new)
 
     def _add_effects(self) -> None:
-        """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
+        """Create the effects other than contacts and supports for the joined bodies: first those of the
+        scene's tables, then those of the user."""
         calls = [(added.key, added.given.create) for added in self.parts.effects]
         calls += [(effect.name, effect.create) for effect in self.own]
         paths = [i for i, support in enumerate(self.parts.support) if support.history]
@@ -400,7 +412,7 @@ class Problem:
             for effect in new if isinstance(new, list) else [new]:
                 made.append((key, ffi.gc(effect, lib.ct_effect_free)))
         for key, effect in made:
-            ffi.gc(effect, None)  # the scene takes it over, whatever it answers
+            ffi.gc(effect, None)  # the scene owns it from here on, even if the call fails
             self._call(key, lib.ct_scene_add_effect, self._scene, effect)
 
     def _build(self, dt: float | None) -> None:
@@ -421,7 +433,7 @@ class Problem:
         problem, count = ffi.new("const ct_problem **"), ffi.new("int64_t *")
         state, made = ffi.new("ct_state **"), (problem, count, self.stable)
         self._call("", lib.ct_scene_start, self._scene, time, *made, state)
-        # Freeing a state asks the effects, which are there as long as these.
+        # Freeing a state calls the effects, which these objects keep alive.
         needed = (self._scene, self.kept, self.own)
         self._first = ffi.gc(state[0], lambda state, needed=needed: lib.ct_state_free(state))
         if not 1 <= count[0] <= MOST_STEPS:
@@ -453,8 +465,10 @@ class Problem:
 
 class Maker:
     """
-    What a module of ``libcontact.effects`` needs to make its effect: the joined ``problem`` (``const ct_problem *``), whose nodes are those of all
-    bodies one after another, and the scene's ``parts``.
+    Helper for the modules of ``libcontact.effects`` that create effects.
+
+    It has the joined ``problem`` (``const ct_problem *``), whose nodes are those of all bodies one
+    after another, and the ``parts`` of the scene.
     """
 
     def __init__(self, built: Problem, joined: Any, key: str):
@@ -462,16 +476,17 @@ class Maker:
         self._built = built
 
     def keep(self, value: Any) -> Any:
-        """Keep something alive as long as the problem."""
+        """Keep an object alive as long as the problem, and return it."""
         self._built.kept.append(value)
         return value
 
     def error(self, reason: str, key: str = "") -> SceneError:
-        """The error that says what is wrong with the effect, or with one of its keys."""
+        """An error of the effect, or of one of its keys."""
         return SceneError(reason, f"{self.key}.{key}" if key else self.key, self._built.file)
 
     def make(self, name: str, given: Table | None, **members: Any) -> Any:
-        """The effect of the library that is called so, of the keys that its struct has, and of further members of the struct."""
+        """Create the library's effect ``name``. Its struct gets the keys of the table and further
+        ``members``."""
         struct = f"ct_{name}_def" if hasattr(lib, f"ct_{name}_def_default") else f"ct_{name}"
         out, definition = ffi.new("ct_effect **"), ffi.new(f"{struct} *")
         if struct.endswith("_def"):
@@ -483,7 +498,7 @@ class Maker:
         return out[0]
 
     def motion(self) -> Any:
-        """The one effect of all supports on a path."""
+        """Create the one effect of all supports with a prescribed displacement."""
         paths = [support for support in self.parts.support if support.history]
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
         for motion, support in zip(motions, paths):
@@ -494,7 +509,7 @@ class Maker:
         return self.make("motion", None, motions=motions, motion_count=len(paths))
 
     def history(self, history: History | None) -> dict[str, Any]:
-        """The members of a ``ct_amplitude``; without one the factor is 1 at all times."""
+        """The members of a ``ct_amplitude``; without a history the factor is 1 at all times."""
         lists = ([0.0], [0.0]) if history is None else (history.time, history.value)
         time, value = (self.keep(ffi.new("double[]", list(numbers))) for numbers in lists)
         return {"count": 0 if history is None else len(lists[0]), "time": time, "value": value}
@@ -508,21 +523,23 @@ class Maker:
         return {"bodies": numbers, "body_count": len(names)}
 
     def body(self, name: str) -> Any:
-        """The ``ct_body`` of a name."""
+        """The ``ct_body`` with this name."""
         return self.problem.bodies[list(self.parts.bodies).index(name)]
 
     def body_nodes(self, name: str) -> NDArray[Any]:
-        """Numbers of all nodes of a body in the problem (int32)."""
+        """Numbers in the problem of all nodes of a body (int32)."""
         body = self.body(name)
         return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
 
     def face_nodes(self, surface: tuple[str, str]) -> NDArray[Any]:
-        """Numbers of the nodes of a surface (body, face) in the problem, ascending (int32); none is an error."""
+        """Numbers in the problem of the nodes of a surface (body, face), ascending (int32); an empty
+        surface is an error."""
         nodes = self._built._on(surface, self.key, nodes=True)
         return np.ascontiguousarray(nodes + self.body(surface[0]).first_node, np.int32)
 
     def faces(self, surface: tuple[str, str]) -> dict[str, Any]:
-        """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); none is an error."""
+        """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); an empty surface is
+        an error."""
         body, faces = self.body(surface[0]), self._built._on(surface, self.key)
         rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
         kind = lib.ct_brick_face_kind(body.mesh.kind)
@@ -530,14 +547,14 @@ class Maker:
 
 
 def _held(support: Support, nodes: NDArray[Any]) -> dict[str, Any]:
-    """The members of C structs that say what a support holds."""
+    """The members of C structs with the nodes of a support and their fixed components."""
     fixed = [axis in support.fix for axis in AXES]
     rows = ffi.from_buffer("int32_t[]", nodes)
     return {"nodes": rows, "node_count": len(nodes), "fixed": fixed}
 
 
 def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
-    """The faces of two surfaces of one body as one surface: those of the first, then those of the second that it does not have."""
+    """Join two surfaces of one body: the faces of the first, then those that only the second has."""
     both = np.concatenate([first, second])
     _, places = np.unique(both, axis=0, return_index=True)
     return np.ascontiguousarray(both[np.sort(places)])
@@ -585,7 +602,7 @@ def contact_pressure(problem: Problem, state: Any) -> dict[str, list[NDArray[Any
 def _node_rows(
     problem: Problem, state: Any, side: int, function: Any, *arguments: Any
 ) -> NDArray[Any]:
-    """Rows of NODE for the nodes of one surface, from a function that writes tractions and areas at them."""
+    """Rows of NODE for the nodes of one surface, from a function that writes their tractions and areas."""
     count, bodies = problem.pointer.node_count, problem.pointer.bodies
     traction, area = np.zeros((count, 3)), np.full(count, np.nan)
     call(function, *arguments, doubles(traction), doubles(area))
@@ -607,7 +624,8 @@ PLACES = {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib
 def penetrations(
     problem: Problem, state: Any, asked: Iterable[str] = PLACES
 ) -> list[dict[str, dict[str, Any]]]:
-    """How far the surfaces of each contact are inside each other in a state (``ct_state *``), at the places that are ``asked``; see ``Run.penetration``."""
+    """Penetration of the surfaces of each contact in a state (``ct_state *``), at the places ``asked``;
+    see ``Run.penetration``."""
     out: list[dict[str, dict[str, Any]]] = []
     for built, contact in zip(problem.contacts, _contacts(problem, state)):
         found, table = ffi.new("ct_penetration *"), {}
@@ -624,7 +642,8 @@ def penetrations(
 
 
 def new_state(problem: Problem) -> Any:
-    """A state of the problem at t = 0, the first time the one that its stable step was asked of; where that has numbers that are none, the scene is at fault."""
+    """Create a state of the problem at t = 0. The first call returns the state for which the stable step
+    was computed. If a value is not finite, the error is one of the scene."""
     state, problem._first = problem._first, None
     try:
         if state is None:
@@ -633,12 +652,12 @@ def new_state(problem: Problem) -> Any:
             ffi.gc(state, None)
     except Error as reason:
         raise SceneError(str(reason), "", problem.file) from None
-    # Freeing a state asks the problem's effects, so the state keeps the problem alive.
+    # Freeing a state calls the problem's effects, so the state keeps the problem alive.
     return ffi.gc(state, lambda state, free=lib.ct_state_free, problem=problem: free(state))
 
 
 def _spinning(body: Body, nodes: Floats) -> NDArray[Any]:
-    """Velocity of each node of a body that flies and turns, v + ω × (X - centre)."""
+    """Velocity of each node of a body with translation and spin, v + ω × (X - centre)."""
     centre = (
         0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
         if body.spin.centre is None

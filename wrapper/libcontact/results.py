@@ -26,7 +26,7 @@ def load(path: Path, record: int = -1) -> Run:
 
 
 def origin(path: Path) -> tuple[str, float]:
-    """The text of the scene that a run was made from, and its time step; nothing else is read."""
+    """Read only the scene's text and the time step of a run."""
     return _reading(path, lambda file: _origin(path, file))
 
 
@@ -37,7 +37,7 @@ def _reading(path: Path, read: Callable[[Any], T]) -> T:
         except KeyError as error:
             raise ValueError(f'"{path}" is not a run of libcontact: {error.args[0]}') from None
         except Exception as error:
-            # What a damaged file says may be of any type and size.
+            # The contents of a damaged file may have any type and size.
             if str(path) in str(error):
                 raise
             reason = str(error) or type(error).__name__
@@ -61,7 +61,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
     bodies = own["body"][()]
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
     probes = _probes(own, float(vtk["Steps/Values"][count - 1]))
-    # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
+    # The rows of the recorded steps, or the whole history in a file that was saved from memory.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
     return Run(
@@ -81,7 +81,8 @@ def _read(path: Path, file: Any, record: int) -> Run:
 
 
 class NotInFile(dict[str, Any]):
-    """The empty table of a run that was read from a file: whoever looks something up is told where it is."""
+    """The empty table of a run that was read from a file; a lookup raises an error that names the
+    alternative."""
 
     def __init__(self, instead: str):
         super().__init__()
@@ -92,13 +93,13 @@ class NotInFile(dict[str, Any]):
 
 
 def _probes(own: Any, last: float) -> dict[str, Rows]:
-    """The histories up to the last record; a run that was killed may have left rows behind it."""
+    """The histories up to the last record; a killed run may have written further rows."""
     tables = {name: table[()] for name, table in own.get("probe", {}).items()}
     return {name: rows[rows["time"] <= last] for name, rows in tables.items()}
 
 
 def _momentum(held: Rows) -> Rows:
-    """The momenta of bodies; an impulse that an older file does not hold is NaN."""
+    """The momenta of bodies; an impulse that is missing in an older file is NaN."""
     momentum = np.zeros(len(held), MOMENTUM)
     for name in MOMENTUM.names or ():
         momentum[name] = held[name] if name in (held.dtype.names or ()) else np.nan
@@ -106,7 +107,7 @@ def _momentum(held: Rows) -> Rows:
 
 
 def _energy(own: Any, count: int) -> Rows:
-    """The energy balance; in a file that a run has written, effects have a table of their own."""
+    """The energy balance; in a file that was written during a run, effects have a table of their own."""
     energy: Rows = own["energy"][:count]
     if "effects" not in own:
         return energy
@@ -161,7 +162,8 @@ def _units(scene: str) -> Units | None:
 
 
 def write_tables(path: Path, run: Run) -> None:
-    """Add the history of a run in memory to a file that holds its last state only, in the group libcontact/history."""
+    """Add the history of a run in memory to a file with its last state, in the group
+    libcontact/history."""
     with open_hdf5(path, "r+") as file:
         group = file.create_group("libcontact/history")
         group["step"], group["energy"], group["momentum"] = run.steps, run.energy, run.momentum

@@ -38,12 +38,13 @@ PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
     f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
 } | {"contact_pressure": ("contact_pressure", 0)}
-# Effects whose energy or work is in the columns of ENERGY; others have a column of their own.
+# Effects whose energy or work is part of a column of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
 
 
 def energy_table(energy: Rows, effects: Sequence[str], values: Floats) -> Rows:
-    """``Run.energy`` from rows of ENERGY: with a column for the name of each further effect, which sums its ``values`` (rows, effects)."""
+    """``Run.energy`` from rows of ENERGY, with a column for each further name, which sums the ``values``
+    (rows, effects) of the effects with this name."""
     own = tuple(dict.fromkeys(name for name in effects if name not in IN_ENERGY))
     out = np.zeros(len(energy), _energy_row(own))
     for name in ENERGY.fields or ():
@@ -56,7 +57,8 @@ def energy_table(energy: Rows, effects: Sequence[str], values: Floats) -> Rows:
 
 @cache
 def _energy_row(own: tuple[str, ...]) -> np.dtype[np.void]:
-    """A row of ENERGY with a column for each further name; numpy makes it slowly, and each record has one."""
+    """The numpy type of a row of ENERGY with a column for each further name; cached, because each record
+    needs it and numpy creates it slowly."""
     return np.dtype(ENERGY.descr + [(name, "f8") for name in own])
 
 
@@ -179,7 +181,7 @@ class BodyState:
 
     @property
     def filtered(self) -> BodyState:
-        """The body with its filtered fields, :eq:`filter-pass`, instead of the computed ones; needs
+        """The body with the filtered fields, :eq:`filter-pass`, instead of the computed ones; requires
         ``[output] filter``."""
         names = [name for name in FILTERED if self._fields.get(name) is not None]
         if not names:
@@ -224,7 +226,8 @@ class BodyState:
 
     @property
     def contact_pressure(self) -> Floats:
-        """Contact pressure at the nodes [force / length²], shape (nodes,), :eq:`recovered-traction`; 0 off all surfaces in contact."""
+        """Contact pressure at the nodes [force / length²], shape (nodes,), :eq:`recovered-traction`; 0 away
+        from all contact surfaces."""
         return self._field("contact_pressure")
 
     def component(self, name: str) -> tuple[Floats, bool]:
@@ -323,10 +326,12 @@ class Run:
     units: Units | None
     #: Steps of the records, shape (records,).
     steps: NDArray[np.int64]
-    #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance, and a field of the name of each further effect:
-    #: the energy that it stores, or the work that it did if it stores none.
+    #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance,
+    #: and a field for each further effect with its name: the energy that it stores, or its work if it
+    #: stores none.
     energy: Rows
-    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L, contact_impulse, obstacle_impulse, support_impulse.
+    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L,
+    #: contact_impulse, obstacle_impulse, support_impulse.
     momentum: Rows
     #: The last recorded state.
     state: State | None
@@ -341,7 +346,8 @@ class Run:
     #: Time spent in each effect by name, in the "time loop" around them, and in the "output" [s];
     #: ``Scene.costs`` compares it with the prediction.
     costs: dict[str, float] = field(default_factory=dict)
-    #: Fraction of the elements' forces that were computed, as the others were asleep. None for a run that was read from a file.
+    #: Fraction of the element forces that were computed; the others were asleep. None for a run that
+    #: was read from a file.
     computed: float | None = None
     #: The loop that saves a run without a file; not part of a pickle.
     writer: Any = None
@@ -356,20 +362,23 @@ class Run:
     #: part of the faces in contact that is assigned to a corner; 0 at mid-sides), traction (force
     #: on the surface per reference area, averaged over both passes and the faces around the node),
     #: pressure (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
-    #: file, and in a watch.
-    #: At the rim of a contact it may be far too large: look where the largest pressure lies (:ref:`recovered-pressure`).
+    #: file, and in the runs passed to ``watch``. At the rim of a contact it may be far too large: check
+    #: where the largest pressure lies (:ref:`recovered-pressure`).
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
-    #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name: their sum is the change of momentum. Empty for a run that was
-    #: read from a file.
+    #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name; their sum is the
+    #: change of momentum. Empty for a run that was read from a file.
     impulse: dict[str, Floats] = field(default_factory=dict)
     #: The time step [time].
     dt: float | None = None
-    #: The history of each ``[[probe]]`` by name, a structured array with a row per step: time, and the quantities that it takes, each (rows, 3) but stress
-    #: (rows, 6) and pressure (rows,), all at the time of the row. In a watch the last row alone.
+    #: The history of each ``[[probe]]`` by name, a structured array with one row per ``every`` steps:
+    #: time, and the recorded quantities at that time, shape (rows, 3), stress (rows, 6) and pressure
+    #: (rows,). The runs passed to ``watch`` have the last row only.
     probes: dict[str, Rows] = field(default_factory=dict)
-    #: For each contact a dict of the places "points", "corners" and "edges" (of all faces; a surface in contact with itself has "points" only), and for
-    #: each place the numbers of those ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``,
-    #: ``surface``, ``face`` and ``position`` of the deepest, by true distances; up to the depth ``touching`` surfaces only touch.
+    #: Penetration of each contact in the last state, a dict by place: "points", "corners" and "edges" of
+    #: all faces; a surface in contact with itself has "points" only. Each place has the numbers
+    #: ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
+    #: ``deepest`` (true distance), ``surface``, ``face`` and ``position`` of the deepest one. Depths up
+    #: to ``touching`` are not counted.
     penetration: list[dict[str, dict[str, Any]]] = field(default_factory=list)
 
     @property
@@ -414,8 +423,9 @@ class Run:
         """
         Sample a component along a line of the reference configuration, in the last state.
 
-        Stresses are constant in each element: the value at its centre. Displacements and velocities are interpolated with the shape
-        functions. A point on a border belongs to the first body and the lowest element that contains it.
+        A stress has in each element the value at its centre. Displacements and velocities are
+        interpolated with the shape functions. A point on a border belongs to the first body and the
+        lowest element that contains it.
 
         Parameters
         ----------
@@ -467,7 +477,8 @@ class Run:
 
     def save(self, path: str | Path) -> Path:
         """
-        Write the run to a VTKHDF file: a copy of its own file, or the last state and all tables of a run in memory.
+        Write the run to a VTKHDF file: a copy of its own file, or for a run in memory the last state and
+        all tables.
 
         Parameters
         ----------

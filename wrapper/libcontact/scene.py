@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from .plan import Cost
     from .planner import Plan
 
-# Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
+# Tables that may differ between a scene and the one whose run it continues, in addition to ``free``
+# keys.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
 # The largest scene file that is read.
 MOST_BYTES = 256e6
@@ -64,7 +65,8 @@ P = ParamSpec("P")
 
 
 def _call(call: str, table: Any, *first: str) -> Any:
-    """A method of ``Scene``, such as ``add_body``, that takes the keys of a table; ``first`` are texts that make its surfaces."""
+    """Make a method of ``Scene``, such as ``add_body``, that takes the keys of a table. The arguments
+    ``first`` are texts from which it makes the surfaces."""
     _, _, name = call.partition("_")
     lead = [Parameter(word, Parameter.POSITIONAL_OR_KEYWORD) for word in ("self", *first)]
     keys = [*signature(table).parameters.values()]
@@ -88,14 +90,14 @@ def _call(call: str, table: Any, *first: str) -> Any:
 
 
 def _adding(call: str, table: Callable[P, Table]) -> Callable[Concatenate[Scene, P], Scene]:
-    """A method that takes the keys of a table."""
+    """Make a method that takes the keys of a table."""
     return cast("Callable[Concatenate[Scene, P], Scene]", _call(call, table))
 
 
 def _adding_pair(
     call: str, table: Callable[P, Table]
 ) -> Callable[Concatenate[Scene, str, str, P], Scene]:
-    """A method that takes two surfaces ``a`` and ``b``, and the other keys of a table."""
+    """Make a method that takes two surfaces ``a`` and ``b``, and the other keys of a table."""
     return cast("Callable[Concatenate[Scene, str, str, P], Scene]", _call(call, table, "a", "b"))
 
 
@@ -506,7 +508,7 @@ class Scene:
         return self._parts
 
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
-        """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
+        """The C problem, kept until the scene changes; ``dt`` is the step of a run that is continued."""
         parts = self._whole()
         wanted = parts.run.threads if threads is None else threads
         kept = self._problem
@@ -537,8 +539,8 @@ class Scene:
             raise at.error(f'"{path}" can\'t be written: {reason}')
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
-        """Raise an error for a run of another scene; return the step of the run, and into how many
-        parts this scene divides it."""
+        """Raise an error for a run of another scene; return the step of the run, and the number of parts
+        into which this scene divides it."""
         at = Place("restart", self.file)
         from .results import origin
 
@@ -559,7 +561,7 @@ class Scene:
         asked = self._built(threads).dt
         if asked > dt * (1.0 + 1e-9):
             raise at.error(
-                f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken'
+                f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller step is possible'
             )
         return dt, math.ceil(dt / asked * (1.0 - 1e-9))
 
@@ -578,7 +580,8 @@ def _toml(data: dict[str, Any], arrays: bool = True) -> str:
 
 
 def _fixed(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The tables of a scene without what may differ in one that continues its run, and the keys that give its step."""
+    """The tables of a scene without those that may differ in a scene that continues its run, and the keys
+    that give its step."""
     import tomllib
 
     scene = tomllib.loads(text)
@@ -598,7 +601,7 @@ ARRAYS = {"nodes": None, "elements": np.int32}
 
 
 def _plain(value: Any) -> Any:
-    """A deep copy in plain Python types (TOML's) of tables that were read, with the arrays of nodes and elements kept as arrays of their own."""
+    """A deep copy of tables in plain Python types (TOML's); nodes and elements are copied as arrays."""
     if isinstance(value, dict):
         return {
             str(key): np.array(item, ARRAYS[key]) if key in ARRAYS else _plain(item)

@@ -124,7 +124,7 @@ def plain(text: str) -> str:
     return re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "").replace("\\", "")
 
 
-# What a key may hold.
+# Kinds of values.
 
 
 class Kind:
@@ -226,7 +226,7 @@ class FileName(Text):
 
 
 class Name(Text):
-    """A text that can name something: printable, and no longer than the C library keeps it."""
+    """A name: printable, and no longer than the C library stores it."""
 
     json = {"type": "string", "maxLength": LONGEST_NAME, "pattern": r"^\S(.*\S)?$"}
 
@@ -252,7 +252,7 @@ class Reference(Text):
 
 
 class Named(str):
-    """The name of another table of the scene, which has the key ``table``."""
+    """The name of another table of the scene, of the kind ``table``."""
 
     table: str
 
@@ -290,14 +290,15 @@ class Surface(Text):
 
 
 class Part(NamedTuple):
-    """A table of the scene and its number; None: the only one."""
+    """A table of the scene and its number; None if it is the only one."""
 
     table: str
     number: int | None
 
 
 class PartKey(Text):
-    """The key of one of the scene's tables of some kinds, ``"contact[1]"``, or ``"contact"`` where there is one only."""
+    """The key of a table of the scene of one of some kinds: ``"contact[1]"``, or ``"contact"`` if there is
+    only one."""
 
     def __init__(self, *tables: str):
         self.tables = tables
@@ -388,8 +389,10 @@ class Rows(Kind):
 
     def read(self, value: Any, at: Place) -> NDArray[Any]:
         """
-        The rows as a contiguous array of float64, or int32 if ``whole``. Any real numbers that it holds without loss are taken (float32, integers, any strides
-        or byte order), but no booleans, complex numbers, texts or wider floats.
+        The rows as a contiguous array of float64, or of int32 if ``whole``.
+
+        Real numbers that this type represents without loss are accepted: float32, integers, any
+        strides and byte order. Booleans, complex numbers, texts and wider floats are not.
         """
         at.need(isinstance(value, (np.ndarray, list, tuple)), value, "an array")
         if np.ma.is_masked(value):
@@ -468,7 +471,7 @@ def key(
     Parameters
     ----------
     kind
-        What it may hold.
+        Kind of its values.
     unit
         Its dimension, such as "stress"; "" for a plain number.
     default
@@ -488,7 +491,8 @@ def key(
     eq_default=False, kw_only_default=True, frozen_default=True, field_specifiers=(key,)
 )
 class Table:
-    """A table of a scene. A subclass declares its keys as fields, ``young: float = key(Number(above=0.0), unit="stress")``, and says in its docstring what they mean."""
+    """A table of a scene. A subclass declares its keys as fields, ``young: float =
+    key(Number(above=0.0), unit="stress")``, and describes them in its docstring."""
 
     one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which exactly one must be given."""
@@ -500,7 +504,7 @@ class Table:
     """Keys that have a meaning only where another one has a certain word."""
 
     def __init_subclass__(cls, eq: bool = False) -> None:
-        # What each dataclass would write for itself, and Python compile at every start, is here once.
+        # Written once here: each dataclass would generate these methods, and Python compile them at start.
         dataclass(kw_only=True, eq=eq, unsafe_hash=eq, repr=False, match_args=False)(cls)
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -529,7 +533,8 @@ class Table:
 
     @classmethod
     def read(cls: type[T], value: Any, at: Place) -> T:
-        """The table of a scene, each key checked alone; :meth:`refusals` and references are for later, when the whole scene is there."""
+        """Read a table and check each key alone; :meth:`refusals` and references are checked when the whole
+        scene is known."""
         at.need(isinstance(value, dict), value, "a table")
         known = cls.keys()
         for name, field in known.items():
@@ -577,7 +582,8 @@ class Table:
                 yield name, f"is {describe(value)}; {belongs}"
 
     def c(self, struct: str, **members: Any) -> dict[str, Any]:
-        """The members of a C struct that have the name of a key which has a value but no table, and further ``members``."""
+        """The members of a C struct: keys with a value other than a table whose names the struct has, and
+        further ``members``."""
         out, known, there = dict[str, Any](), self.keys(), dict(ffi.typeof(struct).fields)
         for name in there.keys() & known.keys():
             value = getattr(self, name)
@@ -615,7 +621,7 @@ def required(field: dataclasses.Field[Any]) -> bool:
 
 
 def walk(value: Any, at: Place) -> Iterator[tuple[Place, Any]]:
-    """All tables and names in what was read, with their places."""
+    """All tables and names in a value that was read, with their places."""
     if isinstance(value, (Table, Named)):
         yield at, value
     if isinstance(value, Table):

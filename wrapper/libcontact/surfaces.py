@@ -15,12 +15,12 @@ def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
 
 
 def obstacle_name(obstacle: Any) -> str:
-    """An obstacle by the surface that it stands before."""
+    """An obstacle, named by the surface in contact with it."""
     return str(".".join(obstacle.given.surface))
 
 
 def pressing(parts: Any) -> Iterator[tuple[str, str, Any]]:
-    """The contacts and then the obstacles of a scene: its key, its surfaces in a sentence, and what was given."""
+    """The contacts and then the obstacles of a scene: key, surfaces as text, and table of each."""
     for i, contact in enumerate(parts.contact):
         yield f"contact[{i}]", pair_name(contact.surfaces), contact
     for added in parts.effects:

@@ -29,15 +29,15 @@ class Touch:
     surfaces : tuple
         Its surfaces, each a body and a face: two, or that of an obstacle.
     body : str
-        The body that comes.
+        The body that is moved by ``shift``.
     time : float
         The earliest time at which the surfaces can meet; infinite: never.
     shift : ndarray, shape (3,)
-        Displacement that moves the surface of ``body`` to the other one [length].
+        Displacement that brings ``body`` into touch [length].
     normal : ndarray, shape (3,)
         Direction from the first surface to the second one or the obstacle.
     closing : float
-        Speed along ``normal`` with which the two meet; 0: they don't.
+        Speed along ``normal`` with which the two meet; 0 if they do not.
     """
 
     key: str
@@ -74,14 +74,14 @@ def first_touch(problem: Problem) -> list[Touch]:
 
 
 def gravity_on(problem: Problem, body: str) -> Array:
-    """Return the acceleration (3,) of a body that falls freely."""
+    """Return the acceleration (3,) of a body by gravity."""
     gravity = problem.parts.gravity
     falls = gravity is not None and (gravity.bodies is None or body in gravity.bodies)
     return np.array(gravity.acceleration if falls else (0.0, 0.0, 0.0))
 
 
 def _pair(problem: Problem, key: str, given: Contact) -> Touch:
-    """When the boxes of two bodies meet: not before they have met along every axis that they are apart along."""
+    """Touch of two bodies: the time at which their bounding boxes have met along all axes."""
     (a, _), (b, _) = given.surfaces
     if a == b:
         return Touch(key, given, given.surfaces, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
@@ -96,7 +96,8 @@ def _pair(problem: Problem, key: str, given: Contact) -> Touch:
 
 
 def _obstacle(problem: Problem, key: str, given: Any) -> Touch:
-    """When the nearest node of an obstacle's surface comes to it; one that is moved by a history is touched from the start."""
+    """Touch of a surface and an obstacle: the time at which the nearest node reaches it; 0 for an obstacle
+    that a history moves."""
     body, face = given.surface
     mesh = problem.bodies[body].mesh
     gaps, normals = given.gaps(mesh.nodes[mesh.face_nodes(face)])
@@ -108,12 +109,13 @@ def _obstacle(problem: Problem, key: str, given: Any) -> Touch:
 
 
 def _motion(problem: Problem, body: str) -> tuple[Array, Array]:
-    """First velocity and acceleration (3,) of a body."""
+    """Initial velocity and acceleration (3,) of a body."""
     return np.array(problem.parts.bodies[body].velocity), gravity_on(problem, body)
 
 
 def _meet(gap: float, speed: float, pull: float) -> tuple[float, float]:
-    """The first time at which speed t + pull t² / 2 = gap, and the speed then; infinite and 0 where there is none."""
+    """The first time at which speed t + pull t² / 2 = gap, and the speed at that time; infinite and 0 if
+    there is none."""
     square = speed * speed + 2.0 * pull * gap
     if gap == 0.0:
         return 0.0, max(float(speed), 0.0)

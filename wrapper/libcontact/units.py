@@ -32,7 +32,7 @@ EXPONENTS = {
     "time": (0, 0, 1),
     "penalty": (-2, 1, -2),
 }
-# The names that go with an SI factor.
+# Names of units and their SI factors.
 NAMES: dict[str, dict[float, str]] = {
     "stress": {1e-1: "dPa", 1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa", 1e12: "TPa"},
     "force": {1e-3: "mN", 1.0: "N", 1e3: "kN", 1e6: "MN"},
@@ -66,14 +66,14 @@ class Units(Table, eq=True):
         return LENGTH[self.length] ** length * MASS[self.mass] ** mass * TIME[self.time] ** time
 
     def label(self, quantity: str) -> str:
-        """Name of the unit of a quantity: ``MPa`` where there is a name, ``t/(mm s^2)`` where there is none."""
+        """Name of the unit of a quantity: ``MPa`` if it has a name, otherwise for example ``t/(mm s^2)``."""
         factor = self.factor(quantity)
         for value, name in NAMES.get(quantity, {}).items():
             if abs(factor - value) <= 1e-12 * value:
                 return name
         if quantity == "penalty":
             return f"{self.label('stress')}/{self.length}"
-        # The mass first, as is the custom.
+        # Mass first, as is usual.
         length, mass, time = EXPONENTS[quantity]
         powers = {self.mass: mass, self.length: length, self.time: time}
         above, below = (

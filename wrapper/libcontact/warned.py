@@ -27,13 +27,16 @@ Points = dict[str, NDArray[np.int32]]
 
 # Limits of the wave speed [m/s], far below and far above those of all solids.
 SLOW, FAST = 1.0, 30000.0
-# Two bodies are in one place if this share of the smaller one is inside the other; so many of its element centres are tried.
+# Two bodies are in the same place if this fraction of the smaller one is inside the other; number of
+# its element centres that are checked.
 SHARED, TRIED = 0.5, 64
-# A rotation θ is a strain of θ²/2 to the small-strain law (eq:turned); it is found from so many nodes.
+# Largest rotation θ [rad] for the small-strain law, which sees a strain of θ²/2 (eq:turned); number of
+# nodes from which it is computed.
 TURNED, TURN_NODES = 0.04, 2000
-# Share of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for n equal elements.
+# Fraction of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for
+# n equal elements.
 THIN = 0.3
-# Effects that leave a body that moves without strain as it is, or act on all nodes of a body alike.
+# Effects that do not act on a body that moves without strain, or accelerate all its nodes equally.
 HARMLESS = ("gravity", "viscosity", "averaging")
 
 
@@ -41,15 +44,18 @@ def known(
     problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None = None, state: Any = None
 ) -> list[SceneWarning]:
     """
-    All warnings that are known before the first step of a run which writes to ``output`` (None: no file). ``found``: what is inside at
-    the points of each contact at t = 0, if it was asked before; ``state``: the state (``ct_state *``) at t = 0, if there is one.
+    Return all warnings that are known before the first step of a run.
+
+    The run writes to the file ``output`` (None: no file). ``found``, the penetration at the points of
+    each contact at t = 0, and ``state``, the state (``ct_state *``) at t = 0, are computed if they are
+    not given.
     """
     if found is None:
         _, found = at_start(problem, state)
     touches = first_touch(problem)
     away = list(_inside_out(problem, touches))
     follow = [*_overlaps(problem, found), *_never_meet(problem, touches), *_thin(problem, touches)]
-    keys = {warning.key for warning in away}  # no second warning of what follows from the first
+    keys = {warning.key for warning in away}  # no second warning with the same cause
     return [
         *_units(problem),
         *_file(output),
@@ -64,7 +70,8 @@ def known(
 def at_start(
     problem: Problem, state: Any = None
 ) -> tuple[list[float | None], list[dict[str, Any]]]:
-    """Of each contact at t = 0 the smallest gap (None where no point is near the other surface), and what is inside at its points."""
+    """The smallest gap of each contact at t = 0 (None if no point is near the other surface), and the
+    penetration at its points."""
     if not problem.contacts:
         return [], []
     state = new_state(problem) if state is None else state
@@ -77,7 +84,8 @@ def at_start(
 
 
 class Turning:
-    """Which bodies with the small-strain law have turned too far for it; it keeps of each what tells cheaply that it has not (:eq:`turned-bound`)."""
+    """Finds bodies with the small-strain law that have rotated too far for it. For each body a cheap
+    bound on the displacements tells that it has not (:eq:`turned-bound`)."""
 
     def __init__(self, problem: Problem):
         self._problem = problem
@@ -88,10 +96,11 @@ class Turning:
         }
 
     def warnings(self, state: Any) -> Iterator[errors.RotationWarning]:
-        """A warning for each that has in a state (``ct_state *``), once for each body."""
+        """Yield a warning for each body that has rotated too far in a state (``ct_state *``), once per
+        body."""
         u = self._problem.rows(state.displacement)
         for i, (body, some, least) in list(self._bodies.items()):
-            # Numpy takes rows and adds columns much faster so than by u[...][some] and .mean(axis=0).
+            # In numpy this is much faster than u[...][some] and .mean(axis=0).
             moved = u[body.nodes].take(some, axis=0)
             spread = moved - np.full(len(some), 1.0 / len(some)) @ moved
             if float(np.vdot(spread, spread)) <= least:
@@ -106,7 +115,8 @@ class Turning:
 
 
 def _spread_of(X: NDArray[Any]) -> tuple[NDArray[Any], float]:
-    """Nodes spread over a body, and the sum of squares of their displacements about the mean that every rotation by TURNED exceeds, :eq:`turned-bound`."""
+    """Nodes spread over a body, and a bound on the sum of squares of their displacements about the mean:
+    every rotation by TURNED exceeds it, :eq:`turned-bound`."""
     some = _spread(len(X))
     spread = X[some] - X[some].mean(axis=0)
     inertia = spread.T @ spread
@@ -116,14 +126,15 @@ def _spread_of(X: NDArray[Any]) -> tuple[NDArray[Any], float]:
 
 
 def _spread(count: int) -> NDArray[Any]:
-    """Numbers of nodes spread over a body, all of them if they are few; by the golden section, so that no lattice puts them into one line."""
+    """Numbers of nodes spread over a body by the golden ratio, so that they do not lie on one line of a
+    regular mesh; all nodes if they are few."""
     if count <= TURN_NODES:
         return np.arange(count)
     return (np.arange(TURN_NODES) * (math.sqrt(5.0) - 1.0) / 2.0 % 1.0 * count).astype(int)
 
 
 def _angle(X: NDArray[Any], u: NDArray[Any]) -> float:
-    """The angle [rad] of the rotation that comes nearest to the displacements u of nodes at X."""
+    """Angle [rad] of the rotation that is closest to the displacements u of the nodes at X."""
     R = rotation(X, X + u)
     skew = R - R.T
     return math.atan2(math.sqrt(0.5 * float((skew * skew).sum())), float(np.trace(R)) - 1.0)
@@ -143,7 +154,7 @@ def _file(output: Any) -> Iterator[SceneWarning]:
         yield errors.OutputWarning(text, "output.file")
 
 
-# What becomes of an overlap that is neither within ``adjust`` nor removed.
+# Treatment of an overlap that is neither within ``adjust`` nor removed.
 FATE = {
     "keep": 'gaps are measured from there, so no energy is added (initial_penetration = "keep")',
     "push": 'the penalty pushes them apart, which adds energy to the bodies (initial_penetration = "push")',
@@ -152,15 +163,15 @@ FATE = {
 
 
 def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[SceneWarning]:
-    """Points that are inside the other surface at the start, where the scene says nothing of it: neither ``adjust`` nor ``"remove"``."""
+    """Overlaps at the start that neither ``adjust`` nor ``"remove"`` covers."""
     for i, (given, points) in enumerate(zip(problem.parts.contact, found)):
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
             where = ", ".join(f"{x:.4g}" for x in points["position"])
             count, how = points["inside"] - points["buried"], given.initial_penetration
-            text = f"the surfaces overlap by {deepest:.3g} at the start, at {count} points, most at ({where}) on {points['surface']}; {FATE[how]}"
+            text = f"the surfaces overlap by {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
-                text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, move the bodies or set initial_penetration"
+                text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
             yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
@@ -183,7 +194,7 @@ def _inside_out(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
 
 
 def _away(problem: Problem, contact: Contact) -> str:
-    """Why two plane faces can't press on each other; "" if they can, or if a body turns."""
+    """The reason why two plane faces cannot come into contact; "" if they can, or if a body rotates."""
     (a, face), (b, other) = contact.surfaces
     turns = any(problem.parts.bodies[body].spin is not None for body in (a, b))
     if contact.with_itself or "outer" in (face, other) or turns or face[0] != other[0]:
@@ -200,14 +211,15 @@ def _away(problem: Problem, contact: Contact) -> str:
 
 
 def _largest_face(problem: Problem, surface: tuple[str, str]) -> float:
-    """The longest diagonal of the boxes of a surface's faces."""
+    """The longest diagonal of the bounding boxes of a surface's faces."""
     mesh = problem.bodies[surface[0]].mesh
     x = mesh.nodes[mesh.faces(surface[1])[0]]
     return float(np.linalg.norm(np.ptp(x, axis=1), axis=1).max())
 
 
 def _behind(problem: Problem, given: Any) -> str:
-    """Why an obstacle is inside the body before it: its middle is behind a plane, or all of its surface inside a sphere or cylinder by more than an element."""
+    """The reason why an obstacle encloses the body in front of it; "" if it does not. The body's mean is
+    behind a plane, or its whole surface is inside a sphere or cylinder by more than an element."""
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
         behind = given.gaps(mesh.nodes.mean(axis=0, keepdims=True))[0][0] < 0.0
@@ -222,7 +234,7 @@ def _surface(problem: Problem, surface: tuple[str, str]) -> NDArray[Any]:
     return mesh.nodes[mesh.face_nodes(surface[1])]
 
 
-# Bodies in one place.
+# Bodies in the same place.
 
 
 def _same_place(problem: Problem) -> Iterator[SceneWarning]:
@@ -234,7 +246,8 @@ def _same_place(problem: Problem) -> Iterator[SceneWarning]:
 
 
 def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
-    """The share of the smaller body that is inside the other: of its box, and if that is much, of its element centres."""
+    """Fraction of the smaller body that is inside the other: 0 if their boxes overlap little, otherwise
+    the fraction of its element centres."""
     small, large = sorted((a, b), key=lambda body: float(np.prod(np.ptp(body.mesh.bounds, axis=0))))
     (low, high), (low_b, high_b) = small.mesh.bounds, large.mesh.bounds
     sides = np.maximum(np.minimum(high, high_b) - np.maximum(low, low_b), 0.0)
@@ -252,7 +265,7 @@ def _twice(problem: Problem) -> Iterator[SceneWarning]:
     for (i, a), (j, b) in combinations(enumerate(problem.parts.contact), 2):
         for one, two in (b.surfaces, b.surfaces[::-1]):
             if _share(problem, a.surfaces[0], one) and _share(problem, a.surfaces[1], two):
-                text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, has faces of both surfaces, too; the contact force acts twice, at twice the cost and stiffness; "
+                text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, also has faces of both surfaces, so the contact force acts twice, at twice the cost and stiffness; "
                 text += (
                     "leave one of the contacts out, or name surfaces that have no faces in common"
                 )
@@ -274,8 +287,10 @@ def _share(problem: Problem, a: tuple[str, str], b: tuple[str, str]) -> bool:
 
 def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
     """
-    Contacts whose surfaces can't come together. Only bodies count that nothing acts on but a gravity that they fall in freely: they keep their
-    velocity, and the boxes around the bodies give the earliest time of a touch. A body that may be hit counts no more.
+    Find contacts whose surfaces cannot come together.
+
+    This is known only for bodies in free flight, on which nothing acts but gravity: their bounding
+    boxes give the earliest time of a touch. A body that may be hit by another one is excluded.
     """
     acted_on, before = _acted_on(problem), -1
     pairs = [(touch, {body for body, _ in touch.surfaces}) for touch in touches]
@@ -294,7 +309,7 @@ def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
 
 
 def _acted_on(problem: Problem) -> set[str]:
-    """The bodies whose motion before a contact is not known: something other than a free fall acts on them."""
+    """The bodies that are not in free flight, so that their motion before a contact is unknown."""
     parts, out = problem.parts, {own.body for own in problem.own}
     out |= {name for name, body in parts.bodies.items() if body.spin is not None}
     out |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
@@ -315,7 +330,8 @@ def _acted_on(problem: Problem) -> set[str]:
 
 
 def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
-    """Contacts and obstacles whose first impact loses much: the nodes that hit hold a large part of what moves (eq:thin-loss)."""
+    """Contacts and obstacles whose first impact loses much energy, because the nodes that hit hold a large
+    part of the moving mass (eq:thin-loss)."""
     for touch in touches:
         meets = touch.closing > 0.0 and touch.time <= problem.end
         if not meets or touch.given.enforcement in FEEDING:
@@ -333,7 +349,8 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
 
 
 def _first_nodes(problem: Problem, touch: Touch) -> Points:
-    """The nodes of the surfaces that hit first: the foremost ones that have the other surface, if there is one, before them."""
+    """The nodes of each surface that hit first: the foremost ones that lie opposite the other surface,
+    if there is one."""
     out: Points = {}
     for k, (name, face) in enumerate(touch.surfaces):
         mesh = problem.bodies[name].mesh
@@ -353,15 +370,16 @@ def _first_nodes(problem: Problem, touch: Touch) -> Points:
 def _masses(
     problem: Problem, name: str, nodes: NDArray[Any], normal: NDArray[Any]
 ) -> tuple[float, float]:
-    """Mass of some nodes of a body and of all of it, along a direction; infinite if nodes are held there."""
+    """Mass of some nodes of a body, and of the whole body, along a direction; infinite if a node is fixed
+    in it."""
     axis, rows = np.abs(normal).argmax(), problem.bodies[name].nodes
-    # A node that is held has no inverse mass.
+    # The inverse mass of a fixed node is 0.
     with np.errstate(divide="ignore"):
         mass = 1.0 / problem.rows(problem.pointer.inverse_mass)[rows, axis]
     return float(mass[nodes].sum()), float(mass.sum())
 
 
 def _reduced(masses: list[float]) -> float:
-    """The mass with which two bodies meet, m1 m2 / (m1 + m2); of one body that meets a wall its own."""
+    """Reduced mass of two bodies that meet, m1 m2 / (m1 + m2); the body's own mass if it meets a wall."""
     inverse = sum(1.0 / m if m else math.inf for m in masses)
     return 1.0 / inverse if inverse else math.inf

@@ -20,11 +20,12 @@ class Effect(Table):
     """What is missing in a scene without the effect, for ``explain``."""
 
     def create(self, maker: Any) -> Any:
-        """The C effect (``ct_effect *``), or a list of them, by a :class:`libcontact.problem.Maker`; here of the keys that its struct has."""
+        """Create the C effect (``ct_effect *``), or a list of them, with a
+        :class:`libcontact.problem.Maker`; by default from the keys that its struct has."""
         return maker.make(type(self).__name__.lower(), self, **self.members(maker))
 
     def members(self, maker: Any) -> dict[str, Any]:
-        """Members of the struct that are not keys of the same name."""
+        """Members of the struct that are not keys with the same name."""
         raise NotImplementedError
 
     def describe(self, units: Units) -> str:
@@ -77,12 +78,12 @@ class OnSurface(Effect):
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """One effect of a scene: its ``key`` in the scene (``load[1]``), and what was ``given``."""
+    """One effect of a scene: its ``key`` in the scene (``load[1]``), and its table ``given``."""
 
     key: str
     given: Any
 
     @property
     def name(self) -> str:
-        """The name of the effect: its table, and its column in the ledger."""
+        """The name of the effect: that of its table, and of its column in the energy balance."""
         return self.key.partition("[")[0]

@@ -25,7 +25,7 @@ class Averaging(OnBodies):
     without = "no [averaging]: short waves are slow, and fronts ring"
 
     def members(self, maker: Any) -> dict[str, Any]:
-        """The bodies, and the nodes of all surfaces that forces of the solver act on."""
+        """The bodies, and the nodes of all surfaces on which forces of the solver act."""
         nodes = [maker.face_nodes(surface) for surface in _apart(maker.parts)]
         rows = maker.keep(np.concatenate(nodes) if nodes else np.empty(0, np.int32))
         apart = ffi.from_buffer("int32_t[]", rows) if nodes else ffi.NULL
@@ -36,7 +36,7 @@ class Averaging(OnBodies):
 
 
 def _apart(parts: Any) -> Iterator[tuple[str, str]]:
-    """Surfaces with forces that are found after the averaging."""
+    """Surfaces whose forces are computed after the averaging."""
     for contact in parts.contact:
         yield from contact.surfaces
     yield from (obstacle.surface for obstacle in parts.obstacle)

@@ -1,4 +1,5 @@
-"""``[damping]``: a force against the velocity, in proportion to mass, or dynamic relaxation (chapter "Damping")."""
+"""``[damping]``: a force against the velocity, proportional to mass, or dynamic relaxation (chapter
+"Damping")."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""``[[obstacle]]``: a rigid plane, sphere or cylinder, fixed or moving, against the surface of a body (chapter "Obstacle")."""
+"""``[[obstacle]]``: a rigid plane, sphere or cylinder, fixed or moving, in contact with the surface of
+a body (chapter "Obstacle")."""
 
 from __future__ import annotations
 
@@ -53,7 +54,7 @@ class Sphere(Table):
     Attributes
     ----------
     centre
-        Its middle.
+        Its centre.
     radius
         Its radius.
     """
@@ -65,7 +66,7 @@ class Sphere(Table):
 
     @property
     def point(self) -> Vector:
-        """The place of the shape."""
+        """The position of the shape."""
         return self.centre
 
 
@@ -105,7 +106,7 @@ class Obstacle(Pressing, OnSurface):
     travel
         The obstacle moves by the travel times the history, in addition to its velocity.
     history
-        A line through points.
+        A piecewise linear factor in time (:eq:`amplitude`).
     """
 
     without = "no [[obstacle]]: no rigid walls, spheres or cylinders"
@@ -132,7 +133,8 @@ class Obstacle(Pressing, OnSurface):
         yield from super().refusals()
 
     def gaps(self, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Gaps (n,) of points (n, 3) to the obstacle at the start, negative inside it, and its normals (n, 3) there."""
+        """Gaps (n,) of points (n, 3) to the obstacle at the start, negative inside it, and its normals
+        (n, 3) at the closest points."""
         shape = getattr(self, self.shape)
         r = points - np.array(shape.point)
         axis = np.array(shape.axis) / np.linalg.norm(shape.axis)
@@ -143,7 +145,8 @@ class Obstacle(Pressing, OnSurface):
         return distance - shape.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
     def penalties(self, body: Any) -> tuple[float, float]:
-        """The penalty ε against a body of the C scene, and the ratio of the tangential one to it."""
+        """The penalty ε for contact with a body of the C scene, and the ratio of the tangential penalty to
+        it."""
         edge = lib.ct_mesh_shortest_edge(body.mesh)
         c = ffi.new("double[2]")
         lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
@@ -167,7 +170,7 @@ class Obstacle(Pressing, OnSurface):
         }
 
     def create(self, maker: Any) -> Any:
-        """The obstacle's effect, and after it that of its friction, if it has one."""
+        """Create the effect of the obstacle, and after it that of its friction, if it has any."""
         made = super().create(maker)
         if not self.friction:
             return made

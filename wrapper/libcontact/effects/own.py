@@ -26,7 +26,8 @@ class View:
     time
         The time of the call.
     reference, displacement, velocity
-        Read-only arrays (n, 3) for the effect's nodes: coordinates at the start, displacement at that time, velocity half a step before.
+        Read-only arrays (n, 3) for the effect's nodes: coordinates at the start, displacement at this
+        time, velocity half a step earlier.
     """
 
     time: float
@@ -49,7 +50,9 @@ class Own:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isidentifier() or len(self.name) > 63:
-            raise SceneError(f"{self.name!r} is no name for a column of the ledger", "effect")
+            raise SceneError(
+                f"{self.name!r} is not a valid name for a column of the energy balance", "effect"
+            )
         if not callable(self.force) or not (self.energy is None or callable(self.energy)):
             raise SceneError("force and energy must be functions", self.name)
         self.omega_squared = FORWARD.read(self.omega_squared, Place(f"{self.name}.omega_squared"))
@@ -68,7 +71,7 @@ class Own:
                 raise pickle.PicklingError(text) from None
 
     def view(self, of: Any) -> View:
-        """A copy of the C library's view (``ct_view *``) at the effect's nodes."""
+        """A copy of the C library's ``ct_view *`` at the effect's nodes."""
         arrays = []
         for pointer in (of.reference, of.displacement, of.velocity):
             numbers = np.frombuffer(ffi.buffer(pointer, 24 * self.count), np.float64)
@@ -77,7 +80,7 @@ class Own:
         return View(float(of.time), *arrays)
 
     def create(self, maker: Any) -> Any:
-        """The C effect, which keeps this object by a handle that the problem keeps."""
+        """Create the C effect. The problem keeps a handle that keeps this object alive."""
         if self.body not in maker.parts.bodies:
             raise maker.error(f'no body is named "{self.body}"')
         if isinstance(self.given, str):

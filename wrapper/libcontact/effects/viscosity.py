@@ -1,4 +1,5 @@
-"""``[viscosity]``: a pressure against compression that spreads a front over a few elements (chapter "Bulk viscosity")."""
+"""``[viscosity]``: a pressure that resists compression and spreads a front over a few elements (chapter
+"Bulk viscosity")."""
 
 from __future__ import annotations
 
