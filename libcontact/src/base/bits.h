@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A bit a node: node n is bit n % 64 of word n / 64. */
+/* One bit per node: node n is bit n % 64 of word n / 64. */
 
 static inline int64_t ct_bits_words(int64_t count) { return (count + 63) / 64; }
 
@@ -30,8 +30,7 @@ static inline void ct_bits_put(uint64_t *bits, int32_t first, int32_t last, int 
   }
 }
 
-/* Give the bits first ... last - 1, which stand in one word, the values that they have in `word`.
- */
+/* Set the bits first ... last - 1, which lie in one word, to their values in `word`. */
 static inline void ct_bits_write(uint64_t *bits, int32_t first, int32_t last, uint64_t word)
 {
   int32_t begin = first / 64 * 64;
@@ -39,14 +38,14 @@ static inline void ct_bits_write(uint64_t *bits, int32_t first, int32_t last, ui
   bits[first / 64] = (bits[first / 64] & ~span) | (word & span);
 }
 
-/* The end of the bits from `first` on that stand in its word, or `last` if that is less. */
+/* End of the bits from `first` on that lie in its word, or `last` if that is less. */
 static inline int32_t ct_bits_word_end(int32_t first, int32_t last)
 {
   int32_t end = first / 64 * 64 + 64;
   return end < last ? end : last;
 }
 
-/* Zeros below the lowest set bit of a word that is not 0. */
+/* Number of zeros below the lowest set bit of a word that is not 0. */
 static inline int32_t ct_bits_low_zeros(uint64_t word)
 {
 #if defined(__GNUC__)
@@ -58,7 +57,7 @@ static inline int32_t ct_bits_low_zeros(uint64_t word)
 #endif
 }
 
-/* The first of n, n + 1, ... whose bit is `value`, or `last` when none of those below it is. */
+/* The first of n, n + 1, ... whose bit is `value`, or `last` if none below it is. */
 static inline int32_t ct_bits_next(const uint64_t *bits, int32_t n, int32_t last, int value)
 {
   while (n < last) {
@@ -72,8 +71,8 @@ static inline int32_t ct_bits_next(const uint64_t *bits, int32_t n, int32_t last
   return last;
 }
 
-/* The next run of set bits among *first ... last - 1: moves *first to where it begins, and answers
- * its end; both are `last` when there is none. Null: all bits are set. */
+/* The next run of set bits among *first ... last - 1: sets *first to its begin and returns its end;
+ * both are `last` if there is none. Null: all bits are set. */
 static inline int32_t ct_bits_run(const uint64_t *bits, int32_t *first, int32_t last)
 {
   if (bits == NULL) return last;

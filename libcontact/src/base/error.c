@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Write the text from byte `start` on. What is too long ends with three dots, and not within a
- * character of several bytes. */
+/* Write the text from byte `start` on. A text that is too long is cut between characters and ends
+ * with three dots. */
 static void write_text(ct_error *error, size_t start, const char *format, va_list arguments)
 {
   size_t room = sizeof error->text - start, end = sizeof error->text - sizeof "...";

@@ -3,10 +3,10 @@
 
 #include <libcontact/base.h>
 
-/* More threads than this are refused: some runtimes end the program when they can't start them. */
+/* The largest number of threads: some runtimes end the program if they cannot start more. */
 enum { CT_MOST_THREADS = 1024 };
 
-/* What an error is about; -1 where it names none. */
+/* Place of an error; -1 where it names none. */
 typedef struct ct_place {
   int64_t body, element, point;
 } ct_place;
@@ -20,15 +20,15 @@ __attribute__((format(printf, 4, 5)))
 #endif
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
 
-/* Refuse an impossible argument that is nowhere in a mesh, and tell what there is no memory for. */
+/* Refuse an invalid argument without a place in a mesh, and report missing memory. */
 #define CT_REFUSE(error, ...) ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, __VA_ARGS__)
 #define CT_NO_MEMORY(error, ...) \
   ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for " __VA_ARGS__)
 
-/** Name the part of a scene that a status other than CT_OK is about; answers the status. */
+/** Name the part of a scene to which a status other than CT_OK belongs; returns the status. */
 ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number);
 
-/* Write on at the end of an error's text. */
+/* Append to an error's text. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif

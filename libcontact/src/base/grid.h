@@ -11,7 +11,7 @@ typedef struct ct_grid {
   double coarse, fine;
 } ct_grid;
 
-/* Returns 0 when `top` is not finite or too large. */
+/* Returns 0 if `top` is not finite or too large. */
 static inline int ct_grid_init(ct_grid *grid, double top, int64_t count)
 {
   int bits = 0, exponent;

@@ -1,23 +1,23 @@
 #ifndef CT_SRC_LANES_H
 #define CT_SRC_LANES_H
 
-/* Any header of libc: it defines __GLIBC__, without which the kernels would silently be compiled
- * for the oldest machine alone. */
+/* Any header of libc: it defines __GLIBC__, without which the kernels would be compiled for the
+ * oldest machine only, without a warning. */
 #include <stdint.h>
 
-/* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a
- * ct_lanes is arithmetic on each lane, rounded as one double is; so every instruction set gives the
- * same bits. gcc and clang know the type; other compilers get one lane at a time. */
+/* Eight numbers that are computed side by side, one per element of a batch. Arithmetic on a
+ * ct_lanes is arithmetic on each lane, rounded like one double, so all instruction sets give the
+ * same bits. gcc and clang have the type; with other compilers the loops run one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));
-typedef double ct_loose __attribute__((vector_size(64), aligned(8), may_alias)); /* anywhere */
+typedef double ct_loose __attribute__((vector_size(64), aligned(8), may_alias)); /* unaligned */
 #define CT_LANES_WIDE 1
 #else
 typedef double ct_lanes, ct_loose;
 #define CT_LANES_WIDE 0
 #endif
 
-/* Lanes picked out of two vectors, and whether the compiler can do it: 1 or 0. */
+/* Lanes selected from two vectors, and whether the compiler can do it: 1 or 0. */
 #define CT_PICK __builtin_shufflevector
 #if CT_LANES_WIDE && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
@@ -30,7 +30,7 @@ typedef double ct_lanes, ct_loose;
 
 enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 
-/* Four numbers side by side, anywhere in memory: one vector, or CT_QUAD_PARTS of them. */
+/* Four numbers side by side, unaligned: one vector, or CT_QUAD_PARTS of them. */
 #if defined(__GNUC__)
 typedef double ct_quad __attribute__((vector_size(32), aligned(8), may_alias));
 enum { CT_QUAD_PARTS = 1 };
@@ -46,7 +46,8 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_INLINE static inline
 #endif
 
-/* Compile a kernel for several instruction sets; the loader picks the best that the machine has. */
+/* Compile a kernel for several instruction sets; the loader selects the best one for the machine.
+ */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && \
     !defined(CT_NO_CLONES)
 #define CT_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
@@ -54,7 +55,7 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_CLONES
 #endif
 
-/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]; only where CT_ROWS. */
+/* Load x, y, z of 8 consecutive nodes, to v[0], v[step], v[2 step]; only if CT_ROWS. */
 CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
 {
 #if CT_ROWS
@@ -70,7 +71,7 @@ CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
 #endif
 }
 
-/* Write them: the way back. */
+/* Store them: the reverse. */
 CT_INLINE void ct_store_row(const ct_lanes v[3], double *p)
 {
 #if CT_ROWS

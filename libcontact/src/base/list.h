@@ -3,7 +3,7 @@
 
 #include <stdint.h>
 
-/* The first of `count` ascending numbers that is not below `value`; `count` when all are. */
+/* The first of `count` ascending numbers that is not below `value`; `count` if all are. */
 static inline int32_t ct_lower_bound(const int32_t *list, int32_t count, int32_t value)
 {
   int32_t first = 0, last = count;

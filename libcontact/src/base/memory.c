@@ -8,8 +8,8 @@
 
 enum { ALIGNMENT = 64, HEADER = 2 * sizeof(void *) };
 
-/* The host's functions, or null for the C library's: one of the two variables of the whole process.
- * A host writes it before it makes anything. */
+/* The host's functions, or null for those of the C library: one of the two variables of the whole
+ * process. A host writes it before it creates any object. */
 static ct_allocator host;
 
 ct_status ct_set_allocator(const ct_allocator *allocator)
@@ -21,7 +21,7 @@ ct_status ct_set_allocator(const ct_allocator *allocator)
   return CT_OK;
 }
 
-/* Zeroed bytes. The C library need not write the zeros of memory that is new. */
+/* Zeroed bytes. The C library need not write the zeros of new memory. */
 static void *zeroed(size_t bytes)
 {
   if (host.allocate == NULL) return calloc(bytes, 1);
@@ -35,8 +35,8 @@ void *ct_allocate(size_t count, size_t size)
   if (size != 0 && count > (SIZE_MAX - ALIGNMENT - HEADER) / size) return NULL;
   char *raw = zeroed(count * size + ALIGNMENT + HEADER);
   if (raw == NULL) return NULL;
-  // The address that was given stands just before the aligned block, and before it the block of a
-  // pool that was taken earlier.
+  // The allocated address is stored just before the aligned block, and before it the preceding
+  // block of a pool.
   uintptr_t start = (uintptr_t)raw + HEADER;
   size_t shift = (ALIGNMENT - start % ALIGNMENT) % ALIGNMENT;
   void **block = (void **)(void *)(raw + HEADER + shift);

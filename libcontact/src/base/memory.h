@@ -4,19 +4,19 @@
 #include <stddef.h>
 
 /* Zeroed memory for `count` items of `size` bytes, aligned to 64 bytes (a cache line, a batch of
- * lanes); null when there is none or the product overflows. At least one item is allocated. Free
+ * lanes); null if out of memory or if the product overflows. At least one item is allocated. Free
  * with ct_release. */
 void *ct_allocate(size_t count, size_t size);
 
-/* A copy of `bytes` bytes, to be given back likewise; null when there is no memory. */
+/* A copy of `bytes` bytes, to be freed likewise; null if out of memory. */
 void *ct_duplicate(const void *from, size_t bytes);
 
 void ct_release(void *memory);
 
-/* All memory of one object, which is given back together. Zeroed it is empty. */
+/* All memory of one object, which is freed together. A zeroed pool is empty. */
 typedef struct ct_pool {
   void *last;
-  int failed; /* a request was not met */
+  int failed; /* an allocation failed */
 } ct_pool;
 
 /* As ct_allocate, from a pool. */
@@ -25,7 +25,7 @@ void *ct_pool_take(ct_pool *pool, size_t count, size_t size);
 /* As ct_duplicate. */
 void *ct_pool_copy(ct_pool *pool, const void *from, size_t bytes);
 
-/* Give back all that was taken. */
+/* Free all blocks. */
 void ct_pool_empty(ct_pool *pool);
 
 /* The same, and the object that begins with the pool; null is allowed. */

@@ -10,12 +10,12 @@ CT_CLONES
 double ct_largest(const double *values, int64_t count)
 {
   double top = 0.0, odd = 0.0;
-#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#ifndef __clang__ // clang has no vector maximum that propagates NaN, and warns
 #pragma omp simd reduction(max : top) reduction(+ : odd)
 #endif
   for (int64_t i = 0; i < count; i++) {
     double a = fabs(values[i]);
-    odd += a - a; // NaN where a number is not finite
+    odd += a - a; // NaN if a number is not finite
     top = a > top ? a : top;
   }
   return odd == 0.0 ? top : INFINITY;
@@ -25,7 +25,7 @@ CT_CLONES
 void ct_extent(int64_t count, const double *rows, double low[3], double high[3])
 {
   double lx = INFINITY, ly = lx, lz = lx, hx = -lx, hy = hx, hz = hx;
-#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#ifndef __clang__ // as in ct_largest
 #pragma omp simd reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
 #endif
   for (int64_t n = 0; n < count; n++) {
@@ -37,7 +37,7 @@ void ct_extent(int64_t count, const double *rows, double low[3], double high[3])
   high[0] = hx, high[1] = hy, high[2] = hz;
 }
 
-/* Whether all of some numbers are zero: none of them has a bit but for the sign. */
+/* Whether all of some numbers are zero: only their signs may be set. */
 CT_CLONES
 static int all_zero(const double *values, int64_t count)
 {
@@ -53,12 +53,12 @@ static int all_zero(const double *values, int64_t count)
 
 int ct_is_zero(const double *values, int64_t count)
 {
-  // The first and the last one tell of most that are not.
+  // The first and the last one suffice for most arrays that are not zero.
   return count == 0 || (values[0] == 0.0 && values[count - 1] == 0.0 && all_zero(values, count));
 }
 
-/* Whether one sum needs its terms in the round that begins now: in the first, and in the second if
- * there is something to add that was not added on the same grids yet. */
+/* Whether one sum needs its terms in the round that begins now: in the first round, and in the
+ * second if there are terms that were not added on the same grids yet. */
 static int stream_again(ct_stream *s)
 {
   ct_grid before = s->grid;
@@ -84,14 +84,14 @@ int ct_stream_again(ct_stream *sums, int count)
   return again;
 }
 
-/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). Returns
- * the largest size; infinite if a number is not finite, as then a sum is not. */
+/* Split each number into its parts on the two grids; both sums are exact (eq:order-free-sum).
+ * Returns the largest size; infinite if a number is not finite, because then the sum is not. */
 CT_CLONES
 static double add_parts(const ct_grid *of, const double *terms, int64_t count, double sum[2])
 {
   ct_grid grid = *of;
   double coarse = 0.0, fine = 0.0, top = 0.0;
-#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#ifndef __clang__ // as in ct_largest
 #pragma omp simd reduction(+ : coarse, fine) reduction(max : top)
 #endif
   for (int64_t i = 0; i < count; i++) {
@@ -121,7 +121,7 @@ void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
   // same
   double sum[2] = {s->coarse, s->fine}, top = 0.0;
   int is_added = s->round == 2 || (s->round == 1 && s->grid.coarse != 0.0);
-  // Where nothing moves or acts terms are zero in whole pieces, which change no sum.
+  // At rest the terms of whole pieces are zero and do not change a sum.
   int is_zero = terms == NULL || ct_is_zero(terms, count);
   if (is_added && !is_zero) top = add_parts(&s->grid, terms, count, sum);
   s->coarse = sum[0];

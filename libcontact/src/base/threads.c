@@ -6,8 +6,8 @@
 
 int ct_threads(int wanted)
 {
-  // The process in which OpenMP's threads were begun; the only variable that belongs to no caller,
-  // as these threads do.
+  // The process in which OpenMP's threads were started; the only variable without an owner, like
+  // these threads.
   static long begun;
   if (wanted <= 1) return wanted;
   long own = (long)getpid(), process;

@@ -5,14 +5,14 @@
  * pairs, and a + b = b + a to the last bit, so a mirrored scene gives mirrored bits (eq:tree-sum).
  */
 
-/* Over the corners of a brick in VTK's order, `s` from one to the next. */
+/* Over the corners of a brick in VTK's order, with the stride `s`. */
 static inline double ct_tree_corners(const double *t, int s)
 {
   return ((t[0] + t[s]) + (t[3 * s] + t[2 * s])) + ((t[4 * s] + t[5 * s]) + (t[7 * s] + t[6 * s]));
 }
 
-/* Over the 8 or 20 nodes of a brick: corners, then the four edges along ξ, along η, along ζ; `s`
- * from one to the next. */
+/* Over the 8 or 20 nodes of a brick: corners, then the four edges along ξ, along η, along ζ; with
+ * the stride `s`. */
 static inline double ct_tree_nodes(int count, const double *t, int s)
 {
   double corners = ct_tree_corners(t, s);

@@ -3,9 +3,8 @@
 
 #include <math.h>
 
-/* Gershgorin's bound of the eigenvalues of a symmetric tridiagonal matrix, given by its diagonal
- * (n) and what stands beside it (n
- * - 1). */
+/* Gershgorin's bound on the eigenvalues of a symmetric tridiagonal matrix with this diagonal (n)
+ * and off-diagonal (n - 1). */
 static inline double ct_tridiagonal_reach(int n, const double *diagonal, const double *side)
 {
   double reach = 0.0;

@@ -3,11 +3,11 @@
 
 #include <math.h>
 
-/* Lengths beyond this are refused: four of them multiplied would leave the range of numbers. */
+/* Longer lengths are refused: a product of four of them would overflow. */
 #define CT_LARGEST_LENGTH 1e70
 
-/* Products of vectors with three components, always summed (x + y) + z, so that a mirrored pair
- * gives the mirrored bits. */
+/* Products of vectors with three components, always summed as (x + y) + z, so that a mirrored pair
+ * gives mirrored bits. */
 static inline double ct_vector_dot(const double a[3], const double b[3])
 {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
@@ -20,8 +20,8 @@ static inline void ct_vector_cross(const double a[3], const double b[3], double 
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* The unit vector along a x b. Answers 0 where rounding decides its direction: a and b parallel to
- * 1e-14, zero, or not finite. */
+/* The unit vector along a x b. Returns 0 if rounding determines its direction: a and b are parallel
+ * to 1e-14, zero, or not finite. */
 static inline int ct_vector_unit_normal(const double a[3], const double b[3], double n[3])
 {
   double la = sqrt(ct_vector_dot(a, a)), lb = sqrt(ct_vector_dot(b, b)), u[3], v[3];

@@ -1,5 +1,5 @@
-/* The laws that make a force of the gaps of one point. Each law has a block of functions and a row
- * in LAWS; nothing else in this file knows it. */
+/* The laws that compute the force of a point from its gaps. Each law has a block of functions and a
+ * row in LAWS; nothing else in this file depends on the law. */
 #include "law.h"
 
 #include "../base/error.h"
@@ -34,7 +34,7 @@ static ct_ramp bipenalty_ramp(const ct_constraint *c)
   return (ct_ramp){.C = 4.0 / c->stiffness, .b = c->before + 2.0 * c->gap};
 }
 
-/* Holds on both sides of 0 while the point is inside. */
+/* Valid on both sides of 0 while the point is inside. */
 static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
 {
   const double middle = 0.5 * (g0 + g1);
@@ -44,12 +44,12 @@ static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
 /* All laws. */
 
 typedef struct law {
-  /* The law in one step; null: it knows its force without the gap to come, and has no rows. */
+  /* The law in one step; null: its force does not depend on the next gap, and it has no rows. */
   ct_ramp (*ramp)(const ct_constraint *c);
-  /* Energy stored in the middle of a step from the gap g0 to g1. */
+  /* Energy stored at the middle of a step from the gap g0 to g1. */
   double (*stored)(const ct_constraint *c, double g0, double g1);
-  /* Energy held at t = 0 by a force that begins there; null: the force is taken as if it had always
-   * acted (eq:energy-start). */
+  /* Energy at t = 0 of a force that begins then; null: the force counts as if it had always acted
+   * (eq:energy-start). */
   double (*start)(const ct_constraint *c);
   /* Whether only a point that is inside at t_n can have a force. */
   int only_inside;

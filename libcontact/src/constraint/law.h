@@ -3,43 +3,43 @@
 
 #include <libcontact/constraint.h>
 
-/* Refuse a law that does not exist, or one whose numbers are out of range: of the row only
- * `enforcement` and the numbers that belong to a law are read. `who` begins the message. */
+/* Refuse an unknown law, or parameters out of range: of the row only `enforcement` and the
+ * parameters of its law are read. `who` begins the message. */
 ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *error);
 
 /* A law in one step: λ = ⟨-(g_{n+1} + b)⟩ / C (eq:ramp). */
 typedef struct ct_ramp {
   double C; /* compliance, > 0 */
-  double b; /* what the next gap counts from */
+  double b; /* offset of the next gap */
 } ct_ramp;
 
-/* Whether a law has rows: its force depends on the gap to come. */
+/* Whether a law has rows: its force depends on the next gap. */
 int ct_law_has_rows(const ct_constraint *law);
 
-/* Whether a row can have a force in the coming step, as far as its gap g_n tells. */
+/* Whether a row can have a force in the next step, judging by its gap g_n. */
 int ct_law_presses(const ct_constraint *row);
 
-/* The law of a row in the coming step, once all that is known at t_n stands in it. */
+/* The law of a row in the next step, after all its values at t_n are set. */
 ct_ramp ct_law_ramp(const ct_constraint *row);
 
-/* Share a of the dashpot of a row whose gap moves by `mobility` when all forces around it are 1
- * (eq:surface-damping). */
+/* The coefficient a of the dashpot of a row; `mobility` is the change of its gap by unit forces on
+ * all points around it (eq:surface-damping). */
 double ct_law_dashpot(const ct_constraint *row, double mobility);
 
-/* Energy that the row holds at t_n, so that the sum with what the bodies hold never grows
- * (eq:controlled-energy). What it stored in the last step is computed from `before`, as if it had
- * met the same nodes then. */
+/* Energy of the row at t_n, such that its sum with the energy of the bodies never grows
+ * (eq:controlled-energy). The stored energy of the last step is computed from `before`, as if the
+ * row had had the same nodes. */
 double ct_law_energy(const ct_constraint *row);
 
-/* The parts of the energy of a solved constraint: what it stores in the middle of the coming step,
- * S_{n+1/2}; what the leapfrog's energy lacks at t_n because of its force (eq:controlled-energy);
- * and all that it holds at t = 0 (eq:energy-start). */
+/* The parts of the energy of a solved constraint: the energy stored at the middle of the next step,
+ * S_{n+1/2}; the correction of the leapfrog's energy at t_n by its force (eq:controlled-energy);
+ * and the whole energy at t = 0 (eq:energy-start). */
 double ct_law_stored(const ct_constraint *c);
 double ct_law_lag(const ct_constraint *c);
 double ct_law_start(const ct_constraint *c);
 
-/* Whether a force that the law finds at t = 0 begins there; that of a law which knows only gaps
- * that have been is taken as if it had always acted (eq:energy-start). */
+/* Whether a force of the law at t = 0 begins then. The force of a law that depends on past gaps
+ * only counts as if it had always acted (eq:energy-start). */
 int ct_law_begins(const ct_constraint *c);
 
 #endif

@@ -1,4 +1,4 @@
-/* The forces of all constraints of a step, found together. */
+/* The forces of all constraints of a step, solved for together. */
 #include "solve.h"
 #include "law.h"
 
@@ -15,7 +15,8 @@
 
 enum { MOST_ITERATIONS = 2000, WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
 
-/* The iteration ends when no force would change by more than this part of the largest. */
+/* The iteration ends when the largest change of a force is below this fraction of the largest
+ * force. */
 static const double TOLERANCE = 1e-10;
 
 /* Number the nodes of all sets, each once. */
@@ -71,7 +72,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   return CT_OK;
 }
 
-/* Where the nodes of a row stand in vectors at nodes, from `at` on. */
+/* Places of the nodes of a row in vectors at nodes, from `at` on. */
 static void find_places(ct_solver *s, int32_t set, const ct_constraint *c, int64_t at)
 {
   const int32_t *place = &s->place[s->first_node[set]];
@@ -123,7 +124,7 @@ static void fill_entries(ct_solver *s)
     }
 }
 
-/* Find how many of some rows from each on have the same nodes, and entries one after another. */
+/* Find for each of some rows how many from it on have the same nodes, with consecutive entries. */
 static void find_alike(int64_t count, ct_entries *entries)
 {
   for (int64_t r = 0, end; r < count; r = end) {
@@ -136,7 +137,7 @@ static void find_alike(int64_t count, ct_entries *entries)
   }
 }
 
-/* A quad of each of some nodes. */
+/* One quad for each of some nodes. */
 CT_INLINE void load_nodes(int32_t count, const int32_t *place, const double *x, ct_quad *at)
 {
   for (int32_t a = 0; a < count; a++)
@@ -157,8 +158,8 @@ CT_INLINE void sum_face(int32_t count, const ct_quad *G, const ct_quad *at, ct_q
 }
 
 /* Some rows of G with the same nodes times a vector, or their sizes times its fourth components.
- * Inlined with the numbers of nodes known where they are four or eight, as in most faces: what
- * stands at the nodes stays in registers. */
+ * Inlined for faces with four and eight nodes, the most frequent ones, so that the values at the
+ * nodes stay in registers. */
 CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, const int32_t *place,
                           const double *G, const double *x, double *out)
 {
@@ -173,7 +174,7 @@ CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, c
   }
 }
 
-/* G times a vector at nodes; or with `sizes` that of its fourth components. */
+/* G times a vector at nodes; with `sizes` the absolute entries times its fourth components. */
 CT_CLONES
 static void times_G(int sizes, const ct_entries *rows, int64_t count, const int32_t *places,
                     const double *G, const double *x, double *out)
@@ -191,8 +192,8 @@ static void times_G(int sizes, const ct_entries *rows, int64_t count, const int3
 }
 
 /* Add some rows of G with the same nodes, times their forces, to the sums at the nodes, as
- * multiples of the spacing of the coarse grid: these sums are exact in any order
- * (eq:order-free-sum). Two rows at once need three operations a number in place of four. */
+ * multiples of the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum).
+ * Two rows together need three operations per number instead of four. */
 CT_INLINE void add_rows(double coarse, int32_t nodes, int32_t rows, const int32_t *place,
                         const double *G, const double *force, double *sums)
 {
@@ -224,7 +225,7 @@ static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int6
   }
 }
 
-/* `moved` = A times the sums at the nodes of active rows, which are cleared for the next ones. */
+/* `moved` = A times the sums at the nodes of active rows; the sums are then cleared. */
 CT_CLONES
 static void move_touched(int32_t count, const int32_t *place, const double *mobility,
                          double *restrict sums, double *restrict moved)
@@ -239,11 +240,11 @@ static void move_touched(int32_t count, const int32_t *place, const double *mobi
     }
 }
 
-/* `moved` = A Gᵀ times forces. Answers 0 when they are not finite. */
+/* `moved` = A Gᵀ times forces. Returns 0 if they are not finite. */
 static int move_nodes(ct_solver *s, const double *force)
 {
   ct_grid grid;
-  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
+  // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * ct_largest(force, s->count), s->most_crowd)) return 0;
   times_G_transposed(&grid, s->entries, s->count, s->entry_place, s->G, force, s->sums);
   move_touched(s->touched_count, s->touched, s->mobility, s->sums, s->moved);
@@ -266,7 +267,7 @@ static void add_times(int64_t count, const double *a, const double *x, double *r
   for (int64_t r = 0; r < count; r++) out[r] += a[r] * x[r];
 }
 
-/* `out` = (W + C) times forces: the gaps that they open, and what their own springs give
+/* `out` = (W + C) times forces: the gaps that they open plus the compliances times the forces
  * (eq:constraint-problem). */
 static int apply(ct_solver *s, const double *force, double *out)
 {
@@ -279,8 +280,7 @@ static int apply(ct_solver *s, const double *force, double *out)
   return 1;
 }
 
-/* Gaps of the steps before and after without the constraints; answers the largest motion or depth.
- */
+/* Gaps at t_{n-1} and t_{n+1} without the constraints; returns the largest motion or depth. */
 static double predict_gaps(ct_solver *s)
 {
   double most = 0.0;
@@ -297,7 +297,7 @@ static double predict_gaps(ct_solver *s)
   return most;
 }
 
-/* Leave out the rows that the motions of this step cannot close (eq:near-constraints). */
+/* Drop the rows that the motions of this step cannot close (eq:near-constraints). */
 static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
@@ -316,7 +316,7 @@ static void choose_active(ct_solver *s)
   find_alike(s->count, s->entries);
 }
 
-/* List the nodes on which active rows act, and count how many act on each. */
+/* List the nodes on which active rows act, and count the rows at each. */
 static void list_touched(ct_solver *s)
 {
   for (int32_t k = 0; k < s->touched_count; k++) s->crowd[s->touched[k] / WIDE] = 0;
@@ -332,7 +332,7 @@ static void list_touched(ct_solver *s)
   }
 }
 
-/* Σ_k |W_jk| of each row, or more, into `scale` (eq:constraint-bound). */
+/* An upper bound of Σ_k |W_jk| of each row, into `scale` (eq:constraint-bound). */
 static int bound_rows(ct_solver *s)
 {
   for (int32_t k = 0; k < s->touched_count; k++) {
@@ -362,7 +362,7 @@ static int fix_laws(ct_solver *s)
   return 1;
 }
 
-/* The slope at the forces now. */
+/* The gradient at the present forces. */
 static int find_rest(ct_solver *s)
 {
   if (!apply(s, s->force, s->rest)) return 0;
@@ -371,20 +371,20 @@ static int find_rest(ct_solver *s)
   return 1;
 }
 
-/* Σ x_r y_r, whatever the order of the rows. */
+/* Σ x_r y_r, independent of the order of the rows. */
 static double product(ct_solver *s, const double *x, const double *y)
 {
   multiply(s->count, x, y, s->terms);
   return ct_sum(s->terms, s->count);
 }
 
-/* What a step of the length 1 down the slope would do that does not end below 0: how far it moves
- * any force and one of a row that is not pressed, at most, and the largest force. */
+/* Measures of a unit step down the gradient that keeps forces non-negative: the largest change of
+ * any force, the largest change of a force that is 0, and the largest force. */
 typedef struct descent {
   double most, lift, top;
 } descent;
 
-/* `steps` become those of all rows, `guide` the slope over D of the pressed rows. */
+/* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force. */
 CT_CLONES
 static descent descend(int64_t count, const double *rest, const double *scale, const double *force,
                        double *restrict steps, double *restrict guide)
@@ -404,20 +404,20 @@ static descent descend(int64_t count, const double *rest, const double *scale, c
   return (descent){most, lift, top};
 }
 
-/* How far along the direction the first force becomes 0. */
+/* Largest step along the direction until the first force becomes 0. */
 CT_CLONES
 static double room_ahead(int64_t count, const double *force, const double *way)
 {
   double fastest = 0.0;
 #pragma omp simd reduction(max : fastest)
   for (int64_t r = 0; r < count; r++) {
-    double part = way[r] / force[r]; // not a number where both are 0
+    double part = way[r] / force[r]; // NaN if both are 0
     fastest = part > fastest ? part : fastest;
   }
   return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
 }
 
-/* Go along the direction; the slope goes with it. */
+/* Step along the direction, and update the gradient. */
 CT_CLONES
 static void go(int64_t count, double length, const double *way, const double *answer,
                double *restrict force, double *restrict rest)
@@ -430,8 +430,8 @@ static void go(int64_t count, double length, const double *way, const double *an
   }
 }
 
-/* The next direction: the guide, and unless it is the first, a share of the last direction that
- * makes both conjugate. */
+/* The next direction: the guide, plus a multiple of the last direction that makes both conjugate,
+ * unless it is the first. */
 CT_CLONES
 static void turn(int64_t count, double share, const double *guide, double *restrict way)
 {
@@ -439,9 +439,8 @@ static void turn(int64_t count, double share, const double *guide, double *restr
   for (int64_t r = 0; r < count; r++) way[r] = guide[r] + share * way[r];
 }
 
-/* All forces one step down, of which none ends below 0: this always helps
- * (eq:constraint-iteration).
- */
+/* Step all forces down the gradient without making one negative: this always decreases the function
+ * (eq:constraint-iteration). */
 static int step_down(ct_solver *s)
 {
   descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
@@ -449,15 +448,15 @@ static int step_down(ct_solver *s)
   return find_rest(s);
 }
 
-/* Go along the direction, whose product with the slope is given, as far as that helps
- * (eq:proportioning). Answers whether a new first direction is due, or -1 when forces are not
- * finite. */
+/* Step along the direction, whose product with the gradient is given, to the minimum or the first
+ * zero force (eq:proportioning). Returns whether a new first direction is needed, or -1 if forces
+ * are not finite. */
 static int improve(ct_solver *s, double slope)
 {
   if (!apply(s, s->way, s->answer)) return -1;
   double curvature = product(s, s->way, s->answer), room = room_ahead(s->count, s->force, s->way),
          best = slope / curvature;
-  if (slope > 0.0 && curvature > 0.0) { // else numbers too small to square
+  if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
     go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
     if (best < room) return 0;
   }
@@ -465,8 +464,8 @@ static int improve(ct_solver *s, double slope)
   return step_down(s) ? 1 : -1;
 }
 
-/* Whether the rows without a force have more to gain by their steps than those that are pressed,
- * and then these steps as a direction (eq:proportioning). */
+/* Whether the rows without a force promise a larger decrease than those with one; then their steps
+ * become the direction (eq:proportioning). */
 static int releases(ct_solver *s)
 {
   double gain[2];
@@ -481,8 +480,8 @@ static int releases(ct_solver *s)
   return 1;
 }
 
-/* From the forces of the last step to those of this one. Forces that hold already stay as they are:
- * a start that is made twice gives the same bits. */
+/* Solve from the forces of the last step. Forces that already meet the tolerance are not changed,
+ * so a repeated start gives the same bits. */
 static int iterate(ct_solver *s)
 {
   double last = 0.0, tolerance = 10.0 * TOLERANCE;
@@ -502,7 +501,7 @@ static int iterate(ct_solver *s)
   }
 }
 
-/* Forces and gaps of the solution into the rows. */
+/* Store forces and gaps of the solution in the rows. */
 static void hand_out(ct_solver *s)
 {
   for (int64_t r = 0; r < s->count; r++) {

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* A surface in contact with itself, and the face of the point whose partner is looked for. */
+/* A surface in contact with itself, and the face of the point whose partner is searched for. */
 typedef struct neighbourhood {
   const ct_search *search;
   int32_t face;
@@ -18,7 +18,7 @@ static int is_adjacent(void *user, int32_t face)
   return ct_search_adjacent(n->search, n->face, face);
 }
 
-/* Face and shape functions that a point would press on: those of the last update, or of the nearest
+/* Face and shape functions on which a point would act: those of the last update, or of the nearest
  * face. */
 static int32_t partner(const ct_side *side, const ct_side *other, const ct_search *now, int64_t i,
                        double N[8])
@@ -57,8 +57,8 @@ static void add_rows(const ct_side *side, const ct_side *other, const ct_search 
   }
 }
 
-/* Two surfaces over one array of nodes: a node of both has one row, the sum of what each pass
- * found. Both lists of nodes ascend. */
+/* Two surfaces over one array of nodes: a node of both has one row, the sum of both passes. Both
+ * lists of nodes ascend. */
 static void join_rows(const ct_side *a, const ct_side *b, double *rows_a, double *rows_b)
 {
   for (int32_t i = 0, j = 0; i < a->search->node_count && j < b->search->node_count;) {
@@ -69,8 +69,8 @@ static void join_rows(const ct_side *a, const ct_side *b, double *rows_a, double
   }
 }
 
-/* Rows of both passes, and their largest over the mass; trees are made for the current shape, so
- * that this also works before the first update. */
+/* Rows of both passes, and their largest value over the mass. Trees are built for the current
+ * shape, so that this also works before the first update. */
 static ct_status find_rows(const ct_contact *contact, const double *const mass[2], double *rows[2],
                            ct_search *now[2], double *omega2)
 {

@@ -1,4 +1,4 @@
-/* Which faces of the other surface may come near a face: lists with a skin. */
+/* Candidate faces of the other surface for each face: lists with a skin. */
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
@@ -20,8 +20,8 @@ static double motion(const ct_side *side)
   return sqrt(top);
 }
 
-/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how
- * many stay (eq:self-adjacent). */
+/* Remove from a list of faces those that share a node with `face`, including itself; returns the
+ * remaining number (eq:self-adjacent). */
 static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, int32_t count)
 {
   int32_t kept = 0;
@@ -40,7 +40,7 @@ static ct_bounds grown(const ct_bounds *box, double reach)
   return larger;
 }
 
-/* List for each face of `side` the faces of `other` within the distance to which its list is to be
+/* List for each face of `side` the faces of `other` within the distance to which its list must be
  * complete, and the skin. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
 {
@@ -58,7 +58,7 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
       ct_release(side->candidates);
       side->candidates = larger;
       side->candidate_room = room;
-      f--; // once more, with room
+      f--; // once more, with more memory
       continue;
     }
     count += side == other ? drop_adjacent(side, f, side->candidates + count, found) : found;
@@ -67,7 +67,7 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
   return CT_OK;
 }
 
-/* Whether the box of some face of `side` comes within `reach` of one of `other`; faces that share a
+/* Whether the box of some face of `side` is within `reach` of one of `other`; faces that share a
  * node do not count. */
 static int anything_within(const ct_side *side, const ct_side *other, double reach)
 {
@@ -82,8 +82,8 @@ static int anything_within(const ct_side *side, const ct_side *other, double rea
   return 0;
 }
 
-/* Find how far the surfaces are from touching: what is free beyond the depth, twice the skin, four
- * times, ... while nothing is there. */
+/* Find a distance between the surfaces: the free distance beyond the depth, tried as twice the
+ * skin, four times, ... */
 static void measure_clear(ct_contact *contact)
 {
   enum { DOUBLINGS = 40 };
@@ -98,8 +98,7 @@ static void measure_clear(ct_contact *contact)
     contact->clear *= 2.0;
 }
 
-/* Whether a point was in contact in the last update: however deep it is, it is not given up
- * (eq:held). */
+/* Whether a point was in contact in the last update: it is searched for at any depth (eq:held). */
 static int holds(const ct_side *side)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++)
@@ -107,8 +106,8 @@ static int holds(const ct_side *side)
   return 0;
 }
 
-/* Whether no point is in contact or can have come into the depth of a face since the lists were
- * made: the box of a linear face moves at most as far as its nodes, that of a quadratic one seven
+/* Whether no point is in contact or can have come within the depth of a face since the lists were
+ * built: the box of a linear face moves at most as far as its nodes, that of a quadratic one seven
  * times as far (eq:contact-clear). */
 int ct_contact_is_separated(const ct_contact *contact)
 {
@@ -121,14 +120,14 @@ int ct_contact_is_separated(const ct_contact *contact)
   return motion(a) + motion(b) <= part * contact->clear && !holds(a) && !holds(b);
 }
 
-/* How deep a point was that was in contact in the last update, else 0. */
+/* Depth of a point that was in contact in the last update, else 0. */
 static double depth_of(const ct_point *point)
 {
   return point->status == CT_POINT_INSIDE ? -point->known : 0.0;
 }
 
-/* Whether the lists reach as deep as every point that was in contact in the last update can have
- * come since, a step of `near` deeper (eq:tunnelling). */
+/* Whether the lists reach as deep as each point in contact can have come since the last update, one
+ * step of `near` deeper (eq:tunnelling). */
 static int reaches_deepest(const ct_side *side, double near)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++)
@@ -138,8 +137,8 @@ static int reaches_deepest(const ct_side *side, double near)
   return 1;
 }
 
-/* How far the list of each face has to reach: as far as points look, and deeper than its own points
- * in contact can come soon. */
+/* Distance to which the list of each face must be complete: the search distance of points, and more
+ * if its own points in contact may become deeper. */
 static void set_reach(ct_side *side, double depth, double near)
 {
   for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = depth;
@@ -155,7 +154,7 @@ double ct_contact_reach(const ct_contact *contact)
                                                                            : contact->fixed->near;
 }
 
-/* Refit trees and list candidates when the surfaces have moved by a part of the skin. */
+/* Refit trees and list candidates when the surfaces have moved by a fraction of the skin. */
 ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];

@@ -1,5 +1,5 @@
-/* The contact of two surfaces: both are slave once and master once (eq:contact-potential). What a
- * host's contact and an effect share. */
+/* The contact of two surfaces: both are slave once and master once (eq:contact-potential). Shared
+ * by a host's contact and the effect. */
 #include <libcontact/contact.h>
 
 #include "../constraint/law.h"
@@ -86,8 +86,8 @@ void ct_contact_fixed_free(ct_contact_fixed *fixed)
   ct_release(fixed);
 }
 
-/* List the nodes of all surfaces, each of which has them ascending; those of the second are numbers
- * beyond `offset`. */
+/* List the nodes of all surfaces, each in ascending order; those of the second have numbers beyond
+ * `offset`. */
 static ct_status list_nodes(ct_contact_fixed *fixed, int32_t offset)
 {
   const ct_search *search[2] = {fixed->side[0].search, fixed->side[1].search};
@@ -185,8 +185,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   return CT_OK;
 }
 
-/* No point has a face, as in the last call; a host may have set some since then, from an older
- * state. */
+/* Forget the faces of the last update; a host may have called it for another state. */
 static void forget_faces(ct_side *side)
 {
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
@@ -199,8 +198,8 @@ static void forget_faces(ct_side *side)
 ct_status ct_contact_measure(ct_contact *contact, ct_error *error)
 {
   const int sides = contact->fixed->sides;
-  // Nothing moves before all is good: after a refusal, what moves counts from the last good call
-  // still.
+  // No node moves before all checks pass: after an error the motion still counts from the last good
+  // call.
   for (int s = 0; s < sides; s++) {
     ct_status status =
         ct_search_check(contact->side[s].search, NULL, contact->side[s].moved, s, error);
@@ -218,7 +217,7 @@ ct_status ct_contact_measure(ct_contact *contact, ct_error *error)
   return status;
 }
 
-/* No point has met anything, and the nodes stand at the reference shape. */
+/* No point has touched anything, and the nodes are at the reference shape. */
 static void forget(ct_contact *contact)
 {
   contact->begun = 0;
@@ -364,7 +363,7 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
                                    .weight = side->fixed->weight[i],
                                    .start_gap = met ? from->shift : 0.0};
       ct_side_position(side, i, NULL, points->position);
-      // No law pulls, so the pressure is the size of the force.
+      // No law has tension, so the pressure is the size of the force.
       points->pressure =
           sqrt(ct_vector_dot(from->force, from->force)) / (0.5 * side->fixed->weight[i]);
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;

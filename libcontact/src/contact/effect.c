@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* What all states share. */
+/* Data shared by all states. */
 typedef struct contact_data {
   ct_contact_fixed *fixed;
   const double *mass; /* of the problem's nodes */
@@ -26,8 +26,8 @@ static ct_moment moment_of(const contact_data *data, const ct_view *view)
                      .first = !ct_contact_memory_begun(data->fixed, view->memory)};
 }
 
-/* Gaps of the points at the time of the view. Nodes move from where the last step saw them, and at
- * the first look from the reference shape, to the current coordinates (eq:gap-bound). */
+/* Gaps of the points at the time of the view. Nodes move from their places in the last step, in the
+ * first call from the reference shape, to the current coordinates (eq:gap-bound). */
 static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const contact_data *data = effect->data;
@@ -128,8 +128,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return status;
 }
 
-/* Operations and bytes of a call with all points active, without the iterations in which their
- * forces are found: counted in a contact of two plane surfaces (eq:round-flops). */
+/* Operations and bytes of a call with all points active, without the iterations of the solver:
+ * counted in a contact of two plane surfaces (eq:round-flops). */
 static void count_costs(ct_effect *effect, const contact_data *data)
 {
   double points = (double)data->fixed->point_count, listed = is_penalty(data) ? 0.0 : 1.0;
@@ -138,7 +138,7 @@ static void count_costs(ct_effect *effect, const contact_data *data)
   effect->bytes = bytes * points + 250.0 * effect->node_count;
 }
 
-/* What never changes of the effect. */
+/* Constant data of the effect. */
 static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_problem *problem,
                       ct_effect *effect, ct_error *error)
 {

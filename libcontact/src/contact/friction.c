@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What friction acts on: a contact or, if `rigid`, an obstacle, with one or two sides. */
+/* Where friction acts: a contact or, if `rigid`, an obstacle, with one or two sides. */
 typedef struct friction_data {
   const ct_effect *on; /* null in the contact of a host */
   double mu, rho;
@@ -25,7 +25,7 @@ typedef struct friction_data {
 
 /* One point: its tangential traction, and the couple that balances its moment. */
 typedef struct slip_point {
-  double k;         /* tangential stiffness ρ k; 0 where nothing touches */
+  double k;         /* tangential stiffness ρ k; 0 if the point is open */
   double s[3];      /* elastic slip */
   double force[3];  /* -k s, on the point's own face */
   double couple[3]; /* k d, which acts on the other face with the weights q */
@@ -33,16 +33,16 @@ typedef struct slip_point {
   double lost;      /* dissipated so far */
 } slip_point;
 
-/* What friction remembers of a point. */
+/* Memory of friction for one point. */
 typedef struct slip_record {
-  double other;    /* face of the other side plus one, 1 at an obstacle; 0: nothing touches */
+  double other;    /* face of the other side plus one, 1 at an obstacle; 0: open */
   double place[3]; /* of the closest point: its parameters; at an obstacle, relative to that */
   double slip[3];  /* along the face's tangents and normal; at an obstacle, along the axes */
   double lost;     /* dissipated so far */
 } slip_record;
 
-/* And behind all points: whether there was a call before, its time, the place of the obstacle then.
- */
+/* And behind all points: whether there was an earlier call, its time, and the obstacle's position
+ * then. */
 typedef struct tail_record {
   double begun, time, place[3];
 } tail_record;
@@ -55,8 +55,8 @@ typedef struct friction_scratch {
   double *terms;
 } friction_scratch;
 
-/* What the points of one call share: the sides as they are now, and the time since the call before
- * (0: there was none). */
+/* Data shared by the points of one call: the sides now, and the time since the last call (0: there
+ * was none). */
 typedef struct call {
   const friction_data *data;
   const ct_view *view;
@@ -75,7 +75,7 @@ double ct_friction_return(double limit, double slip[3])
   return length - limit;
 }
 
-/* Tangents and unit normal of a face at ξ. Answers 0 where there is no normal. */
+/* Tangents and unit normal of a face at ξ. Returns 0 if there is no normal. */
 static int frame(const ct_search *search, int32_t face, const double xi[2], double t1[3],
                  double t2[3], double n[3])
 {
@@ -104,8 +104,8 @@ static int is_inside(ct_face_kind kind, const double xi[2])
   return fabs(xi[0]) < 1.0 && fabs(xi[1]) < 1.0;
 }
 
-/* Displacement increment of a material point of a face since the call before: the leapfrog's
- * Δt v_{n-1/2}. */
+/* Displacement increment of a material point of a face since the last call: the leapfrog's Δt
+ * v_{n-1/2}. */
 static void increment_of(const call *now, int s, int64_t face, const double N[8], double out[3])
 {
   const ct_search *search = now->side[s]->search;
@@ -125,9 +125,9 @@ static void increment_at(const call *now, int s, int64_t i, double out[3])
   increment_of(now, s, i / fixed->rule.count, fixed->N[i % fixed->rule.count], out);
 }
 
-/* The slip before the return: what was held, carried along by the old partner's face, and the
- * motion of the point from that partner (eq:friction-trial). Of a point that touched nothing before
- * it is the increment of this step against the closest point. */
+/* The slip before the return: the stored slip, rotated with the old partner's face, and the motion
+ * of the point from that partner (eq:friction-trial). For a point that was open it is the increment
+ * of this step relative to the closest point. */
 static void trial_slip(const call *now, int s, int64_t i, const slip_record *last, double v[3])
 {
   const int t = now->data->sides - 1 - s;
@@ -152,7 +152,7 @@ static void trial_slip(const call *now, int s, int64_t i, const slip_record *las
     v[c] = ((y[c] - closest[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
 }
 
-/* Take away the part of v along d. */
+/* Remove the component of v along d. */
 static void make_tangential(const double d[3], double v[3])
 {
   double along = ct_vector_dot(v, d) / ct_vector_dot(d, d);
@@ -200,7 +200,7 @@ static void rub_contact(const call *now, int s, int64_t i, const slip_record *la
                         .slip = {c[0], c[1], ct_vector_dot(p->s, n)}};
 }
 
-/* One point at an obstacle, which moves but does not turn. */
+/* One point at an obstacle, which translates but does not rotate. */
 static void rub_obstacle(const call *now, int64_t i, const slip_record *last, slip_record *next,
                          slip_point *p)
 {
@@ -221,8 +221,7 @@ static void rub_obstacle(const call *now, int64_t i, const slip_record *last, sl
   memcpy(next->slip, p->s, sizeof p->s);
 }
 
-/* Traction of point `i` of side `s`, whose memory begins at `at`; where nothing touches nothing is
- * held any more. */
+/* Traction of point `i` of side `s`, whose memory begins at `at`; an open point loses its slip. */
 static void rub_point(const call *now, int s, int64_t i, int64_t at, slip_point *p)
 {
   slip_record last, next = {.other = 0.0};
@@ -275,7 +274,8 @@ CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, 
   ct_heap_bring(room, &theirs, NULL);
 }
 
-/* Tractions and couples of the points of side `k`, of at most four nodes a face or of more. */
+/* Tractions and couples of the points of side `k`, of faces with at most four nodes or with more.
+ */
 CT_CLONES
 static void push(const call *now, int k, const ct_grid *grid, const slip_point *p,
                  friction_scratch *s)
@@ -308,8 +308,8 @@ static ct_status gather(const call *now, friction_scratch *s, int32_t nodes, dou
   return CT_OK;
 }
 
-/* The sides now, the time since the call before and the motion of the obstacle in it, from the tail
- * of the memory; and the tail for the next call. */
+/* The sides now, the time since the last call and the obstacle's motion in it, from the tail of the
+ * memory; and the tail for the next call. */
 static call begin(const friction_data *data, const ct_view *view)
 {
   int64_t at = RECORD * data->points;
@@ -331,7 +331,7 @@ static call begin(const friction_data *data, const ct_view *view)
   return now;
 }
 
-/* Points that each thread has at least: a fraction of a millisecond. */
+/* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
 static ct_status friction_force(const ct_effect *effect, const ct_view *view, double *force,
@@ -356,7 +356,7 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
   return gather(&now, s, effect->node_count, force, error);
 }
 
-/* max(ρ, μ) times the bound of what it acts on (eq:friction-bound). */
+/* max(ρ, μ) times the bound of its contact or obstacle (eq:friction-bound). */
 static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
                                        ct_error *error)
 {

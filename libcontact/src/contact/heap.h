@@ -6,18 +6,18 @@
 
 #include <stddef.h>
 
-/* Sums of forces at the nodes of one face, before they come to those of all nodes: of each
- * component, those of all nodes side by side. The grid makes all sums exact, so it does not matter
- * that they are made by parts (eq:order-free-sum). These functions are inlined with `room` known, 4
- * or 8: as many as the face has nodes, or more. */
+/* Sums of forces at the nodes of one face, before they are added to those of all nodes. For each
+ * component the values of all nodes lie side by side. The grid makes all sums exact, so partial
+ * sums do not change the result (eq:order-free-sum). These functions are inlined with a known
+ * `room`, 4 or 8: at least the number of nodes of the face. */
 typedef struct ct_heap {
   double *coarse_sum, *fine_sum; /* at all nodes, shape (any number, 3) */
   int32_t count;                 /* nodes of a face */
-  const int32_t *node;           /* of this face; null: nothing is in the heap */
+  const int32_t *node;           /* of this face; null: the heap is empty */
   double coarse[24], fine[24];
 } ct_heap;
 
-/* Bring what a heap holds to the nodes of its face, and begin with another face, or null. */
+/* Add the sums of a heap to the nodes of its face, and begin with another face, or null. */
 CT_INLINE void ct_heap_bring(int room, ct_heap *heap, const int32_t *next)
 {
   for (int a = 0; heap->node != NULL && a < heap->count; a++) {

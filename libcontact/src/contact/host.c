@@ -22,7 +22,7 @@ ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
   return status;
 }
 
-/* The coordinates that nodes move to. */
+/* The coordinates to which nodes move. */
 static void take_coordinates(ct_contact *contact, const double *const x[2])
 {
   for (int s = 0; s < contact->fixed->sides; s++) {
@@ -48,7 +48,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   return ct_side_collect(contact->side, sides, 0, error);
 }
 
-/* Give back what the first step has made. */
+/* Free the memory of the first step. */
 static void close_host(ct_host *h)
 {
   for (ct_host_part *part = h->parts; part != NULL; part = part->next) {
@@ -79,11 +79,10 @@ ct_host *ct_host_of(ct_contact *contact)
   return contact->host;
 }
 
-/* Whether an obstacle's forces are solved for. */
+/* Whether an obstacle's forces need the solver. */
 static int has_rows(const ct_host_part *part) { return part->effect->phase == CT_PHASE_CONSTRAINT; }
 
-/* The solver of all rows together: those of the contact, and those of each obstacle that has some.
- */
+/* The solver of all rows together: those of the contact and of each obstacle with rows. */
 static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
 {
   int64_t most = fixed->alone || ct_contact_is_penalty(fixed) ? 0 : fixed->point_count, all = most;
@@ -107,7 +106,7 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
   return status;
 }
 
-/* Scratch space, forces and memory of all parts; the memory begins behind that of the contact. */
+/* Scratch space, forces and memory of all parts; their memory begins behind that of the contact. */
 static ct_status open_parts(const ct_contact_fixed *fixed, ct_host *h, ct_error *error)
 {
   ct_status status = CT_OK;
@@ -121,7 +120,7 @@ static ct_status open_parts(const ct_contact_fixed *fixed, ct_host *h, ct_error 
   return status;
 }
 
-/* Make room for the steps of a contact. */
+/* Allocate for the steps of a contact. */
 static ct_status open_host(ct_contact *contact, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
@@ -145,12 +144,12 @@ static ct_status open_host(ct_contact *contact, ct_error *error)
   return CT_OK;
 }
 
-/* What a host gives of one surface. */
+/* A host's data of one surface. */
 typedef struct side_prediction {
   const double *x, *velocity, *force, *inverse_mass, *increment;
 } side_prediction;
 
-/* Displacement increment of a component in the coming step without the contact. */
+/* Displacement increment of a component in the next step without the contact. */
 static double increment_of(const ct_contact_prediction *p, const side_prediction *side, int64_t dof)
 {
   if (side->increment != NULL) return side->increment[dof];
@@ -159,7 +158,7 @@ static double increment_of(const ct_contact_prediction *p, const side_prediction
   return p->dt * (side->velocity[dof] + p->kick * side->inverse_mass[dof] * force);
 }
 
-/* Node `n` of a contact in the host's arrays of one of the surfaces: where its numbers begin. */
+/* The surface of node `n` of a contact in the host's arrays, and the index of its components. */
 static const side_prediction *find_node(const ct_contact_fixed *fixed,
                                         const side_prediction side[2], int32_t n, int64_t *dof)
 {
@@ -169,7 +168,7 @@ static const side_prediction *find_node(const ct_contact_fixed *fixed,
   return &side[second];
 }
 
-/* What the solver wants of the nodes (eq:constraint-problem), of the leapfrog (eq:host-step). */
+/* Values of the nodes for the solver (eq:constraint-problem), from the leapfrog (eq:host-step). */
 static void predict(const ct_contact_fixed *fixed, const ct_contact_prediction *p,
                     const side_prediction side[2], double before, ct_solver *solver)
 {
@@ -207,7 +206,7 @@ static ct_status list_rows(ct_contact *contact, const ct_contact_prediction *p, 
   return CT_OK;
 }
 
-/* Find the forces of all points together. */
+/* Solve for the forces of all points together. */
 static ct_status solve(ct_contact *contact, const ct_contact_prediction *p,
                        const side_prediction side[2], const ct_moment *now, ct_error *error)
 {
@@ -242,8 +241,7 @@ static void add_forces(const ct_contact *contact, double *force)
     }
 }
 
-/* Count the work of the forces: of the whole kick, of which the first part ends at t_n
- * (eq:host-work). */
+/* Add the work of the forces over the whole kick, whose first part ends at t_n (eq:host-work). */
 static void count_work(ct_contact *contact, const ct_contact_prediction *p,
                        const side_prediction side[2])
 {
@@ -271,8 +269,8 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
   h->now.done += part[0] + part[1];
 }
 
-/* Gaps at a moment. A scene looks twice at t = 0, and the iterations of the second look begin at
- * the closest points of the first; so does this, for equal bits. */
+/* Gaps at a time. A scene computes them twice at t = 0, and the iterations of the second call begin
+ * at the closest points of the first; we do the same for equal bits. */
 static ct_status find_gaps(ct_contact *contact, const side_prediction side[2], ct_moment now,
                            ct_error *error)
 {
@@ -289,7 +287,7 @@ static ct_status find_gaps(ct_contact *contact, const side_prediction side[2], c
   return ct_contact_find_gaps(contact, &now, error);
 }
 
-/* Velocities at the nodes of each surface, which its obstacles are shown. */
+/* Velocities at the nodes of each surface, for its obstacles. */
 static void take_velocities(const ct_contact *contact, const side_prediction side[2])
 {
   const ct_host *h = contact->host;
@@ -301,12 +299,12 @@ static void take_velocities(const ct_contact *contact, const side_prediction sid
   }
 }
 
-/* The next step begins with what this one remembers. */
+/* The next step begins with the memory of this one. */
 static void end_step(ct_contact *contact, const ct_contact_prediction *p)
 {
   ct_host *h = contact->host;
   double *memory = h->memory;
-  // t_n = n Δt as in a scene, as long as steps have one length
+  // t_n = n Δt as in a scene, while all steps have one length
   if (p->dt != h->now.before) h->now.since = h->now.time, h->now.count = 0.0;
   h->now.begun = 1.0;
   h->now.before = p->dt;
@@ -342,7 +340,7 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
   return CT_OK;
 }
 
-/* Refuse what is not finite at a node of a surface, and a negative inverse mass. */
+/* Refuse values at a node of a surface that are not finite, and a negative inverse mass. */
 static ct_status check_side(const ct_contact *contact, int s, const side_prediction *p,
                             ct_error *error)
 {
@@ -371,8 +369,8 @@ static ct_host_record record_of(const ct_host *h)
   return record;
 }
 
-/* Refuse times that no leapfrog has: a kick is the mean of the last step and the coming one, or the
- * coming one; in the first step it may be shorter. Other integrators give increments. */
+/* Refuse times that are impossible for a leapfrog: a kick is the mean of the last step and the next
+ * one, or the next one; in the first step it may be shorter. Other integrators pass increments. */
 static ct_status check_times(const ct_contact *contact, const ct_contact_prediction *p,
                              ct_error *error)
 {
@@ -435,7 +433,7 @@ int64_t ct_contact_save(const ct_contact *contact, double *memory)
   return count;
 }
 
-/* Whether numbers may be what a contact remembers. */
+/* Whether numbers are possible as the memory of a contact. */
 static int is_memory(const ct_contact_fixed *fixed, const double *memory, int64_t count)
 {
   ct_host_record record;

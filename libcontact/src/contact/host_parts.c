@@ -1,5 +1,5 @@
-/* The obstacles and the friction of a host's contact: the effects of a scene, shown what the host
- * gives. */
+/* The obstacles and the friction of a host's contact: the effects of a scene with the host's data.
+ */
 #include "host.h"
 
 #include "../base/error.h"
@@ -15,7 +15,7 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
   return part;
 }
 
-/* Refuse to add anything to a contact that is null or has taken a step. */
+/* Refuse to extend a contact that is null or has taken a step. */
 static ct_status check_new(const ct_contact *contact, ct_error *error)
 {
   if (contact == NULL) return CT_REFUSE(error, "contact: null argument");
@@ -24,7 +24,7 @@ static ct_status check_new(const ct_contact *contact, ct_error *error)
   return CT_OK;
 }
 
-/* Take over an effect as the last part; without memory it is freed. */
+/* Take ownership of an effect as the last part; out of memory, it is freed. */
 static ct_status append(ct_contact *contact, ct_effect *effect, const ct_host_part *on, int side,
                         ct_error *error)
 {
@@ -49,7 +49,7 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
   if (status != CT_OK) return status;
   if (side < 0 || side >= contact->fixed->sides || obstacle == NULL)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
-  // The problem of the obstacle are the nodes of the surface, one after another.
+  // The problem of the obstacle consists of the surface's nodes, in order.
   const ct_search *search = contact->fixed->side[side].search;
   const ct_problem nodes = {.node_count = search->node_count, .reference = search->x};
   ct_obstacle_def def = *obstacle;
@@ -84,7 +84,7 @@ ct_view ct_host_view(const ct_contact *contact, const ct_host_part *part,
 {
   const ct_host *h = contact->host;
   const int side = part->side < 0 ? 0 : part->side;
-  // The sides stand where the host's nodes are now, so nothing is displaced from there.
+  // The sides are at the host's present nodes, so the displacement is zero.
   return (ct_view){.time = h->now.time,
                    .threads = ct_threads(contact->threads),
                    .reference = contact->side[side].search->x,
@@ -136,7 +136,7 @@ ct_status ct_host_find_forces(ct_contact *contact, const ct_contact_prediction *
   return CT_OK;
 }
 
-/* Energy that an obstacle holds after the last step. */
+/* Energy stored by an obstacle after the last step. */
 static double held_by(const ct_host_part *part)
 {
   const ct_view view = {.scratch = part->scratch};

@@ -1,13 +1,13 @@
-/* What a contact remembers from step to step, as doubles of a restart: a record of each point, one
- * of the whole, and the coordinates of the nodes of each surface, shape (node_count, 3). */
+/* Memory of a contact from step to step, as doubles of a restart: a record of each point, one of
+ * the whole, and the coordinates of the nodes of each surface, shape (node_count, 3). */
 #include "contact_internal.h"
 
-/* What it remembers after the records of the points. */
+/* The record of the whole, after those of the points. */
 typedef struct tail_record {
-  double begun;  /* whether there was a step before */
-  double stored; /* what all rows stored in the middle of that step */
+  double begun;  /* whether there was an earlier step */
+  double stored; /* energy that all rows stored at the middle of that step */
   double time;   /* of that step */
-  double work;   /* since t = 0 of start gaps that fade */
+  double work;   /* work of fading start gaps since t = 0 */
 } tail_record;
 enum { TAIL = sizeof(tail_record) / sizeof(double) };
 
@@ -30,7 +30,7 @@ int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
   return load_tail(fixed, memory).begun != 0.0;
 }
 
-/* What the points were in the last step. */
+/* Restore the points of the last step. */
 static void load_points(ct_contact *contact, const double *memory)
 {
   for (int s = 0; s < contact->fixed->sides; s++) {

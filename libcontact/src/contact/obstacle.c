@@ -1,4 +1,4 @@
-/* Rigid planes, spheres and cylinders against the surface of a body. */
+/* Rigid planes, spheres and cylinders in contact with the surface of a body. */
 #include <libcontact/contact.h>
 #include <libcontact/base.h>
 
@@ -14,23 +14,23 @@
 #include <math.h>
 #include <string.h>
 
-/* What all states share: the obstacle with arrays of our own and an axis of length 1, and the
+/* Data shared by all states: the obstacle with its own arrays and an axis of length 1, and the
  * surface, whose nodes are those of the effect. */
 typedef struct obstacle_data {
   ct_obstacle_def given;
   double *time, *value; /* of the amplitude */
   ct_side_fixed side;
-  const double *mass; /* of the problem's nodes; null at a host's, which gives it when it asks */
-  double *springs;    /* row sums of the stiffness with every point taken as inside */
+  const double *mass; /* of the problem's nodes; null for a host, which passes it with the call */
+  double *springs;    /* row sums of the stiffness with all points inside */
 } obstacle_data;
 
-/* What the effect remembers, before the force of each point's row. */
+/* Memory of the effect, before the force of each point's row. */
 typedef struct obstacle_record {
-  double begun;    /* whether there was a step before */
+  double begun;    /* whether there was an earlier step */
   double place[3]; /* of the obstacle */
   double reaction[3];
   double work;
-  double stored; /* what all rows stored in the middle of the last step */
+  double stored; /* energy that all rows stored at the middle of the last step */
 } obstacle_record;
 enum { RECORD = sizeof(obstacle_record) / sizeof(double) };
 
@@ -41,7 +41,7 @@ static obstacle_record load(const double *memory)
   return record;
 }
 
-/* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of
+/* Signed distance and normal of a point relative to the obstacle's position; `a` is the axis, of
  * length 1. */
 static double gap_of(const ct_obstacle_def *o, const double a[3], const double r[3], double n[3])
 {
@@ -58,7 +58,7 @@ static double gap_of(const ct_obstacle_def *o, const double a[3], const double r
   return distance - o->radius; // (eq:obstacle-gap)
 }
 
-/* Answers 0 where there is no direction. */
+/* Returns 0 if there is no direction. */
 static int unit(const double axis[3], double a[3])
 {
   double length = sqrt(ct_vector_dot(axis, axis));
@@ -126,7 +126,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* Gap of one point, and the vector to the obstacle. Answers 0 where there is none. */
+/* Gap of one point, and the vector to the obstacle. Returns 0 if there is none. */
 static int meet(const ct_obstacle_def *o, const ct_obstacle_state *s, int64_t i)
 {
   ct_point *point = &s->side.points[i];
@@ -153,7 +153,7 @@ static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_si
   return CT_OK;
 }
 
-/* Force on the obstacle, and the work of its motion since the step before (eq:obstacle-work). */
+/* Force on the obstacle, and the work of its motion since the last step (eq:obstacle-work). */
 static void count_motion(ct_obstacle_state *s, const obstacle_record *last)
 {
   int64_t points = s->side.fixed->point_count;
@@ -183,8 +183,8 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   return CT_OK;
 }
 
-/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and
- * twice the way of the fastest node. */
+/* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
+ * twice the displacement of the fastest node. */
 static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side,
                        const double moved[3])
 {
@@ -322,8 +322,8 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
   return CT_OK;
 }
 
-/* Operations and bytes of a call with all points active, without the iterations in which their
- * forces are found: counted at a plane (eq:round-flops). */
+/* Operations and bytes of a call with all points active, without the iterations of the solver:
+ * counted at a plane (eq:round-flops). */
 static void count_costs(ct_effect *effect, double points)
 {
   double listed = is_penalty(effect) ? 0.0 : 1.0;
@@ -331,7 +331,7 @@ static void count_costs(ct_effect *effect, double points)
   effect->bytes = (2.0 * sizeof(ct_point) + 16.0 * listed) * points + 250.0 * effect->node_count;
 }
 
-/* Row sums of the penalty's stiffness, every point taken as inside (eq:obstacle-bound). */
+/* Row sums of the penalty's stiffness with all points inside (eq:obstacle-bound). */
 static ct_status sum_springs(obstacle_data *data, ct_error *error)
 {
   const ct_side_fixed *side = &data->side;
@@ -350,7 +350,7 @@ static ct_status sum_springs(obstacle_data *data, ct_error *error)
   return CT_OK;
 }
 
-/* Copy what the caller gave, and make what never changes. */
+/* Copy the caller's definition, and compute the constant data. */
 static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_problem *problem,
                       ct_effect *effect, ct_error *error)
 {
@@ -419,7 +419,7 @@ const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
 }
 
 /* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
- * an effect that is none. */
+ * an effect of another kind. */
 static const ct_obstacle_state *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
                                          ct_status *status, ct_error *error)
 {

@@ -6,21 +6,21 @@
 #include <math.h>
 #include <string.h>
 
-/* The nearest face of the other side that a point has found so far. */
+/* The nearest face of the other side found so far for a point. */
 typedef struct nearest {
   int32_t face;
   double distance;
   ct_projection closest;
-  double most;            /* how far it looks */
-  double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double
-      own[3]; /* unit normal at the point, of a surface with itself and where `same_side` is set */
-  int same_side;  /* whether far sides are left out: faces that look away from `last` */
-  double last[3]; /* unit normal of the other side where the point was in the last step */
+  double most;            /* search distance */
+  double origin[3], y[3]; /* middle of the face's box, and the point relative to it */
+  double own[3];          /* unit normal at the point, for a surface in contact with itself and if
+                             `same_side` is set */
+  int same_side;          /* whether far sides are skipped: faces that point away from `last` */
+  double last[3];         /* unit normal of the other side at the point's place in the last step */
 } nearest;
 
-/* The class of a point: where it is, seen from the place that it has found: nothing near, beyond
- * the border, outside, inside, inside beneath a far side. */
+/* The class of a point relative to the closest point found: nothing near, beyond the border,
+ * outside, inside, inside beneath a far side. */
 typedef enum point_class { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } point_class;
 
 /* The face of a point. */
@@ -37,16 +37,16 @@ static int outward_at(const ct_pass *p, int32_t target, const ct_projection *clo
                           closest->normal, normal);
 }
 
-/* Middle of a face's box: subtracted from the face and the point before they meet, so that far from
- * the origin no digits are lost. */
+/* Middle of a face's box: subtracted from the face and the point before they are combined, so that
+ * no digits are lost far from the origin. */
 static void middle(const ct_bounds *box, double origin[3])
 {
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
-/* How deep a point of a surface may be under its closest point on another part of it: half as deep
- * as it was under that place in the reference shape, if it was under it, for then the closest point
- * is on the far side of the body; else as deep as any (eq:self-depth). */
+/* Largest depth of a point of a surface under its closest point on another part of the same
+ * surface. If it was under that place in the reference shape, the closest point is on the far side
+ * of the body, and the limit is half of that depth; otherwise there is no limit (eq:self-depth). */
 static double deepest(const ct_pass *p, int64_t i, int32_t target, const ct_projection *closest)
 {
   const ct_search *body = p->other->fixed->search;
@@ -63,8 +63,8 @@ static double deepest(const ct_pass *p, int64_t i, int32_t target, const ct_proj
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
-/* Bound of what the motion since the last update can have changed of the distance between a point
- * and a place of a face (eq:gap-bound). */
+/* Bound on the change of the distance between a point and a place on a face by the motion since the
+ * last update (eq:gap-bound). */
 static double motion_over(const ct_pass *p, int64_t i, int32_t target)
 {
   const ct_search *search = p->other->search;
@@ -82,7 +82,7 @@ static double motion_over(const ct_pass *p, int64_t i, int32_t target)
   return most * sqrt(top) + CT_CLOSEST_POINT_ERROR * search->size;
 }
 
-/* The same for the face found and for the one that the point was over before. */
+/* The same for the face found and for the face of the last update. */
 static double motion_of(const ct_pass *p, int64_t i, int32_t target)
 {
   int32_t last = p->side->points[i].other;
@@ -90,8 +90,8 @@ static double motion_of(const ct_pass *p, int64_t i, int32_t target)
   return last < 0 || last == target ? motion : fmax(motion, motion_over(p, i, last));
 }
 
-/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was
- * nowhere. */
+/* Present unit normal of the other side at the point's place in the last step. Returns 0 if it had
+ * none. */
 static int last_normal(const ct_pass *p, const ct_point *point, double normal[3])
 {
   ct_face face;
@@ -100,8 +100,8 @@ static int last_normal(const ct_pass *p, const ct_point *point, double normal[3]
   return ct_segment_normal(&face, point->xi, normal) == CT_OK;
 }
 
-/* Whether a place with the normal `normal` (of any length) looks at a point with the normal `own`,
- * or looks across and the same way as the place where the point was in the last step
+/* Whether a place with the normal `normal` (of any length) faces a point with the normal `own`, or
+ * is perpendicular and points in the same direction as the point's place in the last step
  * (eq:self-adjacent). */
 static int looks_at(const ct_pass *p, const ct_point *point, const double own[3],
                     const double normal[3])
@@ -113,10 +113,10 @@ static int looks_at(const ct_pass *p, const ct_point *point, const double own[3]
          ct_vector_dot(last, normal) > 0.5 * length;
 }
 
-/* In a contact of a surface with itself, whether a closest point is admissible: the faces look at
- * each other, no face at the closest point is nearer (one that shares a node with the point's own
- * would not have been tried, eq:local-minimum), and the point is not deeper under it than it may
- * be. `own` is the normal at the point. */
+/* For a surface in contact with itself: whether a closest point is admissible. The faces must face
+ * each other, no face at the closest point may be nearer (a face that shares a node with the
+ * point's own was excluded, eq:local-minimum), and the depth must be within its limit. `own` is the
+ * normal at the point. */
 static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const double y[3],
                          int32_t target, const ct_projection *closest)
 {
@@ -135,7 +135,7 @@ static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const
   return closest->distance <= fmin(came, deepest(p, i, target, closest));
 }
 
-/* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no
+/* Project a point on one face of the other side, both relative to `origin`. Returns 0 if it has no
  * closest point there. */
 static int project(const ct_pass *p, int64_t i, int32_t target, const double *start,
                    double origin[3], double y[3], ct_projection *closest)
@@ -157,9 +157,9 @@ static int project(const ct_pass *p, int64_t i, int32_t target, const double *st
          closest->where != CT_OUTSIDE;
 }
 
-/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a
- * point was, with the unit normal `last` (eq:far-side): it looks away from that, or the same way as
- * the point, and is not the side where the point was. */
+/* Whether a place with the normal `normal` (of any length) is on the far side, relative to the
+ * point's last place with the unit normal `last` (eq:far-side): it points in the opposite
+ * direction, or in that of the point's own normal and is not the side of the last place. */
 static int is_far(const double own[3], const double last[3], const double normal[3])
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
@@ -167,7 +167,7 @@ static int is_far(const double own[3], const double last[3], const double normal
   return along < -half || (along < half && !ct_pass_looks_across(own, normal));
 }
 
-/* Try one face of the other side and keep the answer if it is the nearest. */
+/* Try one face of the other side and keep the result if it is the nearest. */
 static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *start,
                      nearest *best)
 {
@@ -191,15 +191,15 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
 }
 
 /* On the border of an open surface: whether the point is above the face and not beyond it, to
- * rounding; for points that lie on edges themselves. */
+ * rounding; for points that themselves lie on edges. */
 static int above_border(const ct_projection *closest, const double d[3])
 {
   double along = ct_vector_dot(d, closest->normal);
   return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal
- * is known. `origin` was subtracted from y. */
+/* Gap vector d = ȳ - y and signed gap of a point at a place on a face (eq:gap), whose normal is
+ * known. `origin` was subtracted from y. */
 static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3],
                      const double y[3], ct_point *point)
 {
@@ -212,8 +212,8 @@ static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const
   point->row.gap = ct_vector_dot(point->d, point->outward) > 0.0 ? -distance : distance;
 }
 
-/* Whether the gap of the last update and the one over the place found are distances from the same
- * side: a point in contact may have been held under a side that is not the nearest (eq:held). */
+/* Whether the gap of the last update and the one at the place found are distances from the same
+ * side: a point in contact may belong to a side that is not the nearest (eq:held). */
 static int is_same_side(const ct_pass *p, const ct_point *point)
 {
   double last[3];
@@ -223,8 +223,8 @@ static int is_same_side(const ct_pass *p, const ct_point *point)
              0.5 * sqrt(ct_vector_dot(point->outward, point->outward));
 }
 
-/* The side of the surface that a point is on cannot change while the motion is smaller than its
- * distance (eq:gap-bound). */
+/* The point stays on its side of the surface while the motion is smaller than its distance
+ * (eq:gap-bound). */
 static void keep_side(const ct_pass *p, int64_t i, int32_t target, ct_point *point)
 {
   if (isnan(point->known) ||
@@ -236,9 +236,9 @@ static void keep_side(const ct_pass *p, int64_t i, int32_t target, ct_point *poi
     point->row.gap = -point->row.gap;
 }
 
-/* Whether a point in contact with a place that it looks at comes to another one that is as near, so
- * that its gap does not leap (eq:gap-bound), and that does not look away from the first: then it is
- * handed over, whichever way the place looks (eq:far-side). */
+/* Whether a point in contact moves to another place that is as near, so that its gap does not jump
+ * (eq:gap-bound), and does not point away from the first place: then it belongs to the new place,
+ * whatever its direction (eq:far-side). */
 static int is_handed_over(const ct_pass *p, int64_t i, int32_t target, const double own[3],
                           const double last[3], const ct_point *point)
 {
@@ -250,7 +250,7 @@ static int is_handed_over(const ct_pass *p, int64_t i, int32_t target, const dou
          fabs(point->row.gap - point->known) <= motion_of(p, i, target);
 }
 
-/* The gap of a point over the face it has found, and what it says of the point. */
+/* The gap of a point at the face found, and the class that follows. */
 static point_class measure(const ct_pass *p, int64_t i, const nearest *best, ct_point *point)
 {
   double own[3], last[3], *normal = point->outward;
@@ -271,9 +271,9 @@ static point_class measure(const ct_pass *p, int64_t i, const nearest *best, ct_
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
 
-/* The gap that the next update may go by: beyond a border there are no sides, so a point of a
- * surface with itself may come in from there at any depth, and the side of another point is not
- * known; nor is that of a point under a place that was not taken. */
+/* The gap for the next update. Beyond a border there are no sides, so a point of a surface in
+ * contact with itself may come in from there at any depth, and the side of other points is unknown;
+ * the same holds for a point under a rejected place. */
 static double known_gap(const ct_pass *p, point_class found, int32_t target, const ct_point *point)
 {
   if (target < 0) return NAN;
@@ -281,7 +281,7 @@ static double known_gap(const ct_pass *p, point_class found, int32_t target, con
   return p->self && found != INSIDE && found != OUTSIDE ? NAN : point->row.gap;
 }
 
-/* Write what has become of a point. */
+/* Store the result for a point. */
 static void close_point(const ct_pass *p, ct_point *point, point_class found, int32_t target,
                         const double xi[2])
 {
@@ -297,8 +297,8 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
   else memcpy(point->xi, xi, sizeof point->xi);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search
- * on one side that of the last step too. Answers 0 when there is none. */
+/* Begin with nothing found. A surface in contact with itself needs the point's own normal, and a
+ * search on one side also that of the last step. Returns 0 if there is none. */
 static int begin(const ct_pass *p, int64_t i, int same_side, double most, nearest *best)
 {
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .most = most, .same_side = same_side};
@@ -307,8 +307,8 @@ static int begin(const ct_pass *p, int64_t i, int same_side, double most, neares
   return ct_pass_own_normal(p, i, best->own);
 }
 
-/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact
- * looks as far as it takes, but not on its own surface (eq:held). */
+/* The nearest face of a point, or the nearest one that is not on a far side. A point in contact
+ * searches to any depth, except on its own surface (eq:held). */
 static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int same_side,
                          nearest *best)
 {
@@ -338,7 +338,7 @@ static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int sam
       try_face(p, i, target, NULL, best);
 }
 
-/* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
+/* Whether the point was in contact, or outside over a face that it faces, in the last step. */
 static int came_in(const ct_pass *p, int64_t i, const ct_point *point)
 {
   double own[3], last[3];
@@ -347,8 +347,8 @@ static int came_in(const ct_pass *p, int64_t i, const ct_point *point)
          ct_pass_looks_across(own, last);
 }
 
-/* The nearest place is a far side. A point that came in by another side belongs to that one still,
- * unless it has left the body (eq:held). */
+/* The nearest place is on a far side. A point that came in through another side still belongs to
+ * that one, unless it has left the body (eq:held). */
 static point_class classify_far(const ct_pass *p, int64_t i, const double y[3], nearest *best,
                                 ct_point *point)
 {
@@ -361,7 +361,7 @@ static point_class classify_far(const ct_pass *p, int64_t i, const double y[3], 
   return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
 }
 
-/* Whether a point with nothing near lies deep in the other body, at the very first look
+/* Whether a point with nothing near is deep inside the other body in the first call
  * (eq:point-status). */
 static int is_buried(const ct_pass *p, const double y[3])
 {
@@ -374,7 +374,7 @@ static int is_buried(const ct_pass *p, const double y[3])
                           found.normal, normal);
 }
 
-/* The class of a point from the place that it has found and its status (eq:point-status). */
+/* The class of a point from its closest point and its status (eq:point-status). */
 static point_class classify(const ct_pass *p, int64_t i, const double y[3], nearest *best,
                             ct_point *point)
 {
@@ -414,7 +414,7 @@ static void search_point(const ct_pass *p, int64_t i)
   close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
 }
 
-/* Search for the points first ... first + count - 1, eight at most. */
+/* Search for the points first ... first + count - 1, at most eight. */
 static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 {
   unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
@@ -422,7 +422,7 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
     if (!(settled >> l & 1)) search_point(p, first + l);
 }
 
-/* Points that each thread has at least: a fraction of a millisecond. */
+/* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
 void ct_pass_search(ct_contact *contact, int s)
@@ -437,8 +437,8 @@ void ct_pass_search(ct_contact *contact, int s)
                .first = !contact->begun};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
-  // On a surface with itself the distance alone does not choose the closest point, other methods
-  // have no lanes, and lanes take faces of one kind.
+  // On a surface with itself the distance alone does not determine the closest point; other methods
+  // have no lanes; and lanes need faces of one kind.
   int lanes = !p.self && options->method == CT_ROBUST &&
               p.side->search->kind == p.other->search->kind &&
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);

@@ -5,26 +5,26 @@
 
 #include "../base/vector.h"
 
-/* What one pass needs everywhere: the points of `side` look for the faces of `other`. */
+/* Data of one pass: the points of `side` are projected on the faces of `other`. */
 typedef struct ct_pass {
   ct_side *side;
   const ct_side *other;
   ct_project_options project;
-  double depth; /* how far points look */
-  double deep;  /* how deep a point of a surface with itself may be in contact */
+  double depth; /* search distance of points */
+  double deep;  /* largest depth of a point in contact on a surface with itself */
   int self;     /* whether the other side is the same surface */
   int first;    /* whether no point has a status yet */
 } ct_pass;
 
-/* Points that are settled at once. */
+/* Number of points that are processed together. */
 enum { CT_WARM = 8 };
 
-/* Project the points first ... first + count - 1, eight at most, on the faces of the last step,
- * side by side, and settle those for which the search would find the same (eq:warm-lanes). Answers
- * with a bit for each. */
+/* Project the points first ... first + count - 1, at most eight, on their faces of the last step,
+ * side by side, and complete those for which the search would give the same result (eq:warm-lanes).
+ * Returns one bit for each. */
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count);
 
-/* Unit normal of a point's own face; answers 0 when it has none. */
+/* Unit normal of a point's own face; returns 0 if it has none. */
 static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
 {
   ct_side_area(p->side, i, own);
@@ -33,8 +33,8 @@ static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
   return length > 0.0;
 }
 
-/* Whether a surface with the normal `normal` (of any length) looks at one with the unit normal
- * `own`, or across; not the same way (eq:far-side). */
+/* Whether a surface with the normal `normal` (of any length) faces one with the unit normal `own`,
+ * or is perpendicular to it (eq:far-side). */
 static inline int ct_pass_looks_across(const double own[3], const double normal[3])
 {
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));

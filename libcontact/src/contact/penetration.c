@@ -1,4 +1,4 @@
-/* How far two surfaces are inside each other. */
+/* Depth of two surfaces inside each other. */
 #include <libcontact/contact.h>
 
 #include "../base/vector.h"
@@ -8,13 +8,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A place of one surface, and what it is looked for on. */
+/* A place of one surface, and the other surface. */
 typedef struct seeker {
   const ct_search *search;
   double own[3]; /* unit normal at the place */
 } seeker;
 
-/* Faces that look the same way as the place are far sides (eq:far-side). */
+/* Faces that point in the same direction as the place are far sides (eq:far-side). */
 static int looks_away(void *user, int32_t face)
 {
   const seeker *s = user;
@@ -25,7 +25,7 @@ static int looks_away(void *user, int32_t face)
          !(ct_vector_dot(s->own, normal) < 0.5);
 }
 
-/* Depth of a place of a side under the other one; negative or NaN where it is not inside. */
+/* Depth of a place of a side under the other one; negative or NaN if it is not inside. */
 static double depth_at(const ct_side *side, const ct_search *other, int32_t face,
                        const double xi[2], double y[3])
 {
@@ -37,8 +37,8 @@ static double depth_at(const ct_side *side, const ct_search *other, int32_t face
   ct_side_interpolate(side->search, side->search->x, face, N, NULL, y);
   ct_search_face(side->search, face, &mine);
   if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
-  // The nearest face says whether the place is inside at all; if it is a far side, the nearest
-  // other one says how deep.
+  // The nearest face tells whether the place is inside; if it is a far side, the nearest other face
+  // gives the depth.
   for (int k = 0; k < 2; k++) {
     ct_search_point(other, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, k == 0 ? NULL : looks_away, &s,
                     &nearest);
@@ -79,8 +79,8 @@ static void at_points(const ct_contact *contact, ct_penetration *out)
   }
 }
 
-/* Of how many edges of its face a point of the Lobatto rule is: 2 at a corner, 1 on an edge, 0 at
- * the centre. */
+/* Number of edges of its face on which a point of the Lobatto rule lies: 2 at a corner, 1 on an
+ * edge, 0 at the centre. */
 static int edges_at(ct_face_kind kind, const double xi[2])
 {
   if (kind == CT_T3 || kind == CT_T6)
@@ -88,8 +88,8 @@ static int edges_at(ct_face_kind kind, const double xi[2])
   return (fabs(xi[0]) == 1.0) + (fabs(xi[1]) == 1.0);
 }
 
-/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the
- * depth is the far side of something. */
+/* At corners or on edges: `edges` is 2 or 1. A place deeper than any point in contact and than the
+ * search distance is on a far side. */
 static void at_edges(const ct_contact *contact, ct_search *const now[2], int edges, double limit,
                      ct_penetration *out)
 {
@@ -118,8 +118,7 @@ double ct_contact_rounding(const ct_contact *contact)
   return 64.0 * DBL_EPSILON * far;
 }
 
-/* Depth up to which surfaces only touch: that of the rounding of coordinates, and a part of a face
- * in 10⁹. */
+/* Depth up to which surfaces count as touching: the rounding of coordinates, and 1e-9 of a face. */
 static double touching(const ct_contact *contact)
 {
   double size =

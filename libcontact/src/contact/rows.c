@@ -12,8 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Whether the row of a point is listed: a force λ of it puts λ N n on the point's own face and -λ N̄
- * n on the other (eq:constraint-force). */
+/* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
+ * with -λ N̄ n on the other (eq:constraint-force). */
 static int list_point(const ct_side *side, const ct_side *other, double reach, const double came[3],
                       const double moved[3], ct_point *point)
 {
@@ -170,7 +170,7 @@ ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error)
     memset(sides[s].force_fine, 0, size);
   }
   if (top == 0.0) return CT_OK;
-  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
+  // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * top, (rigid ? 8 : 16) * points))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
   for (int s = 0; s < count; s++) spread(&grid, &sides[s], rigid ? NULL : &sides[count - 1 - s]);

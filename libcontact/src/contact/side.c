@@ -115,7 +115,7 @@ ct_status ct_side_equip(ct_side *side)
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 
-/* Σ_a w_a (x_a - origin) over `per` nodes. Written to be compiled for a `per` that is known. */
+/* Σ_a w_a (x_a - origin) over `per` nodes, written to be inlined with a known `per`. */
 static inline void sum_nodes(int per, const int32_t *node, const double *x, const double *weight,
                              int stride, const double origin[3], double out[3])
 {

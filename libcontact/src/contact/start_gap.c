@@ -1,4 +1,4 @@
-/* Surfaces that overlap or gape at the start: gaps count from where they begin. */
+/* Surfaces that overlap or have gaps at the start: gaps are measured from their initial values. */
 #include <libcontact/base.h>
 
 #include "../base/error.h"
@@ -24,7 +24,7 @@ int ct_start_gap_counts(const ct_contact_options *options)
   return keeps(options) || options->adjust != 0.0;
 }
 
-/* Fraction of the start gaps that is left at a time (eq:initial-fade). */
+/* Fraction of the start gaps that remains at a time (eq:initial-fade). */
 static double left(const ct_contact_options *options, double time)
 {
   if (!ct_start_gap_fades(options) || time <= 0.0) return 1.0;
@@ -49,8 +49,8 @@ ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error)
                  (long)found.buried, contact->fixed->depth);
 }
 
-/* Whether a point outside and the face over it look at each other along the gap
- * (eq:initial-facing). */
+/* Whether an outside point and the face over it face each other along the gap (eq:initial-facing).
+ */
 static int is_facing(const ct_side *side, int64_t i)
 {
   const ct_point *point = &side->points[i];
@@ -63,11 +63,11 @@ static int is_facing(const ct_side *side, int64_t i)
          ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
 }
 
-/* How far the distance of a point that rests is off from one step to the next, as its closest point
+/* Change of the distance of a point at rest from one step to the next, because its closest point
  * comes from another iteration. */
 static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
 
-/* Distance of a point that touches, along the normal: the error of its closest point is across. */
+/* Distance of a touching point along the normal: the error of its closest point is tangential. */
 static double touching_gap(const ct_side *side, const ct_point *point)
 {
   double length = sqrt(ct_vector_dot(point->outward, point->outward));
@@ -88,8 +88,8 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
 }
 
-/* Start gap of a point after the first step: it changes only where the point has no force and no
- * energy, open in this step and the one before (eq:initial-release). */
+/* Start gap of a point after the first step: it changes only if the point has no force and no
+ * energy, that is, is open in this step and the last one (eq:initial-release). */
 static double later_gap(const ct_contact_options *options, const ct_side *side, double s,
                         double last, double gap, double share)
 {

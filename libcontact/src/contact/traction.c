@@ -11,15 +11,15 @@
 #include <math.h>
 #include <string.h>
 
-/* One surface whose tractions are recovered. */
+/* One surface for the recovery of tractions. */
 typedef struct recovery {
   const ct_side *side;
   char *carries;   /* whether a face carries forces, shape (face_count) */
   double N[27][8]; /* at the points: shape functions of the linear face with the same corners */
 } recovery;
 
-/* Mark the faces with a force of their own points, and those that points of the other side, unless
- * it is null, push on. */
+/* Mark the faces with forces of their own points, and those on which points of the other side,
+ * unless it is null, act. */
 static void mark_faces(const recovery *r, const ct_side *other)
 {
   const ct_side *side = r->side;
@@ -29,7 +29,7 @@ static void mark_faces(const recovery *r, const ct_side *other)
     if (ct_point_has_force(&other->points[i])) r->carries[other->points[i].other] = 1;
 }
 
-/* Add a share of a node's force to three sums. */
+/* Add a fraction of a node's force to three sums. */
 static void add_force(const ct_side *side, int32_t node, double share, ct_stream sum[3])
 {
   for (int c = 0; c < 3; c++) {
@@ -39,8 +39,8 @@ static void add_force(const ct_side *side, int32_t node, double share, ct_stream
   }
 }
 
-/* What one face gives to its corner `a`: the area under the corner's hat if the face carries
- * forces, and half the forces of the two mid-sides there, from each of the faces around them. */
+/* Contribution of one face to its corner `a`: the area under the corner's hat function if the face
+ * carries forces, and half the forces of its two mid-sides, from each of the faces around them. */
 static void add_face(const recovery *r, int32_t face, int a, ct_stream sum[4])
 {
   const ct_search *search = r->side->search;
@@ -111,7 +111,7 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
   return CT_OK;
 }
 
-/* The same at an obstacle of a host, whose surface numbers its nodes one after another. */
+/* The same at an obstacle of a host, whose nodes are numbered in order. */
 static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part *part,
                                    double *traction, double *area, ct_error *error)
 {
@@ -143,8 +143,8 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
                           traction, area, error);
 }
 
-/* Add the pressures of one surface at its nodes; `room` is that for tractions and areas, as many as
- * the problem has nodes. */
+/* Add the pressures of one surface at its nodes; `room` is memory for the tractions and areas of
+ * all nodes of the problem. */
 static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t count,
                               double *room, double *pressure, ct_error *error)
 {
@@ -156,7 +156,7 @@ static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t
   return status;
 }
 
-/* The surfaces of an effect of a state; answers how many, 0 for another kind of effect. */
+/* The surfaces of an effect of a state; returns their number, 0 for another kind of effect. */
 static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
 {
   if (effect->kind == CT_EFFECT_OBSTACLE) {

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A face whose other side is looked for: its middle and unit normal. */
+/* A face whose far side is searched for: its middle and unit normal. */
 typedef struct skin {
   const ct_search *search;
   double middle[3], normal[3];
@@ -23,7 +23,7 @@ static int middle_of(const ct_search *search, int32_t face, double middle[3], do
   return ct_segment_normal(&nodes, xi, normal) == CT_OK;
 }
 
-/* A face that is not beneath, or does not look the other way, is no far side. */
+/* A face that is not beneath, or does not point in the opposite direction, is not a far side. */
 static int is_no_far_side(void *user, int32_t face)
 {
   const skin *s = user;
@@ -33,8 +33,8 @@ static int is_no_far_side(void *user, int32_t face)
   return !(ct_vector_dot(down, s->normal) < 0.0) || !(ct_vector_dot(normal, s->normal) < -0.5);
 }
 
-/* Smallest distance of the middle of a face from a far side beneath it, where that is less than
- * `*thin` (eq:tunnelling). */
+/* Smallest distance of the middle of a face from a far side beneath it, if it is less than `*thin`
+ * (eq:tunnelling). */
 static ct_status find_thickness(const ct_search *reference, double *thin)
 {
   ct_search *search = NULL;
@@ -51,7 +51,7 @@ static ct_status find_thickness(const ct_search *reference, double *thin)
   return status;
 }
 
-/* Width of a face: its area over its longest edge, for a triangle its least height
+/* Width of a face: its area over its longest edge, for a triangle its smallest height
  * (eq:contact-near). */
 static double width_of(const ct_search *search, int32_t face)
 {
@@ -88,7 +88,7 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
     status = find_thickness(fixed->side[s].search, &thin);
     fixed->approach = fmin(fixed->approach, 0.75 * thin);
   }
-  // Gaps that are closed at the start are seen until they have opened by as much again
+  // Gaps that are closed at the start are found until they have opened by as much again
   // (eq:initial-adjust).
   fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * fixed->options.adjust);
   // -- Half a mean width of the faces (eq:skin-mean)
@@ -96,7 +96,7 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
   return status;
 }
 
-/* Box of what `values` has at the nodes of a surface, at `nodes` or one after another where that is
+/* Bounding box of `values` at the nodes of a surface, indexed by `nodes`, or in order if that is
  * null. */
 static void box_of(const ct_search *search, const int32_t *nodes, const double *values,
                    ct_bounds *box)
@@ -111,7 +111,7 @@ static void box_of(const ct_search *search, const int32_t *nodes, const double *
   }
 }
 
-/* Largest distance of a point of one box from a point of the other, and the smallest. */
+/* Largest and smallest distance of the points of one box from those of the other. */
 static double farthest(const ct_bounds *a, const ct_bounds *b)
 {
   double d[3];
@@ -127,7 +127,8 @@ static double closest(const ct_bounds *a, const ct_bounds *b)
   return sqrt(ct_vector_dot(d, d));
 }
 
-/* A face with the node that is farthest from what the other surface does on the mean. */
+/* Find the face with the node whose motion deviates most from the mean motion of the other surface.
+ */
 static int32_t fastest(const ct_search *search, const double *velocity, const ct_bounds *other)
 {
   int32_t face = 0;

@@ -1,4 +1,4 @@
-/* Eight points of a contact side by side, each over the face of the last step. */
+/* Eight points of a contact side by side, each with its face of the last step. */
 #include "pass.h"
 
 #include "../base/lanes.h"
@@ -10,11 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Eight points with all that is found of them. Numbers of one kind lie side by side, a lane for
- * each point. */
+/* Eight points with all their results. Numbers of one kind lie side by side, one lane per point. */
 typedef struct block {
   int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
-  double origin[3 * CT_WARM]; /* middle of the face's box: subtracted of the positions and of the
+  double origin[3 * CT_WARM]; /* middle of the face's box: subtracted from the positions and the
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
   double points[3 * CT_WARM], start[2 * CT_WARM];
@@ -41,7 +40,7 @@ CT_INLINE void sum_lanes(int per, const double *N, const double *x, double *out)
   }
 }
 
-/* Nodes of eight faces, seen from eight origins. */
+/* Nodes of eight faces, relative to eight origins. */
 CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM],
                           const double *origin, double *nodes)
 {
@@ -56,8 +55,8 @@ CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[C
     for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
 }
 
-/* Positions of the points and the faces that they were over, both from the middle of the face's
- * box. Inlined with `per` known. */
+/* Positions of the points and of their last faces, both relative to the middle of the face's box.
+ * Inlined with a known `per`. */
 CT_INLINE void load(const ct_pass *p, int per, block *b)
 {
   double own[24 * CT_WARM], N[8 * CT_WARM];
@@ -78,8 +77,8 @@ static void load_block(const ct_pass *p, block *b)
   else load(p, 8, b);
 }
 
-/* Gap vectors d = ȳ - y and signed gaps of the points over their closest points (eq:gap). Inlined
- * with `per` known. */
+/* Gap vectors d = ȳ - y and signed gaps of the points at their closest points (eq:gap). Inlined
+ * with a known `per`. */
 CT_INLINE void gaps(int per, block *b)
 {
   double closest[3 * CT_WARM];
@@ -97,15 +96,16 @@ CT_INLINE void gaps(int per, block *b)
   }
 }
 
-/* Twice how far a coordinate is outside a box, without a branch: it cannot be on both sides. */
+/* Twice the distance of a coordinate outside a box, without a branch: it cannot be on both sides.
+ */
 CT_INLINE double twice_outside(double low, double high, double x)
 {
   double under = low - x, over = x - high;
   return (under + fabs(under)) + (over + fabs(over));
 }
 
-/* Find the points to which some face but the last one may be nearer than the closest point; with
- * rounding of their positions, so a little too often rather than not. */
+/* Find the points to which a face other than the last one may be nearer than the closest point.
+ * With a margin for the rounding of positions, so some points are found unnecessarily. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   double at[3 * CT_WARM], most[CT_WARM];
@@ -148,7 +148,7 @@ static void measure_block(const ct_pass *p, block *b)
   find_rivals(p, b);
 }
 
-/* Whether the closest point of a lane is inside its last face, no deeper than allowed, with no
+/* Whether the closest point of a lane is inside its last face, within the allowed depth, with no
  * other face as near. */
 static int is_settled(const ct_pass *p, const block *b, int l)
 {
@@ -160,14 +160,14 @@ static int is_settled(const ct_pass *p, const block *b, int l)
   if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) ||
       b->rival[l])
     return 0;
-  // A point that comes in has to look at the face, or the search must say what it is in.
+  // A point that comes in must face the face; otherwise the search must classify it.
   const int64_t i = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
   const ct_point *point = &p->side->points[i];
   if (!(b->gap[l] < 0.0) || point->status == CT_POINT_INSIDE) return 1;
   return ct_pass_own_normal(p, i, own) && ct_pass_looks_across(own, normal);
 }
 
-/* Write what is found of the point of a lane. */
+/* Store the result of the point of a lane. */
 static void write_point(const ct_pass *p, const block *b, int l)
 {
   int64_t number = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
@@ -182,8 +182,8 @@ static void write_point(const ct_pass *p, const block *b, int l)
   point->status = b->gap[l] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
 }
 
-/* Take the points into lanes. Answers with a bit for each that has a face; the others' lanes repeat
- * one that has. */
+/* Load the points into lanes. Returns one bit for each point with a face; the other lanes repeat
+ * one of these. */
 static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
 {
   const ct_side *side = p->side;

@@ -9,7 +9,7 @@
 
 enum { SIZE = CT_CELL_SIZE };
 
-/* Where the nodes of the brick stand, in edges, and their families. */
+/* Positions of the nodes of the brick, in edges, and their families. */
 static void place_nodes(ct_bloch *bloch, ct_brick_kind kind, const double size[3])
 {
   static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
@@ -89,7 +89,7 @@ ct_status ct_bloch_init(const ct_dispersion_def *def, ct_bloch *bloch, ct_error 
   return status;
 }
 
-/* Phase between two nodes, k·(x_a - x_b), and what lies between them. */
+/* Phase between two nodes, k·(x_a - x_b), and its derivative. */
 static double phase(const ct_bloch *bloch, const double k[3], int a, int b, double r[3])
 {
   for (int d = 0; d < 3; d++) r[d] = bloch->x[a][d] - bloch->x[b][d];
@@ -115,7 +115,7 @@ static void stiffness(const ct_bloch *bloch, const double k[3], double K[SIZE][S
     for (int b = 0; b < bloch->per; b++) {
       const int A = 3 * bloch->family[a], B = 3 * bloch->family[b];
       double r[3], half = sin(0.5 * phase(bloch, k, a, b, r)), cosine = 1.0 - 2.0 * half * half;
-      // With one family the whole sum is 0 at k = 0: long waves keep their digits without it.
+      // With one family the whole sum is 0 at k = 0: without it long waves keep their digits.
       double weight = bloch->families == 1 ? -2.0 * half * half : cosine;
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) K[A + i][B + j] += weight * bloch->K[3 * a + i][3 * b + j];
@@ -137,7 +137,7 @@ static void add_slope(const ct_bloch *bloch, const double k[3], ct_bloch_wave *w
     }
 }
 
-/* Cholesky's triangle of the mass matrix, M = L Lᵀ. */
+/* Cholesky factor of the mass matrix, M = L Lᵀ. */
 static void cholesky(int n, double M[4][4], double L[4][4])
 {
   memset(L, 0, sizeof(double) * 16);
@@ -181,7 +181,7 @@ static void rotate(int n, double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int
   A[p][q] = A[q][p] = 0.0;
 }
 
-/* Jacobi's method: A becomes diagonal, the columns of V its eigenvectors. */
+/* Jacobi's method: A becomes diagonal, and the columns of V its eigenvectors. */
 static void diagonalize(int n, double A[SIZE][SIZE], double V[SIZE][SIZE])
 {
   for (int i = 0; i < n; i++)
@@ -195,9 +195,9 @@ static void diagonalize(int n, double A[SIZE][SIZE], double V[SIZE][SIZE])
   }
 }
 
-/* What averaging makes of ω² and its slope: the product with 1 + Σ γ_i t_i d_i, d_i = ⅔ sin² (½ k_i
- * h_i), t_i the mean over the orders of the axes of the 1 - d of those before (eq:averaged-symbol).
- */
+/* Apply averaging to ω² and its slope: the product with 1 + Σ γ_i t_i d_i, d_i = ⅔ sin² (½ k_i
+ * h_i), where t_i is the mean of the products of 1 - d of the earlier axes over all orders
+ * (eq:averaged-symbol). */
 static void average(const ct_bloch *bloch, const double k[3], ct_bloch_wave *wave)
 {
   double d[3], slope[3], factor = 1.0, lean[3] = {0.0};

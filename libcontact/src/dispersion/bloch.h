@@ -7,8 +7,8 @@
 
 enum { CT_CELL_SIZE = 12 };
 
-/* One brick of an infinite mesh of equal ones. Its nodes fall into families: those of one family
- * are copies of each other, moved by edges of the brick. */
+/* One brick of an infinite mesh of equal ones. Its nodes form families: those of one family are
+ * copies of each other, shifted by edges of the brick. */
 typedef struct ct_bloch {
   int per, families;
   int family[20];

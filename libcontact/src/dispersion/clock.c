@@ -1,4 +1,4 @@
-/* How the steps of an integrator see time: the roots of its amplification matrix. */
+/* Effect of an integrator's steps on an oscillation: the roots of its amplification matrix. */
 #include "clock.h"
 
 #include <complex.h>
@@ -7,8 +7,8 @@
 
 typedef double complex ct_complex;
 
-/* The amplification matrix of (u, Δt v, Δt² a⁻) less the unit matrix, and its derivative by x = Ω².
- */
+/* The amplification matrix of (u, Δt v, Δt² a⁻) minus the unit matrix, and its derivative by x =
+ * Ω². */
 typedef struct gain {
   double B[3][3], d[3][3];
 } gain;
@@ -54,8 +54,8 @@ static gain step_gain(const ct_integrator *integrator, double x)
   return all;
 }
 
-/* The real root ρ <= 0 of the third degree that no motion has, and its derivative by x; 0 if the
- * step has no memory. */
+/* The real root ρ <= 0 of the cubic that does not belong to a motion, and its derivative by x; 0 if
+ * the step has no memory. */
 static double memory_root(const gain *g, double *slope)
 {
   const double (*B)[3] = g->B, (*d)[3] = g->d;
@@ -97,7 +97,7 @@ ct_clock ct_clock_of(const ct_integrator *integrator, double Omega)
     const ct_complex slope = (S_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m);
     return (ct_clock){atan2(root, 1.0 + 0.5 * S), -0.5 * log1p(S + D), 2.0 * Omega * cimag(slope)};
   }
-  // All roots are real: the largest stays longest.
+  // All roots are real: the largest dominates for long times.
   const double one = 1.0 + 0.5 * S + root, two = 1.0 + 0.5 * S - root;
   double last = fabs(one) > fabs(two) ? one : two;
   if (fabs(z3) > fabs(last)) last = z3;

@@ -3,7 +3,7 @@
 
 #include <libcontact/step.h>
 
-/* What the steps of an integrator make of an oscillator of the frequency ω_h, with Ω = ω_h Δt: the
+/* The response of an integrator's steps to an oscillator of the frequency ω_h, with Ω = ω_h Δt: the
  * angle ω Δt, the damping δ Δt, and the slope ∂ω/∂ω_h (eq:dispersion-root, eq:dispersion-slope). */
 typedef struct ct_clock {
   double angle, damping, slope;
@@ -11,7 +11,7 @@ typedef struct ct_clock {
 
 ct_clock ct_clock_of(const ct_integrator *integrator, double Omega);
 
-/* Displacement after so many steps from u = 0 and Δt v = 1 (eq:front-time). */
+/* Displacement after a number of steps from u = 0 and Δt v = 1 (eq:front-time). */
 double ct_clock_advance(const ct_integrator *integrator, double Omega, int64_t steps);
 
 #endif

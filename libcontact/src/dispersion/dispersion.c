@@ -28,7 +28,7 @@ static ct_status begin(const ct_dispersion_def *def, ct_bloch *bloch, ct_error *
   return status == CT_OK ? ct_bloch_init(def, bloch, error) : status;
 }
 
-/* One wave as the time steps show it. */
+/* One wave with time steps. */
 static ct_branch branch_of(const ct_dispersion_def *def, const ct_bloch *bloch,
                            const ct_bloch_wave *wave)
 {
@@ -66,7 +66,7 @@ ct_status ct_dispersion(const ct_dispersion_def *def, size_t count, const double
 }
 
 /* A front: planes of nodes at whole multiples of `spacing` along the unit vector `normal`, those of
- * a family moved by half a spacing if `half`. */
+ * a family shifted by half a spacing if `half`. */
 typedef struct front {
   const ct_dispersion_def *def;
   ct_bloch bloch;
@@ -100,7 +100,7 @@ static ct_status find_planes(front *f, const int32_t index[3], ct_error *error)
   return CT_OK;
 }
 
-/* A period that the waves of the neighbours do not cross until then. */
+/* A period such that no waves of neighbouring fronts arrive until then. */
 static ct_status find_period(front *f, size_t count, const double *distance, ct_error *error)
 {
   double c1, c2, farthest = 0.0;

@@ -41,8 +41,8 @@ static ct_status absorb_rate(const ct_effect *effect, const ct_view *view, doubl
   return CT_OK;
 }
 
-/* Dashpots of the nodes of one face, ρ c₂ A I + ρ (c₁ - c₂) ∫ n n dA, with a share of the face for
- * each node that is never negative (eq:absorb-share). */
+/* Dashpots of the nodes of one face, ρ c₂ A I + ρ (c₁ - c₂) ∫ n n dA, distributed to its nodes with
+ * fractions that are never negative (eq:absorb-share). */
 static void face_dashpots(const ct_facets *facets, const ct_face *face, double normal,
                           double tangential, double *C)
 {

@@ -5,8 +5,8 @@
 
 #include "../base/memory.h"
 
-/* ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
- * not finite; `error` names the point. */
+/* ``CT_ERROR_ARGUMENT`` if arrays are missing or times descend, ``CT_INVALID`` if a number is not
+ * finite; `error` names the point. */
 ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
 
 /* The same, then replace its arrays by copies from a pool, which may fail. */

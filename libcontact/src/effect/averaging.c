@@ -11,8 +11,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Where the tangent of the stable step touches, as a part of the largest γ d: near those of the
- * modes that change along one axis, two and three, 0.69, 0.92 and 1. */
+/* Points of tangency for the stable step, as fractions of the largest γ d: near those of the modes
+ * that change along one, two and three axes, 0.69, 0.92 and 1. */
 static const double TANGENT = 0.8;
 
 /* A body of equal bricks. */
@@ -21,7 +21,7 @@ typedef struct averaged_body {
   int32_t first_node, batch_count;
   double rate[3]; /* c₁ / h along x, y, z */
   double whole;   /* m / 64 */
-  double *weight; /* the same of each element, 0 where it is left out, shape (batch_count, 8) */
+  double *weight; /* the same of each element, 0 if it is excluded, shape (batch_count, 8) */
   ct_assembly *assembly;
 } averaged_body;
 
@@ -34,7 +34,7 @@ typedef struct averaging_data {
   int64_t value_count;
 } averaging_data;
 
-/* Of one state: element values, and three numbers a node of the effect. */
+/* Of one state: element values, and three numbers per node of the effect. */
 typedef struct averaging_scratch {
   ct_pool pool;
   double *values, *in, *out, *before, *after, *force;
@@ -81,7 +81,7 @@ static void mode_shares(const averaged_body *body, double dt, double share[CT_MO
   share[CT_XI_ETA_ZETA] = 26.0 / 81.0 * ((g[0] + g[1]) + g[2]);
 }
 
-/* Values of all elements of one body, from three numbers a node of the body. */
+/* Values of all elements of one body, from three numbers per node of the body. */
 CT_CLONES
 static void body_batches(const averaged_body *body, const double share[CT_MODES], const double *in,
                          double *values)
@@ -132,13 +132,13 @@ static ct_status averaging_force(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* y of (1 + M_L⁻¹ η (M_L - M_C)) y = v on what is free, and η (M_L - M_C) y in `out`
+/* y of (1 + M_L⁻¹ η (M_L - M_C)) y = v on the free components, and η (M_L - M_C) y in `out`
  * (eq:averaged-solve). */
 static void solve(const ct_effect *effect, const averaging_scratch *s, const double *v)
 {
   const averaging_data *d = effect->data;
   double q = effect->amplification(effect, d->problem->dt) - 1.0, relax = 2.0 / (2.0 + q);
-  // Each round leaves q / (2 + q) < 1/5 of the error; the last one leaves nothing that counts.
+  // Each round reduces the error to q / (2 + q) < 1/5; after the last one it is negligible.
   int rounds = q > 0.0 ? 1 + (int)ceil(-38.0 / log(q / (2.0 + q))) : 0;
   memcpy(s->in, v, 3 * (size_t)effect->node_count * sizeof *v);
   for (int round = 0; round < rounds; round++) {
@@ -185,7 +185,7 @@ static double averaging_amplification(const ct_effect *effect, double dt)
 }
 
 /* 4 (M - a M + b Γ) of a brick, where a M - b Γ is the tangent at g₀ of P⁻¹, a convex function of
- * M⁻¹Γ (eq:averaged-tangent). An element that is left out has less. */
+ * M⁻¹Γ (eq:averaged-tangent). For an excluded element it is smaller. */
 static void averaging_element(const ct_effect *effect, int32_t first_node, const double edge[3],
                               double dt, double *matrix)
 {
@@ -213,7 +213,7 @@ static void averaging_element(const ct_effect *effect, int32_t first_node, const
   }
 }
 
-/* Elements with a node that stands apart have no weight. */
+/* Elements with a node that is excluded have no weight. */
 static ct_status weigh(averaged_body *body, const ct_averaging_def *def, ct_error *error)
 {
   const ct_mesh *mesh = body->mesh;
@@ -306,7 +306,8 @@ ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_probl
   status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
-    // Operations of the kernel, the sums at the nodes and the accelerations; node numbers, forces
+    // Operations of the kernel, the sums at the nodes and the accelerations; bytes of node numbers,
+    // of forces (written and read) and of nodes.
     // written and read, nodes.
     const ct_mesh *mesh = d->bodies[i].mesh;
     filled.flops += 210.0 * mesh->element_count + 24.0 * mesh->node_count;

@@ -1,4 +1,4 @@
-/* Damping in proportion to mass. */
+/* Damping proportional to mass. */
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
@@ -30,7 +30,7 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the
+/* Memory of relaxation: its rate, the number of steps since the sample (0: no sample yet), and the
  * sample's displacements and forces on the effect's nodes. */
 enum { RATE, AGE, SAMPLE };
 
@@ -52,7 +52,7 @@ static void node_change(const ct_effect *effect, const ct_view *view, int32_t i,
   *mass = data->mass[node] * ((square[0] + square[1]) + square[2]);
 }
 
-/* ω² by the changes since the sample: -Δu · Δf / Δu · M Δu, or 0 where they show no stiffness
+/* ω² from the changes since the sample: -Δu · Δf / Δu · M Δu, or 0 if they show no stiffness
  * (eq:relaxation-rate). */
 static double rayleigh(const ct_effect *effect, const ct_view *view)
 {
@@ -68,7 +68,7 @@ static double rayleigh(const ct_effect *effect, const ct_view *view)
   return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
 }
 
-/* The rate of this step, and what the next one shall remember. */
+/* The rate of this step, and the memory for the next one. */
 static double relaxation_rate(const ct_effect *effect, const ct_view *view)
 {
   const damping_data *data = effect->data;
@@ -96,7 +96,7 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
 {
   const damping_data *data = effect->data;
   (void)error;
-  // While the start is made the velocity is the one of t = 0, and nothing is damped yet.
+  // While the state is created the velocity is that of t = 0, and there is no damping yet.
   double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->c_dt;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int k = 0; k < 3; k++) {

@@ -1,4 +1,4 @@
-/* Zero-phase filter of what is shown of a state; the state is not touched. */
+/* Zero-phase filter of recorded fields; the state does not change. */
 #include <libcontact/effect.h>
 
 #include "solid.h"
@@ -24,7 +24,7 @@ struct ct_filter {
   void *scratch;   /* of the solid effect */
 };
 
-/* Whether the forces of an effect come from outside through a surface, so that the stress there is
+/* Whether the forces of an effect act from outside through a surface, so that the stress there is
  * not zero. */
 static int is_outside(const ct_effect *effect)
 {
@@ -58,7 +58,7 @@ static void sum_outside(const ct_filter *filter, const ct_state *state)
   }
 }
 
-/* Take away from a change what goes along a force (eq:filter-held). */
+/* Remove the component of a change along a force (eq:filter-held). */
 static void hold_along(const double force[3], double change[3])
 {
   double length = sqrt(ct_vector_dot(force, force)), along = 0.0;

@@ -1,4 +1,4 @@
-/* Components of nodes that supports and motions prescribe. */
+/* Prescribed components of nodes, for supports and motions. */
 #include "held.h"
 
 #include "amplitude.h"
@@ -30,7 +30,7 @@ static ct_status check(const ct_motion *motion, int support, int32_t number, int
   return CT_OK;
 }
 
-/* Enter one motion into a table over all nodes of the problem. Two supports may agree. */
+/* Enter one motion into a table over all nodes of the problem. Two motions may agree. */
 static ct_status enter(const ct_motion *motions, int support, int32_t number, int32_t *holder,
                        ct_error *error)
 {

@@ -21,7 +21,7 @@ typedef struct load_data {
       *dead; /* nodal forces that keep their direction, for a factor of 1, shape (node_count, 3) */
 } load_data;
 
-/* Values of the faces on their way to the nodes. */
+/* Memory for the values of the faces before they are added at the nodes. */
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const load_data *load = effect->data;
@@ -73,8 +73,8 @@ static ct_status load_force(const ct_effect *effect, const ct_view *view, double
   return CT_OK;
 }
 
-/* A pressure that follows is a spring of its own: the largest row of M⁻¹ |∂f/∂u| (eq:load-bound).
- */
+/* A pressure that follows the surface acts like a spring: the largest row of M⁻¹ |∂f/∂u|
+ * (eq:load-bound). */
 static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
                                    double *omega_squared, ct_error *error)
 {
@@ -114,7 +114,7 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
   return CT_OK;
 }
 
-/* Copy the amplitude and integrate what keeps its direction. */
+/* Copy the amplitude and integrate the forces of constant direction. */
 static ct_status prepare(load_data *load, const ct_problem *problem, ct_error *error)
 {
   ct_load_def *given = &load->given;

@@ -8,12 +8,12 @@
 
 #include <math.h>
 
-/* The force that takes one component to where it has to be at the next evaluation, with the
- * velocity `v` before the kick and what is `carried` on. */
+/* The force that moves one component to its prescribed place at the next evaluation, from the
+ * velocity `v` before the kick and the further displacement `carried`. */
 static double force_to(double target, double u, double v, double carried, double mass,
                        double others, const ct_view *view)
 {
-  // While the start is made nothing has been prescribed yet: the node keeps its velocity.
+  // While the state is created nothing is prescribed yet: the node keeps its velocity.
   if (view->dt == 0.0) return -others;
   // -- r = m (v_{n+1/2} - v_{n-1/2}) / Δt - Σ f with v_{n+1/2} = (s(t_{n+1}) - u_n) / Δt
   // (eq:motion-velocity, eq:motion-force, eq:stage-motion)

@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Operations that each thread has at least: a fraction of a millisecond. */
+/* Fewest operations of a thread: a fraction of a millisecond. */
 enum { LEAST_FLOPS = 2000000 };
 
 typedef struct solid_data {
@@ -63,13 +63,13 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* Where displacements stand in the order of a part that has its own; else null. */
+/* Memory for the displacements of a part in its own order; else null. */
 static double *room_of(const ct_solid_part *part, const ct_solid_scratch *scratch)
 {
   return part->order != NULL ? scratch->values + part->first_room : NULL;
 }
 
-/* What is computed of part `i`, by which kernel, from where and to where. */
+/* The task of part `i`: elements, kernel, input and output. */
 static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *view, double *force)
 {
   const ct_solid_part *part = &solid->parts[i];
@@ -105,8 +105,8 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   return status;
 }
 
-/* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and blind
- * to a translation. */
+/* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and not
+ * changed by a translation. */
 CT_CLONES
 static void force_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
                            double energies[8])
@@ -132,13 +132,13 @@ static void force_energies(const ct_solid_part *part, int32_t b, const double *u
   for (int l = 0; l < 8; l++) energies[l] = -0.5 * ((work[0][l] + work[1][l]) + work[2][l]);
 }
 
-/* Energies of the elements of the batches first ... last - 1, no more than a block, after
+/* Energies of the elements of the batches first ... last - 1, at most a block, after
  * begin_energies. */
 static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u,
                            double *values, double *energies)
 {
   double hourglass[8], *kept = &values[part->energy_value];
-  // Forces that went through a ring are made once more.
+  // Forces of parts with a ring were not stored and are computed once more.
   if (part->ring != NULL || part->plane != NULL) part->batches(part, first, last, u, values);
   if (part->energies != NULL)
     memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
@@ -148,7 +148,7 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
     else force_energies(part, b, u, values, energies);
 }
 
-/* What would cost too much to be made twice: the energies of large deformation. */
+/* Compute the energies of large deformation once, because they are expensive. */
 static void begin_energies(const ct_solid_part *part, const double *u, double *values)
 {
   for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
@@ -244,8 +244,8 @@ ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_erro
   return CT_OK;
 }
 
-/* Find where the values of each part begin. What goes through a ring is read before a thread
- * computes the next part: it has one ring for all. */
+/* Set the begin of each part's values. A ring is read before a thread computes the next part: it
+ * has one ring for all parts. */
 static void place_values(solid_data *solid)
 {
   int rings = 0;
@@ -339,8 +339,7 @@ ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, c
   return ct_effect_finish(status, &filled, effect, error);
 }
 
-/* Energy of the hourglass control of all parts that have one; `effect` looks at the data of the
- * solid effect. */
+/* Energy of the hourglass control of all parts that have one; `effect` is the solid effect. */
 static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, double *energy,
                                   ct_error *error)
 {
@@ -401,16 +400,16 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_ke
   if (kernel != NULL) *kernel = part->kernel;
   int plane = part->kernel == CT_KERNEL_PLANE;
   double nodes = part->mesh->node_count / elements;
-  // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
+  // The sum at a node adds 7 numbers per component, in a plane 3 for two nodes.
   if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
-  // Node numbers of a batch, or of its first element alone where it is a row, in a plane those of
-  // the lower layer; coordinates but of boxes, displacements and forces of the nodes; and without a
-  // ring element forces written once and read once, and their places.
+  // Bytes: node numbers of a batch, or of its first element alone if it is a row, in a plane those
+  // of the lower layer; coordinates except for boxes, displacements and forces of the nodes; and
+  // without a ring element forces, written once and read once, with their places.
   double rows = 0.0, numbers = plane ? 16.0 : 4.0 * per;
   for (int32_t b = 0; b < part->batch_count; b++) rows += part->rows[b];
   if (!plane) numbers *= 1.0 - 7.0 / 8.0 * rows / part->batch_count;
-  // In an order of its own it reads the user's numbers twice and writes displacements anew, and
-  // lists have a number a corner.
+  // A part with its own order reads the user's numbers twice and writes displacements again; lists
+  // have one number per corner.
   double order = part->order != NULL ? 32.0 * nodes : 0.0;
   if (part->ring != NULL && part->ring->list != NULL) order += 32.0 + 4.0 * nodes;
   double shape = plane || part->kernel == CT_KERNEL_BOX ? 0.0 : 24.0 * nodes,

@@ -3,11 +3,11 @@
 
 #include <libcontact/effect.h>
 
-/* As ct_solid_create_effect, of meshes that have passed ct_mesh_check. */
+/* ct_solid_create_effect for meshes that have passed ct_mesh_check. */
 ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, ct_error *error);
 
-/* Of each node of a solid effect's bodies, shape (node_count): a bound of ω² by the elements around
- * it, or by the blocks of a box (eq:filter-weight) [1 / time²]. */
+/* A bound of ω² for each node of a solid effect's bodies, shape (node_count), from the elements
+ * around it, or from the blocks of a box (eq:filter-weight) [1 / time²]. */
 ct_status ct_solid_nodes_omega2(const ct_effect *solid, double *omega2, ct_error *error);
 
 #endif

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What is laid down for the 8 elements of a batch: b[j][m] = ∂V/∂X_jm, 1 / V, and the length l. */
+/* Constant data of the 8 elements of a batch: b[j][m] = ∂V/∂X_jm, 1 / V, and the length l. */
 typedef struct viscous_lanes {
   ct_lanes b[3][CT_MEAN_MODES], inverse_volume, length;
 } viscous_lanes;
@@ -26,7 +26,7 @@ typedef struct viscous_body {
   double most; /* largest l / V Σ b² / m over the elements, for the bound on the step */
 } viscous_body;
 
-/* The quadratic part grows no steeper than the linear part of this coefficient
+/* The quadratic part is limited to the slope of a linear part with this coefficient
  * (eq:bulk-viscosity). */
 static const double STEEPEST = 0.06;
 
@@ -112,7 +112,7 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* Q of the steepest slope of the law. */
+/* Q with the steepest slope of the law. */
 static double coefficient_of(const viscous_data *d)
 {
   return d->linear + (d->quadratic > 0.0 ? STEEPEST : 0.0);
@@ -152,8 +152,8 @@ static void viscous_element(const ct_effect *effect, int32_t first_node, const d
   }
 }
 
-/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has
- * of their elements' (eq:viscous-bound). */
+/* Largest l / V Σ b² / m, where each element has a fraction of its nodes' masses: its volume over
+ * that of all elements at the node (eq:viscous-bound). */
 static ct_status bound_body(viscous_body *body, const double *mass, ct_error *error)
 {
   const ct_mesh *mesh = body->mesh;
@@ -172,7 +172,7 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
           sum += (B[a][0] * B[a][0] + B[a][1] * B[a][1] + B[a][2] * B[a][2]) *
                  (around[node[a]] / mass[node[a]]);
       }
-      // The volumes are left over: V² of b = V B, 1 / V of the force, 1 / V of the mass.
+      // The volumes cancel: V² from b = V B, 1 / V from the force, 1 / V from the mass.
       if (status == CT_OK && pass == 1) body->most = fmax(body->most, length_of(g2) * sum);
     }
   ct_release(around);
@@ -283,8 +283,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
   if (status == CT_OK) status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
-    // Operations counted in the kernel and the sums at the nodes; node numbers, what is stored,
-    // forces written and read, nodes.
+    // Operations counted in the kernel and the sums at the nodes; bytes of node numbers, of
+    // constant data, of forces (written and read), and of nodes.
     const ct_mesh *mesh = d->bodies[i].mesh;
     filled.flops += 249.0 * mesh->element_count + 21.0 * mesh->node_count;
     filled.bytes += (32.0 + 160.0 + 384.0) * mesh->element_count + 80.0 * mesh->node_count;

@@ -19,7 +19,7 @@ static const double PI = 3.14159265358979323846;
 /* The five fields of one face: s_x, s_y, s_xy, v_x, v_y, with y the depth below the face. */
 enum { SX, SY, SXY, VX, VY, FIELDS };
 enum { WAVE_P, WAVE_S, WAVES };
-/* Two poles that nearly coincide are replaced by this many points on a circle round them. */
+/* Two poles that nearly coincide are replaced by this many points on a circle around them. */
 enum { CIRCLE = 24, POLES_MAX = CIRCLE + 2 };
 
 /* A point of the torus. */
@@ -34,7 +34,7 @@ typedef struct ct_pole {
   ct_complex residue[WAVES][FIELDS]; /* of F dp/du at u = a */
 } ct_pole;
 
-/* What depends on Poisson's ratio alone. */
+/* Data that depend on Poisson's ratio alone. */
 typedef struct ct_plates {
   double nu, kappa, kappa2, ell, c_r;
   double modulus1;        /* sqrt(1 - 1/kappa^2) */
@@ -93,14 +93,14 @@ static void thetas(double q, ct_complex sine, ct_complex *theta1, ct_complex *th
   *theta4 = 1.0 - 2.0 * (q * c2 - q4 * c4 + q8 * q * c6 - q8 * q8 * c8);
 }
 
-/* The four logarithms of a pole, combined for the fields that are even or odd in u and keep or turn
- * their sign under u -> u + 2iK' (eq:exact-primitive); `unit` holds the reciprocal values that fix
- * the branch. */
+/* The four logarithms of a pole, combined for the fields that are even or odd in u and keep or
+ * change their sign under u -> u + 2iK' (eq:exact-primitive); `unit` holds the reciprocal values
+ * that fix the branch. */
 typedef struct ct_logs {
   ct_complex even, odd, even_turned, odd_turned;
 } ct_logs;
 
-/* What the sums over the poles need of a point: pi W/4K, its sine and cosine. */
+/* Data of a point for the sums over the poles: pi W/4K, its sine and cosine. */
 typedef struct ct_angle {
   ct_complex angle, sine, cosine;
 } ct_angle;

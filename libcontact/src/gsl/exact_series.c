@@ -21,16 +21,16 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Gauss points of a panel of wave numbers; modes that are summed together. */
+/* Gauss points of a panel of wave numbers; number of modes that are summed together. */
 enum { NODES = 6, BLOCK = 128 };
 
-/* One mode: its place, the amplitudes times the weight of the quadrature. A and B are those of the
- * functions divided by exp(|Im xi1|), exp(|Im xi2|), so that none overflows. */
+/* One mode: its wave number and frequency, and the amplitudes times the weight of the quadrature. A
+ * and B belong to the functions divided by exp(|Im xi1|), exp(|Im xi2|), so that none overflows. */
 typedef struct ct_mode {
   double xi, omega, xi1_squared, xi2_squared, a, b;
 } ct_mode;
 
-/* Modes as the sums want them; what a block has too many has no amplitude. */
+/* Modes in blocks for the sums; superfluous modes of a block have amplitude 0. */
 typedef struct ct_mode_block {
   double xi[BLOCK], omega[BLOCK], xi1_squared[BLOCK], xi2_squared[BLOCK], a[BLOCK], b[BLOCK];
 } ct_mode_block;
@@ -38,7 +38,7 @@ typedef struct ct_mode_block {
 /* The modes of one Poisson's ratio and number of branches on a grid of wave numbers. */
 typedef struct ct_series {
   double ell, kappa2;
-  size_t count, blocks, room; /* modes; blocks in use and in memory */
+  size_t count, blocks, room; /* modes; blocks in use and allocated */
   ct_mode_block *block;
 } ct_series;
 
@@ -72,7 +72,7 @@ static double dispersion(double omega, void *parameters)
   return e * e * a.c * b.sinc + 4.0 * xi2 * a.s * b.c; // (eq:series-dispersion)
 }
 
-/* The root in [low, high], which holds exactly one. */
+/* The root in [low, high], which contains exactly one. */
 static double branch_root(gsl_root_fsolver *solver, ct_dispersion *d, double low, double high)
 {
   const double f_low = dispersion(low, d), f_high = dispersion(high, d);
@@ -146,8 +146,8 @@ static ct_status keep(ct_series *s, const ct_mode *mode)
   return CT_OK;
 }
 
-/* What a wave number needs: solver, Rayleigh speed over c1, width of a panel, and the smallest mode
- * worth keeping. */
+/* Data for a wave number: solver, Rayleigh speed over c1, width of a panel, and the smallest mode
+ * that is kept. */
 typedef struct ct_branches {
   gsl_root_fsolver *solver;
   double c_r, width, least;
@@ -177,8 +177,8 @@ static ct_status wave_number(ct_series *s, const ct_branches *how, double xi, do
   return CT_OK;
 }
 
-/* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to
- * 4000. */
+/* All wave numbers: all branches up to 3 xi_N + 60, then the lowest one only, the Rayleigh wave, up
+ * to 4000. */
 static ct_status tabulate(ct_series *s, size_t branches, const ct_branches *how,
                           const gsl_integration_glfixed_table *rule)
 {
@@ -205,7 +205,7 @@ static void release(ct_series *s)
 }
 
 /* Find the branches (eq:series-dispersion) and the weights of their modes (eq:series-sum) for
- * points up to x + t = reach: the waves in the integrand are sampled for it. */
+ * points up to x + t = reach: this sets the sampling of the integrand. */
 static ct_status tabulated(double nu, size_t branches, double reach, ct_series **out,
                            ct_error *error)
 {
@@ -235,8 +235,8 @@ static ct_status tabulated(double nu, size_t branches, double reach, ct_series *
   return CT_OK;
 }
 
-/* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can do
- * several at a time: angle = k pi/2 + y with |y| <= pi/4 and Taylor's polynomials in y. */
+/* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can
+ * vectorise it: angle = k pi/2 + y with |y| <= pi/4 and Taylor's polynomials in y. */
 CT_CLONES
 static void waves(const double *angle, double *cosine, double *sine)
 {
@@ -270,8 +270,8 @@ static void waves(const double *angle, double *cosine, double *sine)
   }
 }
 
-/* cos(s z) and s sin(s z) over exp(|Im s|) for s = i r, 0 <= z <= 1; both vanish where the mode
- * does not reach. */
+/* cos(s z) and s sin(s z) over exp(|Im s|) for s = i r, 0 <= z <= 1; both underflow to 0 far from
+ * the face. */
 static void hyperbolic(double r, double z, double *c, double *s)
 {
   *c = *s = 0.0;
@@ -296,8 +296,8 @@ static void shapes(const double *square, double z, double *c, double *s)
     if (square[i] < 0.0) hyperbolic(root[i], z, &c[i], &s[i]);
 }
 
-/* What x and t do to each mode of a block: sin, cos of xi x times cos(omega t), sin(omega t)/omega.
- */
+/* Factors of x and t for each mode of a block: sin, cos of xi x times cos(omega t), sin(omega
+ * t)/omega. */
 typedef struct ct_wave_factors {
   double sin_cos[BLOCK], cos_cos[BLOCK], sin_sin[BLOCK], cos_sin[BLOCK];
 } ct_wave_factors;
@@ -344,7 +344,7 @@ static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double e
   for (int k = 0; k < 5; k++) field[k] += sum[k];
 }
 
-/* The points first, ..., last - 1 have one x and one t: all modes at each. */
+/* The points first, ..., last - 1 have the same x and t: all modes at each. */
 static void sum_line(const ct_series *s, size_t first, size_t last, const double *x,
                      const double *z, const double *t, double *fields)
 {
@@ -360,7 +360,7 @@ static void sum_line(const ct_series *s, size_t first, size_t last, const double
     if (z[i] < 0.0) fields[5 * i + 2] = -fields[5 * i + 2], fields[5 * i + 4] = -fields[5 * i + 4];
 }
 
-/* Why a point can't be answered; null when it can. */
+/* The reason why a point is outside the range; null if it is inside. */
 static const char *refusal(double x, double z, double t, double reach)
 {
   (void)z;

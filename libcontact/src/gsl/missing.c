@@ -2,7 +2,7 @@
 
 #include <libcontact/series.h>
 
-/* libcontact-gsl as it is built without GSL: its call refuses. */
+/* libcontact-gsl without GSL: its call refuses. */
 
 ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, const double *t,
                                  double nu, size_t branches, double *fields, size_t *bad,

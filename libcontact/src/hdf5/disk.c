@@ -47,10 +47,10 @@ void ct_disk_rename(ct_task *task, ct_disk *disk)
 /* -- One writer -- */
 
 /*
- * A file that is written is locked, so that no second run writes it too. The lock belongs to the
- * open file, and so goes with the process, however that ends; where the system has no such lock it
- * belongs to the process, and two outputs of one process do not see each other's. It is not
- * flock's, with which HDF5 itself would refuse to read a file that is written.
+ * A file is locked while it is written, so that no second run writes it. The lock belongs to the
+ * open file, and ends with the process in any case. On systems without such locks it belongs to the
+ * process, and two outputs of one process do not see each other's locks. It is not flock's, because
+ * with that HDF5 itself would refuse to read the file.
  */
 #ifdef F_OFD_SETLK
 enum { SET_LOCK = F_OFD_SETLK };
@@ -64,17 +64,17 @@ static int set_lock(int descriptor, short type)
   return fcntl(descriptor, SET_LOCK, &whole);
 }
 
-/* 0, or EAGAIN when another has the lock. A file system without locks has none to respect. */
+/* 0, or EAGAIN if another run has the lock. A file system without locks has none to respect. */
 static int take_lock(int descriptor)
 {
   if (set_lock(descriptor, F_WRLCK) == 0) return 0;
   return errno == EAGAIN || errno == EACCES ? EAGAIN : 0;
 }
 
-/* A forked child may have the file open as well, and must not keep the lock. */
+/* A forked child may also have the file open, and must not keep the lock. */
 void ct_disk_unlock(int descriptor) { (void)set_lock(descriptor, F_UNLCK); }
 
-/* Whether an open file still bears a name. */
+/* Whether an open file still has a name. */
 static int bears(int descriptor, const char *name)
 {
   struct stat one, two;
@@ -87,8 +87,8 @@ static int open_if_there(const char *path)
   return open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
 }
 
-/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run
- * is alive, or the number of the system's error. */
+/* Remove a file that an ended run has left, or a link. Returns 0, EAGAIN while the run is alive, or
+ * the system's error number. */
 static int clear(const char *part)
 {
   int descriptor = open_if_there(part), result = descriptor < 0 ? errno : take_lock(descriptor);
@@ -99,7 +99,7 @@ static int clear(const char *part)
   return result;
 }
 
-/* Whether nobody writes a file that may be there. */
+/* Whether no run writes a file, which need not exist. */
 static int is_free(const char *path)
 {
   int descriptor = open_if_there(path);
@@ -109,8 +109,8 @@ static int is_free(const char *path)
   return result == 0;
 }
 
-/* One attempt: a file that nobody else has taken for one that was left, between its making and its
- * lock. Negative without one. */
+/* One attempt to create and lock a file before another run takes it for one that was left. Negative
+ * on failure. */
 static hid_t make_locked(ct_disk *disk, hid_t how, hid_t access)
 {
   void *handle = NULL;
@@ -148,8 +148,7 @@ hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access)
 
 /* -- A full disk -- */
 
-/* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for
- * them. */
+/* Allocate the bytes from `start` on; returns 0, or the error number if the disk is full. */
 static int reserve(int descriptor, off_t start, int64_t bytes)
 {
 #if defined(_POSIX_ADVISORY_INFO) && _POSIX_ADVISORY_INFO > 0

@@ -4,14 +4,14 @@
 #include <stdio.h>
 
 /*
- * HDF5's own driver ("sec2") with writes that never fail. HDF5 can't close a file any more once a
- * write of a flush has failed, whatever is tried afterwards, and crashes when the process ends
- * (seen with 1.10.8). So the first failure is kept in ct_disk, from then on nothing is written, and
- * HDF5 is told that all is well. Whoever writes looks at ct_disk.error after each flush.
+ * HDF5's own driver ("sec2") with writes that never fail. After a failed write in a flush HDF5 can
+ * no longer close the file, and crashes when the process ends (seen with 1.10.8). So ct_disk keeps
+ * the first failure, nothing is written from then on, and HDF5 sees success. Callers check
+ * ct_disk.error after each flush.
  */
 
-/* A class of HDF5's drivers has no place for data but its name, which is ours: where it stands is
- * the disk. */
+/* A driver class of HDF5 has no member for data except its name, which is ours: its address is that
+ * of the disk. */
 static ct_disk *disk_of(const H5FD_t *file) { return (ct_disk *)(uintptr_t)file->cls->name; }
 
 static void keep_error(ct_disk *disk, herr_t done)

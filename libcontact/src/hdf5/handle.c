@@ -20,7 +20,7 @@ void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *f
   task->status = ct_fail(task->error, status, where, "%s: %s", task->path + start, sentence);
 }
 
-/* Keeps the innermost text of the stack, and better one that quotes the system. */
+/* Keep the innermost text of the stack, or preferably one that quotes the system. */
 static herr_t keep_reason(unsigned level, const H5E_error2_t *entry, void *data)
 {
   char *reason = data;
@@ -57,8 +57,8 @@ ct_status ct_hdf5_check_version(ct_error *error)
 
 /* -- Types -- */
 
-/* What can't be made has a negative id, with which every later call fails, so that only the last
- * one is looked at. */
+/* A failed creation returns a negative id, with which all later calls fail, so checking the last
+ * one is enough. */
 
 static hid_t text_type(size_t size)
 {
@@ -91,8 +91,8 @@ hid_t ct_hdf5_row_type(const ct_row_type *row)
 
 /* -- Groups, arrays, attributes -- */
 
-/* The files are of the second superblock and their growing datasets of the extensible-array kind:
- * nothing that is already in the file moves when a step is appended, and no flag in it says that a
+/* The files have the second superblock, and their growing datasets are of the extensible-array
+ * kind: appending a step moves nothing that is already in the file, and no flag in it says that a
  * writer was there (docs/theory/output.rst, "Killed in mid-run"). */
 hid_t ct_hdf5_access(void)
 {
@@ -215,11 +215,11 @@ double ct_hdf5_read_number(ct_task *task, const char *path, const char *name)
 
 enum { MANY_STEPS = 128, LARGEST_TABLE_CHUNK = 65536, LARGEST_CHUNK_ROWS = 1 << 20 };
 
-/* Room in which structs lose their padding, many rows of a table. HDF5 clears it at each write, and
- * has 1 MB where nobody says otherwise. */
+/* Memory in which structs lose their padding, many rows of a table. HDF5 clears it at each write,
+ * and has 1 MB by default. */
 enum { CONVERTED_BYTES = 16384 };
 
-/* Fields: one step a chunk. Tables: many steps a chunk. */
+/* Fields: one step per chunk. Tables: many steps per chunk. */
 static int64_t chunk_rows(const ct_column *column, int is_field)
 {
   if (is_field) return column->rows < LARGEST_CHUNK_ROWS ? column->rows : LARGEST_CHUNK_ROWS;

@@ -16,10 +16,10 @@
 #error "libcontact-hdf5 needs HDF5 1.10.2 or newer (H5Fset_libver_bounds)"
 #endif
 
-/* What the source files of libcontact-hdf5 share. */
+/* Shared by the source files of libcontact-hdf5. */
 
-/* A task on one file. Its first failure stays in `status` and `error`, and the functions that get
- * the task do nothing from then on, so that a sequence of them needs no checks. */
+/* A task on one file. Its first failure stays in `status` and `error`, and functions that get the
+ * task afterwards do nothing, so that a sequence of them needs no checks. */
 typedef struct ct_task {
   const char *path;
   ct_error *error;
@@ -47,14 +47,14 @@ typedef struct ct_field {
   const char *name;
   size_t offset, size;
   ct_kind kind;
-  /* What a message calls it where two problems differ; null: it is not compared. */
+  /* Name in a message if two problems differ; null: it is not compared. */
   const char *label;
 } ct_field;
 
 #define CT_FIELD(row, member, kind, label) \
   {#member, offsetof(row, member), sizeof(((row *)0)->member), kind, label}
 
-/* The struct; behind its fields stands one without a name. */
+/* The struct; behind its fields there is one without a name. */
 typedef struct ct_row_type {
   size_t size;
   ct_field field[12];
@@ -66,24 +66,24 @@ typedef struct ct_row_type {
 typedef ct_status ct_fill(const ct_output *output, const ct_problem *problem, ct_state *state,
                           int64_t first, int64_t count, ct_error *error);
 
-/* A dataset that grows by `rows` rows of `width` values a step (width 0: the dataset has no second
- * axis). */
+/* A dataset that grows by `rows` rows of `width` values per step (width 0: the dataset has no
+ * second axis). */
 typedef struct ct_column {
   hid_t set;
   /* Type of one value in memory. */
   hid_t type;
   int64_t rows, width, chunk_rows, row_bytes;
-  /* Where the rows of the current step stand in ct_record: there, or where a pointer there leads.
-   */
+  /* Offset in ct_record of the rows of the current step, or of a pointer to them. */
   size_t source;
   int is_pointer;
-  /* Null, or what computes the rows piece by piece, where that pointer leads. */
+  /* Null, or the function that computes the rows piece by piece, into the memory at that pointer.
+   */
   ct_fill *fill;
 } ct_column;
 
 enum { CT_COLUMN_LIMIT = 48 };
 
-/* What one step writes, gathered before the file is touched. */
+/* Data of one step, gathered before the file is written. */
 typedef struct ct_record {
   int64_t zero, one;
   /* First rows of the step in the point, cell and step tables, and the number of the step. */
@@ -91,9 +91,9 @@ typedef struct ct_record {
   ct_energy energy;
   /* Sums over the bodies. */
   double momentum[3], angular_momentum[3];
-  /* Fields; null where they are not asked for. The displacement belongs to the state, and
-   * `displacement_filtered` is `smooth` of the output; velocity and stresses have room for a piece,
-   * which is the same for all. */
+  /* Fields; null if they are not requested. The displacement belongs to the state, and
+   * `displacement_filtered` is `smooth` of the output; velocity and stresses share memory for one
+   * piece. */
   const double *displacement, *velocity, *stress, *displacement_filtered, *stress_filtered;
   double *contact_pressure, *velocity_filtered;
   double *piece;
@@ -103,7 +103,7 @@ typedef struct ct_record {
   double *addends;
 } ct_record;
 
-/* The table of a probe, which grows by any number of rows a step. */
+/* The table of a probe, which grows by any number of rows per step. */
 typedef struct ct_probe_table {
   ct_column column;
   int64_t written;
@@ -112,24 +112,24 @@ typedef struct ct_probe_table {
 /* The arrays of a restart record, in the order of the file. */
 enum { CT_PART_COUNT = 5 };
 
-/* The file as the system knows it. HDF5 knows it by the name, which stands first (driver.c). */
+/* The file in the system. HDF5 knows it by the name, which is the first member (driver.c). */
 typedef struct ct_disk {
   char name[16];
   hid_t driver;
-  /* HDF5's own driver, by which ours reads and writes. */
+  /* HDF5's own driver, with which ours reads and writes. */
   const H5FD_class_t *real;
-  /* What HDF5 has open and we have locked; -1 without a file. */
+  /* Handles of HDF5 and of our lock; -1 without a file. */
   int descriptor;
-  /* The number of the first error that a write has met, 0 when all is well. */
+  /* The number of the first error of a write, or 0. */
   int error;
-  /* Its name, and the one that it has until the first step is written. */
+  /* Its name, and its temporary name until the first step is written. */
   char *path, *part;
   int renamed;
 } ct_disk;
 
 struct ct_output {
   ct_disk disk;
-  /* A write has failed in the middle of a step: nothing more is written. */
+  /* A write has failed within a step: nothing more is written. */
   int broken;
   hid_t file, step_count;
   int64_t node_count, cell_count;
@@ -137,9 +137,9 @@ struct ct_output {
   ct_column column[CT_COLUMN_LIMIT];
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
-  ct_filter *filter; /* null without one; `smooth` is the displacement that it makes */
+  ct_filter *filter; /* null without one; `smooth` is the displacement that it computes */
   double *smooth;
-  ct_ledger own; /* the row of a state that came without one */
+  ct_ledger own; /* the row of a state that was passed without one */
   int64_t row;
   /* Null without probes. */
   const ct_probes *probes;
@@ -152,56 +152,54 @@ struct ct_output {
 /* The task has failed: "path: <sentence>", with the end of a path that is too long for a message.
  */
 void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *format, ...);
-/* "path: can't <what>: <reason>", the reason from HDF5's error stack; call it before any other HDF5
- * call clears that. */
+/* "path: can't <what>: <reason>", with the reason from HDF5's error stack; call it before any other
+ * call of HDF5, which would clear the stack. */
 void ct_hdf5_fail(ct_task *task, const char *what);
-/* The library that was loaded is the one that was compiled against (HDF5 itself would end the
- * process). */
+/* Check that the loaded library is the one of compilation (HDF5 itself would end the process). */
 ct_status ct_hdf5_check_version(ct_error *error);
-/* How files are opened. */
+/* Options for opening files. */
 hid_t ct_hdf5_access(void);
 /* A new type, which the caller closes; negative on failure. */
 hid_t ct_hdf5_type(ct_kind kind);
 hid_t ct_hdf5_row_type(const ct_row_type *row);
 void ct_hdf5_create_group(ct_task *task, const char *path);
-/* Write a dataset of fixed size, shape (dims[0], ... dims[rank - 1]); whole numbers are given as
- * int64_t. It is made if it is not there, and its space in the file is then there at once. Null
- * data: it is only made. */
+/* Write a dataset of fixed size, shape (dims[0], ... dims[rank - 1]); integers are passed as
+ * int64_t. A missing dataset is created with its space in the file allocated at once. Null data: it
+ * is only created. */
 void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
                          const void *data);
 void ct_hdf5_write_text(ct_task *task, const char *path, const char *text);
-/* An attribute of a group with `count` values, or one value without an axis when `count` is 0;
- * open. Numbers are given as doubles. */
+/* An attribute of a group with `count` values, or one value without an axis if `count` is 0; open.
+ * Numbers are passed as doubles. */
 hid_t ct_hdf5_write_attribute(ct_task *task, const char *path, const char *name, hid_t type,
                               hsize_t count, const void *data);
-/* The same as a text of plain ASCII. */
+/* The same for a text in plain ASCII. */
 void ct_hdf5_write_label(ct_task *task, const char *path, const char *name, const char *text);
-/* Refuses when the dataset has another shape. */
+/* Read an array; refused if the dataset has another shape. */
 void ct_hdf5_read_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
                         void *data);
-/* A single number; 0 where there is no such attribute. */
+/* Read a single number; 0 if there is no such attribute. */
 double ct_hdf5_read_number(ct_task *task, const char *path, const char *name);
 /* A dataset for the column; fields have one chunk a step, tables one for many steps. */
 void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column);
-/* Give the dataset so many rows. */
+/* Set the number of rows of a dataset. */
 void ct_hdf5_extend(ct_task *task, const ct_column *column, int64_t rows);
-/* Write some of them, from `first` on. */
+/* Write some rows, from `first` on. */
 void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
                         const void *source);
 
 /* -- disk.c: what HDF5 has no call for, and one writer for a file -- */
 
-/* Resolve symbolic links, refuse what is no ordinary file, and give the file its two names. */
+/* Resolve symbolic links, refuse other than ordinary files, and set the two names of the file. */
 void ct_disk_names(ct_task *task, ct_disk *disk, const char *path);
-/* Make the file with its first name anew and lock it, in place of one that nobody writes any more.
- */
+/* Create and lock the file with its temporary name, in place of one that no run writes any more. */
 hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access);
-/* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met before
+/* Allocate `bytes` bytes beyond the end of the file, so that a full disk is detected before
  * anything is written. */
 void ct_disk_reserve(ct_task *task, const ct_disk *disk, int64_t bytes);
-/* Give back what was reserved and not used. */
+/* Free allocated bytes that were not used. */
 void ct_disk_trim(const ct_disk *disk, hid_t file);
-/* HDF5 writes what it has kept; a write that fails, now or since the file was made, is told. */
+/* Flush HDF5; reports a write that has failed since the file was created. */
 void ct_disk_flush(ct_task *task, const ct_disk *disk, const char *what);
 /* ``CT_ERROR_FILE`` with the system's reason, unless `number` is 0. */
 void ct_disk_check(ct_task *task, const char *what, int number);
@@ -211,8 +209,8 @@ void ct_disk_unlock(int descriptor);
 
 /* -- driver.c: HDF5's own way to the disk, on which writes never fail -- */
 
-/* Files that are opened with `access` go through `disk`, which must live until they are closed and
- * its driver is given back (H5FDunregister). Returns whether that went well. */
+/* Open files with `access` through `disk`, which must live until they are closed and its driver is
+ * released (H5FDunregister). Returns whether that succeeded. */
 int ct_driver_use(ct_disk *disk, hid_t access);
 
 /* -- output.c -- */
@@ -230,7 +228,7 @@ void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *proble
 /* -- probe.c: histories of probes -- */
 
 void ct_probe_create_tables(ct_task *task, ct_output *output);
-/* Bytes that the rows up to a time add to the file, at most. */
+/* Largest number of bytes by which the rows up to a time extend the file. */
 int64_t ct_probe_bytes(const ct_output *output, double time);
 /* Append the rows up to a time. */
 void ct_probe_write(ct_task *task, ct_output *output, double time);
@@ -238,7 +236,7 @@ void ct_probe_write(ct_task *task, ct_output *output, double time);
 /* -- identity.c: what a file says about its problem -- */
 
 void ct_identity_write(ct_task *task, const ct_problem *problem);
-/* ``CT_ERROR_FILE`` that names the first difference; `points` is room for the file's coordinates.
+/* ``CT_ERROR_FILE`` that names the first difference; `points` is memory for the file's coordinates.
  */
 void ct_identity_compare(ct_task *task, const ct_problem *problem, double *points);
 
@@ -246,9 +244,9 @@ void ct_identity_compare(ct_task *task, const ct_problem *problem, double *point
 
 /* Bytes of the two records. */
 int64_t ct_restart_bytes(const ct_state *state);
-/* Make room for the two records, which are of the size of this state. */
+/* Allocate the two records, with the size of this state. */
 void ct_restart_create_slots(ct_task *task, ct_output *output, const ct_state *state);
-/* The state has the sizes that the records were made for. */
+/* Check that the state has the sizes of the records. */
 int ct_restart_fits(const ct_output *output, const ct_state *state);
 void ct_restart_write(ct_task *task, int64_t row, const ct_state *state);
 

@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a file says about the problem that it was written for, and whether another problem is the
- * same one. */
+/* Identity of the problem in a file, and comparison with another problem. */
 
 enum { LAYOUT = 1 };
 
@@ -24,7 +23,7 @@ typedef struct body_row {
   int32_t kind, first_node, node_count, empty;
   int64_t first_cell, cell_count;
   double young, poisson, density;
-  int32_t law, also_empty; /* law: 0, small strain, where the file is older than the laws */
+  int32_t law, also_empty; /* law: 0, small strain, in files older than the laws */
 } body_row;
 
 static const ct_row_type BODY_ROW = {
@@ -113,7 +112,7 @@ static const table TABLE[TABLE_COUNT] = {
     {"libcontact/body", "body", &BODY_ROW, fill_bodies},
     {"libcontact/effects", "effect", &EFFECT_ROW, fill_effects}};
 
-/* Room for two tables, cleared, padding included; the first is filled from the problem. */
+/* Memory for two tables, cleared with its padding; the first is filled from the problem. */
 static char *create_rows(ct_task *task, const table *t, const ct_problem *problem, hsize_t *count)
 {
   *count = (hsize_t)(t == &TABLE[BODIES] ? problem->body_count : problem->effect_count);
@@ -190,7 +189,7 @@ static void compare_points(ct_task *task, const ct_problem *problem, double *poi
   }
 }
 
-/* The layout comes first, so that nothing is compared which it does not promise. */
+/* The layout is compared first, so that no field is compared which this layout lacks. */
 void ct_identity_compare(ct_task *task, const ct_problem *problem, double *points)
 {
   attribute is[ATTRIBUTE_COUNT];

@@ -21,7 +21,7 @@ static const char *const GROUP[] = {"VTKHDF",
 
 enum { OFFSET, TYPE, BODY };
 
-/* A number of each cell, and behind them the end of the last one. */
+/* One number per cell, and after them the end of the last one. */
 static void fill_cells(const ct_problem *problem, int what, int64_t *values)
 {
   int64_t at = 0;
@@ -101,10 +101,11 @@ typedef struct plan {
   int group;
   const char *name;
   ct_kind kind;
-  const ct_row_type *row; /* for rows that are structs, instead of the kind */
+  const ct_row_type *row; /* for rows that are structs, in place of the kind */
   enum { ONE, NODES, CELLS, BODIES, EFFECTS } per;
   int64_t width;
-  size_t source; /* but for ONE that of a pointer; where it is null, the dataset is left out */
+  size_t
+      source; /* except for ONE that of a pointer; if the pointer is null, the dataset is omitted */
 } plan;
 
 #define NOW(member) offsetof(ct_record, member)
@@ -160,7 +161,7 @@ static int create_column(ct_task *task, ct_output *o, const plan *p)
   return 1;
 }
 
-/* Each dataset, and for VTK's data beside it the one with the first row of every step. */
+/* Create each dataset, and beside VTK's data the dataset of each step's first row. */
 static void create_columns(ct_task *task, ct_output *o)
 {
   static const size_t FIRST_ROW[] = {

@@ -2,7 +2,7 @@
 
 #include <libcontact/output.h>
 
-/* libcontact-hdf5 as it is built without HDF5: every call refuses. */
+/* libcontact-hdf5 without HDF5: every call refuses. */
 
 static ct_status refuse(ct_error *error)
 {

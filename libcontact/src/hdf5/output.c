@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Room for what HDF5 itself needs to know about a step. Fields are computed so many rows at a time,
- * in as much memory as a processor has near. */
+/* Bytes that HDF5 itself needs per step. Fields are computed in pieces of rows that fit the cache.
+ */
 enum { MARGIN = 1 << 18, PAGE = 4096, PIECE = 1 << 14 };
 
 static ct_task task_on(const ct_output *o, ct_error *error)
@@ -44,7 +44,7 @@ static ct_status check_problem(const ct_problem *problem, ct_error *error)
   return CT_OK;
 }
 
-/* Room for the fields that are filtered. */
+/* Allocate the filtered fields. */
 static ct_status create_filtered(ct_output *o, const ct_problem *problem,
                                  const ct_output_options *options, ct_error *error)
 {
@@ -109,7 +109,7 @@ static void open_file(ct_task *task, ct_output *o)
   H5Pclose(access);
 }
 
-/* Close what is open and give everything back. */
+/* Close all handles and free the memory. */
 static void destroy(ct_task *task, ct_output *o)
 {
   for (int32_t i = 0; i < o->column_count; i++) H5Tclose(o->column[i].type);
@@ -220,7 +220,7 @@ ct_status ct_output_velocity(const ct_output *o, const ct_problem *problem, ct_s
   return ct_state_velocity_at(problem, state, (int32_t)first, (int32_t)count, o->now.piece, error);
 }
 
-/* Stresses of some cells, counted over all bodies, from a displacement of all nodes. */
+/* Stresses of some cells, counted over all bodies, from the displacements of all nodes. */
 static ct_status stress_rows(const ct_problem *problem, const double *displacement, int64_t first,
                              int64_t count, double *values, ct_error *error)
 {
@@ -257,7 +257,7 @@ ct_status ct_output_stress_filtered(const ct_output *o, const ct_problem *proble
   return stress_rows(problem, o->smooth, first, count, o->now.piece, error);
 }
 
-/* Bytes that the next step adds to the file, at most. */
+/* Largest number of bytes by which the next step extends the file. */
 static int64_t step_bytes(const ct_output *o, const ct_state *state)
 {
   int64_t bytes = MARGIN + (o->row == 0 ? ct_restart_bytes(state) : 0);

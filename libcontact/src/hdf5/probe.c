@@ -1,4 +1,4 @@
-/* Histories of probes: a table each in libcontact/probe, whose rows are those of steps. */
+/* Histories of probes: one table for each in libcontact/probe, with rows at steps of the run. */
 #include "hdf5_internal.h"
 
 #include <stdio.h>
@@ -21,7 +21,7 @@ static const struct {
     [CT_QUANTITY_MOMENT] = {"moment", CT_VECTOR, 3},
 };
 
-/* The type of a row, which the caller closes. */
+/* The type of a row, to be closed by the caller. */
 static hid_t row_type(const ct_probe_history *history)
 {
   ct_row_type row = {.size = (size_t)history->width * sizeof(double)};
@@ -85,7 +85,7 @@ int64_t ct_probe_bytes(const ct_output *o, double time)
   for (int32_t i = 0; i < o->probe_count; i++) {
     ct_probes_history(o->probes, i, &history);
     int64_t more = rows_until(&history, time) - o->probe[i].written;
-    // The rows, and the rest of a chunk before them and behind them.
+    // The rows, and the rest of a chunk before and after them.
     if (more > 0) bytes += (more + 2 * ROWS_A_CHUNK) * o->probe[i].column.row_bytes;
   }
   return bytes;

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are
- * datasets of fixed size that stand in the file from the start, so that a write changes no byte but
- * their own; the seal tells whether all of them have arrived. */
+/* The record is stored twice, in the groups restart/a and restart/b, which are written alternately.
+ * Both are datasets of fixed size in the file from the start, so that a write changes only their
+ * own bytes; the seal shows whether all of them were written. */
 static const char *const SLOT[2] = {"libcontact/restart/a", "libcontact/restart/b"};
 
-/* Says that a record is whole: its number in the file, its place in the run, and the sums of
+/* Marks a complete record: its number in the file, its place in the run, and the sums of
  * :eq:`restart-seal`. */
 typedef struct ct_seal {
   uint64_t sequence;
@@ -67,8 +67,8 @@ static void transfer_slot(ct_task *task, transfer what, int slot,
 
 /* -- The seal -- */
 
-/* Sums of the bits of the values, modulo 2^64, after the first `before` words (eq:restart-seal). In
- * eight columns, which need no product for each word: a column's sum after each row, added up, has
+/* Sums of the bits of the values, modulo 2^64, after the first `before` words (eq:restart-seal). We
+ * use eight columns, without a product for each word: the sum of a column's partial sums contains
  * each word as often as there are rows from its own to the last. */
 static void add_words(ct_seal *seal, uint64_t *before, const void *values, int64_t count)
 {
@@ -141,7 +141,7 @@ void ct_restart_write(ct_task *task, int64_t row, const ct_state *state)
 
 /* -- Read -- */
 
-/* Read one slot; returns its number in the file, or 0 when its seal does not fit. */
+/* Read one slot; returns its number in the file, or 0 if its seal is wrong. */
 static uint64_t read_slot(ct_task *task, int slot, ct_state *into)
 {
   part parts[CT_PART_COUNT + 1];
@@ -159,7 +159,7 @@ static uint64_t read_slot(ct_task *task, int slot, ct_state *into)
   return is_whole ? seal.sequence : 0;
 }
 
-/* The number in the file of what a slot claims to hold; 0 where it can't be read. */
+/* The number in the file that a slot claims; 0 if it cannot be read. */
 static uint64_t number_of(ct_task task, int slot)
 {
   ct_seal seal = {0};
@@ -171,7 +171,7 @@ static uint64_t number_of(ct_task task, int slot)
   return seal.sequence;
 }
 
-/* The newer of the two records that is whole. */
+/* The newer one of the two records that is complete. */
 static void read_newest(ct_task *task, ct_state *into)
 {
   ct_task first = *task, second = *task;
@@ -182,8 +182,7 @@ static void read_newest(ct_task *task, ct_state *into)
   ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file has no complete restart record");
 }
 
-/* A state of arrays alone, which stand in one block as those of `like` do; its first array is to be
- * freed. */
+/* A state of arrays alone, in one block like those of `like`; free its first array. */
 static ct_state room_like(ct_task *task, const ct_state *like)
 {
   ct_state room = *like;
@@ -199,7 +198,7 @@ static ct_state room_like(ct_task *task, const ct_state *like)
   return room;
 }
 
-/* Read into room of our own: the state changes only when all has gone well. */
+/* Read into separate memory: the state changes only if everything succeeds. */
 static void read_file(ct_task *task, const ct_problem *problem, ct_state *state)
 {
   if (task->status == CT_OK && H5Lexists(task->file, "libcontact", H5P_DEFAULT) <= 0)

@@ -15,8 +15,8 @@ static void add_extra(ct_assembly *assembly, int32_t to, int32_t from)
   assembly->extra_count++;
 }
 
-/* Enter every element into its slots. A slot that is taken moves to a cell; what the cell sums is
- * counted, and listed when there is a list. */
+/* Enter each element into its slots. A slot with several elements is moved to a cell; the number of
+ * terms of the cells is counted, and they are listed if there is a list. */
 static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
 {
   int per = ct_brick_node_count(mesh->kind), slot[20], width = 8 * assembly->components;

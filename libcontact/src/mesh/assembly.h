@@ -18,16 +18,16 @@ typedef struct ct_assembly {
   ct_pool pool; /* its arrays */
   int32_t node_count;
   int components;
-  /* Place of component 0 for each node and slot, shape (node_count, 8); components follow at steps
-   * of 8. */
+  /* Index of component 0 for each node and slot, shape (node_count, 8); further components follow
+   * at steps of 8. */
   int32_t *place;
-  /* Octants with several elements (meshes without lattice order): their sum stands in a cell of its
-   * own behind the zeros, to which `fold` adds the elements' values one after another. */
+  /* Octants with several elements (meshes without lattice order): their sum is in a cell of its own
+   * behind the zeros, to which `fold` adds the elements' values in order. */
   int64_t extra_count;
   int32_t *extra_to;
   int32_t *extra_from;
   int64_t cell_count;
-  /* Doubles of the elements, and of everything: elements, zeros, cells. */
+  /* Number of doubles of the elements, and in all: elements, zeros, cells. */
   int64_t element_values;
   int64_t value_count;
 } ct_assembly;
@@ -37,7 +37,7 @@ ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **
 
 void ct_assembly_free(ct_assembly *assembly);
 
-/* Prepare the cells; call it once after the element values were written. */
+/* Sum the cells; call it once after the element values were written. */
 void ct_assembly_fold(const ct_assembly *assembly, double *values);
 
 /* Sum the element values at the nodes first ... last - 1 into `sums`, shape (node_count,

@@ -38,8 +38,8 @@ CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_
 }
 
 /* Read the `per` nodes (8 or 20) of the elements of a batch from an array (nodes, 3) into lanes
- * v[component][node]. `rows`: of each batch whether node a of its element l is node a of its first
- * one, plus l; or null. */
+ * v[component][node]. `rows` says for each batch whether node a of its element l is node a of its
+ * first one, plus l; or it is null. */
 CT_INLINE void ct_load_lanes(const ct_mesh *mesh, const uint8_t *rows, int32_t b, int per,
                              const double *array, int lane, ct_lanes *v)
 {
@@ -53,7 +53,7 @@ CT_INLINE void ct_load_lanes(const ct_mesh *mesh, const uint8_t *rows, int32_t b
   for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
 }
 
-/* Sums over the corners, and over the 8 or 20 nodes, as of ct_tree_corners and ct_tree_nodes. */
+/* Sums over the corners, and over the 8 or 20 nodes, as in ct_tree_corners and ct_tree_nodes. */
 CT_INLINE void ct_lanes_corners(const ct_lanes *t, ct_lanes *sum)
 {
   *sum = ((t[0] + t[1]) + (t[3] + t[2])) + ((t[4] + t[5]) + (t[7] + t[6]));
@@ -69,8 +69,8 @@ CT_INLINE void ct_lanes_nodes(int per, const ct_lanes *t, ct_lanes *sum)
   *sum = ((*sum + along_xi) + along_eta) + along_zeta;
 }
 
-/* Whether all elements of a batch of hex8 are boxes along x, y, z, the right way round, and their
- * volumes. Where the square of a volume is no normal number the answer is 0. */
+/* Whether all elements of a batch of hex8 are boxes along x, y, z that are not inverted, and their
+ * volumes. Returns 0 if the square of a volume is not a normal number. */
 CT_INLINE int ct_upright_boxes(const ct_lanes *x, double volume[CT_LANES_COUNT])
 {
   double v[24][CT_LANES_COUNT], off[CT_LANES_COUNT] = {0.0};
@@ -92,7 +92,7 @@ CT_INLINE int ct_upright_boxes(const ct_lanes *x, double volume[CT_LANES_COUNT])
   return boxes;
 }
 
-/* Take the mean of the corners off the coordinates x[component][node]: the first half of
+/* Subtract the mean of the corners from the coordinates x[component][node]: the first half of
  * ct_reference_gradient, which is the same at all points. */
 CT_INLINE void ct_lanes_centre(int per, ct_lanes *x)
 {

@@ -9,8 +9,8 @@
 typedef struct side {
   int32_t corner[4]; /* ascending, so that both owners of an inner face agree */
   int32_t element;
-  int32_t number; /* of the side of the element; -1: another element has the face, too */
-  int32_t next;   /* the side before with the same hash, or -1 */
+  int32_t number; /* of the side of the element; -1: another element also has the face */
+  int32_t next;   /* the previous side with the same hash, or -1 */
 } side;
 
 static side side_of(const int32_t node[8], int32_t element, int number)
@@ -33,8 +33,8 @@ static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, in
     node[a] = mesh->elements[(size_t)element * per + (size_t)local[number][a]];
 }
 
-/* Write the sides all of whose nodes are `in`, of inner faces both; returns how many. Null `sides`:
- * only count. */
+/* Write the sides whose nodes are all `in`, for inner faces both; returns their number. Null
+ * `sides`: only count. */
 static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, side *sides)
 {
   int per = ct_brick_node_count(mesh->kind), per_face = mesh->kind == CT_HEX8 ? 4 : 8;
@@ -58,8 +58,8 @@ static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, s
   return count;
 }
 
-/* Mark the sides that occur more than once: each looks for its corners among those before it with
- * the same hash. */
+/* Mark the sides that occur more than once: each is compared with earlier ones with the same hash.
+ */
 static ct_status mark_inner(side *sides, size_t count)
 {
   size_t room = 1;
@@ -89,8 +89,8 @@ static double plane_tolerance(const ct_mesh *mesh)
   return 1e-9 * size;
 }
 
-/* Copy the outer faces whose nodes are all `in`, by element and side. Both sides of an inner face
- * are there, or none is. */
+/* Copy the outer faces whose nodes are all `in`, by element and side. The list contains both sides
+ * of an inner face or none. */
 static int32_t collect(const ct_mesh *mesh, const char *in, int32_t *faces, int32_t *owners)
 {
   int local[6][8];

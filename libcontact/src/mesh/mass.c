@@ -25,7 +25,7 @@ ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shape
   return CT_OK;
 }
 
-/* Sum over the n x n x n Gauss points, ξ fastest; on each line the ends first, then the middle. */
+/* Sum over the n x n x n Gauss points, ξ fastest; on each line first the ends, then the middle. */
 CT_INLINE void sum_points(int count, const ct_lanes *t, ct_lanes *sum)
 {
   ct_lanes line[9], plane[3];
@@ -38,8 +38,9 @@ CT_INLINE void sum_points(int count, const ct_lanes *t, ct_lanes *sum)
   *sum = n == 2 ? plane[0] + plane[1] : (plane[0] + plane[2]) + plane[1];
 }
 
-/* Integrals over the elements of a batch with the coordinates x[component][node], which are lost:
- * `row` of ρ N_a, `diagonal` of ρ N_a² (if there is scaling), both (nodes), and their masses. */
+/* Integrals over the elements of a batch with the coordinates x[component][node], which are
+ * overwritten: `row` of ρ N_a, `diagonal` of ρ N_a² (with scaling), both (nodes), and their masses.
+ */
 CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double density,
                          ct_lanes *row, ct_lanes *diagonal, ct_lanes *total)
 {
@@ -107,8 +108,8 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   return status;
 }
 
-/* The masses of upright boxes, which are an eighth of the element's at each node however they are
- * lumped; returns 0 where others are among them. */
+/* The masses of boxes along the axes, an eighth of the element's mass at each node for any lumping;
+ * returns 0 if there are other elements. */
 CT_CLONES
 static int box_masses(const ct_lanes *x, double density, double mass[20][CT_LANES_COUNT],
                       double total[CT_LANES_COUNT])
@@ -129,8 +130,8 @@ static int have_nodes(const int32_t *nodes, int64_t count, int32_t first, int32_
   return some;
 }
 
-/* Add the masses of the nodes first ... last - 1 up by octant, of all elements that have some of
- * them. */
+/* Add the masses of the nodes first ... last - 1 by octant, from all elements with some of these
+ * nodes. */
 static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, double density,
                               int32_t first, int32_t last, double (*octant)[8], ct_error *error)
 {
@@ -168,7 +169,7 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
   if (status != CT_OK) return status;
   double (*octant)[8] = ct_allocate((size_t)mesh->node_count, sizeof *octant);
   if (octant == NULL) return CT_NO_MEMORY(error, "the masses");
-  // Each thread has a share of the nodes; elements between two shares are lumped twice.
+  // Each thread has a part of the nodes; elements between two parts are lumped twice.
   int failed = 0, threads = ct_threads_for(mesh->threads, mesh->node_count, CT_LEAST_OF_MESH);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) \

@@ -3,8 +3,8 @@
 
 #include "batch.h"
 
-/* What is the same for all elements: the shape functions and their derivatives at the points of the
- * rule, and whether the diagonal is scaled (eq:hrz). */
+/* Data shared by all elements: the shape functions and their derivatives at the points of the rule,
+ * and whether the diagonal is scaled (eq:hrz). */
 typedef struct ct_mass_shapes {
   int per, hrz;
   ct_rule rule;
@@ -14,8 +14,8 @@ typedef struct ct_mass_shapes {
 ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shapes *out,
                            ct_error *error);
 
-/* Lumped masses at the nodes of a batch of elements, and of each element as a whole, from its
- * coordinates x[component][node], which are centred by it. */
+/* Lumped masses at the nodes of a batch of elements, and of each whole element, from its
+ * coordinates x[component][node], which are centred in place. */
 void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
                    ct_lanes *total);
 

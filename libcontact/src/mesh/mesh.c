@@ -45,12 +45,12 @@ void ct_mesh_free(ct_mesh *mesh)
   ct_release(mesh);
 }
 
-/* Nodes of a box stand on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so
- * on. Corners, of which there are so many along each axis, have even coordinates; the mid-side
- * nodes of hex20 have exactly one odd one. Numbers come in blocks: corners, then mid-sides along x,
- * y, z; block `odd` + 1 begins at `first` and has `count` nodes along the axes. */
+/* Nodes of a box lie on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so
+ * on. Corners, `corners` along each axis, have even coordinates; the mid-side nodes of hex20 have
+ * exactly one odd coordinate. Numbers come in blocks: corners, then mid-sides along x, y, z; block
+ * `odd` + 1 begins at `first` and has `count` nodes along the axes. */
 typedef struct lattice {
-  int64_t points[3]; /* half cells along an axis, until it closes upon itself */
+  int64_t points[3]; /* half cells along an axis, until it closes on itself */
   int64_t first[4], count[4][3];
 } lattice;
 
@@ -99,11 +99,11 @@ static ct_status box_check(const ct_box *box, ct_error *error)
   return CT_OK;
 }
 
-/* Where a lattice point lies: `shape` is a ct_box or a ct_ring. */
+/* Position of a lattice point: `shape` is a ct_box or a ct_ring. */
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
-/* Enter the nodes of a row of `count` cells along the first axis, which never closes upon itself,
- * and the coordinates of those that no row before it has; `xi` are the reference coordinates along
+/* Enter the nodes of a row of `count` cells along the first axis, which never closes on itself, and
+ * the coordinates of those that belong to no earlier row; `xi` are the reference coordinates along
  * the axes of the lattice, `cell` is the first of the row. */
 static void enter_row(const lattice *l, const int axes[3], int per, int (*xi)[3],
                       const int32_t cell[3], int32_t count, place_node *place, const void *shape,
@@ -120,7 +120,7 @@ static void enter_row(const lattice *l, const int axes[3], int per, int (*xi)[3]
     }
     int32_t first = lattice_node(l, at), begin = at[0];
     for (int32_t i = 0; i < count; i++) elements[per * (int64_t)i + a] = first + i;
-    // The low end of a cell is the high end of the one before.
+    // The low end of a cell is the high end of the previous one.
     for (int32_t i = 0; own && i < (begin == 0 ? 1 : count); i++) {
       along[axes[0]] = begin + 2 * i;
       place(shape, along, &nodes[3 * ((size_t)first + (size_t)i)]);
@@ -128,7 +128,7 @@ static void enter_row(const lattice *l, const int axes[3], int per, int (*xi)[3]
   }
 }
 
-/* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. Numbers
+/* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes on itself along d. Numbers
  * run along axis axes[0] first, along axes[2] last; `cells` and `corners` are in that order. */
 static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int32_t cells[3],
                                 const int64_t corners[3], place_node *place, const void *shape,
@@ -194,7 +194,7 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, c
   return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, threads, mesh, error);
 }
 
-/* Cosine and sine of the angle 2π i / n, folded to the first eighth of the circle so that they
+/* Cosine and sine of the angle 2π i / n, reduced to the first eighth of the circle so that they
  * mirror exactly. */
 static void circle(int32_t i, int32_t n, double *c, double *s)
 {
@@ -319,8 +319,8 @@ static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_r
 }
 
 /* At nodes, where nothing is integrated: the determinant over the product of the edges at the
- * centre. It may be zero only where an edge has collapsed to a point, or leaves its node with a
- * tangent of zero. */
+ * centre. It may be zero only if an edge has collapsed to a point, or if the tangent of an edge
+ * vanishes at the node. */
 static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int32_t *number,
                              int32_t element, ct_error *error)
 {
@@ -357,8 +357,8 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
 }
 
-/* Gradients of the shape functions where a batch of elements is checked: in the centre, at the
- * Gauss points, at the nodes. */
+/* Gradients of the shape functions at the points of the checks: the centre, the Gauss points, the
+ * nodes. */
 typedef struct checks {
   int per, gauss, count;
   double dN[48][20][3];
@@ -379,7 +379,7 @@ static void tabulate(ct_brick_kind kind, const ct_rule *rule, checks *at)
 }
 
 /* Whether an element of a batch may fail `check_gauss` or `check_nodes`: the same numbers squared,
- * with a factor of 2 for round-off. The coordinates x[component][node] are lost. */
+ * with a factor of 2 for round-off. The coordinates x[component][node] are overwritten. */
 CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
 {
   ct_lanes J[3][3], det, product, centre = {0};
@@ -400,7 +400,7 @@ CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
   return bad;
 }
 
-/* Whether the elements from `e` on, as many as there are lanes, are all surely good. */
+/* Whether the elements from `e` on, one per lane, are certainly good. */
 CT_CLONES
 static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
 {
@@ -411,7 +411,7 @@ static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
   return ct_upright_boxes(x, volume) || !may_fail(at, 8, x);
 }
 
-/* After the first bad element: say how many there are, and the numbers of some. */
+/* After the first bad element: report the number of bad elements, and some of their numbers. */
 static void count_bad(const ct_mesh *mesh, const ct_rule *rule, int32_t first, ct_error *error)
 {
   char list[80] = "";
@@ -467,8 +467,8 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
   return status;
 }
 
-/* Square of the shortest edge of the elements from `e` on, as many as there are lanes; edges
- * without a length do not count. */
+/* Square of the shortest edge of the elements from `e` on, one per lane; edges of zero length do
+ * not count. */
 CT_CLONES
 static double shortest_square(const ct_mesh *mesh, int32_t e)
 {

@@ -5,19 +5,19 @@
 
 #include <libcontact/mesh.h>
 
-/* Node numbers of one element, shape (8 or 20); CT_ERROR_ARGUMENT when one is out of range. */
+/* Node numbers of one element, shape (8 or 20); CT_ERROR_ARGUMENT if one is out of range. */
 ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
                                 ct_error *error);
 
-/* Elements and nodes of a mesh that a thread has at least where little is done for each. */
+/* Fewest elements or nodes of a thread if there is little work for each. */
 enum { CT_LEAST_OF_MESH = 16384 };
 
-/* ct_mesh_create_box, of a mesh that may have threads and is made by them. */
+/* ct_mesh_create_box with threads. */
 ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, ct_mesh **mesh,
                            ct_error *error);
 
-/* CT_ERROR_ARGUMENT where an element names a node that the mesh does not have, or is of an unknown
- * kind. */
+/* CT_ERROR_ARGUMENT if an element names a node that the mesh does not have, or has an unknown kind.
+ */
 ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error);
 
 /* The octant around local node `a` of a brick in which the brick lies: bit 0 is set when it lies on
@@ -31,8 +31,8 @@ void ct_material_lame(const ct_material *material, double *lambda, double *mu);
  * `error`. */
 ct_status ct_material_check(const ct_material *material, ct_error *error);
 
-/* Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a
- * null mesh. */
+/* Smallest and largest coordinates of the nodes [length]; infinite and exchanged for a null mesh.
+ */
 void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
 
 /* Lumped mass of one element at its nodes, `mass` of shape (8 or 20) [mass].

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* The widest kernel that this machine runs. */
+/* The widest kernel for this machine. */
 static ct_batch_kernel *widest_kernel(void)
 {
 #if CT_BATCH_KERNELS
@@ -12,7 +12,7 @@ static ct_batch_kernel *widest_kernel(void)
   return ct_batch_kernel_1;
 }
 
-/* Ask for the numbers of a block, which come while the one before is computed. */
+/* Prefetch the numbers of a block while the previous one is computed. */
 static inline void fetch(const double *values, size_t count)
 {
 #if CT_BATCH_KERNELS
@@ -22,7 +22,7 @@ static inline void fetch(const double *values, size_t count)
 #endif
 }
 
-/* Blocks of eight lanes that the pairs fill. */
+/* Number of blocks of eight lanes for the pairs. */
 static size_t blocks_of(size_t count) { return (count + 7) / 8; }
 
 ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,

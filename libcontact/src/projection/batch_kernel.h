@@ -1,14 +1,14 @@
-/* A block of ct_project_batch, WIDTH pairs at a time. A source that includes this defines KERNEL,
- * the name. */
+/* A block of ct_project_batch, WIDTH pairs at a time. A source that includes this header defines
+ * KERNEL, its name. */
 #include "robust.h"
 
-/* Write a row of numbers of a block, if they are wanted: NaN where there is no answer. */
+/* Write a row of numbers of a block if it is requested: NaN in lanes without a result. */
 PART void put(double *rows, size_t row, int first, mask good, real a)
 {
   if (rows != NULL) store(rows + 8 * row + (size_t)first, pick(good, a, every(NAN)));
 }
 
-/* The polynomials of the pairs from lane `first` on; answers where they can be used. */
+/* The polynomials of the pairs from lane `first` on; returns the lanes with valid ones. */
 PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *points, int first,
                      patches *patch)
 {
@@ -22,7 +22,7 @@ PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *point
   return patch_from((const real(*)[3])v, p, patch);
 }
 
-/* The search in the lanes that can be used. A start that is not finite is none. */
+/* The search in the valid lanes. A start that is not finite is ignored. */
 PART void search_pairs(const patches *patch, const double *start, int first, mask good,
                        const ct_project_options *options, counts *count, ends *found)
 {
@@ -40,7 +40,7 @@ PART void search_pairs(const patches *patch, const double *start, int first, mas
   take(found, &other, sizeof other, cold);
 }
 
-/* The answers, as ct_project gives them. */
+/* The results, as ct_project returns them. */
 PART void project_pairs(ct_face_kind kind, const double *nodes, const double *points,
                         const double *start, const ct_project_options *options,
                         const ct_batch_closest *closest, size_t block, int first)

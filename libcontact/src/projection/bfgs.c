@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Teach D that the step s has changed the gradient by y. */
+/* Update D with the change y of the gradient over the step s. */
 static void bfgs_update(double D[3], const double s[2], const double y[2], int first)
 {
   double sy = s[0] * y[0] + s[1] * y[1], yy = y[0] * y[0] + y[1] * y[1];
@@ -18,7 +18,7 @@ static void bfgs_update(double D[3], const double s[2], const double y[2], int f
   D[2] += (factor * (s[0] * s[1]) - (s[0] * z[1] + s[1] * z[0])) / sy;
 }
 
-/* What is known: D approximates the inverse of the Hessian, (D11 D22 D12); and the last iterate. */
+/* State: D approximates the inverse of the Hessian, (D11 D22 D12); and the last iterate. */
 typedef struct lessons {
   double D[3];
   ct_iterate last;

@@ -1,6 +1,6 @@
 #include "projection_internal.h"
 
-/* What H approximates is the Hessian; it is not symmetric once it is updated. */
+/* H approximates the Hessian; it is not symmetric after an update. */
 typedef struct hessian {
   double H[2][2];
   int known;

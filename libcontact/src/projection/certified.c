@@ -2,13 +2,12 @@
 
 #include <math.h>
 
-/* Pieces of the face that a proof may look at, at first and if need be; how often something closer
- * may turn up; and from when on a way down that is found when there is no proof is no reason any
- * more to look no longer. */
+/* Numbers of pieces of the face that a proof may examine, at first and if necessary; the largest
+ * number of closer points that are followed; and the number of descents without a proof after which
+ * no more pieces are examined. */
 enum { FIRST = 500, BUDGET = 20000, RESTARTS = 20, WALKS = 2 };
 
-/* The face in units of about its own size, where that is needed to keep products of its lengths
- * within the range of numbers. */
+/* Scale the face to about unit size if products of its lengths could otherwise overflow. */
 static const ct_patch *in_range(const ct_patch *patch, ct_patch *scaled)
 {
   int exponent;

@@ -30,7 +30,7 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
   for (int a = 0; a < 2; a++) xi[a] = options->use_start ? options->start[a] : centre;
 }
 
-/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the
+/* Are the steps so small, and shrinking so fast, that the sum of all later ones is below the
  * tolerance? `before` is the size of the last step and becomes that of s. */
 static int is_done(const double s[2], double tolerance, double *before)
 {
@@ -65,7 +65,7 @@ ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *opt
   return fall <= noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
 }
 
-/* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
+/* A lower point along s: the whole step or a part of it. Returns 0 if there is none. */
 static int line_search(const ct_patch *patch, const ct_iterate *at, const double s[2],
                        ct_iterate *next, ct_closest *closest)
 {
@@ -88,8 +88,8 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
   return 0;
 }
 
-/* All of the step s. Answers 0 when it leads so far out that no iterate comes back, or is not
- * finite. */
+/* Take the whole step s. Returns 0 if it leads too far out, from where no iterate returns, or is
+ * not finite. */
 static int full_step(const ct_patch *patch, const ct_iterate *at, const double s[2],
                      ct_iterate *next, ct_closest *closest)
 {
@@ -124,7 +124,7 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
   return moved ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
 }
 
-/* The local shape of the face at an iterate. Answers 0 where there is no normal. */
+/* The local shape of the face at an iterate. Returns 0 if there is no normal. */
 static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local)
 {
   double t1[3], t2[3], t11[3], t22[3], t12[3], n[3], e2[3];
@@ -145,7 +145,7 @@ static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local
   return 1;
 }
 
-/* The step of xi to the closest point that a rule finds on the local shape. */
+/* The step of xi to the closest point on the local shape, by a rule. */
 static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
 {
   ct_local_rule *const *rule = memory;

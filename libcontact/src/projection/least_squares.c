@@ -1,6 +1,6 @@
 #include "projection_internal.h"
 
-/* Least-square step: to the closest point of the tangent plane. */
+/* Least-squares step: to the closest point on the tangent plane. */
 static int least_squares_step(const ct_patch *patch, const ct_iterate *at, double s[2],
                               void *memory)
 {

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-/* A triangle in the plane of xi that changes its form, vertices sorted from the lowest to the
+/* A triangle in the plane of xi that changes its shape, with vertices sorted from the lowest to the
  * highest. */
 typedef struct triangle {
   double x[3][2], f[3];
@@ -14,7 +14,7 @@ static void move(triangle *t, int i, const double x[2], double f)
   t->x[i][0] = x[0], t->x[i][1] = x[1], t->f[i] = f;
 }
 
-/* Put vertices in order, the lowest first. */
+/* Sort the vertices, the lowest first. */
 static void sort(triangle *t)
 {
   for (int i = 1; i < 3; i++)
@@ -25,7 +25,7 @@ static void sort(triangle *t)
 }
 
 /* The point on the line from the highest vertex through the centre of the others, beyond this
- * centre by `alpha` times the distance between the two; answers f there. */
+ * centre by `alpha` times their distance; returns f there. */
 static double along(const triangle *t, const ct_patch *patch, double alpha, double image[2],
                     ct_closest *closest)
 {

@@ -6,7 +6,7 @@
 #include "width.h"
 
 /* The polynomial of a face and its derivatives, for as many pairs of face and point as there are
- * lanes, in a form to be built into the functions that need them often. */
+ * lanes, to be inlined into the functions that use them often. */
 #if WIDTH == 1
 typedef ct_patch patches;
 typedef ct_iterate iterates;
@@ -20,8 +20,8 @@ typedef struct iterates {
 } iterates;
 #endif
 
-/* Coefficients of the patch from its nodes v and the point p. Only c[0] knows the point; the others
- * are made of differences between nodes, so that neither a far origin nor a far point costs them
+/* Coefficients of the patch from its nodes v and the point p. Only c[0] depends on the point; the
+ * others are sums of differences between nodes, so that a far origin or a far point costs no
  * digits. Each is a tree that flips map onto itself up to its sign. */
 PART void quadrilateral(const real v[8][3], const real p[3], real c[8][3])
 {
@@ -36,7 +36,7 @@ PART void quadrilateral(const real v[8][3], const real p[3], real c[8][3])
   }
 }
 
-/* What the mid-sides change, after the corners. */
+/* Changes of the coefficients by the mid-sides, after the corners. */
 PART void mid_sides(const real v[8][3], const real p[3], real c[8][3])
 {
   for (int k = 0; k < 3; k++) {
@@ -72,9 +72,9 @@ PART void triangle(const real v[8][3], const real p[3], int quadratic, real c[8]
   }
 }
 
-/* The polynomials of the faces as seen from their points, with their sizes. Answers where they can
- * be used: products of four lengths must stay within double precision; and a sum is finite only if
- * all is. */
+/* The polynomials of the faces relative to their points, with their sizes. Returns the valid lanes:
+ * products of four lengths must stay within double precision; and a sum is finite only if all terms
+ * are. */
 PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
 {
   real largest[3], far[3], sum[3];
@@ -96,7 +96,7 @@ PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
   return (all < 1e72) & (patch->size > 1e-70) & (patch->size < 1e70) & (farthest < 1e70);
 }
 
-/* d at xi; answers f = d.d. */
+/* d at xi; returns f = d.d. */
 PART real value(const patches *patch, const real xi[2], real d[3])
 {
   const real(*c)[3] = patch->c;
@@ -153,16 +153,16 @@ PART void look(const patches *patch, iterates *at)
   at->H[2] = 2 * (at->square[2] + dot(d, t12));
 }
 
-/* How much rounding may change a value f: d is known to the rounding of the largest length in it.
- */
+/* Bound on the change of a value f by rounding: d has the rounding error of the largest length in
+ * it. */
 PART real noise(const patches *patch, real f)
 {
   // -- Rounding of f (eq:robust-noise)
   return 8 * DBL_EPSILON * (f + patch->size * root(f));
 }
 
-/* Unit normal along y,1 x y,2 exactly at xi; answers where the tangents neither vanish nor are
- * parallel to rounding. */
+/* Unit normal along y,1 x y,2 exactly at xi; returns the lanes in which the tangents neither vanish
+ * nor are parallel to rounding. */
 PART mask normal_at(const patches *patch, const real xi[2], real n[3])
 {
   real t1[3], t2[3];
@@ -175,7 +175,8 @@ PART mask normal_at(const patches *patch, const real xi[2], real n[3])
   return square > 1e-28 * (dot(t1, t1) * dot(t2, t2));
 }
 
-/* The same, at a collapsed corner that of the points just inside. Answers where there is one. */
+/* The same, at a collapsed corner that of the points just inside. Returns the lanes with a normal.
+ */
 PART mask normal(const patches *patch, const real xi[2], real n[3])
 {
   real inside[2], other[3];

@@ -30,7 +30,7 @@ ct_project_options ct_project_options_default(void)
   return (ct_project_options){.method = CT_ROBUST, .tolerance = 1e-10};
 }
 
-/* Everything that has no answer. */
+/* The result of an invalid input. */
 static ct_status nothing(ct_projection *out, ct_status status)
 {
   *out = (ct_projection){status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
@@ -38,7 +38,7 @@ static ct_status nothing(ct_projection *out, ct_status status)
   return status;
 }
 
-/* Is there a method for these options, and are they possible? */
+/* Check the method and the other options. */
 static int are_possible(const ct_project_options *options)
 {
   return ct_method_exists(options->method) && options->iteration_limit >= 0 &&

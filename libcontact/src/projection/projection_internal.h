@@ -3,24 +3,25 @@
 
 #include <libcontact/projection.h>
 
-/* A face as a polynomial, seen from the point that is projected:
+/* A face as a polynomial relative to the point that is projected:
  *   d(x, y) = y(x, y) - y_s = (c0 + c3 xy) + (c1 x + c2 y) + (c4 x^2 + c5 y^2) + xy (c6 x + c7 y).
- * A flip of xi_1 changes the signs of c1, c3, c7 and nothing else, so whatever is computed from c
- * has mirrored bits. */
+ * A flip of xi_1 only changes the signs of c1, c3, c7, so all quantities computed from c have
+ * mirrored bits. */
 typedef struct ct_patch {
   ct_face_kind kind;
   double c[8][3];
   double size; /* largest |c1 ... c7|, a length of the face */
 } ct_patch;
 
-/* Where a method has ended. d = y(xi) - y_s. */
+/* End of a method. d = y(xi) - y_s. */
 typedef struct ct_closest {
   double xi[2];
   double d[3];
   int evaluations, iterations, certified;
 } ct_closest;
 
-/* A point of the plane of xi with all that is known of f there; squares of the two tangents. */
+/* A point of the plane of xi with f and its derivatives there, and the squares of the two tangents.
+ */
 typedef struct ct_iterate {
   double xi[2], f, d[3], g[2], H[3], square[3];
 } ct_iterate;
@@ -28,23 +29,23 @@ typedef struct ct_iterate {
 /* One row of the table of methods. */
 typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_closest *);
 
-/* For robust: what makes a face mild, and how well a closest point must be known for the proof that
- * nothing is closer. */
+/* For robust: the limit of a mild face, and the accuracy of a closest point for the proof that no
+ * point is closer. */
 static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
-/* An iterate this far out, in reference coordinates, does not come back. */
+/* An iterate this far out, in reference coordinates, does not return. */
 static const double CT_FAR = 1e3;
 
-/* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all
+/* Polynomial of the face relative to `point`. Returns CT_INVALID if a number is not finite, all
  * nodes coincide or a length is beyond 1e+-70. */
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3],
                         const double point[3]);
 
-/* d at xi; answers f = d.d. */
+/* d at xi; returns f = d.d. */
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3]);
 
-/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers
- * 0, with NaN, when there is none. */
+/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Returns
+ * 0, with NaN, if there is none. */
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);
 
 /* Interior, edge, vertex or outside, each within `slack` (in xi), with the number of the edge or
@@ -69,15 +70,15 @@ static inline double ct_patch_centre(ct_face_kind kind)
 double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest);
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_closest *closest);
 
-/* The same for a method without bounds, which is also traced. */
+/* The same for an unconstrained method, which is also traced. */
 void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
                       ct_closest *closest);
 
-/* Where a method without bounds begins: the given start, or the centre of the face. */
+/* Start of an unconstrained method: the given one, or the centre of the face. */
 void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, double xi[2]);
 
-/* The honest end of a method without bounds, at an iterate that has been looked at: is it a
- * minimum, within the tolerance? */
+/* Check the end of an unconstrained method, at an iterate that was evaluated: is it a minimum,
+ * within the tolerance? */
 ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
                             const ct_iterate *at, ct_closest *closest);
 
@@ -86,15 +87,14 @@ ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *opt
 void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options, double x[3][2],
                         double f[3], ct_closest *closest);
 
-/* Newton's step to the root of the tangent of the gradient; answers the determinant of the Hessian.
- */
+/* Newton's step to the root of the linearised gradient; returns the determinant of the Hessian. */
 double ct_newton_step(const ct_iterate *at, double s[2]);
 
-/* A step of a method without bounds from an iterate that has been looked at; s comes in with the
- * step before, or zero. Answers 0 when there is none. */
+/* A step of an unconstrained method from an iterate that was evaluated; s is the last step, or
+ * zero, on input. Returns 0 if there is none. */
 typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory);
 
-/* Take the steps of a rule from the start to the end, in full or with a line search along each. */
+/* Take the steps of a rule from the start to the end, whole ones or with a line search. */
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
                           int default_limit, int search_line, ct_step_rule *rule, void *memory,
                           ct_closest *closest);
@@ -106,47 +106,46 @@ typedef struct ct_local {
   double R[3], kappa[3], r[3];
 } ct_local;
 
-/* The way w in the tangent plane to the closest point on the local shape. */
+/* The tangential vector w to the closest point on the local shape. */
 typedef void ct_local_rule(const ct_local *local, double w[2]);
 
 /* Take the steps of such a rule from the start to the end. */
 ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
                         ct_local_rule *rule, ct_closest *closest);
 
-/* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by
- * cutting the face into four `depth` times at most? Mirrored faces give the same answer. */
+/* Is it proved that no point of the face is closer than xi, if xi alone does not prove it, by
+ * cutting the face into four at most `depth` times? Mirrored faces give the same result. */
 int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_closest *count);
 
-/* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and
- * the curvatures across and along. */
+/* Unit vector q across a valley of f, the direction in which f with the Hessian (f,11 f,22 f,12) is
+ * most curved, and the curvatures across and along. */
 void ct_principal(const double H[3], double q[2], double curvature[2]);
 
-/* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f
- * did not fall. */
+/* Descend along the floor of a narrow valley of f from xi, which becomes the end. Returns 0 if f
+ * did not decrease. */
 int ct_follow_valley(const ct_patch *patch, double xi[2], ct_closest *closest);
 
-/* How the search for a proof has ended. */
+/* Result of the search for a proof. */
 typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
 
-/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at
- * no more than `budget` pieces of the face. After CT_CLOSER xi is a point that is. */
+/* Try to prove that no point of the face is closer than xi by more than the tolerance, examining at
+ * most `budget` pieces of the face. After CT_CLOSER xi is a closer point. */
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2],
                            ct_closest *count);
 
-/* Where the line through the given point meets the face, nearest to the point; the way along the
- * direction. CT_NO_CONVERGENCE when it misses. */
+/* Point where the line through the given point meets the face, nearest to the given point; and its
+ * distance along the direction. CT_NO_CONVERGENCE if the line misses the face. */
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
                        double xi[2], double *distance, int *looks);
 
-/* Compilers and machines that have vectors of four and eight; others search for one pair at a time.
- */
+/* Compilers and machines with vectors of four and eight; others search for one pair at a time. */
 #if defined(__GNUC__) && defined(__x86_64__)
 #define CT_BATCH_KERNELS 1
 #else
 #define CT_BATCH_KERNELS 0
 #endif
 
-/* The closest points of block number `block`, which go to the closest points. */
+/* The closest points of block number `block`, written to the results. */
 typedef void ct_batch_kernel(ct_face_kind kind, const double *nodes, const double *points,
                              const double *start, const ct_project_options *options,
                              const ct_batch_closest *closest, size_t block);
@@ -163,7 +162,7 @@ ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_pro
     ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;
 
-/* Whether there is a method of this number. */
+/* Whether a method has this number. */
 int ct_method_exists(ct_method method);
 
 #endif

@@ -1,7 +1,7 @@
 #include "secant.h"
 
-/* The same within half-widths w, for a form that is positive across a valley and nearly nothing
- * along it. */
+/* The same within half-widths w, for a form that is positive across a valley and almost zero along
+ * it. */
 static int holds_in_valley(const form *m, const double g[2], const double w[2], double room)
 {
   double M[3] = {m->m11, m->m22, 0.5 * (m->low + m->high)}, q[2], unused[2];
@@ -42,7 +42,7 @@ static int holds_in_cell(const proof *p, const base *b, const cell *c, const for
   return holds_in_valley(m, g, w, room);
 }
 
-/* Is no point of the cell closer than the target, as seen from its centre? */
+/* Is no point of the cell closer than the target, by an expansion about its centre? */
 static int proven_from_centre(const proof *p, const base *b, const cell *c)
 {
   form m;
@@ -50,8 +50,8 @@ static int proven_from_centre(const proof *p, const base *b, const cell *c)
   return holds_in_cell(p, b, c, &m, b->f - base_rounding(p, b) - p->target);
 }
 
-/* The same with all terms of f about the centre, for places where many points are nearly as near.
- */
+/* The same with all terms of f about the centre, for places where many points are almost equally
+ * close. */
 static int proven_by_series(const proof *p, const base *b, const cell *c)
 {
   static const int POWER[8][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {0, 2}, {2, 1}, {1, 2}};
@@ -95,7 +95,7 @@ static int divide(int triangular, const cell *c, cell part[4])
   return count;
 }
 
-/* Does the triangular cell not touch the boundary of the face? */
+/* Is the triangular cell disjoint from the boundary of the face? */
 static int is_inside(const cell *c)
 {
   double far = c->half[0] > 0 ? c->half[0] : -2 * c->half[0];
@@ -105,9 +105,9 @@ static int is_inside(const cell *c)
 
 typedef enum slope { OPEN, EMPTY, REDUCED } slope;
 
-/* Does f rise or fall throughout the cell along one axis? Then only the part on the boundary of the
- * face, if there is one, can hold the closest point. Answers EMPTY when no part is left; REDUCED
- * when the cell has become a piece of the boundary. */
+/* Does f increase or decrease throughout the cell along one axis? Then only the part on the
+ * boundary of the face, if there is one, can contain the closest point. Returns EMPTY if no part is
+ * left, REDUCED if the cell has become a piece of the boundary. */
 static slope slope_in_cell(const proof *p, const base *b, cell *c)
 {
   const double *t = p->tangent, *h = p->curve;
@@ -143,8 +143,8 @@ static slope slope_in_cell(const proof *p, const base *b, cell *c)
   return reduced ? REDUCED : OPEN;
 }
 
-/* Is a cell done that the closest point alone does not prove, after `depth` cuts at most? All parts
- * are looked at whatever the others show, so that a mirror changes nothing. */
+/* Is a cell proved that the closest point alone does not prove, after at most `depth` cuts? All
+ * parts are examined regardless of the others, so that a mirror changes nothing. */
 static int proven_by_cuts(const proof *p, const base *closest, cell c, int depth, ct_closest *count)
 {
   base b;
@@ -170,10 +170,9 @@ int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_cl
          proven_by_cuts(&p, &closest, whole_face(p.triangular), depth, count);
 }
 
-/* What a long thin face looks like from the closest point: u = e.d along it, with e across d at the
- * closest point, and the rest v = d - u e. As f = u^2 + v^2, no point of a cell is closer where |u|
- * alone, or |v| alone, is too large; and |v| changes little although u changes fast
- * (eq:certified-narrow). */
+/* A long thin face relative to the closest point: u = e.d along it, with e across d at the closest
+ * point, and the rest v = d - u e. As f = u^2 + v^2, no point of a cell is closer if |u| alone, or
+ * |v| alone, is too large; and |v| changes little although u changes fast (eq:certified-narrow). */
 typedef struct narrow {
   ct_patch along, across; /* u, in the first coordinate, and v */
   proof proof;            /* of v */
@@ -220,7 +219,7 @@ static int is_beyond(const proof *p, const narrow *n, const cell *c)
   return fabs(d[0]) - (first + second + third) * (1 + 16 * DBL_EPSILON) >= sqrt(n->proof.target);
 }
 
-/* Is a cell of a long thin face done? */
+/* Is a cell of a long thin face proved? */
 static int proven_narrow(const proof *p, const narrow *n, const cell *c)
 {
   base b;
@@ -264,7 +263,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       narrow_about(p, closest, &thin);
       looks_narrow = 1;
     }
-    // A cell that has been reduced is no longer the one about the base b; it comes again.
+    // A reduced cell is no longer the one about the base b, and is examined again.
     if (looks_narrow &&
         ((sloping == OPEN && proven_by_series(p, &b, &c)) || proven_narrow(p, &thin, &c)))
       continue;

@@ -5,13 +5,13 @@
 #include <float.h>
 #include <math.h>
 
-/* The face as seen along a line: the two components across it, which vanish where the line meets
- * the face. */
+/* The face relative to a line: the two components across it, which vanish where the line meets the
+ * face. */
 typedef struct sight {
   const ct_patch *patch;
   double across[2][3], along[3]; /* unit vectors */
-  double bend[2][3];             /* bounds of the second derivatives 11, 22, 12 of each component */
-  double slack;                  /* how far beyond the face a hit may lie, in xi */
+  double bend[2][3];             /* bounds on the second derivatives 11, 22, 12 of each component */
+  double slack;                  /* distance beyond the face at which a hit is accepted, in xi */
 } sight;
 
 /* A square of the reference plane. */
@@ -33,8 +33,8 @@ static void look_across(const sight *s, const double xi[2], double G[2], double 
   }
 }
 
-/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0
- * for a direction without length. */
+/* Two unit vectors across the direction, and bounds on the second derivatives along them. Returns 0
+ * for a direction of zero length. */
 static int sight_along(sight *s, const double direction[3])
 {
   double most = 0, check = 0, e[3], n[3] = {0, 0, 0};
@@ -57,7 +57,7 @@ static int sight_along(sight *s, const double direction[3])
   return 1;
 }
 
-/* What one look at a square tells of the roots in it. */
+/* Result of one test of a square for roots. */
 typedef enum verdict { NONE, ONE_AT_MOST, UNKNOWN } verdict;
 
 static verdict judge(const sight *s, const square *q, double G[2], double dG[2][2])
@@ -85,7 +85,7 @@ static verdict judge(const sight *s, const square *q, double G[2], double dG[2][
   return change < 0.5 ? ONE_AT_MOST : UNKNOWN;
 }
 
-/* Newton to the root that the square may hold; answers whether it does. */
+/* Newton's method for the root that the square may contain; returns whether it does. */
 static int polish(const sight *s, const square *q, double xi[2], int *looks)
 {
   double G[2], dG[2][2], beyond = q->half * (1 + 1e-9) + s->slack;
@@ -105,7 +105,7 @@ static int polish(const sight *s, const square *q, double xi[2], int *looks)
   return fabs(xi[0] - q->centre[0]) <= beyond && fabs(xi[1] - q->centre[1]) <= beyond;
 }
 
-/* Keep a root that lies on the face if the line reaches it sooner than the best so far. */
+/* Keep a root on the face if the line reaches it before the best one so far. */
 static void keep(const sight *s, const double xi[2], double *best, double at[2])
 {
   int index;

@@ -1,9 +1,9 @@
 /* The robust search for the closest points, for as many pairs of face and point as there are lanes.
- * Lanes cannot take different branches: where one of them wants a step of its own, all compute it,
- * and the others keep what they have. With width 1 this is an ordinary search. */
+ * Lanes cannot take different branches: if one of them needs a step of its own, all compute it, and
+ * the others keep their values. With width 1 this is an ordinary search. */
 #include "secant.h"
 
-/* Steps, where they lead, and the fall that the model promises. */
+/* Steps, their ends, and the decrease that the model predicts. */
 typedef struct steps {
   real s[2], xi[2], fall;
 } steps;
@@ -15,12 +15,12 @@ typedef struct model {
   real g[2], H[3], low[2], high[2], sum;
 } model;
 
-/* Where descents have ended. */
+/* Ends of descents. */
 typedef struct ends {
   real xi[2], f, d[3], status;
 } ends;
 
-/* What they took. */
+/* Their costs. */
 typedef struct counts {
   mask evaluations, iterations;
 } counts;
@@ -39,7 +39,7 @@ PART real model_value(const model *q, const real s[2])
          (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
 }
 
-/* Keep s in `best` where it is allowed and lower. */
+/* Keep s in `best` if it is allowed and lower. */
 PART void model_keep(const model *q, const real s[2], mask allowed, real *value, real best[2])
 {
   real v = model_value(q, s);
@@ -82,7 +82,7 @@ PART void model_slant(const model *q, real *value, real best[2])
   }
 }
 
-/* Lowest point s of the model on the boundary of the allowed steps; answers q(s) <= 0. */
+/* Lowest point s of the model on the boundary of the allowed steps; returns q(s) <= 0. */
 PART real model_minimum(const model *q, real s[2])
 {
   // -- The lowest point lies on a side (eq:robust-model)
@@ -111,7 +111,7 @@ PART void model_about(model *q, const iterates *at, int triangular, real radius)
   q->sum = triangular ? most(1 - (at->xi[0] + at->xi[1]), every(0)) : every(HUGE_VAL);
 }
 
-/* Bring xi onto the face, and onto its boundary where only rounding is between. */
+/* Move xi onto the face, and onto its boundary if only rounding separates them. */
 PART void snap(int triangular, real xi[2])
 {
   const double low = triangular ? 0 : -1, edge = 1 - 2 * DBL_EPSILON;
@@ -135,8 +135,8 @@ PART mask is_inside(int triangular, const real xi[2])
   return (least(xi[0], xi[1]) >= 2 * DBL_EPSILON) & (xi[0] + xi[1] <= edge);
 }
 
-/* Newton's step, cut to the face if it is a first guess. Answers where the model is convex and the
- * step allowed. */
+/* Newton's step, cut to the face if it is a first guess. Returns the lanes in which the model is
+ * convex and the step allowed. */
 PART mask newton_step(const iterates *at, int triangular, int guess, real radius, steps *to)
 {
   // -- Newton's step (eq:projection-newton)
@@ -154,8 +154,8 @@ PART mask newton_step(const iterates *at, int triangular, int guess, real radius
   return convex;
 }
 
-/* The steps to the lowest points of the models: Newton's where it is allowed, else the one to the
- * boundary of what is. */
+/* The steps to the lowest points of the models: Newton's if it is allowed, else the one to the
+ * boundary of the allowed steps. */
 PART steps next_step(const iterates *at, int triangular, int guess, real radius, mask active)
 {
   steps to;
@@ -173,7 +173,7 @@ PART steps next_step(const iterates *at, int triangular, int guess, real radius,
 }
 
 /* Does rounding of the gradient move the closest point xi by less than the tolerance, along the
- * directions that the face leaves free? H and the tangents are those of the last look. */
+ * directions that are free on the face? H and the tangents are those of the last evaluation. */
 PART mask resolved(const patches *patch, const iterates *last, const real xi[2], real f,
                    real tolerance)
 {
@@ -200,8 +200,8 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
   return (bound[0] & bound[1]) | (rounding * move <= tolerance * room);
 }
 
-/* Is the face so nearly plane, as seen from an iterate near its closest point, that f has one
- * valley only? What is not linear is weighed by its second derivatives. */
+/* Is the face so nearly plane, relative to an iterate near its closest point, that f has only one
+ * valley? Its nonlinear part is bounded by its second derivatives. */
 PART mask is_mild(const patches *patch, const iterates *at)
 {
   const real(*c)[3] = patch->c;
@@ -218,14 +218,14 @@ PART mask is_mild(const patches *patch, const iterates *at)
   return ((bent[0] + bent[1]) + bent[2]) * (t2 + 2 * at->f) <= CT_MILD * (t2 * t2);
 }
 
-/* Let the caller see an iterate. */
+/* Report an iterate to the caller's trace. */
 RARE void show(const ct_project_options *options, real x, real y, real f)
 {
   double xi[2] = {lane(x, 0), lane(y, 0)};
   options->trace(xi, lane(f, 0), options->user);
 }
 
-/* Take over some lanes of the numbers that a struct is made of. */
+/* Copy some lanes of the numbers of a struct. */
 PART void take(void *to, const void *from, size_t size, mask m)
 {
   real *old = to;
@@ -233,16 +233,16 @@ PART void take(void *to, const void *from, size_t size, mask m)
   for (size_t i = 0; i < size / sizeof(real); i++) old[i] = pick(m, new[i], old[i]);
 }
 
-/* What a descent knows besides its iterate. `stalled` is the length of the last step that rounding
- * did not let judge, `resolution` the tolerance that the closest point is held to once it is
- * settled. */
+/* State of a descent besides its iterate. `stalled` is the length of the last step whose decrease
+ * was hidden by rounding, `resolution` the tolerance of the closest point once it has converged. */
 typedef struct region {
   real radius, before, stalled, resolution, status;
   mask active, settled;
 } region;
 
-/* Judge the steps that did not make f fall as promised; answers those that are taken all the same.
- * One that rounding does not let judge is taken if steps get shorter, else the descent ends. */
+/* Treat the steps without the predicted decrease of f; returns the lanes that take them all the
+ * same. A step whose decrease rounding hides is taken if steps become shorter; otherwise the
+ * descent ends. */
 PART mask judge(const patches *patch, real f, real fall, real length, mask refused, region *r)
 {
   // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter
@@ -256,8 +256,8 @@ PART mask judge(const patches *patch, real f, real fall, real length, mask refus
   return taken;
 }
 
-/* Descend from xi to minima of f on the faces, sought to within the tolerance, in the lanes that
- * are `active`. Answers in which of them the iterate of number `probe` shows that the face is not
+/* Descend from xi to minima of f on the faces, to within the tolerance, in the lanes that are
+ * `active`. Returns the lanes in which the iterate of number `probe` shows that the face is not
  * mild; then `out` is this iterate. */
 CLONED mask descend(const patches *patch, const ct_project_options *options, double sought,
                     const real xi[2], int probe, mask active, counts *count, ends *out)
@@ -315,8 +315,8 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
   return limit > probe ? rough : r.active;
 }
 
-/* Which samples are not higher than their neighbours. Corners see their two mid-sides, mid-sides
- * see two corners and two mid-sides, all see the centre. */
+/* The samples that are not higher than their neighbours. Neighbours of corners are their two
+ * mid-sides, those of mid-sides two corners and two mid-sides; the centre is a neighbour of all. */
 PART void valleys(const real f[9], int corners, mask valley[9])
 {
   const real *side = f + corners, centre = f[2 * corners];
@@ -332,8 +332,8 @@ PART void valleys(const real f[9], int corners, mask valley[9])
   valley[2 * corners] = lowest;
 }
 
-/* Where the end `a` is better than `b`: lower, or as low and nearer the centre. A mirror does not
- * change the answer. */
+/* The lanes in which the end `a` is better than `b`: lower, or equally low and nearer the centre. A
+ * mirror does not change the result. */
 PART mask is_better(const ends *a, const ends *b)
 {
   real ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1],
@@ -347,8 +347,8 @@ PART mask is_better(const ends *a, const ends *b)
   return better | (equal & (a->status < b->status));
 }
 
-/* Descend from the samples that are marked, each lane from its own, those of high number first;
- * keep the best of the ends. */
+/* Descend from the marked samples, each lane from its own, those with high numbers first; keep the
+ * best end. */
 RARE void descend_from(mask sample[9], const patches *patch, const ct_project_options *options,
                        double sought, counts *count, ends *best)
 {
@@ -370,7 +370,7 @@ RARE void descend_from(mask sample[9], const patches *patch, const ct_project_op
   }
 }
 
-/* f at the sample points; answers the lowest. */
+/* f at the sample points; returns the lowest. */
 PART real sample(const patches *patch, int samples, real f[9])
 {
   const double (*at)[2] = samples == 9 ? QUADRILATERAL : TRIANGLE;
@@ -393,8 +393,8 @@ RARE ct_patch face_of(const patches *patch, int l)
   return own;
 }
 
-/* In which of the wanted lanes is it easily shown that no point of the face is closer than xi: by
- * the closest point at once, or else after some cuts, one lane at a time? */
+/* The wanted lanes in which it is easily proved that no point of the face is closer than xi: by the
+ * closest point at once, or else after some cuts, one lane at a time. */
 RARE mask proven_at_sight(const patches *patch, const real xi[2], mask wanted, counts *count)
 {
   cell face = whole_face(ct_is_triangular(patch->kind));
@@ -415,7 +415,7 @@ RARE mask proven_at_sight(const patches *patch, const real xi[2], mask wanted, c
   return proven;
 }
 
-/* The search on faces that are not mild, where `probe` has come to. */
+/* The search on faces that are not mild, from the iterate `probe`. */
 RARE void search_samples(const patches *patch, const ct_project_options *options, int warm,
                          const ends *probe, mask rough, counts *count, ends *best)
 {

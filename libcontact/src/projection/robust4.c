@@ -1,4 +1,4 @@
-/* The robust search in four lanes, for machines that have AVX2. */
+/* The robust search in four lanes, for machines with AVX2. */
 #include "projection_internal.h"
 
 #if CT_BATCH_KERNELS

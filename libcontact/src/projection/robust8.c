@@ -1,4 +1,4 @@
-/* The robust search in eight lanes, for machines that have AVX-512. */
+/* The robust search in eight lanes, for machines with AVX-512. */
 #include "projection_internal.h"
 
 #if CT_BATCH_KERNELS

@@ -3,11 +3,11 @@
 
 #include "polynomial.h"
 
-/* What a closest point, or another point of the face, shows of a piece of it: lower bounds of f by
- * the secant form. Each lane has a face and a closest point; the piece is the same one. */
+/* Lower bounds of f on a piece of the face by the secant form, from a closest point or another
+ * point of the face. Each lane has a face and a closest point; the piece is the same one. */
 
-/* A product of six lengths of a face of size one must be larger than this, or rounding is not
- * relative any more. */
+/* A product of six lengths of a face of size one must be larger than this; otherwise rounding is no
+ * longer relative. */
 static const double SMALLEST = 1e-290;
 
 /* A piece of the reference face: a rectangle about its centre, with half-widths that may be zero;
@@ -17,13 +17,13 @@ typedef struct cell {
   double centre[2], half[2];
 } cell;
 
-/* What is to be shown, and how rounding may lie about it. */
+/* The statement to be proved, and its rounding errors. */
 typedef struct proof {
   const patches *patch;
   int triangular;
-  real target;     /* f that no point of the face may be below */
-  real tangent[2]; /* bounds of |t1|, |t2| over the face */
-  real curve[3];   /* bounds of |t11|, |t22|, |t12| */
+  real target;     /* f that no point of the face may fall below */
+  real tangent[2]; /* bounds on |t1|, |t2| over the face */
+  real curve[3];   /* bounds on |t11|, |t22|, |t12| */
   real twist[2];   /* of |t112|, |t122| */
   real rounding;   /* of d */
 } proof;
@@ -40,8 +40,8 @@ typedef struct form {
   real m11, m22, low, high;
 } form;
 
-/* What the linear term costs: the most that it falls below zero on the cell, and the gradient of
- * the shares that do so. */
+/* Bound on the linear term: its largest negative value on the cell, and the gradient of the parts
+ * with this sign. */
 typedef struct slack {
   real loss, g[2];
 } slack;
@@ -60,8 +60,8 @@ PART void base_at(const patches *patch, const real xi[2], base *b)
   b->d6 = 2 * dot(b->d, patch->c[6]), b->d7 = 2 * dot(b->d, patch->c[7]);
 }
 
-/* Bounds over the face, and what must be shown of a closest point at this distance. Answers where
- * rounding leaves something to show it with. */
+/* Bounds over the face, and the target for a closest point at this distance. Returns the lanes in
+ * which rounding leaves a margin for a proof. */
 PART mask proof_about(proof *p, const patches *patch, double tolerance, real distance)
 {
   real n[8], all = every(0);
@@ -92,13 +92,13 @@ static inline cell whole_face(int triangular)
   return whole;
 }
 
-/* How far the cell reaches from its centre. */
+/* Distance of the cell's farthest point from its centre. */
 static inline void reach(const cell *c, int triangular, double w[2])
 {
   for (int a = 0; a < 2; a++) w[a] = triangular ? 2 * fabs(c->half[a]) : c->half[a];
 }
 
-/* Lower bound of the quadratic part of f about the base, as seen from anywhere in the cell. */
+/* Lower bound of the quadratic part of f about the base, for any point in the cell. */
 PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
 {
   const real *c6 = p->patch->c[6], *c7 = p->patch->c[7];
@@ -141,7 +141,7 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
   }
 }
 
-/* Least and largest value over the cell of a linear function that has the gradient g and the value
+/* Least and largest value over the cell of a linear function with the gradient g and the value
  * `middle` at its centre. */
 PART void linear_range(const proof *p, const cell *c, const real g[2], real middle, real *low,
                        real *high)
@@ -157,8 +157,8 @@ PART void linear_range(const proof *p, const cell *c, const real g[2], real midd
   *high = middle + most(i, most(j, k));
 }
 
-/* Add what one part of the linear term does over the cell: a slope l of the direction e, which
- * helps where it is positive. */
+/* Add one part of the linear term over the cell: a slope l in the direction e, which helps if it is
+ * positive. */
 PART void linear_share(const proof *p, const cell *c, const base *closest, real l,
                        const double e[2], form *m, slack *rest)
 {
@@ -178,7 +178,7 @@ PART void linear_share(const proof *p, const cell *c, const base *closest, real 
   m->high += share * (e[0] * e[1]);
 }
 
-/* The most that the product s1 s2 of any sign can take from the form, for |2 s1 s2| = 1. */
+/* The largest decrease of the form by the product s1 s2 of either sign, for |2 s1 s2| = 1. */
 PART real worst_twist(const form *m) { return most(-m->low, m->high); }
 
 /* Is the form nowhere negative? */
@@ -196,7 +196,7 @@ PART real base_rounding(const proof *p, const base *b)
 }
 
 /* Does a parabola with the positive form m and the gradient g fall below its value at the base by
- * no more than `room`? */
+ * at most `room`? */
 PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
 {
   real g1 = absolute(g[0]), g2 = absolute(g[1]), product = m->m11 * m->m22;
@@ -206,7 +206,8 @@ PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
   return (divisor > 0) & (may > SMALLEST) & (drop < HUGE_VAL) & (drop <= may);
 }
 
-/* Is no point of the cell closer than the closest point allows, as seen from the closest point? */
+/* Is no point of the cell closer than the closest point allows, by an expansion about the closest
+ * point? */
 PART mask proven_from_closest(const proof *p, const base *closest, const cell *c)
 {
   static const double E1[2] = {1, 0}, E2[2] = {0, 1}, E3[2] = {-1, -1};
@@ -229,8 +230,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
   mask corner = (absolute(x) >= w[0]) & (absolute(y) >= w[1]), same = x * y > 0;
   real sided = pick(same, most(-m.low, zero), most(m.high, zero)),
        twist = pick(corner, sided, worst_twist(&m));
-  // The form of a plane face without curved sides is a sum of squares, whatever rounding shows of
-  // it.
+  // The form of a plane face without curved sides is a sum of squares, also if rounding hides this.
   mask plane = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist),
        small = rest.loss <= room, proven = small & (plane | positive);
   // -- What is left of the slope at the closest point, against the form (eq:certified-rest)

@@ -3,8 +3,8 @@
 #include <float.h>
 #include <math.h>
 
-/* A regular simplex in the plane of xi: its vertices, their values of f, and for how many
- * iterations each has stayed. */
+/* A regular simplex in the plane of xi: its vertices, their values of f, and the number of
+ * iterations for which each has stayed. */
 typedef struct simplex {
   double x[3][2], f[3];
   int age[3];
@@ -24,7 +24,7 @@ void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options
   }
 }
 
-/* Sort out the lowest vertex, the second highest and the highest. */
+/* Find the lowest vertex, the second highest and the highest. */
 static void simplex_order(const simplex *s, int *low, int *second, int *high)
 {
   // -- Highest and lowest vertex (eq:simplex-high)
@@ -35,7 +35,7 @@ static void simplex_order(const simplex *s, int *low, int *second, int *high)
   *second = 3 - *low - *high;
 }
 
-/* Reflect vertex i in the middle of the others; writes the image and answers f there. */
+/* Reflect vertex i in the middle of the others; writes the image and returns f there. */
 static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, double image[2],
                               ct_closest *closest)
 {
@@ -71,8 +71,8 @@ static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_closest
   }
 }
 
-/* One iteration; answers the larger of the highest vertex and its image, by which rounding noise
- * shows. */
+/* One iteration; returns the larger of the highest vertex and its image, which reveals rounding
+ * noise. */
 static double simplex_step(simplex *s, const ct_patch *patch, ct_closest *closest)
 {
   double image[2];

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Tangential way from the touching point to the closest point on the sphere. */
+/* Tangential vector from the touching point to the closest point on the sphere. */
 static void sphere_closest(const ct_local *at, double w[2])
 {
   const double *r = at->r, *k = at->kappa;

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* The step along -g to the lowest point of the parabola that f is along it; where f bends down, a
- * half-width. */
+/* The step along -g to the lowest point of the parabola that approximates f along it; if f bends
+ * downwards, a half-width. */
 static int steepest_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
 {
   const double *H = at->H;

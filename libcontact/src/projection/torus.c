@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* The principal curvatures, kappa[0] the one of the larger size, and the direction (cosine, sine)
- * of kappa[0] in the frame. */
+/* The principal curvatures, kappa[0] the larger one in size, and the direction (cosine, sine) of
+ * kappa[0] in the frame. */
 static void principal(const ct_local *at, double kappa[2], double direction[2])
 {
   const double *k = at->kappa;
@@ -19,7 +19,7 @@ static void principal(const ct_local *at, double kappa[2], double direction[2])
   direction[1] = length > 0 ? y / length : 0;
 }
 
-/* Tangential way from the touching point to the closest point on the torus. */
+/* Tangential vector from the touching point to the closest point on the torus. */
 static void torus_closest(const ct_local *at, double w[2])
 {
   double kappa[2], e[2], r_n = at->r[2];

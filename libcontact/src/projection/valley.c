@@ -1,6 +1,6 @@
-/* The way along the floor of a narrow valley of f, where the descent of the robust search creeps: a
- * long thin face has one, a thousand or a million times steeper across than along, and not
- * straight. */
+/* Descent along the floor of a narrow valley of f, where the steps of the robust search are too
+ * short: a long thin face has a curved valley, a thousand or a million times steeper across than
+ * along. */
 #include "projection_internal.h"
 
 #include <float.h>
@@ -18,7 +18,7 @@ void ct_principal(const double H[3], double q[2], double curvature[2])
   q[1] = length > 0 ? y / length : 0;
 }
 
-/* Largest share of the step that stays on the face. */
+/* Largest fraction of the step that stays on the face. */
 static double share_on_face(int triangular, const double xi[2], const double s[2])
 {
   double low = triangular ? 0 : -1, share = 1;

@@ -1,10 +1,9 @@
 #ifndef CT_SRC_WIDTH_H
 #define CT_SRC_WIDTH_H
 
-/* A number for each of WIDTH lanes, and what can be done with it. A source that defines WIDTH and
- * TARGET, the instruction set, before it includes this has gcc vectors; any other has width 1,
- * where `real` is double. Each lane is rounded as a double is, so every width gives the same bits.
- */
+/* A number for each of WIDTH lanes, and operations on it. A source that defines WIDTH and TARGET,
+ * the instruction set, before it includes this header uses gcc vectors; any other has width 1,
+ * where `real` is double. Each lane is rounded like a double, so all widths give the same bits. */
 #include "../base/lanes.h"
 
 #include <float.h>
@@ -19,8 +18,8 @@
 typedef double real;
 typedef int mask; /* 0 or 1 */
 
-/* A part of a kernel, built into what calls it; a part that is called; and one that is compiled
- * for every instruction set. */
+/* A part of a kernel that is inlined; a part that is called; and one that is compiled for each
+ * instruction set. */
 #define PART CT_INLINE
 #define RARE static
 #define CLONED static CT_CLONES
@@ -45,7 +44,7 @@ typedef double real __attribute__((vector_size(8 * WIDTH), may_alias));
 typedef double loose __attribute__((vector_size(8 * WIDTH), may_alias, aligned(8)));
 typedef int64_t mask __attribute__((vector_size(8 * WIDTH), may_alias)); /* 0 or -1 */
 
-/* gcc splits up vectors that a function cannot have before it inlines it, so each part names the
+/* gcc splits vectors that a function cannot use before it inlines it, so each part names the
  * instruction set itself. */
 #define PART static inline __attribute__((always_inline, target(TARGET)))
 #define RARE static __attribute__((noinline, target(TARGET)))
@@ -72,11 +71,11 @@ PART int any(mask m) { return _mm512_test_epi64_mask((__m512i)m, (__m512i)m); }
 #endif
 #endif
 
-/* As fmin and fmax, for numbers, without a call. */
+/* fmin and fmax for numbers, without a call. */
 PART real least(real a, real b) { return pick(b < a, b, a); }
 PART real most(real a, real b) { return pick(b > a, b, a); }
 
-/* Always summed (x + y) + z, as ct_vector_dot. */
+/* Always summed as (x + y) + z, like ct_vector_dot. */
 PART real dot(const real a[3], const real b[3])
 {
   return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];

@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What was added of one body and contact. */
+/* Data that were added for one body and contact. */
 typedef struct scene_body {
   ct_scene_body given; /* without its mesh and arrays */
   ct_mesh *mesh;
@@ -28,32 +28,33 @@ typedef struct scene_contact {
 } scene_contact;
 
 struct ct_scene {
-  ct_pool pool; /* all but meshes and effects */
+  ct_pool pool; /* all except meshes and effects */
   int32_t body_count, contact_count, support_count, added_count;
   ct_body *bodies;
   scene_body *parts;
   scene_contact *contacts;
   ct_support *supports;
-  ct_effect **added; /* beside solid, contacts and supports */
+  ct_effect **added; /* in addition to solid, contacts and supports */
   ct_optimisations optimisations;
   int joined; /* the nodes are numbered, no body can be added */
-  int fresh;  /* no build has changed what `start_body` makes */
+  int fresh;  /* no build has changed the results of `start_body` */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
   double *reference, *mass, *inverse_mass, *velocity;
 };
 
-/* A table of `count` rows with room for one more; it stays the same where there is no memory. */
+/* A table of `count` rows with capacity for one more; unchanged if out of memory. */
 static void *grow(ct_scene *scene, void *table, int32_t count, size_t size)
 {
-  if (count > 0 && (count & (count - 1)) != 0) return table; // room doubles at powers of two
+  if (count > 0 && (count & (count - 1)) != 0)
+    return table; // the capacity doubles at powers of two
   void *larger = ct_pool_take(&scene->pool, count == 0 ? 1 : 2 * (size_t)count, size);
   if (larger != NULL && count > 0) memcpy(larger, table, (size_t)count * size);
   return larger != NULL ? larger : table;
 }
 
-/* Whether there was memory for all that was taken; if not, the next call may try again. */
+/* Whether all allocations succeeded; if not, the next call may try again. */
 static ct_status check_room(ct_scene *scene, const char *what, ct_error *error)
 {
   if (!scene->pool.failed) return CT_OK;
@@ -79,7 +80,7 @@ ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *op
   return CT_OK;
 }
 
-/* Whether an effect is one that was added, and not made by `ct_scene_build`. */
+/* Whether an effect was added, and not made by `ct_scene_build`. */
 static int is_added(const ct_scene *scene, const ct_effect *effect)
 {
   for (int32_t i = 0; i < scene->added_count; i++)
@@ -87,7 +88,7 @@ static int is_added(const ct_scene *scene, const ct_effect *effect)
   return 0;
 }
 
-/* Give back what `ct_scene_build` made. */
+/* Free the results of `ct_scene_build`. */
 static void unbuild(ct_scene *scene)
 {
   for (int32_t i = 0; i < scene->problem.effect_count; i++)
@@ -142,7 +143,7 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
   return ct_material_check(&def->material, error);
 }
 
-/* Copies of a body's mesh or box and velocities, and places for them in the tables. */
+/* Copies of a body's mesh or box and velocities, and entries in the tables. */
 static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char *name,
                            scene_body *part, ct_error *error)
 {
@@ -197,8 +198,8 @@ static ct_status check_body(const ct_scene *scene, int32_t body, const char *wha
                  what, (int)body);
 }
 
-/* Node numbers of a body's own mesh, `per` of them a face; a support's nodes stand alone (`per` 0).
- */
+/* Node numbers of a body's own mesh, `per` of them per face; a support's nodes are single (`per`
+ * 0). */
 static ct_status check_nodes(const ct_scene *scene, int32_t body, const int32_t *nodes,
                              int64_t count, int per, const char *what, ct_error *error)
 {
@@ -229,7 +230,7 @@ static ct_status side_faces(ct_scene *scene, const ct_mesh *mesh, ct_box_side si
   return check_room(scene, "a contact", error);
 }
 
-/* Copy surface `s` of a contact: what is listed, or a side. */
+/* Copy surface `s` of a contact: the listed faces, or a side. */
 static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, const int32_t *listed,
                               ct_box_side side, ct_error *error)
 {
@@ -294,8 +295,8 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   return CT_OK;
 }
 
-/* What the supports change and each build begins with: 1 / m and the initial velocity of all nodes
- * of a body. */
+/* Values that the supports change and from which each build begins: 1 / m and the initial velocity
+ * of all nodes of a body. */
 static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
 {
   const scene_body *part = &scene->parts[i];
@@ -323,7 +324,7 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   ct_status status = CT_OK;
   const ct_body *last = &scene->bodies[scene->body_count - 1];
   size_t n = (size_t)last->first_node + (size_t)last->mesh->node_count;
-  // Masses come first: to lump them takes much room for a while, and less is there yet.
+  // Masses come first: lumping needs much temporary memory, and little is allocated before it.
   scene->mass = ct_pool_take(&scene->pool, n, sizeof(double));
   for (int32_t i = 0; status == CT_OK && scene->mass != NULL && i < scene->body_count; i++) {
     const ct_body *body = &scene->bodies[i];
@@ -389,7 +390,7 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   return status;
 }
 
-/* Whether supports hold all nodes of a body in a direction at velocity 0; they were applied before.
+/* Whether supports hold all nodes of a body in a direction at velocity 0, after they were applied.
  */
 static int held_body(const ct_scene *scene, int32_t body, int axis)
 {
@@ -439,7 +440,7 @@ static double modulus_of(const ct_material *material)
   return material->density * c1 * c1;
 }
 
-/* The usual penalty of an enforcement between two bodies (eq:penalty-default). */
+/* The default penalty of an enforcement between two bodies (eq:penalty-default). */
 static double usual_penalty(const ct_scene *scene, const ct_scene_contact *contact,
                             ct_enforcement enforcement)
 {
@@ -449,7 +450,7 @@ static double usual_penalty(const ct_scene *scene, const ct_scene_contact *conta
 }
 
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
- * or the usual one. */
+ * or the default. */
 static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
 {
   if (contact->options.epsilon > 0.0) return contact->options.epsilon;
@@ -482,7 +483,7 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   def.options.separated = def.options.separated && scene->optimisations.separated;
   def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given);
   ct_status status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
-  // What the contact calls surface 0 or 1 is one of our bodies.
+  // Surface 0 or 1 of the contact is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
     error->body = entry->body[error->body];
   if (status == CT_OK) (*next)++;
@@ -517,7 +518,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
   scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3,
                                sizeof *scene->effects);
   if (scene->effects == NULL) return CT_NO_MEMORY(error, "the effects");
-  // What is held decides on the kernels, so supports are made first; they stand last.
+  // The kernels depend on the supports, so these are created first; they are the last effects.
   ct_status status = make_supports(scene, &supports, error);
   if (status == CT_OK) status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
@@ -532,7 +533,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
   return status;
 }
 
-/* The time step that the scene asks for, before it is fitted to the end. */
+/* The requested time step, before it is fitted to the end. */
 static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt,
                             ct_error *error)
 {
@@ -562,8 +563,8 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
   return CT_OK;
 }
 
-/* Make the problem up to its time step, and a state of it that has begun, which tells the stable
- * step. */
+/* Create the problem up to its time step, and a state of it at t = 0, which gives the stable step.
+ */
 static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_stable_step *stable,
                                double *dt, ct_state **begun, ct_error *error)
 {
@@ -579,7 +580,7 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   p->integrator = time->integrator;
   p->integrator.push = 0.0;
   p->assembled = time->assembled;
-  p->dt = DBL_MIN; // not known yet, and any one will do to begin
+  p->dt = DBL_MIN; // unknown yet, and any value will do
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
   if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
   return status == CT_OK ? ct_blame(error, asked_step(time, stable, dt, error), CT_PART_TIME, 0)

@@ -20,7 +20,7 @@ void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
 }
 
 /* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in
- * the middle of a Q8. Answers how many. */
+ * the middle of a Q8. Returns their number. */
 static int control_points(const ct_face *face, int c, double b[9])
 {
   int per = ct_face_node_count(face->kind), corners = per == 4 || per == 8 ? 4 : 3;
@@ -50,7 +50,7 @@ ct_bounds ct_face_bounds(const ct_face *face)
       if (b[i] < box.low[c]) box.low[c] = b[i];
       if (b[i] > box.high[c]) box.high[c] = b[i];
     }
-    // Control points that were computed may be off by a few roundings; corners are exact.
+    // Computed control points have errors of a few roundings; corners are exact.
     double slack = linear ? 0.0 : 16.0 * DBL_EPSILON * (fabs(box.low[c]) + fabs(box.high[c]));
     box.low[c] -= slack;
     box.high[c] += slack;
@@ -59,7 +59,7 @@ ct_bounds ct_face_bounds(const ct_face *face)
 }
 
 /* Three orthogonal unit vectors, the last along the normal of a face at its middle; the coordinate
- * axes when it has none. */
+ * axes if it has none. */
 static void frame(const ct_face *face, double axis[3][3])
 {
   int corners = face->kind == CT_Q4 || face->kind == CT_Q8 ? 4 : 3;

@@ -8,8 +8,8 @@ typedef struct ct_bounds {
   double low[3], high[3];
 } ct_bounds;
 
-/* Box along the axes of a face: its middle, three orthogonal unit vectors, half its extent along
- * each. */
+/* Box along the axes of a face: its middle, three orthogonal unit vectors, half extents along each.
+ */
 typedef struct ct_oriented {
   double middle[3], axis[3][3], half[3];
 } ct_oriented;
@@ -30,17 +30,16 @@ static inline double ct_bounds_square(const ct_bounds *box, const double point[3
 /* Distance of a point from a box. */
 double ct_bounds_distance(const ct_bounds *box, const double point[3]);
 
-/* The box that holds both. */
+/* The box that contains both. */
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other);
 
-/* Box that holds the whole curved face: that of its control points (eq:face-bounds). */
+/* Box that contains the whole curved face: that of its control points (eq:face-bounds). */
 ct_bounds ct_face_bounds(const ct_face *face);
 
 /* The same along the tangents and the normal at the middle of the face. */
 void ct_oriented_init(ct_oriented *box, const ct_face *face);
 
-/* A lower bound of the squared distance of a point from all that is in the box; a little too low
- * rather than rounded up. */
+/* A lower bound of the squared distance of a point from the contents of the box; rounded down. */
 double ct_oriented_square(const ct_oriented *box, const double point[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* The tree of boxes: build, refit, and the two questions. */
+/* The tree of boxes: build, refit, and the two queries. */
 #include "box_tree.h"
 
 #include "../base/error.h"
@@ -11,15 +11,15 @@
 
 enum { WIDTH = 4, STACK = 128 };
 
-/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in
- * the array, a child < 0 the item ~child. */
+/* Boxes of the children side by side, for vector lanes. A child >= 0 is a later node in the array,
+ * a child < 0 the item ~child. */
 typedef struct node {
   float low[3][WIDTH], high[3][WIDTH];
   int32_t child[WIDTH];
   int32_t count, unused[3];
 } node;
 
-/* Middle of an item's box: what the builder sorts. */
+/* Middle of an item's box, by which the builder sorts. */
 typedef struct entry {
   double middle[3];
   int32_t item;
@@ -34,10 +34,10 @@ struct ct_box_tree {
   int64_t builds;
 };
 
-/* Coordinates of the children that a node does not have: farther than any point or limit. */
+/* Coordinates of missing children: farther than any point or limit. */
 static const float NOWHERE = 3e18f;
 
-/* Room in the scaled boxes for every rounding to single precision: of boxes, of points, of their
+/* Margin of the scaled boxes for all roundings to single precision: of boxes, of points, of their
  * differences. */
 static const double MARGIN = 1e-6;
 
@@ -79,8 +79,8 @@ static void swap(entry *a, entry *b)
   *b = t;
 }
 
-/* Put the `rank` first entries along an axis in front, by quick-select; entries with equal middles
- * by number. */
+/* Move the `rank` first entries along an axis to the front, by quick-select; entries with equal
+ * middles by number. */
 static void split(entry *list, int32_t count, int32_t rank, int axis)
 {
   int32_t first = 0, last = count - 1;
@@ -114,7 +114,7 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
 }
 
 /* Cut a range in two at the median along the longest axis of its middles, so that the first part
- * fills its leaves; answers where. */
+ * fills its leaves; returns the place of the cut. */
 static int32_t halve(entry *list, int32_t count)
 {
   double low[3], high[3];
@@ -132,12 +132,12 @@ static int32_t halve(entry *list, int32_t count)
   return half;
 }
 
-/* A range of entries and the place in the tree that waits for its node. */
+/* A range of entries and the link in the tree to its future node. */
 typedef struct range {
   int32_t first, last, parent, slot;
 } range;
 
-/* Cut a range into at most four; answers how many. */
+/* Cut a range into at most four; returns their number. */
 static int quarter(const ct_box_tree *tree, range r, range part[WIDTH])
 {
   int32_t count = r.last - r.first;
@@ -180,7 +180,7 @@ static void link_nodes(ct_box_tree *tree)
   }
 }
 
-/* Frame of the single-precision coordinates: a middle, and a power of two. */
+/* Frame of the single-precision coordinates: an origin, and a power of two. */
 static void set_frame(ct_box_tree *tree, const ct_bounds *boxes)
 {
   ct_bounds all = boxes[0];
@@ -202,7 +202,7 @@ static float half_surface(const float edge[3])
   return (edge[0] * edge[1] + edge[1] * edge[2]) + edge[2] * edge[0];
 }
 
-/* Box of child k, from the item or from the children of the child; answers half its surface. */
+/* Box of child k, from the item or from the children of the child; returns half its surface. */
 static float fit_child(ct_box_tree *tree, const ct_bounds *boxes, node *n, int k)
 {
   float edge[3];
@@ -240,7 +240,7 @@ static float root_surface(const node *root)
   return half_surface(edge);
 }
 
-/* Boxes of all nodes from those of the items, last node first as children stand behind their
+/* Boxes of all nodes from those of the items, last node first because children follow their
  * parents. */
 static void fit(ct_box_tree *tree, const ct_bounds *boxes)
 {
@@ -297,7 +297,7 @@ static int overlap(const ct_bounds *a, const ct_bounds *b)
   return 1;
 }
 
-/* A coordinate as the tree sees it. Far ones are moved nearer, which brings no box farther away. */
+/* A coordinate in the tree's frame. Far ones are clamped, which moves no box farther away. */
 static float scaled(const ct_box_tree *tree, double x, int c)
 {
   double y = (x - tree->origin[c]) * tree->scale;
@@ -333,8 +333,8 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
   return found;
 }
 
-/* A child that waits to be looked at, behind four times the square of its distance; so those that
- * wait are ordered as whole numbers are, for the bits of floats that are not negative are. */
+/* A child on the stack with four times the square of its distance. For floats that are not negative
+ * the order of the bits as integers is that of the values. */
 typedef uint64_t waiting;
 
 static inline waiting wait_of(float square, int32_t child)
@@ -359,9 +359,9 @@ static inline void order(waiting *near, waiting *far)
   *far = a < b ? b : a;
 }
 
-/* Put the children within the limit on the stack, the nearest on top; answers the new height.
- * Without branches, as no processor can guess them: all four are sorted and written, and each stays
- * only if it counts. */
+/* Push the children within the limit on the stack, the nearest on top; returns the new height.
+ * Without branches, which processors could not predict: all four are sorted and written, and each
+ * stays only if it counts. */
 static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack,
                        int depth)
 {
@@ -393,15 +393,15 @@ static inline void squares(const node *n, const float point[3], float square[WID
   }
 }
 
-/* The last that need not wait in vain: four times the known square in the tree's units, with room
- * for the roundings of four products; at most 1e37, which no box reaches. */
+/* Limit for the stack: four times the known square in the tree's units, with a margin for the
+ * roundings of four products; at most 1e37, which no box reaches. */
 static inline waiting limit_of(const ct_box_tree *tree, double square)
 {
   double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
   return wait_of((float)(limit < 1e37 ? limit : 1e37), -1);
 }
 
-/* Four times the square of a lower bound, a little lower rather than higher. */
+/* Four times the square of a lower bound, rounded down. */
 static float bound_of(const ct_box_tree *tree, double square)
 {
   double bound = 4.0 * square * (tree->scale * tree->scale) * (1.0 - 1e-6);

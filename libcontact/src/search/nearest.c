@@ -9,28 +9,28 @@
 #include <math.h>
 #include <string.h>
 
-/* A point, and the best that it has found so far. */
+/* A point, and its best result so far. */
 typedef struct seeker {
   const ct_search *search;
   const double *point;
   ct_search_skip *skip;
   void *user;
   ct_project_options project;
-  int32_t started; /* the face that was tried before the tree */
-  double bound;    /* square of a distance at which there is some face */
+  int32_t started; /* face that was tried before the tree */
+  double bound;    /* square of a distance at which there is a face */
   int32_t face;
   double square;
   double d[3];           /* vector to the closest point */
-  ct_projection closest; /* of a triangle the parameters alone, until the end */
+  ct_projection closest; /* for a triangle only the parameters, until the end */
 } seeker;
 
-/* Nearer than the best, or as near and earlier in the list of faces. */
+/* Nearer than the best, or equally near with a lower face number. */
 static int is_better(const seeker *s, double square, int32_t face)
 {
   return square < s->square || (square == s->square && face < s->face);
 }
 
-/* Try a face that is not left out; answers the least square of a distance that is known. */
+/* Try a face that is not excluded; returns the square of the smallest known distance. */
 static double try_face(seeker *s, int32_t face)
 {
   if (s->skip != NULL && s->skip(s->user, face)) return fmin(s->square, s->bound);
@@ -73,7 +73,7 @@ static void nothing(ct_nearest *out)
                       NAN,        NAN, {NAN, NAN, NAN}};
 }
 
-/* What ct_project would say of the closest point on a triangle. */
+/* The result of ct_project for the closest point on a triangle. */
 static int finish_triangle(seeker *s)
 {
   ct_face face;
@@ -90,7 +90,7 @@ static int finish_triangle(seeker *s)
   return ct_vector_unit_normal(u, v, s->closest.normal);
 }
 
-/* The answer from the best closest point: its sign is that of the mean normal (eq:pseudo-normal).
+/* The result from the best closest point: its sign is that of the mean normal (eq:pseudo-normal).
  */
 static void finish(seeker *s, ct_nearest *out)
 {
@@ -143,11 +143,11 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
   finish(&s, out);
 }
 
-/* Points that are asked one after the other by one thread. */
+/* Points that one thread processes in order. */
 enum { BLOCK = 1024 };
 
-/* Square of the distance of a point from the closest point of another: the nearest face is no
- * farther. With room for the rounding of coordinates. */
+/* Square of the distance of a point from the closest point of another one: the nearest face is at
+ * most as far. With a margin for the rounding of coordinates. */
 static double bound_from(const double point[3], const ct_nearest *last)
 {
   double square = 0.0, largest = 0.0;

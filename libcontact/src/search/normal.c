@@ -1,4 +1,4 @@
-/* Which way is out at the closest point of a projection, folds included. */
+/* Outward direction at the closest point of a projection, folds included. */
 #include "search_internal.h"
 
 #include "../base/vector.h"
@@ -39,7 +39,7 @@ static int32_t across(const ct_search *search, int32_t face, int e, const double
   return other;
 }
 
-/* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
+/* On edge `e` of a face: add the neighbour's normal at the same point; returns 0 at the border. */
 static int edge_normal(const ct_search *search, int32_t face, int e, const double closest[2],
                        double normal[3])
 {
@@ -54,9 +54,9 @@ static int edge_normal(const ct_search *search, int32_t face, int e, const doubl
   return 1;
 }
 
-/* Direction in which the edge from corner k of a face to the corner after or before it leaves
- * corner k: the tangent there. Where the tangent vanishes, as with a mid-side node at the quarter
- * point, a quadratic edge leaves along its chord (eq:edge-direction). */
+/* Direction of an edge at corner k of a face, to the corner after or before it: the tangent there.
+ * If the tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge has the
+ * direction of its chord (eq:edge-direction). */
 static void edge_direction(const ct_search *search, int32_t face, int k, int backwards,
                            double along[3])
 {
@@ -75,9 +75,8 @@ static void edge_direction(const ct_search *search, int32_t face, int k, int bac
     memcpy(along, chord, sizeof chord);
 }
 
-/* Add to `normal` that of a face at its corner k, weighted by the angle there; 0 when an edge at
- * the corner is on the border. A face adds nothing at a corner where one of its edges has
- * collapsed. */
+/* Add to `normal` that of a face at its corner k, weighted by the angle there; returns 0 if an edge
+ * at the corner is on the border. A face adds nothing at a corner with a collapsed edge. */
 static int add_corner(const ct_search *search, int32_t face, int k, double normal[3])
 {
   int before = (k + search->edges - 1) % search->edges;
@@ -93,7 +92,7 @@ static int add_corner(const ct_search *search, int32_t face, int k, double norma
          search->neighbour[(int64_t)face * search->edges + before] >= 0;
 }
 
-/* At corner `a` of a face: sum the normals of the faces around it; 0 at the border. */
+/* At corner `a` of a face: sum the normals of the faces around it; returns 0 at the border. */
 static int corner_normal(const ct_search *search, int32_t face, int a, double normal[3])
 {
   const ct_incidence *around = &search->incidence;
@@ -116,7 +115,8 @@ int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int 
   return where == CT_INTERIOR;
 }
 
-/* Whether the distance grows, to rounding, along `v` from a closest point that `d` points to. */
+/* Whether the distance increases, to rounding, along `v` from a closest point to which `d` points.
+ */
 static int grows(const double d[3], const double v[3])
 {
   // -- Slope of the squared distance (eq:local-minimum)

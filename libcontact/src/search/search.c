@@ -33,7 +33,7 @@ static ct_status check_surface(const ct_surface *surface, int body, ct_error *er
   return CT_OK;
 }
 
-/* Number the surface's own nodes and make room for the rest. */
+/* Number the surface's own nodes and allocate the rest. */
 static ct_status allocate(ct_search *search, const ct_surface *surface)
 {
   size_t faces = (size_t)search->face_count, per = (size_t)search->per;
@@ -50,7 +50,7 @@ static ct_status allocate(ct_search *search, const ct_surface *surface)
   return search->x == NULL ? CT_ERROR_MEMORY : CT_OK;
 }
 
-/* Find the face across each edge: one that has its two corners the other way round. */
+/* Find the face across each edge: one that has the same two corners in reverse order. */
 static void find_neighbours(ct_search *search)
 {
   const ct_incidence *around = &search->incidence;
@@ -68,7 +68,7 @@ static void find_neighbours(ct_search *search)
     }
 }
 
-/* Refuse faces without area, and find the largest one. */
+/* Refuse faces without area, and find the size of the largest one. */
 static ct_status measure(ct_search *search, int body, ct_error *error)
 {
   for (int32_t f = 0; f < search->face_count; f++) {

@@ -7,7 +7,7 @@
 #include "box_tree.h"
 #include "../shape/incidence.h"
 
-/* Tolerance of a search for which the caller chooses none. */
+/* Default tolerance of a search. */
 static const double CT_SEARCH_TOLERANCE = 1e-10;
 
 /* A surface with its topology, its current shape and its tree. */
@@ -22,45 +22,44 @@ struct ct_search {
   int32_t *nodes;         /* their numbers in the host's arrays, ascending: those of `incidence` */
   int32_t *faces;         /* numbers in `nodes`, shape (face_count, per) */
   int32_t *neighbour;     /* face across each edge, -1 at the border, shape (face_count, edges) */
-  ct_incidence incidence; /* of nodes in the list of faces: place / per is a face */
+  ct_incidence incidence; /* of nodes in the list of faces: position / per is a face */
   double size;            /* largest diagonal of a face's reference box */
   double *x;              /* current coordinates, shape (node_count, 3) */
   ct_bounds *boxes;       /* current boxes of the faces */
-  /* Of a surface in which something is searched, else null: */
+  /* For a surface that is searched, else null: */
   ct_oriented *oriented; /* boxes along the faces, of the last refit; null for T3 */
   ct_box_tree *tree;     /* over the boxes of the last refit */
 };
 
-/* As ct_search_create, for surface number `body` of a host. Nothing can be searched in it yet. */
+/* ct_search_create for surface number `body` of a host. The surface cannot be searched yet. */
 ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error);
 
-/* CT_INVALID when one of the coordinates of the surface's nodes is not finite or beyond 1e70. They
- * stand in `x` at `nodes`, as the search numbers them in the host's arrays, or one after another
- * where `nodes` is null. */
+/* CT_INVALID if a coordinate of the surface's nodes is not finite or beyond 1e70. They are in `x`
+ * at `nodes`, as numbered in the host's arrays, or in order if `nodes` is null. */
 ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
                           ct_error *error);
 
-/* Copy the host's coordinates, which are good. */
+/* Copy the host's coordinates, which were checked. */
 void ct_search_place(ct_search *search, const double *host);
 
-/* Find the boxes of the faces at these coordinates. */
+/* Compute the boxes of the faces at these coordinates. */
 void ct_search_box(ct_search *search);
 
 /* Both. */
 ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error);
 
-/* Bring the tree up to date with the boxes. */
+/* Update the tree for the boxes. */
 void ct_search_refit(ct_search *search);
 
-/* A surface with coordinates of its own, which shares the topology of `search` and begins where
- * that stands, without boxes. Freed before `search`. */
+/* A surface with its own coordinates, which shares the topology of `search` and begins at its
+ * coordinates, without boxes. Free it before `search`. */
 ct_status ct_search_share(const ct_search *search, ct_search **out);
 
-/* Make boxes, and room for a tree, which is not made yet. */
+/* Create boxes, and allocate a tree, which is not built yet. */
 ct_status ct_search_equip(ct_search *search);
 
-/* Both, with the tree, so that a call may search a surface that is const to it. `*out` is to be
- * freed also when this fails. */
+/* Both, with the tree, so that a call may search a surface that is const to it. Free `*out` also if
+ * this fails. */
 ct_status ct_search_look(const ct_search *search, ct_search **out);
 
 /* Parameters of the middle of a face. */
@@ -70,23 +69,22 @@ static inline const double *ct_search_middle(const ct_search *search)
   return middle[search->edges == 3];
 }
 
-/* Current coordinates of a face, as ct_project wants them. */
+/* Present coordinates of a face, in the form for ct_project. */
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out);
 
 /* Whether two faces have a node in common. */
 int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other);
 
-/* Direction outwards at a closest point on a face: the normal of the face inside it, the sum of the
- * two normals on an edge, the sum weighted by the angles between tangents at a corner
- * (eq:pseudo-normal). Answers 0 when the closest point lies on the border of the surface; the faces
- * that are there are summed all the same. */
+/* Outward direction at a closest point on a face: the normal inside the face, the sum of the two
+ * normals on an edge, the sum weighted by the angles between tangents at a corner
+ * (eq:pseudo-normal). Returns 0 if the closest point lies on the border of the surface; existing
+ * faces are summed all the same. */
 int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index,
                      const double xi[2], const double own[3], double normal[3]);
 
-/* Whether the distance grows from a closest point into every face that meets there, so that the
- * closest point is a nearest point of the whole surface and not only of its face
- * (eq:local-minimum). `d` points from the point to the closest point. Inside a face it always is.
- */
+/* Whether the distance increases from a closest point into each face that meets there, so that it
+ * is a local minimum on the whole surface and not only on its face (eq:local-minimum). `d` points
+ * from the point to the closest point. Inside a face this is always true. */
 int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index,
                          const double xi[2], const double d[3]);
 
@@ -95,11 +93,11 @@ int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, 
 double ct_search_triangle(const ct_search *search, int32_t face, const double point[3],
                           double xi[2], double d[3]);
 
-/* Whether a face is left out of a query. */
+/* Whether a face is excluded from a query. */
 typedef int ct_search_skip(void *user, int32_t face);
 
 /* Nearest face of one point. `start`: -1 or a face to begin with. `bound`: the square of a distance
- * at which some face is, or infinity. `skip`: null, or faces to leave out. */
+ * at which there is a face, or infinity. `skip`: null, or faces to exclude. */
 void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound,
                      double tolerance, ct_search_skip *skip, void *user, ct_nearest *out);
 

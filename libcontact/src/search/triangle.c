@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* Closest point of the edge from a to b, both seen from the point: keep it if it is nearer than
+/* Closest point of the edge from a to b, both relative to the point: keep it if it is nearer than
  * `best`. Parameter t along the edge. */
 static double edge(const double a[3], const double b[3], double best, double *t, double d[3],
                    int *kept)

@@ -7,21 +7,21 @@
 #include "../base/memory.h"
 #include "incidence.h"
 
-/* Faces on which an effect integrates, and the sums of their nodal values at the nodes. */
+/* Faces over which an effect integrates, and the sums of their nodal values at the nodes. */
 typedef struct ct_facets {
   ct_face_kind kind;
   int per; /* nodes of a face */
   int32_t face_count, node_count;
   int32_t *faces;         /* node numbers of the problem, shape (face_count, per) */
   int32_t *nodes;         /* all of them once, ascending: those of `incidence` */
-  ct_incidence incidence; /* where the values of each node stand, in units of a node of a face */
+  ct_incidence incidence; /* places of the values of each node, in units of a node of a face */
   ct_rule rule;
   double N[9][8], dN[9][8][2];
 } ct_facets;
 
-/* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and
- * each has an area at every Gauss point. Arrays are taken from the pool. `name` begins the words of
- * an error. */
+/* Copy and check the faces: they exist, their nodes are below the number of nodes of the problem,
+ * and each has an area at every Gauss point. Arrays are taken from the pool. `name` begins the text
+ * of an error. */
 ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces,
                            int32_t node_count, const double *reference, const char *name,
                            ct_pool *pool, ct_facets *out, ct_error *error);
@@ -34,11 +34,11 @@ void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, cons
 void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[25][3],
                      double length[25]);
 
-/* Numbers that ct_facets_sum needs: so many for each node of each face, and some to work with. */
+/* Number of doubles for ct_facets_sum: one set for each node of each face, and temporary ones. */
 size_t ct_facets_room(const ct_facets *facets, int components);
 
 /* Sum values, shape (face_count, per, components), at the nodes: sums, shape (node_count,
- * components), in an order that does not matter. */
+ * components), independent of their order. */
 void ct_facets_sum(const ct_facets *facets, int components, double *values, double *sums);
 
 #endif

@@ -1,6 +1,6 @@
 #include "incidence.h"
 
-/* List the nodes and their places; `number` has 1 for each node of the list and 0 for others. */
+/* List the nodes and their places; `number` is 1 for each node of the list and 0 for others. */
 static void fill(ct_incidence *incidence, int64_t entries, const int32_t *faces, int32_t node_count,
                  int32_t *number)
 {

@@ -11,8 +11,7 @@ static inline void ct_reference_gradient(int count, double (*dN)[3], double (*x)
   for (int i = 0; i < 3; i++) {
     double t[20];
     for (int a = 0; a < 8; a++) t[a] = x[a][i];
-    double middle =
-        ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
+    double middle = ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation cancels exactly
     for (int j = 0; j < 3; j++) {
       // Σ_a x_i ∂N_a/∂ξ_j (eq:jacobian)
       for (int a = 0; a < count; a++) t[a] = dN[a][j] * (x[a][i] - middle);

@@ -82,7 +82,7 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
   }
 }
 
-/* Weight times coordinate k of each node; inlined with their number known. */
+/* Weight times coordinate k of each node; inlined with a known number of nodes. */
 CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight, int stride,
                      double v[8])
 {
@@ -91,7 +91,7 @@ CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight
 
 /* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of
  * quadrilaterals) and an exchange of xi_1 and xi_2 (of triangles) maps onto itself, so that a
- * mirrored face gives the mirrored bits. */
+ * mirrored face gives mirrored bits. */
 static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
 {
   double v[8];

@@ -5,9 +5,9 @@
 
 #include <libcontact/shape.h>
 
-/* Shape functions of a quadrilateral of `per` (4 or 8) nodes, each `stride` numbers after the one
- * before; those beyond `per` are 0 (eq:segment-q4, eq:segment-q8). For a `per` that is known and
- * lanes side by side the compiler makes lanes of it. */
+/* Shape functions of a quadrilateral of `per` (4 or 8) nodes, with the stride `stride` between
+ * nodes; those beyond `per` are 0 (eq:segment-q4, eq:segment-q8). For a known `per` and lanes side
+ * by side the compiler vectorises them. */
 CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N, int stride)
 {
   static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -28,9 +28,8 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 /* The tangents t_a = dy/dxi_a [length], eq:segment-tangents. */
 void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3]);
 
-/* The unit normal t_1 x t_2 / |t_1 x t_2|, eq:segment-normal. Where the tangents are
- * parallel, zero or not finite there is none: then n is NaN and the answer is
- * CT_ERROR_GEOMETRY. */
+/* The unit normal t_1 x t_2 / |t_1 x t_2|, eq:segment-normal. If the tangents are parallel, zero or
+ * not finite there is none: then n is NaN and the call returns CT_ERROR_GEOMETRY. */
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]);
 
 /* The area element J = |t_1 x t_2| [length^2] of eq:segment-area. */

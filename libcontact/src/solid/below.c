@@ -1,4 +1,5 @@
-/* Whether all eigenvalues of M⁻¹K of an element lie below a number, eight elements at a time. */
+/* Test whether all eigenvalues of M⁻¹K of an element lie below a number, eight elements at a time.
+ */
 #include "below.h"
 
 #include "../base/threads.h"
@@ -31,7 +32,7 @@ CT_INLINE void point_gradients(const ct_mass_shapes *at, int per, int q, const c
   *weight = at->rule.weight[q] / det;
 }
 
-/* Load the elements from `e` on, centre them, and find their masses. */
+/* Load the elements from `e` on, centre them, and compute their masses. */
 CT_INLINE void begin(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
                      ct_lanes *x, ct_lanes *mass)
 {
@@ -40,7 +41,7 @@ CT_INLINE void begin(const ct_solid_part *part, const ct_mass_shapes *at, int pe
   ct_mass_lanes(at, x, part->material.density, mass, &total);
 }
 
-/* The sum of the eigenvalues of each element but for the factor λ + 4 μ: the trace of M⁻¹K. */
+/* The sum of the eigenvalues of each element without the factor λ + 4 μ: the trace of M⁻¹K. */
 CT_INLINE void find_trace(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
                           ct_lanes *trace)
 {
@@ -61,7 +62,7 @@ static void traces(const ct_solid_part *part, const ct_mass_shapes *at, int32_t 
   else find_trace(part, at, 20, e, trace);
 }
 
-/* The element with the largest trace of those in the groups first ... last - 1, and that trace. */
+/* The element with the largest trace in the groups first ... last - 1, and that trace. */
 static int32_t stiffest_of(const ct_solid_part *part, const ct_mass_shapes *at, int32_t first,
                            int32_t last, double *trace_of)
 {
@@ -79,7 +80,7 @@ static int32_t stiffest_of(const ct_solid_part *part, const ct_mass_shapes *at, 
   return stiffest;
 }
 
-/* Of equal ones the first. */
+/* The first of equal ones. */
 int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
 {
   int32_t stiffest = 0, count = part->mesh->element_count,
@@ -127,7 +128,7 @@ CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per
           ct_lanes K = part->lambda * T[i][j] + part->mu * T[j][i],
                    *to = &row(S, 3 * a + i)[3 * b + j];
           if (i == j) K += trace;
-          // What is held has no stiffness here: its own mass stays alone.
+          // A fixed component has no stiffness here, only its own mass.
           if (held[i] || held[j]) K = K - K;
           *to = -K;
           if (a == b && i == j) *to += omega_squared * mass[a];
@@ -135,8 +136,8 @@ CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per
     }
 }
 
-/* Eliminate S = L D Lᵀ; bit l of the answer is 1 where all pivots are positive, so that S is
- * definite. */
+/* Eliminate S = L D Lᵀ; bit l of the result is 1 if all pivots are positive, so that S is definite.
+ */
 CT_INLINE unsigned eliminate(int n, ct_lanes *S)
 {
   unsigned definite = ~0u;

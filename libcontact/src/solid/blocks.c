@@ -1,5 +1,5 @@
 /* The largest frequency of a body: by its elements, and in a box of equal bricks by blocks of two
- * and three of them a side. */
+ * and three of them along each side. */
 #include "below.h"
 #include "blocks.h"
 #include "element.h"
@@ -14,15 +14,15 @@
 
 enum { SIZE = CT_ELEMENT_SIZE, DOFS = 24 };
 
-/* Elements are alike when their nodes differ by no more than this part of the size of the body. */
+/* Elements are equal if their nodes differ by at most this fraction of the size of the body. */
 static const double ALIKE = 1e-12;
 
-/* Where the nodes of a hex8 stand. */
+/* Positions of the nodes of a hex8. */
 static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                  {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
-/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are
- * not rectangular, or unlike. */
+/* Edges of the bricks of a rotated body, all of them shifted copies of the first one; returns 0 if
+ * they are not rectangular or not equal. */
 static int find_edges(const ct_mesh *mesh, double size, ct_solid_box *b)
 {
   static const int END[3] = {1, 3, 4};
@@ -47,7 +47,7 @@ static int find_edges(const ct_mesh *mesh, double size, ct_solid_box *b)
   return 1;
 }
 
-/* Number of the cell at whose first corner a point stands, of a box that begins at `low` along its
+/* Number of the cell with its first corner at a point, of a box that begins at `low` along its
  * edges. */
 static int64_t cell_at(const ct_solid_box *b, const double low[3], const double *x)
 {
@@ -57,7 +57,7 @@ static int64_t cell_at(const ct_solid_box *b, const double low[3], const double 
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
-/* Whether a body is a full box, and which. */
+/* Whether a body is a full box, and its description. */
 static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
@@ -96,7 +96,7 @@ static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *
   return CT_OK;
 }
 
-/* A block, and the motions of it that are even (1) or odd (-1) about its three middle planes. */
+/* A block, and its motions that are even (1) or odd (-1) about its three middle planes. */
 typedef struct block {
   int size[3], parity[3];
   const int *held;
@@ -109,7 +109,7 @@ static int fold(const block *b, const int node[3], int c, double *sign)
   int at = 0;
   *sign = 1.0;
   for (int d = 0; d < 3; d++) {
-    // A plane turns round what points across it.
+    // Reflection in a plane reverses the component normal to it.
     // σ = -π_d for c = d, else π_d (eq:block-fold)
     int image = d == c ? -b->parity[d] : b->parity[d], mirrored = b->size[d] - node[d];
     if (node[d] == mirrored && image < 0) return -1;
@@ -119,8 +119,8 @@ static int fold(const block *b, const int node[3], int c, double *sign)
   return b->held[c] ? -1 : 3 * at + c;
 }
 
-/* Add an element, which stands for `images` alike, to the stiffness and the masses of the corner.
- */
+/* Add an element, which represents `images` equal ones, to the stiffness and the masses of the
+ * corner. */
 static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE],
                         const double *mass, double A[SIZE][SIZE], double m[SIZE])
 {
@@ -166,7 +166,7 @@ static ct_status parity_omega2_bound(const block *b, double K[SIZE][SIZE], const
   return count > 0 ? ct_largest_eigenvalue(count, m, A, omega_squared, error) : CT_OK;
 }
 
-/* Sizes of the blocks that make up a row of cells: twos or threes alone where they fit, else both.
+/* Sizes of the blocks that make up a row of cells: only twos or only threes if possible, else both.
  */
 static void sizes_of(int32_t cells, int *first, int *last)
 {
@@ -174,8 +174,8 @@ static void sizes_of(int32_t cells, int *first, int *last)
   *last = cells == 1 ? 1 : cells % 2 == 0 ? 2 : 3;
 }
 
-/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one
- * element and the masses of its nodes. */
+/* Bound on the largest eigenvalue of M⁻¹K of a box with these numbers of cells, from the lower half
+ * of K of one element and the masses of its nodes. */
 static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
                                      double K[SIZE][SIZE], const double *mass,
                                      double *omega_squared, ct_error *error)
@@ -224,8 +224,8 @@ static ct_status element_matrices(const ct_solid_part *part, double x[20][3], do
              : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
 }
 
-/* Lower half of the stiffness of a brick of a box, and its masses. The material has no direction of
- * its own, so a turned box has the eigenvalues of one along x, y, z. */
+/* Lower half of the stiffness of a brick of a box, and its masses. The material is isotropic, so a
+ * rotated box has the eigenvalues of one along x, y, z. */
 static ct_status brick_matrices(const ct_solid_part *part, const ct_solid_box *b,
                                 double A[SIZE][SIZE], double m[20], ct_error *error)
 {
@@ -235,7 +235,7 @@ static ct_status brick_matrices(const ct_solid_part *part, const ct_solid_box *b
   return element_matrices(part, x, A, m, error);
 }
 
-/* The bound by blocks. Turned bricks are alike to 12 digits of the size of the body only. */
+/* The bound by blocks. Rotated bricks are equal to 12 digits of the size of the body only. */
 static ct_status box_omega2_bound(const ct_solid_box *b, double A[SIZE][SIZE], const double *m,
                                   double *omega_squared, ct_error *error)
 {
@@ -269,8 +269,8 @@ static ct_status element_omega2(const ct_solid_part *part, double x[20][3], cons
   return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
 }
 
-/* The largest ω² of the elements first ... last - 1. Those that surely lie below `reached` need no
- * eigenvalues; the margin is far above round-off, so the answer is that of all. */
+/* The largest ω² of the elements first ... last - 1. Those that certainly lie below `reached` need
+ * no eigenvalues; the margin is far above round-off, so the result is that of all elements. */
 static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_shapes *at,
                                     const int held[3], int32_t first, int32_t last, double reached,
                                     double *omega_squared, ct_error *error)
@@ -296,11 +296,10 @@ static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_sha
   return status;
 }
 
-/* Elements whose bound each thread finds at least, a multiple of the lanes: each takes some
- * thousand operations. */
+/* Fewest elements of a thread, a multiple of the lanes: each takes some thousand operations. */
 enum { LEAST_ELEMENTS = 512 };
 
-/* The largest over all elements, of which that of a stiff one is found first. */
+/* The largest over all elements; that of a stiff one is computed first. */
 static ct_status elements_omega2_bound(const ct_solid_part *part, const int held[3],
                                        double *omega_squared, ct_error *error)
 {
@@ -326,7 +325,7 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int held
                                  &largest, NULL) != CT_OK;
   }
   *omega_squared = largest;
-  // Only one thread can tell which element is the first bad one.
+  // Only a single thread finds which bad element is the first.
   return failed ? share_omega2_bound(part, &at, held, 0, count, reached, omega_squared, error)
                 : CT_OK;
 }

@@ -1,4 +1,4 @@
-/* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound of ω² of the
+/* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound on ω² of the
  * whole mesh. */
 #include <libcontact/shape.h>
 #include <libcontact/solid.h>
@@ -80,8 +80,8 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
   return CT_OK;
 }
 
-/* Householder's reflections turn the symmetric A into the tridiagonal matrix of `diagonal` and
- * `side` with the same eigenvalues. */
+/* Transform the symmetric A by Householder's reflections into the tridiagonal matrix of `diagonal`
+ * and `side` with the same eigenvalues. */
 static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], double side[SIZE])
 {
   for (int k = 0; k < n - 2; k++) {

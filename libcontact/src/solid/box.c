@@ -7,8 +7,8 @@
 
 #include <math.h>
 
-/* Whether the nodes of the elements from `e` on, as many as there are lanes, stand where they
- * should beside the first one of each. */
+/* Whether the nodes of the elements from `e` on, one per lane, are at the expected places relative
+ * to the first one of each. */
 CT_CLONES
 static int are_alike(const ct_mesh *mesh, int32_t e, double place[20][3], double tolerance)
 {
