@@ -191,16 +191,17 @@ typedef struct ct_effect {
    */
   double (*amplification)(const struct ct_effect *effect, double dt);
   /**
-   * Null, or add to `matrix`, shape (24, 24), what the effect has beside Δt² K in :eq:`joint-bound`
-   * for one brick along x, y, z of the body that begins at a node, with the edges `edge` [length],
-   * at a step Δt [time]. The sums of bounds may then be replaced by the bound of the sum.
+   * Null, or add to `matrix`, shape (24, 24), the term of the effect in :eq:`joint-bound`, in
+   * addition to Δt² K, for one brick along x, y, z at a step Δt [time]. The brick belongs to the
+   * body whose first node is `first_node`, and has the edges `edge` [length]. The bound of the sum
+   * may then replace the sum of the bounds.
    */
   void (*add_element)(const struct ct_effect *effect, int32_t first_node, const double edge[3],
                       double dt, double *matrix);
   /**
-   * Null, or bound the largest eigenvalue of M⁻¹ A for the solid, where A is `stiffness` times K,
-   * `mass` times M and the elements of all effects of the problem at Δt, :eq:`joint-bound`;
-   * infinite where the bodies are not all boxes of equal bricks.
+   * Null, or return a bound on the largest eigenvalue of M⁻¹ A for the solid, where A is the sum of
+   * `stiffness` times K, `mass` times M and the `add_element` terms of all effects at Δt,
+   * :eq:`joint-bound`; infinite if not all bodies are boxes of equal bricks.
    */
   ct_status (*joint_bound)(const struct ct_effect *effect, const struct ct_problem *problem,
                            double dt, double stiffness, double mass, double *largest,

@@ -94,7 +94,7 @@ double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, 
 
 double ct_law_lag(const ct_constraint *c)
 {
-  // -- What the leapfrog's energy lacks at t_n because of the force (eq:controlled-energy)
+  // -- Correction of the leapfrog's energy at t_n by the force (eq:controlled-energy)
   return 0.25 * c->force * ((c->after + c->before) - 2.0 * c->gap);
 }
 
@@ -108,6 +108,6 @@ int ct_law_begins(const ct_constraint *c) { return LAWS[c->enforcement].start !=
 
 double ct_law_start(const ct_constraint *c)
 {
-  // -- What the gap itself stores, before the force has acted (eq:energy-start)
+  // -- Energy of the gap itself, before the force has acted (eq:energy-start)
   return ct_law_begins(c) ? LAWS[c->enforcement].start(c) : ct_law_energy(c);
 }

@@ -392,7 +392,7 @@ static descent descend(int64_t count, const double *rest, const double *scale, c
   double most = 0.0, top = 0.0, lift = 0.0;
 #pragma omp simd reduction(max : most, top, lift)
   for (int64_t r = 0; r < count; r++) {
-    // -- What a step down takes from a force, which stays positive (eq:constraint-iteration)
+    // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration)
     double down = rest[r] * scale[r], step = down < force[r] ? down : force[r], size = fabs(step),
            up = force[r] > 0.0 ? 0.0 : size;
     guide[r] = force[r] > 0.0 ? down : 0.0;
@@ -460,7 +460,7 @@ static int improve(ct_solver *s, double slope)
     go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
     if (best < room) return 0;
   }
-  // -- Farther on a force would pull
+  // -- Beyond this length a force would be tensile
   return step_down(s) ? 1 : -1;
 }
 

@@ -147,7 +147,7 @@ static void trial_slip(const call *now, int s, int64_t i, const slip_record *las
   ct_segment_shape(other->search->kind, last->place, N);
   ct_side_interpolate(other->search, other->search->x, face, N, origin, closest);
   ct_side_position(side, i, origin, y);
-  // -- The way from the old partner, and the slip that was stored (eq:friction-trial)
+  // -- Displacement from the old partner, and the stored slip (eq:friction-trial)
   for (int c = 0; c < 3; c++)
     v[c] = ((y[c] - closest[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
 }
@@ -166,7 +166,7 @@ static void rub(const friction_data *data, double k, const double normal[3], sli
   double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);
   p->k = data->rho * k;
   double slid = ct_friction_return(limit, p->s);
-  // -- What sliding has taken (eq:friction-dissipation)
+  // -- Energy dissipated by sliding (eq:friction-dissipation)
   p->lost += p->k * limit * slid;
   // -- T = -ϱ k s (eq:friction-law)
   for (int c = 0; c < 3; c++) p->force[c] = -p->k * p->s[c];

@@ -262,7 +262,7 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
     }
     part[k] = ct_sum(h->terms, 3 * (int64_t)fixed->node_count);
   }
-  // -- A kick that is whole has begun before t_0
+  // -- A whole kick began before t_0
   const int begun = h->now.begun != 0.0;
   if (!begun && !(p->kick < p->dt)) h->now.done = -part[0];
   h->now.work = begun ? h->now.done + part[0] : 0.0;

@@ -130,7 +130,7 @@ static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_point *point = &p->side->points[i];
   if (!looks_at(p, point, own, normal)) return 0;
-  // -- No deeper than it was and than the motion since then can have brought it (eq:self-status)
+  // -- No deeper than its last depth plus the motion since (eq:self-status)
   double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, i, target);
   return closest->distance <= fmin(came, deepest(p, i, target, closest));
 }
@@ -177,7 +177,7 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
       (p->self && !is_admissible(p, i, best->own, y, target, &closest)))
     return;
   if (best->same_side) (void)outward_at(p, target, &closest, normal);
-  // -- The search on one side passes over far sides (eq:held)
+  // -- The search on one side skips far sides (eq:held)
   if (best->same_side && is_far(best->own, best->last, normal)) return;
   // -- The nearest face; of two as near, the one with the lower number (eq:closest-face)
   if (closest.distance < best->distance ||
@@ -261,8 +261,8 @@ static point_class measure(const ct_pass *p, int64_t i, const nearest *best, ct_
     return BEYOND;
   int held = point->status == CT_POINT_INSIDE && !p->self;
   if (point->row.gap >= 0.0 && !held) return OUTSIDE;
-  // -- Far sides: what looks away from where the point was, or the same way as a point that comes
-  // in (eq:far-side)
+  // -- Far sides: places that point away from the point's last place, or in the same direction as a
+  // point that comes in (eq:far-side)
   if (!ct_pass_own_normal(p, i, own)) return FAR;
   if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) &&
       !is_handed_over(p, i, best->face, own, last, point))

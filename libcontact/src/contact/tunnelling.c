@@ -155,7 +155,7 @@ ct_status ct_tunnelling_check(const ct_contact *contact, const double *const vel
   // -- The largest approach in the step, and how much of it is safe (eq:tunnelling)
   double nearer = dt * farthest(&speed[0], &speed[1]);
   if (!(nearer > fixed->approach)) return CT_OK;
-  // -- Where the surfaces are farther apart than that, no harm is done
+  // -- Surfaces that are farther apart cannot have passed through each other
   for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
   if (closest(&place[0], &place[1]) > nearer + fixed->depth) return CT_OK;
   int32_t face[2] = {fastest(search[0], velocity[0], &speed[1]),

@@ -16,7 +16,7 @@ typedef struct gain {
 static gain stage_gain(const ct_integrator *integrator, const ct_stage *s, double x)
 {
   if (integrator->scheme == CT_PUSHFORWARD_PULLBACK) {
-    // -- The change over the push follows from u and v, and nothing is remembered
+    // -- The change over the pushforward follows from u and v, and there is no memory
     // (eq:pullback-gain)
     const double k = fmax(1.0, integrator->push), m = s->l * k, n = 0.5 * m * (1.0 + k);
     return (gain){.B = {{-x - n * x * x, 1.0 + m * x}, {-x}, {-x, 0.0, -1.0}},

@@ -143,14 +143,14 @@ static void displacements(const front *f, double k, double u[CT_CELL_SIZE])
   ct_bloch_waves(&f->bloch, vector, wave);
   ct_bloch_mass(&f->bloch, vector, M);
   memset(u, 0, sizeof(double) * CT_CELL_SIZE);
-  // -- What the step has of this wave number in each family, times M (eq:front-start)
+  // -- Part of the step with this wave number in each family, times M (eq:front-start)
   for (int a = 0; a < f->bloch.families; a++)
     for (int b = 0; b < f->bloch.families; b++) {
       const double angle = 0.5 * k * f->spacing;
       const double jump = f->half[b] ? 1.0 / sin(angle) : cos(angle) / sin(angle);
       for (int i = 0; i < 3; i++) V[3 * a + i] += M[a][b] * jump * f->normal[i];
     }
-  // -- Each wave takes its share and oscillates (eq:front-time)
+  // -- Each wave has its part of the velocity and oscillates (eq:front-time)
   for (int m = 0; m < n; m++) {
     double omega = sqrt(wave[m].omega2), share = 0.0, step = f->def->step;
     for (int i = 0; i < n; i++) share += wave[m].shape[i] * V[i];

@@ -123,7 +123,7 @@ static ct_status averaging_force(const ct_effect *effect, const ct_view *view, d
   const averaging_data *d = effect->data;
   const averaging_scratch *s = view->scratch;
   (void)error;
-  // -- η (M_L - M_C) M_L⁻¹ f; what a support holds does not accelerate (eq:averaging-force)
+  // -- η (M_L - M_C) M_L⁻¹ f; fixed components do not accelerate (eq:averaging-force)
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int64_t c = 0, dof = 3 * (int64_t)d->nodes[i]; c < 3; c++)
       s->in[3 * (int64_t)i + c] = d->problem->inverse_mass[dof + c] * view->total[dof + c];
@@ -163,7 +163,7 @@ static ct_status averaging_energy(const ct_effect *effect, const ct_view *view, 
     s->before[k] = inverse > 0.0 ? v : 2.0 * v;
     s->after[k] = inverse > 0.0 ? v + view->c_dt * inverse * view->total[dof] : 0.0;
   }
-  // -- ½ v_{n-1/2} · (P⁻¹ - M_L) v_{n+1/2}, and what came in where a support moves
+  // -- ½ v_{n-1/2} · (P⁻¹ - M_L) v_{n+1/2}, and the work of moving supports
   // (eq:averaged-energy, eq:averaged-support)
   solve(effect, s, s->after);
   for (int64_t k = 0; k < 3 * (int64_t)effect->node_count; k++)

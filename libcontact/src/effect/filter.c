@@ -79,7 +79,7 @@ static ct_status pass(const ct_filter *filter, const ct_state *state, double *fi
   for (int i = 0; i < filter->passes; i++) {
     ct_status status = solid->force(solid, &view, filter->force, error);
     if (status != CT_OK) return status;
-    // -- u ← u - D Q M_L⁻¹ K u: nothing where a support holds, nor along a force from outside
+    // -- u ← u - D Q M_L⁻¹ K u: zero for fixed components and along a force from outside
     // (eq:filter-pass)
     for (int32_t n = 0; n < problem->node_count; n++) {
       const int64_t at = 3 * (int64_t)n;

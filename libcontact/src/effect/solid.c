@@ -169,7 +169,7 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
       const ct_solid_part *part = &solid->parts[i];
       const double *u = view->displacement + 3 * (int64_t)part->first_node;
       double *values = scratch->values + part->first_value;
-      // -- The nodes have told already what a linear body stores (eq:stored-by-forces)
+      // -- The energy of a linear body is known from its nodal forces (eq:stored-by-forces)
       if (is_known && part->energies == NULL && part->kernel != CT_KERNEL_REDUCED) {
         ct_stream_add(&sum, &scratch->half_work[i], 1);
         continue;

@@ -84,7 +84,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       memcpy(&q, speed, sizeof speed);
       memcpy(&low, below, sizeof below);
       q = slow * q + (fast * low * low + steep * (q - low));
-      // -- It pushes the nodes apart (eq:viscous-force)
+      // -- Nodal forces of the pressure (eq:viscous-force)
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
         F[CT_XI_ETA_ZETA] = q - q;

@@ -139,8 +139,8 @@ hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access)
       return -1;
     }
   }
-  // -- Whoever has the lock of the new file may ask who has that of the old one: a run that has
-  // given the file its final name
+  // -- The owner of the new file's lock also checks the lock of the old file: its run may have
+  // given it the final name
   if (result == 0 && (disk->descriptor < 0 || !is_free(disk->path))) result = EAGAIN;
   ct_disk_check(task, "write the file", result);
   return file;
@@ -177,7 +177,7 @@ void ct_disk_trim(const ct_disk *disk, hid_t file)
   hsize_t size = 0;
   struct stat found;
   if (H5Fget_filesize(file, &size) < 0 || fstat(disk->descriptor, &found) != 0) return;
-  // -- A file that stays too long is still right, so a failure here needs no answer
+  // -- A file that stays too long is still valid, so a failure here is ignored
   if (found.st_size > (off_t)size && ftruncate(disk->descriptor, (off_t)size) != 0) return;
 }
 

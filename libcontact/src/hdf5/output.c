@@ -285,12 +285,13 @@ static void write_column(ct_task *task, const ct_output *o, const ct_problem *pr
 
 static void write_step(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state)
 {
-  // -- Histories come first: the restart record is their end, and may be whole before the step is
+  // -- Histories come first: the restart record marks their end, and may be complete before the
+  // step
   if (o->probe_count > 0) {
     ct_probe_write(task, o, state->time);
     ct_disk_flush(task, &o->disk, "write a step");
   }
-  // -- The data of the step, which no reader looks for yet; the restart record comes last, so that
+  // -- The data of the step, which readers ignore so far; the restart record comes last, so that
   // a state without stresses does not replace a good one
   for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
     write_column(task, o, problem, state, c);
@@ -312,7 +313,7 @@ static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_st
   if (task->status == CT_OK) ct_disk_reserve(task, &o->disk, step_bytes(o, state));
   if (task->status != CT_OK) return;
   write_step(task, o, problem, state);
-  // -- What can't be computed leaves rows that nobody counts, and that the next step writes over
+  // -- A failed step leaves rows beyond the count, which the next step overwrites
   o->broken = task->status == CT_ERROR_FILE;
   if (o->broken) return;
   ct_disk_trim(&o->disk, o->file);

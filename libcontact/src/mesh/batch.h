@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Node numbers of the 8 elements of batch `b`, shape (8, per); the last batch repeats its last
- * element, in `room`. */
+ * element, in the memory `room`. */
 CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
                                         int32_t room[8 * 20])
 {

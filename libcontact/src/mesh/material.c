@@ -23,7 +23,7 @@ void ct_material_speeds(const ct_material *material, double *c1, double *c2)
 ct_status ct_material_check(const ct_material *material, ct_error *error)
 {
   if (material == NULL) return CT_REFUSE(error, "no material");
-  // -- What a solid can be made of (eq:material-range)
+  // -- Range of the constants of a solid (eq:material-range)
   if (!(material->young > 0.0) || !isfinite(material->young))
     return CT_REFUSE(error, "Young's modulus must be positive, not %g", material->young);
   if (!(material->poisson > -1.0 && material->poisson < 0.5))

@@ -6,9 +6,9 @@
 static void bfgs_update(double D[3], const double s[2], const double y[2], int first)
 {
   double sy = s[0] * y[0] + s[1] * y[1], yy = y[0] * y[0] + y[1] * y[1];
-  // -- Only a step along which f bends upwards can be learned from
+  // -- Use only a step along which f bends upwards
   if (!(sy > 0 && sy < HUGE_VAL && yy > 0)) return;
-  // -- Before the first lesson, give D the size of what was seen (eq:bfgs-scale)
+  // -- Before the first update, give D the observed size (eq:bfgs-scale)
   if (first) D[0] = D[1] = sy / yy, D[2] = 0;
   double z[2] = {D[0] * y[0] + D[2] * y[1], D[2] * y[0] + D[1] * y[1]},
          factor = 1 + (y[0] * z[0] + y[1] * z[1]) / sy;

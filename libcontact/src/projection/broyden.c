@@ -11,7 +11,7 @@ static void broyden_update(hessian *learned, const double s[2], const double g[2
 {
   double square = s[0] * s[0] + s[1] * s[1];
   if (!(square > 0)) return;
-  // -- Since H s = -g before the step, what is left over is the new gradient (eq:broyden-update)
+  // -- Since H s = -g before the step, the residual is the new gradient (eq:broyden-update)
   for (int a = 0; a < 2; a++)
     for (int b = 0; b < 2; b++) learned->H[a][b] += g[a] * s[b] / square;
 }

@@ -35,15 +35,15 @@ ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *
     ct_outcome outcome = ct_proof_search(shown, options->tolerance, budget, own.start, closest);
     closest->certified = outcome == CT_PROVEN;
     if (outcome == CT_PROVEN) return CT_OK;
-    // -- No proof: look for a way down along a narrow valley, else, or if that has not helped, look
-    // longer (eq:valley-along)
+    // -- No proof: descend along a narrow valley; otherwise, or without success, examine more
+    // pieces (eq:valley-along)
     if (outcome == CT_GAVE_UP) {
       if (budget == BUDGET) return CT_NOT_CERTIFIED;
       int lower = ct_follow_valley(shown, own.start, closest);
       if (!lower || restart >= WALKS) budget = BUDGET;
       if (!lower) continue;
     }
-    // -- Something is closer: descend again, from there
+    // -- A point is closer: descend again from it
     own.use_start = 1;
     ct_project_robust(patch, &own, closest);
   }

@@ -36,7 +36,7 @@ static int is_done(const double s[2], double tolerance, double *before)
 {
   double length = fmax(fabs(s[0]), fabs(s[1])), last = *before;
   *before = length;
-  // -- What the steps to come add up to, if each shrinks as the last did (eq:projection-remainder)
+  // -- Sum of the later steps, if each shrinks like the last (eq:projection-remainder)
   return length <= tolerance && (length == 0 || length * length <= tolerance * (last - length));
 }
 
@@ -59,7 +59,7 @@ ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *opt
   for (int k = 0; k < 3; k++) closest->d[k] = at->d[k];
   // -- A root is the closest point only where f is convex (eq:projection-convex)
   if (!(at->H[0] + at->H[1] > 0 && determinant > 0)) return CT_NO_CONVERGENCE;
-  // -- Newton's step is what is missing (eq:projection-newton)
+  // -- Newton's step estimates the error (eq:projection-newton)
   if (fmax(fabs(s[0]), fabs(s[1])) <= tolerance) return CT_OK;
   double fall = -0.5 * (at->g[0] * s[0] + at->g[1] * s[1]);
   return fall <= noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
@@ -76,9 +76,9 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
     next->xi[1] = at->xi[1] + alpha * s[1];
     ct_iterate_look(patch, next, closest);
     double rise = next->f - at->f;
-    // -- Enough of the promised fall (eq:projection-armijo)
+    // -- Enough of the predicted decrease (eq:projection-armijo)
     if (rise <= 1e-4 * alpha * slope) return 1;
-    // -- Where rounding hides the fall, the slope decides
+    // -- If rounding hides the decrease, the slope decides
     if (-alpha * slope <= noise(patch, at->f))
       return fabs(next->g[0] * s[0] + next->g[1] * s[1]) < -slope;
     // -- Lowest point of the parabola through the two values and the slope (eq:projection-parabola)

@@ -22,8 +22,8 @@ static int holds_in_valley(const form *m, const double g[2], const double w[2], 
   return (most(fall, 0) + 0.25 * steep * steep / across) * (1 + 1e-6) <= room;
 }
 
-/* Does the slope at the centre of the cell, with the form m, take no more than `room` anywhere in
- * the cell? */
+/* Does the slope at the centre of the cell, with the form m, decrease f by at most `room` anywhere
+ * in the cell? */
 static int holds_in_cell(const proof *p, const base *b, const cell *c, const form *m, double room)
 {
   double low, high, w[2], twist = worst_twist(m);
@@ -71,7 +71,7 @@ static int proven_by_series(const proof *p, const base *b, const cell *c)
       F[POWER[i][0] + POWER[j][0]][POWER[i][1] + POWER[j][1]] += share * dot(part[i], part[j]);
     }
   }
-  // -- Terms from the third order on at their worst (eq:certified-series-bound)
+  // -- Upper bound on the terms from the third order on (eq:certified-series-bound)
   for (int i = 0; i < 5; i++)
     for (int j = 0; j < 5; j++)
       if (i + j > 2)
@@ -80,7 +80,7 @@ static int proven_by_series(const proof *p, const base *b, const cell *c)
   return holds_in_cell(p, b, c, &m, b->f - p->target - loss - 256 * DBL_EPSILON * (all * all));
 }
 
-/* Cut a cell into four, or into two if it is a piece of an edge; answers how many. */
+/* Cut a cell into four, or into two if it is a piece of an edge; returns their number. */
 static int divide(int triangular, const cell *c, cell part[4])
 {
   static const double SQUARE[4][2] = {{-1, -1}, {1, 1}, {1, -1}, {-1, 1}},
@@ -246,8 +246,8 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
   for (int cells = 0; size > 0; cells++) {
     cell c = stack[--size];
     slope sloping = OPEN;
-    // -- A cell is done if the closest point, or its own centre, shows that it holds nothing closer
-    // (eq:certified-bound)
+    // -- A cell is done if the closest point, or its own centre, proves that it contains no closer
+    // point (eq:certified-bound)
     if (proven_from_closest(p, closest, &c)) continue;
     if (cells > 0) {
       base_at(p->patch, c.centre, &b);

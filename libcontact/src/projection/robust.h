@@ -206,15 +206,15 @@ PART mask is_mild(const patches *patch, const iterates *at)
 {
   const real(*c)[3] = patch->c;
   real bent[3];
-  // -- How much the face bends (eq:robust-bend)
+  // -- Bending of the face (eq:robust-bend)
   for (int k = 0; k < 3; k++)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
                                            2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
-  // -- Against the tangents: of the shorter one, what is perpendicular to the longer one
+  // -- Relative to the tangents: the component of the shorter one perpendicular to the longer one
   // (eq:robust-straight)
   real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
        t2 = area / most(at->square[0], at->square[1]);
-  // -- Compare what is not linear with what is (eq:robust-mild)
+  // -- Compare the nonlinear part with the linear one (eq:robust-mild)
   return ((bent[0] + bent[1]) + bent[2]) * (t2 + 2 * at->f) <= CT_MILD * (t2 * t2);
 }
 
@@ -283,7 +283,7 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
     // -- Step to the lowest point of the model (eq:robust-model)
     steps to = next_step(&at, triangular, i < probe, r.radius, r.active);
     real length = most(absolute(to.s[0]), absolute(to.s[1])), square = length * length;
-    // -- Done when the step is small, or the next one would be: then look at d only
+    // -- Done if the step is small, or the next one would be: then evaluate d only
     if (i >= probe) {
       // (eq:robust-quadratic)
       mask done =
@@ -435,7 +435,7 @@ RARE void search_samples(const patches *patch, const ct_project_options *options
   for (int i = 0; i < samples; i++) from[i] = cold & valley[i];
   best->f = pick(cold, every(HUGE_VAL), best->f);
   descend_from(from, patch, options, sought, count, best);
-  // -- Look again where the face may hide something (eq:certified-bound)
+  // -- Search again in lanes without a proof (eq:certified-bound)
   mask hidden = cold & not(proven_at_sight(patch, best->xi, cold, count));
   for (int i = 0; i < samples; i++) from[i] = hidden & not(valley[i]);
   if (any(hidden)) descend_from(from, patch, options, sought, count, best);

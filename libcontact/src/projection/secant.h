@@ -77,7 +77,7 @@ PART mask proof_about(proof *p, const patches *patch, double tolerance, real dis
   p->curve[2] = n[3] + 2 * (n[6] + n[7]);
   p->twist[0] = 2 * n[6], p->twist[1] = 2 * n[7];
   p->rounding = 64 * DBL_EPSILON * all;
-  // -- The margin, less what rounding may hide (eq:certified-target)
+  // -- The margin minus the rounding errors (eq:certified-target)
   double relative = 0.5 * fmin(fmax(tolerance, 1e-12), 1e-6);
   real margin = relative * most(distance, patch->size) - 2 * p->rounding,
        low = most(distance - margin, every(0));
@@ -118,7 +118,7 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
   m->m11 = dot(a1, a1) + (b->d11 + b->d6 * y);
   m->m22 = dot(a2, a2) + (b->d22 + b->d7 * x);
   real m12 = dot(a1, a2) + b->d12;
-  // -- What it may lose elsewhere in the cell (eq:certified-spread), and to rounding
+  // -- Possible loss elsewhere in the cell (eq:certified-spread), and to rounding
   // (eq:certified-rounding)
   const real *t = p->tangent, *h = p->curve;
   const double e = 256 * DBL_EPSILON;
@@ -233,7 +233,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
   // The form of a plane face without curved sides is a sum of squares, also if rounding hides this.
   mask plane = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist),
        small = rest.loss <= room, proven = small & (plane | positive);
-  // -- What is left of the slope at the closest point, against the form (eq:certified-rest)
+  // -- Remaining slope at the closest point, compared with the form (eq:certified-rest)
   mask left = positive & not(small);
   if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, room);
   return proven & open;

@@ -44,7 +44,7 @@ ct_bounds ct_face_bounds(const ct_face *face)
   for (int c = 0; c < 3; c++) {
     double b[9];
     int count = control_points(face, c, b);
-    // -- The box of the control points holds the face (eq:face-bounds)
+    // -- The box of the control points contains the face (eq:face-bounds)
     box.low[c] = box.high[c] = b[0];
     for (int i = 1; i < count; i++) {
       if (b[i] < box.low[c]) box.low[c] = b[i];
@@ -96,7 +96,7 @@ void ct_oriented_init(ct_oriented *box, const ct_face *face)
     size = fmax(size, (high - low) + 16.0 * DBL_EPSILON * (fabs(low) + fabs(high)));
   }
   for (int k = 0; k < 3; k++) {
-    // -- Half extents that hold the control points, with room for rounding
+    // -- Half extents that contain the control points, with a margin for rounding
     box->half[k] = 0.0;
     for (int i = 0; i < count; i++) {
       double d[3] = {b[0][i] - box->middle[0], b[1][i] - box->middle[1], b[2][i] - box->middle[2]};
@@ -111,7 +111,7 @@ double ct_oriented_square(const ct_oriented *box, const double point[3])
   double d[3], sum = 0.0;
   for (int c = 0; c < 3; c++) d[c] = point[c] - box->middle[c];
   for (int k = 0; k < 3; k++) {
-    // -- What is beyond the box along each of its axes (eq:oriented-box)
+    // -- Distance beyond the box along each of its axes (eq:oriented-box)
     double beyond = fabs(ct_vector_dot(box->axis[k], d)) - box->half[k];
     sum += beyond > 0.0 ? beyond * beyond : 0.0;
   }

@@ -272,7 +272,7 @@ void ct_box_tree_build(ct_box_tree *tree, const ct_bounds *boxes)
 
 void ct_box_tree_refit(ct_box_tree *tree, const ct_bounds *boxes)
 {
-  // -- Build anew when the boxes have grown, seen from the whole, by half (eq:tree-cost)
+  // -- Rebuild if the boxes have grown by half, relative to the whole (eq:tree-cost)
   if (tree->builds > 0) fit(tree, boxes);
   if (tree->builds == 0 || tree->cost > 1.5 * tree->cost_built) ct_box_tree_build(tree, boxes);
 }

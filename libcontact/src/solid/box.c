@@ -72,8 +72,8 @@ static inline void slopes(const ct_lanes U[CT_MODES], const double c[3], slope D
                  c[2] * U[CT_XI_ETA_ZETA]};
 }
 
-/* Modal forces of one component from the stress coefficients that its gradients along x, y, z work
- * on. K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
+/* Modal forces of one component from the stress coefficients that belong to its gradients along x,
+ * y, z. K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
 static inline void modal_force(const slope s[3], const double K1[3], const double K3[3],
                                const double K9[3], ct_lanes F[CT_MODES])
 {

@@ -1,4 +1,4 @@
-/* The kernel for rectangular hex20 elements of one size: every integral over the element in closed
+/* The kernel for rectangular hex20 elements of one size: all integrals over the element in closed
  * form. */
 #include "../base/memory.h"
 #include "kernel.h"
@@ -7,13 +7,14 @@
 /* The modes are Legendre's, ξ² - 1/3 for the squares (eq:box20-modes). */
 static const double ENDS = 2.0 / 3.0;
 
-/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square
- * along the third axis, linear along one of their own two, along one and the third, along both,
- * along all three. */
+/* Kinds of terms that couple two components (eq:box20-couplings): constant, linear or square along
+ * the third axis, linear along one of their own two, along one and the third, along both, along all
+ * three. */
 enum { FLAT, THIRD, THIRD2, ONE, ONE_THIRD, BOTH, ALL, TERMS };
 
-/* What all elements of one shape and material share: the stiffness of each mode of each component
- * with itself, and of the two components beside axis d with each other, for Λ and for μ. */
+/* Data shared by all elements of one shape and material: the stiffness of each mode of each
+ * component with itself, and of the two components other than axis d with each other, for Λ and for
+ * μ. */
 struct ct_box20 {
   double own[3][CT_MODES20], lambda[3][TERMS], mu[3][TERMS];
 };
@@ -78,8 +79,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Modal forces of component i. A mode feels itself and, of each other component, at most the two
- * modes that are one degree lower along one of the two axes and one higher along the other.
+/* Modal forces of component i. A mode is coupled to itself and, of each other component, to at most
+ * the two modes that are one degree lower along one of the two axes and one higher along the other.
  * Here x is axis i, and u, v, w are the components along x, y, z. */
 CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][CT_MODES20],
                             ct_lanes F[CT_MODES20])
@@ -123,7 +124,7 @@ void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t la
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 20], U[3][CT_MODES20], F[3][CT_MODES20];
       ct_load_lanes(part->mesh, part->rows, b, 20, displacement, lane, u);
-      // Written out: the compiler keeps what it unrolls in registers.
+      // Unrolled by hand, so that the compiler keeps the values in registers.
       ct_brick20_modes(ENDS, &u[0], U[0]);
       ct_brick20_modes(ENDS, &u[20], U[1]);
       ct_brick20_modes(ENDS, &u[40], U[2]);

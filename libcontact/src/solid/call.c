@@ -1,12 +1,11 @@
-/* One call of the force for one body: compute the elements that are active, and sum at the nodes.
- */
+/* One force evaluation of one body: compute the active elements, and sum at the nodes. */
 #include "call.h"
 
 #include "../base/threads.h"
 
 #include <string.h>
 
-/* Let the forces of a batch that is left out be the zeros that they are. */
+/* Set the forces of a skipped batch to zero. */
 static void clear_batch(const ct_part_call *call, int32_t b, double *values)
 {
   const ct_solid_part *part = call->part;
@@ -23,8 +22,8 @@ static int computes(const ct_part_call *call, int32_t b)
   return call->batch == NULL || call->batch[b] == CT_ACTIVE;
 }
 
-/* Compute those of the batches first ... last - 1 that are active; the others get zeros where
- * somebody reads them and they may not be there yet. */
+/* Compute the active ones of the batches first ... last - 1; the forces of others are set to zero
+ * if they are read and may not be zero yet. */
 static void call_batches(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
   for (int32_t b = first, end; b < last; b = end) {
@@ -48,7 +47,7 @@ static int32_t next_node(const ct_part_call *call, int32_t n)
 
 enum { NODES_HANDED_ON = 64 };
 
-/* Whether the node inside of a part is summed. */
+/* Whether a node, in the numbering of the part, is summed. */
 static int is_summed(const ct_part_call *call, int32_t node)
 {
   const ct_solid_part *part = call->part;
@@ -56,8 +55,8 @@ static int is_summed(const ct_part_call *call, int32_t node)
          ct_bits_get(call->summed, part->first_node + part->order->user[node]);
 }
 
-/* Sum at those of the nodes first ... last - 1 of a run that are summed, of a part with an order of
- * its own: in pieces, from which they go to their places. */
+/* For a part with its own order: sum at those of the nodes first ... last - 1 of a run that are
+ * summed, in pieces, and copy the sums to the user's order. */
 static void gather_ordered(const ct_part_call *call, const double *values, const ct_run *run,
                            int32_t first, int32_t last)
 {
@@ -75,7 +74,7 @@ static void gather_ordered(const ct_part_call *call, const double *values, const
   }
 }
 
-/* Sum at those nodes of a run that have an active element; returns the first such node behind it.
+/* Sum at the nodes of a run from one with an active element on; returns the first node behind them.
  */
 static int32_t gather_run(const ct_part_call *call, const double *values, const ct_run *run)
 {
@@ -92,7 +91,7 @@ static int32_t gather_run(const ct_part_call *call, const double *values, const 
 }
 
 /* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is
- * there. */
+ * computed. */
 static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
   const ct_run *runs = call->ring->runs;
@@ -109,7 +108,7 @@ static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, doub
   }
 }
 
-/* One thread's share of the nodes, with a ring of its own. Elements between two shares are computed
+/* One thread's part of the nodes, with a ring of its own. Elements between two parts are computed
  * twice. */
 static void ring_share(const ct_part_call *call, int share, int shares)
 {
@@ -120,7 +119,7 @@ static void ring_share(const ct_part_call *call, int share, int shares)
              call->values + call->ring_room * share);
 }
 
-/* One thread's share of the elements. */
+/* One thread's part of the elements. */
 static void element_share(const ct_part_call *call, int share, int shares)
 {
   int32_t batches = call->part->batch_count, blocks = (batches + CT_BLOCK - 1) / CT_BLOCK,
@@ -131,7 +130,7 @@ static void element_share(const ct_part_call *call, int share, int shares)
   }
 }
 
-/* After all elements: one thread's share of the nodes, as far as they have an active element. */
+/* After all elements: one thread's part of the nodes with an active element. */
 static void node_share(const ct_part_call *call, int share, int shares)
 {
   int32_t nodes = call->part->mesh->node_count, last = ct_share(nodes, share + 1, shares);
@@ -141,7 +140,7 @@ static void node_share(const ct_part_call *call, int share, int shares)
   }
 }
 
-/* One thread's share of the displacements of a part with an order of its own. */
+/* One thread's part of the displacements of a part with its own order. */
 static void arrange_share(const ct_part_call *call, int share, int shares)
 {
   const int32_t *user = call->part->order->user, nodes = call->part->mesh->node_count,
@@ -168,7 +167,7 @@ void ct_part_arrange(const ct_part_call *calls, int32_t count, int threads)
 void ct_part_forces(const ct_part_call *calls, int32_t count, int threads)
 {
   int tables = 0;
-  ct_part_arrange(calls, count, threads); // elements of one share have nodes of another
+  ct_part_arrange(calls, count, threads); // elements of one thread have nodes of another
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif

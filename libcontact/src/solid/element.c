@@ -1,5 +1,5 @@
-/* One element at a time, as the equations read. The batch kernels beside this file compute the same
- * numbers faster. */
+/* One element at a time, in the form of the equations. The batch kernels beside this file compute
+ * the same numbers faster. */
 #include <libcontact/shape.h>
 #include <libcontact/solid.h>
 
@@ -41,8 +41,8 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
       sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
 }
 
-/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff
- * stress F S (eq:piola). Returns J = det F, 1 for small strain. */
+/* The stress conjugate to ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress
+ * F S (eq:piola). Returns J = det F, 1 for small strain. */
 static double working_stress(const ct_material *material, double G[3][3], double P[3][3])
 {
   if (material->law == CT_LINEAR) {
@@ -57,7 +57,7 @@ static double working_stress(const ct_material *material, double G[3][3], double
   return J;
 }
 
-/* Stored energy of a unit of volume, from the gradient and the stress that it gave. */
+/* Stored energy per unit volume, from the gradient and its stress. */
 static double energy_density(const ct_material *material, double G[3][3], double P[3][3])
 {
   double W = 0.0;

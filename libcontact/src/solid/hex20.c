@@ -4,16 +4,16 @@
 #include "modes20.h"
 #include "point.h"
 
-/* Of the points on a line. */
+/* Number of points on a line. */
 static const double WEIGHT[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
 
-/* The Gauss points of a line stand at -g, 0, g with g² = 3/5. */
+/* The Gauss points of a line are at -g, 0, g with g² = 3/5. */
 static const double GAUSS = 0.77459666924148337704, GAUSS2 = 0.6, GAUSS3 = 0.46475800154489002622;
 
-/* Points along the axes follow each other at these steps. */
+/* Strides between points along the axes. */
 static const int STEP[3] = {1, 3, 9};
 
-/* Reference gradients of one component at the 27 points, or the stresses that work on them. */
+/* Reference gradients of one component at the 27 points, or the stresses conjugate to them. */
 typedef ct_lanes field[3][27];
 
 /* A polynomial of the coordinates p and q of a square: constant, p, q, pq, p², p² q, q², q² p, each
@@ -22,9 +22,9 @@ typedef struct square {
   ct_lanes one, p, q, pq, pp, ppq, qq, qqp;
 } square;
 
-/* Values at the nine points of a square, p fastest: `even` at the middle, at the ends of p, of q,
- * and at the corners; what is odd in p, in q, at the ends and at the corners; what is odd in both.
- */
+/* Values at the nine points of a square, p fastest. `even`: at the middle, at the ends of p, of q,
+ * and at the corners; then the parts that are odd in p and in q, at the ends and at the corners;
+ * then the part that is odd in both. */
 CT_INLINE void nine_points(const ct_lanes even[4], const ct_lanes p[2], const ct_lanes q[2],
                            const ct_lanes *pq, ct_lanes v[9])
 {
@@ -41,7 +41,7 @@ CT_INLINE void nine_points(const ct_lanes even[4], const ct_lanes p[2], const ct
   v[8] = high + slope_high;
 }
 
-/* Those of a polynomial without squares. */
+/* The values of a polynomial without squares. */
 CT_INLINE void bilinear_points(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
                                const ct_lanes *pq, ct_lanes v[9])
 {
@@ -56,7 +56,7 @@ CT_INLINE void square_points(const square *s, ct_lanes v[9])
   nine_points(even, p, q, &s->pq, v);
 }
 
-/* The transpose: the sums of nine values with the value of each term there. */
+/* The transpose: the sums of nine values times the value of each term at the points. */
 CT_INLINE void square_sums(const ct_lanes v[9], square *s)
 {
   ct_lanes t[4] = {v[0], v[2], v[6], v[8]}, corner, p_end = v[3] + v[5], q_end = v[1] + v[7];
@@ -68,8 +68,8 @@ CT_INLINE void square_sums(const ct_lanes v[9], square *s)
   s->qq = q_end + corner;
 }
 
-/* Each mode, with squares ξ², times the values of its other factors where it is a gradient's term:
- * a pair of coordinates times g, a square alone times g, and so on; both ways. */
+/* Each mode, with squares ξ², times the values of its other factors in a term of a gradient: a pair
+ * of coordinates times g, a square alone times g, and so on; in both directions. */
 CT_INLINE void scale_modes(ct_lanes U[CT_MODES20])
 {
   for (int d = 0; d < 3; d++) {
@@ -83,8 +83,8 @@ CT_INLINE void scale_modes(ct_lanes U[CT_MODES20])
   U[CT_XI_ETA_ZETA] = GAUSS2 * U[CT_XI_ETA_ZETA];
 }
 
-/* 8 ∂u/∂ξ_d at the 27 points from the scaled modes: what is linear along d does not depend on ξ_d,
- * and what is square has the factor 2 ξ_d. */
+/* 8 ∂u/∂ξ_d at the 27 points from the scaled modes: a mode that is linear along d does not depend
+ * on ξ_d, and a square one has the factor 2 ξ_d. */
 CT_INLINE void point_gradients(const ct_lanes U[CT_MODES20], int d, ct_lanes G[27])
 {
   const int e = (d + 1) % 3, f = (d + 2) % 3;
@@ -146,8 +146,8 @@ CT_INLINE void find_gradients(const ct_solid_part *part, int32_t b, int lane, co
   }
 }
 
-/* The gradients at one point, and its weight times what brings forces from 8 times the gradients.
- */
+/* The gradients at one point, and its weight times the factor that converts stresses to forces from
+ * 8 times the gradients. */
 CT_INLINE double take_point(field X[3], field U[3], int q, ct_lanes J[3][3], ct_lanes H[3][3])
 {
   for (int i = 0; i < 3; i++)
@@ -172,7 +172,7 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
       if (large) ct_large_point(part->material.law, J, H, lambda, mu, P, &volume);
       else ct_point_stress(J, H, lambda, mu, P);
       if (large) ct_lanes_lowest(&volume, lowest);
-      // The stresses take the place of the gradients.
+      // The stresses replace the gradients.
       for (int i = 0; i < 9; i++) U[i / 3][i % 3][q] = P[i / 3][i % 3];
     }
     for (int i = 0; i < 3; i++) {

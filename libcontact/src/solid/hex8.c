@@ -4,7 +4,7 @@
 #include "modes.h"
 #include "point.h"
 
-/* The Gauss points stand at ± this. */
+/* The Gauss points are at ± this. */
 static const double GAUSS = 0.57735026918962576451;
 
 /* Values of one + s p + t (q + s pq) for the signs (s, t) = (-,-), (+,-), (-,+), (+,+). */
@@ -19,8 +19,8 @@ CT_INLINE void square_values(const ct_lanes *one, const ct_lanes *p, const ct_la
 }
 
 /* 8 ∂/∂ξ, 8 ∂/∂η, 8 ∂/∂ζ of one component on the four lines of Gauss points along each. Line k has
- * the signs (k & 1, k >> 1) of the two other directions, which each bring the factor 1/√3 of the
- * points. */
+ * the signs (k & 1, k >> 1) of the two other directions, each of which contributes the factor 1/√3
+ * of the points. */
 CT_INLINE void line_gradients(const ct_lanes U[CT_MODES], ct_lanes G[3][4])
 {
   ct_lanes xy = GAUSS * U[CT_XI_ETA], yz = GAUSS * U[CT_ETA_ZETA], zx = GAUSS * U[CT_ZETA_XI],
@@ -73,7 +73,7 @@ CT_INLINE void component_lines(const ct_lanes v[8], ct_lanes G[3][4])
   line_gradients(V, G);
 }
 
-/* Written out, here and below: the compiler keeps what it unrolls in registers. */
+/* Unrolled by hand, here and below, so that the compiler keeps the values in registers. */
 CT_INLINE void find_lines(const ct_solid_part *part, int32_t b, int lane,
                           const double *displacement, lines *g)
 {

@@ -13,9 +13,9 @@
 
 struct ct_solid_part;
 
-/* A body that is one box of equal hex8 bricks, in whatever order its nodes and elements are. */
+/* A body that is one box of equal hex8 bricks, with its nodes and elements in any order. */
 typedef struct ct_solid_box {
-  int32_t cells[3];  /* along its three edges; cells[0] = 0: the body is none */
+  int32_t cells[3];  /* along its three edges; cells[0] = 0: the body is not a box */
   double edge[3];    /* lengths of the bricks' edges */
   double axis[3][3]; /* their directions */
   int aligned;       /* whether these are x, y, z */
@@ -23,11 +23,11 @@ typedef struct ct_solid_box {
 } ct_solid_box;
 
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the
- * body. A kernel takes differences of displacements first, and uses nothing else that changes:
- * where all nodes of a batch have the same displacement, it gives the same bits whatever that is
- * (eq:sleep). A kernel for large deformation also writes the smallest J = det F of batch b
- * (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at
- * `values[energy_value]`. */
+ * body. A kernel first takes differences of displacements, and depends on nothing else that
+ * changes: if all nodes of a batch have the same displacement, the result has the same bits for any
+ * such displacement (eq:sleep). A kernel for large deformation also writes the smallest J = det F
+ * of batch b (and 1) to `values[assembly->value_count + b]`; memory for the energies of its
+ * elements begins at `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last,
                               const double *displacement, double *values);
 
@@ -45,44 +45,44 @@ typedef struct ct_solid_part {
   int32_t first_node;
   ct_solid_kernel kernel;
   ct_solid_batches *batches;
-  /* Null where the force is linear: the energy is then half its work. */
+  /* Null if the force is linear: the energy is then half its work. */
   ct_solid_energies *energies;
   /* Floating-point operations of the kernel for one element. */
   double flops;
   /* Largest ω² of the undeformed elements. */
   double omega_squared;
-  /* The box whose blocks gave it. */
+  /* The box whose blocks gave this bound. */
   ct_solid_box blocks;
   /* Whether all elements are boxes of one size (ct_solid_is_box), for the linear law, and the
    * lengths of their edges. */
   int box;
   double edge[3];
-  /* Through which element forces go; null: they stand in the layout of ct_assembly. */
+  /* Ring for the element forces; null: they have the layout of ct_assembly. */
   ct_force_ring *ring;
-  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE. Values in rings stand where
+  /* The layer that represents both, if the kernel is CT_KERNEL_PLANE. Values in rings begin where
    * the effect's begin. */
   ct_force_ring *plane;
-  /* Batches of 8 elements, and of each whether it is a row: node a of its element l is node a of
-   * its first one, plus l. */
+  /* Batches of 8 elements, and whether each is a row: node a of its element l is node a of its
+   * first one, plus l. */
   int32_t batch_count;
   uint8_t *rows;
-  /* Null, or the order that kernels and sums know; displacements come in it, forces leave it. */
+  /* Null, or the order of kernels and sums; displacements are copied into it, forces leave it. */
   ct_order *order;
-  /* Coefficient of the hourglass control, when the kernel is CT_KERNEL_REDUCED. */
+  /* Coefficient of the hourglass control, if the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
-  /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
+  /* Data shared by the elements, if the kernel is CT_KERNEL_BOX for hex20. */
   struct ct_box20 *box20;
   ct_assembly *assembly;
-  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values
-   * it has, and after how many of them energies are kept. */
+  /* Begin of this part's values, and of its batches, in the scratch of the effect; number of its
+   * values; and number of values before the energies. */
   int64_t first_value, first_batch, value_count, energy_value;
-  int64_t first_room; /* where displacements in `order` begin there */
+  int64_t first_room; /* begin of the displacements in `order` there */
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
-   * - 1]; null where no element sleeps, or where the ring knows them. */
+   * - 1]; null if no element sleeps, or if the ring has them. */
   int32_t *batch_begin, *batches_at;
 } ct_solid_part;
 
-/* The part in the order of the user, for what asks each element for itself. */
+/* The part in the user's order, for single elements. */
 static inline ct_solid_part ct_part_given(const ct_solid_part *part)
 {
   ct_solid_part given = *part;
@@ -93,15 +93,15 @@ static inline ct_solid_part ct_part_given(const ct_solid_part *part)
   return given;
 }
 
-/* Batches that are computed before their nodes are summed, while their forces are still in the
- * cache. */
+/* Number of batches that are computed before their nodes are summed, while their forces are still
+ * in the cache. */
 enum { CT_BLOCK = 32 };
 
-/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes
- * in the middle, and alike to 1e-12; 0 otherwise. */
+/* Edge lengths if all elements are rectangular along x, y, z, with straight edges and mid-side
+ * nodes in the middle, and equal to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-/* Lay down what hex20 boxes of one size share, from the part's edges and its material. */
+/* Compute the data shared by hex20 boxes of one size, from the part's edges and its material. */
 ct_status ct_box20_prepare(ct_solid_part *part);
 
 ct_solid_batches ct_solid_box_batches, ct_solid_box20_batches, ct_solid_hex8_batches,
@@ -109,7 +109,7 @@ ct_solid_batches ct_solid_box_batches, ct_solid_box20_batches, ct_solid_hex8_bat
 ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
-/* Refuse a batch whose smallest J is not positive, in the words of the readable form. */
+/* Refuse a batch whose smallest J is not positive, with the message of the readable form. */
 ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const double *u,
                                 const double *values, ct_error *error);
 
@@ -127,7 +127,7 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
     memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
 }
 
-/* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l].
+/* Place of the forces of batch `b`: number (3 a + c) of element l is at [(3 a + c) * stride + l].
  */
 static inline double *ct_batch_values(const ct_force_ring *ring, int per, double *values, int32_t b,
                                       int64_t *stride)
@@ -137,7 +137,7 @@ static inline double *ct_batch_values(const ct_force_ring *ring, int per, double
          (ring != NULL ? ring->step * (8 * (int64_t)b & (ring->size - 1)) : 24 * (int64_t)per * b);
 }
 
-/* Write component c of the forces of the `per` nodes of 8 elements there. */
+/* Write component c of the forces of the `per` nodes of 8 elements to this place. */
 CT_INLINE void ct_store_lanes(const ct_lanes *f, int per, int c, int lane, int64_t stride,
                               double *values)
 {

@@ -1,12 +1,12 @@
-/* St. Venant-Kirchhoff and neo-Hookean material at one point, as the equations read. */
+/* St. Venant-Kirchhoff and neo-Hookean material at one point, in the form of the equations. */
 #include "large.h"
 
 #include "../shape/jacobian.h"
 
 #include <math.h>
 
-/* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for
- * small strain, its cofactors and invariants. */
+/* Quantities of both laws: B = 2E = FᵀF - 1 without the loss of digits of FᵀF - 1 at small strain,
+ * its cofactors and invariants. */
 typedef struct deformation {
   double B[3][3], adjugate[3][3];
   /* tr B; the sum of its principal minors; det B. */

@@ -1,5 +1,5 @@
-/* What a body of large deformation is asked beside its forces: whether an element is inside out,
- * and the tangent's eigenvalues. */
+/* Further queries for a body of large deformation: inverted elements, and the eigenvalues of the
+ * tangent. */
 #include "../base/error.h"
 #include "element.h"
 #include "kernel.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Refuse a batch whose smallest J is not positive, in the words of the readable form. */
+/* Refuse a batch whose smallest J is not positive, with the message of the readable form. */
 ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const double *u,
                                 const double *values, ct_error *error)
 {
@@ -30,8 +30,8 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
   return CT_OK;
 }
 
-/* Largest eigenvalue of the tangents of the elements of one part; elements that have only been
- * carried along keep that of their kind. */
+/* Largest eigenvalue of the tangents of the elements of one part; undeformed elements keep that of
+ * the part. */
 ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double *u,
                                         double *omega_squared, ct_error *error)
 {

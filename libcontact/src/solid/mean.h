@@ -3,7 +3,7 @@
 
 #include "modes.h"
 
-/* Modes that the mean gradient sees: all but ξηζ (eq:mean-gradient-modes). */
+/* Number of modes in the mean gradient: all but ξηζ (eq:mean-gradient-modes). */
 enum { CT_MEAN_MODES = CT_XI_ETA_ZETA };
 
 /* Σ_m b_m U_m over the modes of the mean gradient. */
@@ -20,7 +20,7 @@ static inline void ct_mean_sum(const ct_lanes b[CT_MEAN_MODES], const ct_lanes U
 static inline void ct_mean_gradient(ct_lanes X[3][CT_MODES], ct_lanes b[3][CT_MEAN_MODES],
                                     ct_lanes *V)
 {
-  // Along ξ, η, ζ in turn: the mode itself, the two that it shares, and the third.
+  // Along ξ, η, ζ in turn: the mode itself, the two modes that contain it, and the third.
   static const int along[3] = {CT_XI, CT_ETA, CT_ZETA},
                    with[3] = {CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI};
   // -- ∂V/∂X from products of the modes of the other two coordinates (eq:mean-gradient-modes)

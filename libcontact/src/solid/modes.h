@@ -8,7 +8,7 @@
  * pair along ξ, η, ζ (eq:tree-sum). */
 enum { CT_XI, CT_ETA, CT_ZETA, CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI, CT_XI_ETA_ZETA, CT_MODES };
 
-/* Where corner a of a hex8 stands along an axis, -1 or 1. */
+/* Position of corner a of a hex8 along an axis, -1 or 1. */
 static inline double ct_corner_sign(int a, int axis)
 {
   return (axis == 0 ? (a + 1) % 4 >= 2 : axis == 1 ? a % 4 >= 2 : a >= 4) ? 1.0 : -1.0;
@@ -40,7 +40,7 @@ static inline void ct_brick_modes(const ct_lanes u[8], ct_lanes U[CT_MODES])
   U[CT_ZETA] = (along_zeta[0] + along_zeta[1]) + (along_zeta[2] + along_zeta[3]);
 }
 
-/* Nodal forces that do the work of the modal forces F: f_a = -Σ_m m(ξ_a) F_m. */
+/* Nodal forces with the work of the modal forces F: f_a = -Σ_m m(ξ_a) F_m. */
 static inline void ct_brick_nodal(const ct_lanes F[CT_MODES], ct_lanes f[8])
 {
   static const int corner[4][2] = {{0, 1}, {3, 2}, {4, 5}, {7, 6}};

@@ -31,7 +31,7 @@ CT_INLINE void ct_brick20_modes(double ends, const ct_lanes u[20], ct_lanes U[CT
   ct_bend_modes(CT_EDGE20[0], u, &U[CT_BEND]);
   ct_bend_modes(CT_EDGE20[1], u, &U[CT_BEND + 4]);
   ct_bend_modes(CT_EDGE20[2], u, &U[CT_BEND + 8]);
-  // -- At the corners the modes with a square are there, too: take them off (eq:box20-amplitudes)
+  // -- Subtract the modes with a square at the corners (eq:box20-amplitudes)
   for (int d = 0; d < 3; d++) {
     int e = (d + 1) % 3, f = (d + 2) % 3;
     U[CT_XI + d] = U[CT_XI + d] - ends * (U[CT_BEND + 4 * e + 2] + U[CT_BEND + 4 * f + 1]);
@@ -39,7 +39,7 @@ CT_INLINE void ct_brick20_modes(double ends, const ct_lanes u[20], ct_lanes U[CT
   }
 }
 
-/* Take the forces F of the second differences off the ends of the four edges along an axis; the
+/* Subtract the forces F of the second differences at the ends of the four edges along an axis; the
  * nodes between get them twice. */
 CT_INLINE void ct_bend_nodal(const int edge[4][3], const ct_lanes F[4], ct_lanes f[20],
                              ct_lanes corner[8])
@@ -53,7 +53,7 @@ CT_INLINE void ct_bend_nodal(const int edge[4][3], const ct_lanes F[4], ct_lanes
   }
 }
 
-/* Nodal forces that do the work of the modal forces F, which are lost: the transpose of
+/* Nodal forces with the work of the modal forces F, which are overwritten: the transpose of
  * ct_brick20_modes, with a minus. */
 CT_INLINE void ct_brick20_nodal(double ends, ct_lanes F[CT_MODES20], ct_lanes f[20])
 {

@@ -1,4 +1,4 @@
-/* Meshes whose numbers lie anywhere: rows of elements are found by the faces that they share. */
+/* Meshes with arbitrary numbers: rows of elements are found by their shared faces. */
 #include "order.h"
 
 #include <math.h>
@@ -12,13 +12,13 @@ static const int LOW[3][4] = {{0, 3, 4, 7}, {0, 1, 4, 5}, {0, 1, 2, 3}},
 typedef struct walk {
   ct_pool pool;
   const ct_mesh *mesh;
-  /* The element behind the positive and the negative side along each direction, numbered in the
-   * same way; -1: none. */
+  /* The neighbours at the negative and the positive side along each direction, numbered in the same
+   * way; -1: none. */
   int32_t *next[3], *past[3];
   int row, sheet; /* the directions along which a body is longest, and shortest */
   /* Elements of node n, at[begin[n]] ... at[begin[n + 1] - 1]. */
   int32_t *begin, *at;
-  /* The elements in their new order so far, and whether each is there. */
+  /* The elements in their new order so far, and whether each is in it. */
   int32_t *order, count;
   char *taken;
 } walk;
@@ -58,8 +58,9 @@ static int32_t behind(const walk *w, int32_t e, int d)
   return -1;
 }
 
-/* Find the neighbours along each direction, and in which a body is longest and shortest. Where
- * fewer than half of the elements have one, rows would only tear apart what lies together. */
+/* Find the neighbours along each direction, and the directions along which a body is longest and
+ * shortest. If fewer than half of the elements have a neighbour, rows would separate elements that
+ * are together now. */
 static void find_neighbours(walk *w)
 {
   int32_t count = w->mesh->element_count, found[3] = {0, 0, 0};
@@ -81,7 +82,7 @@ static void find_neighbours(walk *w)
     if (d != w->row && found[d] < found[w->sheet]) w->sheet = d;
 }
 
-/* The first element that can be reached backwards from one that is not taken. */
+/* The first element that can be reached backwards from one that is not in the order yet. */
 static int32_t go_back(const walk *w, const int32_t *past, int32_t e)
 {
   int32_t at = e;
@@ -89,7 +90,7 @@ static int32_t go_back(const walk *w, const int32_t *past, int32_t e)
   return at;
 }
 
-/* Take the row of an element, and the rows beside it in its sheet. */
+/* Add the row of an element, and the rows beside it in its sheet. */
 static void take_sheet(walk *w, int32_t e)
 {
   const int32_t *beside = w->next[w->sheet], *along = w->next[w->row];
@@ -100,8 +101,7 @@ static void take_sheet(walk *w, int32_t e)
     }
 }
 
-/* Take the sheets that touch what is there already, one after another, from that of an element on.
- */
+/* Add the sheets next to existing ones, one after another, from that of an element on. */
 static void take_all(walk *w, int32_t start)
 {
   int32_t done = 0;
@@ -115,13 +115,13 @@ static void take_all(walk *w, int32_t start)
         for (int32_t k = w->begin[n]; k < w->begin[n + 1]; k++)
           if (!w->taken[w->at[k]]) take_sheet(w, w->at[k]);
       }
-    // A part of the body that touches no other
+    // A part of the body that touches no other part
     if (!w->taken[e]) take_sheet(w, e);
   }
 }
 
-/* Number the nodes from the last one down, line by line along the rows, in the order in which their
- * last elements come (eq:order-rows). */
+/* Number the nodes from the last one down, line by line along the rows, in the order of their last
+ * elements (eq:order-rows). */
 static void number_nodes(const walk *w, ct_order *order)
 {
   int32_t next = w->mesh->node_count;
@@ -140,7 +140,7 @@ static void number_nodes(const walk *w, ct_order *order)
     if (order->inside[n] < 0) order->inside[n] = --next;
 }
 
-/* Write the mesh by its new numbers. */
+/* Write the mesh with its new numbers. */
 static void write_mesh(const walk *w, ct_order *order)
 {
   ct_mesh *mesh = &order->mesh;
@@ -157,7 +157,8 @@ static void write_mesh(const walk *w, ct_order *order)
   }
 }
 
-/* The element whose first node lies farthest toward negative x, y and z: a corner of a box. */
+/* The element whose first node is farthest in the direction of negative x, y and z: a corner of a
+ * box. */
 static int32_t find_corner(const ct_mesh *mesh)
 {
   int32_t corner = 0;

@@ -1,4 +1,4 @@
-/* One body of the solid effect: which kernel computes it, and what is laid down for that. */
+/* One body of the solid effect: the choice of its kernel, and the kernel's constant data. */
 #include "part.h"
 
 #include "../base/error.h"
@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-/* Which function computes a block, and the operations of one element counted in it. */
+/* Function that computes a block, and its number of operations per element. */
 static const struct kernel_row {
   ct_solid_kernel kernel;
   ct_brick_kind kind;
@@ -48,7 +48,7 @@ void ct_part_release(ct_solid_part *part)
   ct_assembly_free(part->assembly);
 }
 
-/* Take the kernel of the plane where it fits: one layer of boxes held along its thickness. */
+/* Use the plane kernel if it is possible: one layer of boxes, fixed along its thickness. */
 static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, int threads)
 {
   ct_status status = CT_OK;
@@ -78,8 +78,8 @@ static ct_status prepare_rows(ct_solid_part *part)
   return CT_OK;
 }
 
-/* A ring for the forces of a body of linear hex8: in the order of the user where that has runs of
- * nodes, else in an order of its own. */
+/* A ring for the forces of a body of linear hex8: in the user's order if that has runs of nodes,
+ * else in an order of its own. */
 static ct_status prepare_ring(ct_solid_part *part, int threads)
 {
   ct_status status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
@@ -94,7 +94,7 @@ static ct_status prepare_ring(ct_solid_part *part, int threads)
   return status;
 }
 
-/* What the kernel needs beside the mesh. */
+/* Data that the kernel needs in addition to the mesh. */
 static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
 {
   ct_status status = CT_OK;
@@ -112,7 +112,7 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
   return status;
 }
 
-/* Take the row of the table that fits. */
+/* Choose the matching row of the table. */
 static void take_row(ct_solid_part *part)
 {
   for (size_t k = 0; k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
@@ -126,7 +126,7 @@ static void take_row(ct_solid_part *part)
   }
 }
 
-/* The kernel that is asked for, or the cheapest that fits. */
+/* The requested kernel, or the cheapest possible one. */
 static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
 {
   ct_solid_kernel asked = block->kernel;

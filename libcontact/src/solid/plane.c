@@ -1,10 +1,10 @@
-/* The kernel for one layer of equal boxes in plane strain: that of the box, with all that vanishes
- * left out. */
+/* The kernel for one layer of equal boxes in plane strain: that of the box, without all terms that
+ * vanish. */
 #include "call.h"
 #include "plane.h"
 
-/* Numbers that differ between `count` nodes of two layers, and numbers along `axis` that are not
- * zero. */
+/* Count numbers that differ between `count` nodes of two layers, and numbers along `axis` that are
+ * not zero. */
 CT_CLONES
 static int differences(const double *low, const double *high, int32_t count, int axis)
 {
@@ -31,8 +31,8 @@ int ct_plane_holds(const ct_part_call *call)
   return 1;
 }
 
-/* What stays the same for all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1,
- * 1/3, along p, q and the held axis. */
+/* Constants of all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p,
+ * q and the fixed axis. */
 typedef struct constants {
   double k[2], K1[3], K3[3], lambda, mu, stiff;
 } constants;
@@ -51,13 +51,13 @@ static constants open_constants(const ct_solid_part *part)
   return c;
 }
 
-/* The displacement gradient of one component: constant along p and q, and along each the part that
- * grows with the other. */
+/* The displacement gradient of one component: constant along p and q, and along each the part
+ * proportional to the other coordinate. */
 typedef struct slope {
   ct_lanes p, q, p_by_q, q_by_p;
 } slope;
 
-/* From the four corners of a layer; both layers count. */
+/* From the four corners of a layer; the sum includes both layers. */
 static inline slope slopes(const ct_lanes u[4], const double k[2])
 {
   ct_lanes low = u[1] - u[0], high = u[3] - u[2], both = 2.0 * (high - low);
@@ -66,8 +66,8 @@ static inline slope slopes(const ct_lanes u[4], const double k[2])
                  k[0] * both, k[1] * both};
 }
 
-/* Nodal forces of one component in the plane from its modal forces F along p, q and pq. The order
- * of the sums is that of the brick. */
+/* Nodal forces of one component in the plane from its modal forces F along p, q and pq. The sums
+ * have the order of the brick's. */
 static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {
@@ -79,8 +79,8 @@ static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
   }
 }
 
-/* Forces along the held axis on the lower layer, F of a constant stress and of what grows with p
- * and q. */
+/* Forces along the fixed axis on the lower layer, from the modal forces F of a constant stress and
+ * of stresses proportional to p and q. */
 static inline void hold(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {

@@ -3,8 +3,8 @@
 
 #include "call.h"
 
-/* Whether the layers have moved alike, and not at all along their axis, as far as they are summed.
- */
+/* Whether both layers have the same displacements, and none along their axis, at the nodes that are
+ * summed. */
 int ct_plane_holds(const ct_part_call *call);
 
 /* Forces of the lower layer, into the ring of the part's plane. */

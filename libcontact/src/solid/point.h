@@ -5,7 +5,8 @@
 
 #include "../base/lanes.h"
 
-/* One Gauss point of 8 elements. `element.c` and `large.c` have the same formulas as they read. */
+/* One Gauss point of 8 elements. `element.c` and `large.c` have the same formulas in readable form.
+ */
 
 /* Cofactors and determinant of A. */
 CT_INLINE void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *det)
@@ -18,7 +19,7 @@ CT_INLINE void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *
   *det = (A[0][0] * C[0][0] + A[0][1] * C[0][1]) + A[0][2] * C[0][2];
 }
 
-/* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik
+/* The stress of one Gauss point conjugate to the reference gradients, P[i][j] = det J σ_ik
  * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements. */
 CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
                                ct_lanes P[3][3])
@@ -94,7 +95,7 @@ CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *cha
   for (int k = 0; k < 6; k++) S[k] = k < 3 ? rest * (B[k] - A[k]) + diagonal : rest * (B[k] - A[k]);
 }
 
-/* The stress as it works on the reference gradients, P = F S C, and det F
+/* The stress conjugate to the reference gradients, P = F S C, and det F
  * (eq:large-reference-stress). */
 CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
                               double mu, ct_lanes P[3][3], ct_lanes *volume)
@@ -136,7 +137,7 @@ CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3]
   *energy = det * (volume - (0.5 * mu) * (I[1] + I[2]));
 }
 
-/* Smallest of the values that come in, one lane after another; NaN stays. */
+/* Smallest of the given values, one lane after another; NaN stays. */
 CT_INLINE void ct_lanes_lowest(const ct_lanes *value, double *lowest)
 {
   const double *v = (const double *)value;

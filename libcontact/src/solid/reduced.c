@@ -4,7 +4,7 @@
 
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };
 
-/* What 8 elements are: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
+/* Data of 8 elements: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
  * volume and the stiffness c of the hourglass modes. */
 typedef struct reduced_lanes {
   ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c;
@@ -30,7 +30,7 @@ CT_INLINE void find_shape(const ct_solid_part *part, int32_t b, int lane, reduce
 }
 
 /* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass
- * amplitudes with what the mean gradient explains taken off. */
+ * amplitudes without the part of the mean gradient. */
 static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes u[8],
                                           ct_lanes G[3], ct_lanes q[HOURGLASS])
 {
@@ -43,8 +43,8 @@ static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes
     q[k] = U[FIRST_HOURGLASS + k] - ((G[0] * r->X[0][k] + G[1] * r->X[1][k]) + G[2] * r->X[2][k]);
 }
 
-/* All components, and V times the stress of the mean gradient. Written out: the compiler keeps what
- * it unrolls in registers. */
+/* All components, and V times the stress of the mean gradient. Unrolled by hand, so that the
+ * compiler keeps the values in registers. */
 static inline void strain_and_hourglass(const reduced_lanes *r, const ct_lanes u[3 * 8],
                                         double lambda, double mu, ct_lanes G[3][3],
                                         ct_lanes S[3][3], ct_lanes q[3][HOURGLASS])
@@ -115,7 +115,7 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
       W[i] = (S[i][0] * G[i][0] + S[i][1] * G[i][1]) + S[i][2] * G[i][2];
       H[i] = (q[i][0] * q[i][0] + q[i][1] * q[i][1]) + (q[i][2] * q[i][2] + q[i][3] * q[i][3]);
     }
-    // Arrays of the caller need not be aligned.
+    // The caller's arrays need not be aligned.
     half = 0.5 * ((W[0] + W[1]) + W[2]);
     memcpy(&strain[lane], &half, sizeof half);
     half = (0.5 * r.c) * ((H[0] + H[1]) + H[2]);

@@ -3,11 +3,10 @@
 
 #include "kernel.h"
 
-/* The coefficient Q of the hourglass control when none is given: a cube then bends as a beam does.
- */
+/* The default coefficient Q of the hourglass control, for which a cube bends as a beam does. */
 static const double CT_HOURGLASS_DEFAULT = 1.0;
 
-/* Forces of the batches first ... last - 1, as those of the other kernels. */
+/* Forces of the batches first ... last - 1, like those of the other kernels. */
 void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last,
                               const double *displacement, double *values);
 

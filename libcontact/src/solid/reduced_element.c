@@ -1,4 +1,4 @@
-/* One hex8 element with one point and hourglass control, as the equations read. */
+/* One hex8 element with one point and hourglass control, in the form of the equations. */
 #include <libcontact/shape.h>
 #include <libcontact/solid.h>
 
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The element's own: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the
+/* Data of the element: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the
  * stiffness of their amplitudes. */
 typedef struct reduced_element {
   double V, B[20][3], Gamma[4][20], c;
@@ -64,7 +64,7 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
     middle[j] = ct_tree_corners(t, 1) / 8.0;
   }
 
-  // -- Make the hourglass vectors blind to linear displacements (eq:hourglass-vector)
+  // -- Make the hourglass vectors orthogonal to linear displacements (eq:hourglass-vector)
   for (int k = 0; k < 4; k++) {
     double m[8], mx[3] = {0.0};
     for (int a = 0; a < 8; a++) {

@@ -9,16 +9,16 @@
 
 #include <string.h>
 
-/* Nodes that lack an element are summed with as many zeros at most. */
+/* Largest number of zeros with which nodes that lack an element are summed. */
 enum { ZEROS = 256 };
 
-/* Threads that have a ring each; more of them share. */
+/* Largest number of threads with a ring each. */
 enum { MOST_RINGS = 64 };
 
-/* Nodes of a run, on the average, below which tables are faster: rows of 8 bricks. */
+/* Average number of nodes in a run below which tables are faster: rows of 8 bricks. */
 enum { SHORTEST_RUN = 3 };
 
-/* Nodes of a piece where corners are listed. */
+/* Nodes of a piece if corners are listed. */
 enum { PIECE = 64 };
 
 void ct_force_ring_free(ct_force_ring *ring)
@@ -30,10 +30,10 @@ void ct_force_ring_free(ct_force_ring *ring)
   ct_release(ring);
 }
 
-/* Enter for each of the nodes begin ... end - 1, in a plane all of them, its elements by octant or
- * quadrant, -1 where there is none, and its partner in the other layer (of bricks: itself); of the
- * upper layer, a partner below -1. Returns 0 when a node is in both layers or has two elements in
- * one place. */
+/* Enter for each of the nodes begin ... end - 1, in a plane for all nodes, its elements by octant
+ * or quadrant, -1 if there is none, and its partner in the other layer (of bricks: itself); for the
+ * upper layer, a partner below -1. Returns 0 if a node is in both layers or has two elements in one
+ * place. */
 static int enter_nodes(const ct_mesh *mesh, const ct_force_ring *ring, int32_t begin, int32_t end,
                        int32_t *twin, int32_t (*around)[8])
 {
@@ -75,7 +75,7 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
   return fits;
 }
 
-/* Whether a node, its partner and its elements come next in a run. */
+/* Whether a node, its partner and its elements continue a run. */
 static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
                    const int32_t *around)
 {
@@ -87,7 +87,7 @@ static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
   return 1;
 }
 
-/* Room for `count` runs, more than there are; returns whether there is. */
+/* Allocate `count` runs, more than there are; returns whether this succeeded. */
 static int make_room(ct_force_ring *ring, size_t count)
 {
   ct_run *larger = ct_allocate(count, sizeof *larger);
@@ -107,7 +107,7 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int3
   for (int32_t n = 0; n < mesh->node_count; n++) {
     if (twin[n] < 0) continue;
     if (run == NULL || !goes_on(ring->corners, run, n, twin[n], around[n])) {
-      // Room doubles at powers of two.
+      // The capacity doubles at powers of two.
       int32_t count = ring->run_count++;
       if ((count & (count - 1)) == 0 && !make_room(ring, 2 * (size_t)count + 1))
         return CT_ERROR_MEMORY;
@@ -120,7 +120,7 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int3
   return CT_OK;
 }
 
-/* List the corners at each node, and pieces of the nodes in the place of runs. */
+/* List the corners at each node, and pieces of the nodes in place of runs. */
 static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_force_ring *ring)
 {
   int32_t nodes = mesh->node_count, count = mesh->element_count;
@@ -130,7 +130,7 @@ static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_fo
   ring->run_count = (nodes + PIECE - 1) / PIECE;
   ring->runs = ct_allocate((size_t)ring->run_count, sizeof *ring->runs);
   if (ring->begin == NULL || ring->list == NULL || ring->runs == NULL) return CT_ERROR_MEMORY;
-  // Count, then list: begin[n + 2] is the count of node n first, and where its list ends at last.
+  // Count, then list: begin[n + 2] is first the count of node n, and finally the end of its list.
   for (int64_t i = 0; i < corners; i++) ring->begin[mesh->elements[i] + 2]++;
   for (int32_t n = 0; n < nodes; n++) ring->begin[n + 2] += ring->begin[n + 1];
   for (int32_t i = 0; i < count; i++)
@@ -152,8 +152,8 @@ static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_fo
   return CT_OK;
 }
 
-/* The first and last elements of the runs, and a ring that holds what they still wait for and what
- * is computed at once (eq:lattice-ring). */
+/* The first and last elements of the runs, and a ring that holds the pending elements and those
+ * that are computed together (eq:lattice-ring). */
 static void size_ring(ct_force_ring *ring, int32_t element_count)
 {
   int64_t need = 0, all = ((int64_t)element_count + 7) / 8 * 8;
@@ -173,7 +173,7 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   need += 8 * (CT_BLOCK + 2);
   ring->size = 8;
   while (ring->size < (need < all ? need : all)) ring->size *= 2;
-  // Lists read whole batches; rows of the ring would fight for the same place in the cache.
+  // Lists read whole batches; rows of the ring would map to the same place in the cache.
   ring->stride = ring->list != NULL ? 8 : ring->size + 8;
   ring->step = ring->list != NULL ? 24 : 1;
   ring->value_count = 3 * ring->corners * (ring->size + 8);
@@ -237,8 +237,7 @@ const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node)
   return &ring->runs[first];
 }
 
-/* Sum eight runs of element forces that lie side by side; `step`: from one component to the next.
- */
+/* Sum eight runs of element forces that lie side by side; `step`: the stride between components. */
 CT_CLONES
 static void gather_bricks(const double *const v[8], const int64_t step[8], int32_t count, double *f)
 {
@@ -262,8 +261,8 @@ static void gather_bricks(const double *const v[8], const int64_t step[8], int32
 }
 
 /* Sum four such runs of a plane, for both layers; the forces of the upper one have the signs
- * `sign`. A sum that is zero has no minus, as that of the bricks, which begins with the zeros of
- * the side where no element is, and as that of elements that sleep. */
+ * `sign`. A zero sum has no minus sign, like that of the bricks, which begins with the zeros of
+ * missing elements, and like that of sleeping elements. */
 CT_CLONES
 static void gather_plane(const double *const v[4], const int64_t step[4], const double sign[3],
                          int32_t count, double *restrict low, double *restrict high)
@@ -279,8 +278,7 @@ static void gather_plane(const double *const v[4], const int64_t step[4], const 
     }
 }
 
-/* Sum at the nodes first ... last - 1 by their lists, the elements of an octant one after another.
- */
+/* Sum at the nodes first ... last - 1 by their lists, the elements of an octant in order. */
 static void gather_lists(const ct_force_ring *ring, const double *values, int32_t first,
                          int32_t last, double *sums)
 {
@@ -300,7 +298,7 @@ static void gather_lists(const ct_force_ring *ring, const double *values, int32_
   }
 }
 
-/* In pieces that are whole in the ring. */
+/* In pieces that are contiguous in the ring. */
 void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
                           int32_t first, int32_t last, double *low, double *high)
 {
@@ -311,7 +309,7 @@ void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const
   }
   int plane = ring->corners == 4;
   double apart[3] = {1.0, 1.0, 1.0};
-  // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
+  // -- The upper layer has equal forces in the plane, and opposite ones across (eq:plane-force)
   apart[ring->axis] = -1.0;
   for (int32_t i = first, piece; i < last; i += piece) {
     const double *v[8] = {NULL};

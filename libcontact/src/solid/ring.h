@@ -3,11 +3,11 @@
 
 #include <libcontact/mesh.h>
 
-/* Element forces of hex8 that live only until their nodes are summed: in a ring, which the nodes
- * follow closely (eq:lattice-ring). */
+/* Element forces of hex8 that are kept only until their nodes are summed: in a ring, closely
+ * followed by the nodes (eq:lattice-ring). */
 
-/* Nodes whose numbers follow each other, as do those of the elements around them, and in a plane
- * those of their partners in the upper layer. */
+/* Nodes with consecutive numbers, as are those of the elements around them, and in a plane those of
+ * their partners in the upper layer. */
 typedef struct ct_run {
   int32_t low, high, count;
   /* The first node's elements by octant, in a plane by quadrant (bit d: on the positive side along
@@ -17,29 +17,30 @@ typedef struct ct_run {
 } ct_run;
 
 typedef struct ct_force_ring {
-  /* 8: bricks; 4: one layer in plane strain, where the nodes of the lower layer stand for both. */
+  /* 8: bricks; 4: one layer in plane strain, where the nodes of the lower layer represent both. */
   int corners;
-  /* The direction that a layer is held in, and the two others, ascending; z and x, y for bricks. */
+  /* The direction in which a layer is fixed, and the two others, ascending; z and x, y for bricks.
+   */
   int axis, p, q;
   /* Local numbers of the corners (-,-,-), (+,-,-), (-,+,-), ... in p, q and axis. */
   int local[8];
   /* All nodes, or all of the lower layer, ascending. */
   ct_run *runs;
   int32_t run_count;
-  /* Null, or for a mesh whose runs would be short or whose octants hold several elements: corner a
+  /* Null, or for a mesh whose runs would be short or whose octants have several elements: corner a
    * of element e as 8 e + a, list[begin[n]] ... list[begin[n + 1] - 1] those at node n. Runs are
    * then pieces of the nodes, without elements. */
   int32_t *begin, *list;
   /* Each of `threads` threads has a ring of `size` elements, a power of two, of `value_count`
-   * numbers; the forces of one component of one node stand `stride` after those of the one before,
-   * those of the next 8 elements 8 `step` after these. */
+   * numbers. The forces of one component of consecutive nodes have the stride `stride`, those of
+   * the next 8 elements follow after 8 `step`. */
   int threads;
   int64_t size, stride, step, value_count;
 } ct_force_ring;
 
 /* The ring of a mesh of hex8 for `threads` threads, with `axis` that of its one layer as a plane,
- * or -1: bricks. Null, with CT_OK, where a node has two elements in one octant, where there is more
- * than one layer, or runs are so short that tables are faster. CT_ERROR_MEMORY. */
+ * or -1: bricks. Null, with CT_OK, if a node has two elements in one octant, if there is more than
+ * one layer, or if runs are so short that tables are faster. CT_ERROR_MEMORY. */
 ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out);
 
 /* The same for any mesh of hex8, by lists; elements of one octant are added in the order of their

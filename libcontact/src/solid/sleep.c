@@ -1,4 +1,4 @@
-/* Elements that nothing has reached sleep. */
+/* Elements sleep until a wave reaches them. */
 #include "sleep.h"
 
 #include "../base/bits.h"
@@ -11,7 +11,7 @@
 typedef struct body {
   double displacement[3], velocity[3];
   int32_t computed; /* elements that are active */
-  int sleeps;       /* whether the others sleep; else there are none */
+  int sleeps;       /* whether the others sleep; otherwise there are none */
 } body;
 
 struct ct_sleep {
@@ -20,8 +20,8 @@ struct ct_sleep {
   int examined;
   body *bodies;   /* of each part */
   uint8_t *batch; /* of each batch of all parts */
-  /* A bit a node: further effects act on it; it is moved one by one; it is so, and has still been
-   * seen with the displacement of the sleeping part only; one of its elements is active. */
+  /* One bit per node: further effects act on it; it is moved individually; it is, and has so far
+   * only had the displacement of the sleeping part; one of its elements is active. */
   uint64_t *shared, *active, *front, *summed;
 };
 
@@ -45,7 +45,7 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
   int32_t nodes = part->mesh->node_count, *latest = ct_allocate((size_t)nodes, sizeof *latest),
           *begin = part->batch_begin = ct_allocate((size_t)nodes + 2, sizeof *begin);
   ct_status status = latest != NULL && begin != NULL ? CT_OK : CT_ERROR_MEMORY;
-  // Count, then list: begin[n + 2] is the count of node n first, and where its list ends at last.
+  // Count, then list: begin[n + 2] is first the count of node n, and finally the end of its list.
   for (int pass = 0; status == CT_OK && pass < 2; pass++) {
     for (int32_t n = 0; n < nodes; n++) latest[n] = -1;
     for (int32_t b = 0; b < part->batch_count; b++) {
@@ -68,8 +68,8 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
   return status;
 }
 
-/* Batches of the elements of a node of the body, some maybe more than once; returns how many there
- * are. Where there is a ring its runs know the elements. */
+/* Batches of the elements of a node of the body, some maybe more than once; returns their number.
+ * If there is a ring, its runs have the elements. */
 static int32_t batches_of(const ct_solid_part *part, int32_t node, int32_t own[8],
                           const int32_t **batches)
 {
@@ -118,16 +118,15 @@ void ct_sleep_share(ct_sleep *s, int32_t count, const int32_t *nodes)
     ct_bits_put(s->shared, nodes[i], nodes[i] + 1, 1);
 }
 
-/* Whether two nodes differ in one of three numbers, which are then not the same ones or not
- * finite. */
+/* Whether two nodes differ in one of three numbers, which are then not equal or not finite. */
 static inline int differ(const double *a, const double *b)
 {
-  // One sum, as most do not differ and a chain of questions would be asked to its end.
+  // One sum, because most nodes do not differ, and branches would all be evaluated.
   return !((fabs(a[0] - b[0]) + fabs(a[1] - b[1])) + fabs(a[2] - b[2]) == 0.0);
 }
 
-/* Let a batch be active from now on, and all of its nodes; `u` is null when everything is
- * examined, as the displacement of each node is known then. */
+/* Make a batch active from now on, with all of its nodes; `u` is null if everything is examined,
+ * because then the displacement of each node is known. */
 static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
 {
   const ct_solid_part *part = &s->parts[p];
@@ -151,7 +150,7 @@ static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
   }
 }
 
-/* Whether a node moves otherwise than the sleeping part. */
+/* Whether a node moves differently from the sleeping part. */
 static inline int stirs(const body *own, const double *u, const double *v, const double *past,
                         int64_t n)
 {
@@ -176,8 +175,8 @@ static int choose_motion(const ct_solid_part *part, const double *u, const doubl
   return 0;
 }
 
-/* Let a part sleep where it moves as the first batch does that may; returns whether it does
- * anywhere. */
+/* Let those batches of a part sleep that move like the first possible one; returns whether there
+ * are any. */
 static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, const double *past)
 {
   const ct_solid_part *part = &s->parts[p];
@@ -245,7 +244,7 @@ void ct_sleep_wake(ct_sleep *s, double *displacement)
   for (int32_t p = 0; p < s->part_count; p++) {
     int32_t n = s->parts[p].first_node, end = n + s->parts[p].mesh->node_count;
     if (!s->bodies[p].sleeps) continue;
-    // -- A node that has moved otherwise wakes its elements, and is not asked again
+    // -- A node with a different motion wakes its elements, and is not checked again
     for (n = ct_bits_next(s->front, n, end, 1); n < end;
          n = ct_bits_next(s->front, n + 1, end, 1)) {
       if (!differ(&displacement[3 * (int64_t)n], s->bodies[p].displacement)) continue;

@@ -16,13 +16,13 @@ static int has_increment(const ct_effect *effect)
   return effect->constraints != NULL && effect->constraints->increment != NULL;
 }
 
-/* Most nodes of a row of an effect. */
+/* Largest number of nodes of a row of an effect. */
 static int32_t row_nodes(const ct_effect *effect)
 {
   return effect->constraint_nodes > 0 ? effect->constraint_nodes : CT_ROW_NODES;
 }
 
-/* Where the nodes of effects that prescribe motion stand among the solver's. */
+/* Places of the nodes of effects that prescribe motion among the solver's nodes. */
 static void find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c,
                         ct_pool *pool)
 {
@@ -66,7 +66,7 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
   ct_release(sets);
 }
 
-/* Whether the places of a row's nodes are in the list of its effect. */
+/* Whether the nodes of a row are in the list of its effect. */
 static int has_places(const ct_effect *effect, int32_t count, const int32_t *place,
                       const double *shape)
 {
@@ -75,7 +75,7 @@ static int has_places(const ct_effect *effect, int32_t count, const int32_t *pla
   return fine;
 }
 
-/* Whether an effect has listed what it may; the library's own rows are right. */
+/* Check the rows that an effect has listed; those of the library need no check. */
 static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows, int64_t count,
                             ct_error *error)
 {
@@ -92,7 +92,7 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
                    effect->label, (long long)count, (long long)effect->constraint_count);
 }
 
-/* Let every effect list the rows that may be active. */
+/* Let each effect list the rows that may be active. */
 static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver *s,
                            ct_error *error)
 {
@@ -114,20 +114,20 @@ static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver
   return CT_OK;
 }
 
-/* Displacement increment of each node until t_{n+1} without the constraints, how far one more unit
- * of force moves each component, and its increment since t_{n-1} (eq:constraint-problem, eq:stage).
+/* Displacement increment of each node until t_{n+1} without the constraints, further increment of
+ * each component per unit force, and its increment since t_{n-1} (eq:constraint-problem, eq:stage).
  */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
-  // The last evaluation was in the other stage, where there are two.
+  // With two stages the last evaluation was in the other one.
   ct_stage stages[2], stage = ct_stage_now(problem, state);
   int count = ct_integrator_stages(&problem->integrator, stages);
   double before = stages[count - 1 - state->workspace->stage].tau * problem->dt, push = stage.r;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
   const double *past = ct_stage_past(problem, state);
-  // -- At the start the acceleration before is that of t = 0, and the velocity, the one of t = 0,
-  // has its share of it already (eq:stage-start)
+  // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
+  // part of it (eq:stage-start)
   if (state->workspace->starting) {
     int pulled = problem->integrator.scheme == CT_PUSHFORWARD_PULLBACK;
     push = stage.r + (pulled ? 0.0 : stage.l) -
@@ -147,7 +147,7 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
     }
 }
 
-/* Degrees of freedom whose motion is prescribed: no force moves them. */
+/* Degrees of freedom with prescribed motion, which no force moves. */
 static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   ct_constraints *c = state->workspace->constraints;
@@ -199,7 +199,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   if (state->step == 0) mark_start(s, c->begun);
   state->unconverged += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
-  // Each effect pays for its rows.
+  // The time is charged to each effect in proportion to its rows.
   for (int32_t k = 0, set = 0; problem->clock != NULL && k < problem->effect_count; k++)
     if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT) {
       double share = (double)(s->first[set + 1] - s->first[set]) / (double)rows;

@@ -6,20 +6,20 @@
 #include "../constraint/solve.h"
 #include "workspace.h"
 
-/* The constraints of a problem in a state: how the step fills the solver and reads it. */
+/* The constraints of a problem in a state: input and output of the solver. */
 typedef struct ct_constraints {
   ct_solver *solver;
   int32_t **place;   /* of each effect that prescribes motion: its nodes' places among the solver's,
                         or -1 */
-  double *increment; /* prescribed by one effect; null when none does */
-  uint64_t *begun;   /* a bit a node of the problem: a force of a constraint begins there at t = 0
-                        (eq:energy-start) */
+  double *increment; /* prescribed by one effect; null if none does */
+  uint64_t *begun; /* one bit per node of the problem: a force of a constraint begins there at t = 0
+                      (eq:energy-start) */
 } ct_constraints;
 
-/* The workspace's constraints, from its pool, which may fail; null when no effect has any. */
+/* The workspace's constraints, from its pool, which may fail; null if no effect has any. */
 void ct_constraints_create(const ct_problem *problem, ct_workspace *w);
 
-/* List the constraints of all effects and find their forces, given the sum of all other forces
+/* List the constraints of all effects and solve for their forces, given the sum of all other forces
  * (eq:constraint-problem). */
 ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_error *error);
 

@@ -6,27 +6,26 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 
-/* An effect on the heap from a filled one, of any kind; see ct_effect_create, which is for those of
- * a host. */
+/* An effect on the heap, copied from a filled one, of any kind; hosts have ct_effect_create. */
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error);
 
-/* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies when `bodies` is
+/* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies if `bodies` is
  * null; from a pool. */
 ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count,
                                const char *name, ct_pool *pool, int32_t **nodes,
                                int32_t *node_count, ct_error *error);
 
-/* The body that a node of the problem belongs to. */
+/* The body of a node of the problem. */
 int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
 
-/* Where it is: that body, and its number there. */
+/* Place of a node: its body, and its number there. */
 ct_place ct_effect_place(const ct_problem *problem, int32_t node);
 
 /* The first member of every definition of an effect, set by its default. */
 enum { CT_DEF_COOKIE = 0x63745f64 };
 
-/* ``CT_ERROR_ARGUMENT`` for a null argument of a factory, or a definition (by its cookie) that does
- * not start from its default. */
+/* ``CT_ERROR_ARGUMENT`` for a null argument of a factory, or a definition that does not start from
+ * its default (shown by its cookie). */
 ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,
                               const char *what, ct_error *error);
 
@@ -41,10 +40,10 @@ static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
   return effect->nodes == NULL ? i : effect->nodes[i];
 }
 
-/* Whether the members of an effect go together, and its nodes ascend. */
+/* Check that the members of an effect are consistent and its nodes ascend. */
 ct_status ct_effect_check(const ct_effect *effect, ct_error *error);
 
-/* Whether a problem with so many nodes has those of an effect, which ascend. */
+/* Check that an effect's nodes, which ascend, belong to a problem with so many nodes. */
 ct_status ct_effect_check_nodes(const ct_effect *effect, int32_t node_count, ct_error *error);
 
 /* The end of a factory: with CT_OK the effect on the heap, otherwise its data are freed. */

@@ -16,8 +16,8 @@ static double kick_time(const ct_problem *problem)
   return 2.0 * ct_integrator_share(&problem->integrator) * problem->dt;
 }
 
-/* v_{n+1/2} of one degree of freedom: as far beyond v_n as v_{n-1/2} is behind (eq:stage-velocity).
- */
+/* v_{n+1/2} of one degree of freedom: v_n is the mean of v_{n-1/2} and v_{n+1/2}
+ * (eq:stage-velocity). */
 static double velocity_after(const ct_problem *problem, const ct_state *state, double kick,
                              int64_t dof)
 {
@@ -25,7 +25,7 @@ static double velocity_after(const ct_problem *problem, const ct_state *state, d
                  state->workspace->total[dof]);
 }
 
-/* Check the arguments of a question about an effect, and make the forces. */
+/* Check the arguments of a query about an effect, and compute the forces. */
 static ct_status begin(const ct_problem *problem, ct_state *state, int32_t effect, const void *out,
                        ct_error *error)
 {
@@ -37,7 +37,7 @@ static ct_status begin(const ct_problem *problem, ct_state *state, int32_t effec
 }
 
 /* Work of the first effect since t = 0, the kinetic energy, and for each body its momentum (or
- * null); what its forces have stored goes to `half_work`. */
+ * null); the energy stored by linear forces is written to `half_work`. */
 static double first_sums(const ct_problem *problem, const ct_state *state, double *kinetic,
                          ct_momentum *momentum, int *is_far)
 {
@@ -59,7 +59,7 @@ static double first_sums(const ct_problem *problem, const ct_state *state, doubl
   return state->step == 0 ? 0.0 : 0.5 * problem->dt * ct_sum(work, bodies);
 }
 
-/* Add the impulse that an effect has given to a body to those of its kind (eq:impulse-balance). */
+/* Add the impulse of an effect on a body to the impulses of its kind (eq:impulse-balance). */
 static void add_impulse(const ct_problem *problem, int32_t k, const double impulse[3],
                         ct_momentum *momentum)
 {
@@ -72,7 +72,7 @@ static void add_impulse(const ct_problem *problem, int32_t k, const double impul
 }
 
 /* Work of another effect since t = 0; its impulses are added to the momenta of the bodies (or
- * null). By t = 0 nothing has done work (eq:work-start). */
+ * null). At t = 0 the work is 0 (eq:work-start). */
 static double effect_work(const ct_problem *problem, const ct_state *state, int32_t k,
                           ct_momentum *momentum)
 {
@@ -86,7 +86,7 @@ static double effect_work(const ct_problem *problem, const ct_state *state, int3
   return state->step == 0 ? 0.0 : 0.5 * problem->dt * ct_sum(work, problem->body_count);
 }
 
-/* What an effect stores; the solid knows what of it its forces tell. */
+/* Stored energy of an effect; that of the solid follows partly from its forces. */
 static ct_status stored_by(const ct_problem *problem, ct_state *state, int32_t k, double *energy,
                            ct_error *error)
 {
@@ -127,7 +127,7 @@ ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k
   return stored_by(problem, state, k, energy, error);
 }
 
-/* The row of a state whose forces stand. */
+/* The row of a state whose forces are known. */
 static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger *row,
                           ct_error *error)
 {
@@ -214,7 +214,7 @@ ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double 
   if (status != CT_OK) return status;
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     if (problem->inverse_mass[d] != 0.0) left = fmax(left, fabs(state->workspace->total[d]));
-  // The kinetic energy half a step back is never negative, unlike that of the ledger.
+  // The kinetic energy at t_{n-1/2} is never negative, unlike that of the energy balance.
   double kinetic =
       0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
   // -- The larger of the two shares (eq:residual)

@@ -1,4 +1,4 @@
-/* What the explicit methods have in common: each is the leapfrog with another drift. */
+/* Common parts of the explicit methods: each is the leapfrog with another drift. */
 #include <libcontact/step.h>
 
 #include "../base/error.h"
@@ -8,13 +8,13 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Smallest, largest and usual parameter of each scheme. */
+/* Smallest, largest and default parameter of each scheme. */
 typedef struct range {
   const char *name, *parameter;
   double least, most, usual;
 } range;
 
-/* 2 - √2: with a larger τ₁ the method of Noh and Bathe damps less again. */
+/* 2 - √2: with a larger τ₁ the dissipation of the method of Noh and Bathe decreases again. */
 #define LARGEST_P 0.585786437626905
 static const range RANGES[] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0},
                                {"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0},
@@ -65,7 +65,7 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
   case CT_CENTRAL_DIFFERENCE:
     break;
   case CT_CHUNG_LEE:
-    // -- The drift hurries after the change of the force (eq:chung-lee-drift)
+    // -- The drift depends on the change of the force (eq:chung-lee-drift)
     stages[0].r = value;
     stages[0].l = 1.0 - value;
     break;
@@ -77,11 +77,12 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
     return 2;
   }
   case CT_TCHAMWA_WIELGOSZ:
-    // -- The drift takes more of the force than the velocity keeps (eq:tchamwa-wielgosz-drift)
+    // -- The drift uses a larger multiple of the force than the velocity
+    // (eq:tchamwa-wielgosz-drift)
     stages[0].r = phi_of(value);
     break;
   case CT_PUSHFORWARD_PULLBACK: {
-    // -- The drift takes a share of the change of the acceleration over the push
+    // -- The drift adds a fraction of the change of acceleration over the pushforward
     // (eq:pullback-drift)
     double q = push_of(integrator);
     stages[0].l = value * (q - 1.0 / q) / 6.0;
@@ -129,8 +130,8 @@ double ct_integrator_step(const ct_integrator *integrator, double omega_squared,
   const double s = stiffening(integrator);
   // 2 / √Σω̂² (eq:step-bound)
   if (rate == 0.0) return 2.0 / sqrt(s * omega_squared);
-  // -- A lag of the velocity costs every method as much as the leapfrog; two stages share the cost
-  // (eq:integrator-damped-bound)
+  // -- A velocity half a step old costs each method as much as the leapfrog; two stages share the
+  // cost (eq:integrator-damped-bound)
   if (integrator->scheme == CT_NOH_BATHE)
     return 4.0 / (sqrt(s) * (rate + sqrt(rate * rate + 4.0 * omega_squared)));
   // 4 / (d̂ + √(d̂² + 4 ω̂²)) (eq:damped-step-bound)

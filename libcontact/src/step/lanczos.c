@@ -1,5 +1,4 @@
-/* The largest frequency of the bodies as they are assembled: Lanczos' method with a bound on how
- * far it may be below. */
+/* The largest frequency of the assembled bodies: Lanczos' method with a bound on its error. */
 #include <libcontact/step.h>
 
 #include "../base/error.h"
@@ -12,15 +11,14 @@
 #include <math.h>
 #include <stdint.h>
 
-/* The answer may be too small by more than the margin with this probability over the random starts.
- */
+/* Probability, over random starts, that the result is too small by more than the margin. */
 static const double MARGIN = 0.06, DOUBT = 1e-12, SMALL = 1e-6;
 
-/* Vectors of one number a degree of freedom, and the tridiagonal matrix. */
+/* Vectors with one number per degree of freedom, and the tridiagonal matrix. */
 typedef struct lanczos {
   const ct_problem *problem;
   ct_view view;
-  double scale; /* largest displacement that is tried */
+  double scale; /* largest trial displacement */
   double *now, *before, *next, *u, *force;
   double *diagonal, *beside;
   int rounds;
@@ -35,7 +33,7 @@ static double dot(const lanczos *l, const double *x, const double *y)
   return ct_sum_product(l->problem->node_count, NULL, x, y);
 }
 
-/* A direction on the sphere, none more likely than another; what a support holds does not move. */
+/* A random direction, uniform on the sphere; fixed components are 0. */
 static void start(lanczos *l)
 {
   int64_t count = 3 * (int64_t)l->problem->node_count;
@@ -47,7 +45,8 @@ static void start(lanczos *l)
   for (int64_t d = 0; d < count && length > 0.0; d++) l->now[d] /= length;
 }
 
-/* next = A now with A = M^-1/2 K M^-1/2, by one force of the solid (eq:assembled-operator). */
+/* next = A now with A = M^-1/2 K M^-1/2, by one evaluation of the solid's force
+ * (eq:assembled-operator). */
 static ct_status apply(lanczos *l, ct_error *error)
 {
   const ct_effect *solid = l->problem->effects[0];
@@ -65,8 +64,7 @@ static ct_status apply(lanczos *l, ct_error *error)
   return status;
 }
 
-/* Rounds of Lanczos' recurrence; `rounds` becomes the number that were made (eq:assembled-rounds).
- */
+/* Rounds of Lanczos' recurrence; `rounds` becomes their actual number (eq:assembled-rounds). */
 static ct_status recur(lanczos *l, ct_error *error)
 {
   int64_t count = 3 * (int64_t)l->problem->node_count;
@@ -81,7 +79,7 @@ static ct_status recur(lanczos *l, ct_error *error)
     if (!isfinite(length))
       return ct_fail(error, CT_INVALID, CT_NOWHERE,
                      "stable step: the stiffness of the bodies is not finite");
-    // Nothing is left: the eigenvalues so far are exact.
+    // The remainder is zero: the eigenvalues so far are exact.
     if (!(length > 1e-12 * fabs(a))) {
       l->rounds = k + 1;
       break;
@@ -93,7 +91,7 @@ static ct_status recur(lanczos *l, ct_error *error)
   return CT_OK;
 }
 
-/* Largest eigenvalue of the tridiagonal matrix, from above. */
+/* Upper bound on the largest eigenvalue of the tridiagonal matrix. */
 static double largest(const lanczos *l)
 {
   double low = 0.0, high = ct_tridiagonal_reach(l->rounds, l->diagonal, l->beside);
@@ -109,7 +107,7 @@ static double largest(const lanczos *l)
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
                               ct_error *error)
 {
-  // Bodies whose stiffness may change with time have no largest frequency once for all.
+  // If the stiffness may change, no bound holds for all times.
   if (!ct_problem_is_linear(problem) || problem->effects[0]->kind != CT_EFFECT_SOLID)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "stable step: the assembled bound is for linear solids");

@@ -1,4 +1,4 @@
-/* Work and impulses of the effects, summed up along with the motion. */
+/* Work and impulses of the effects, summed during the motion. */
 #include "ledger.h"
 
 #include "../base/lanes.h"
@@ -16,7 +16,7 @@ void ct_ledger_keep(ct_state *state)
   }
 }
 
-/* After the step: the first effect's work at nodes with several effects is that of its own force
+/* After the step: at nodes with several effects the first effect's work is that of its own force
  * (eq:work-balance, eq:stage-work). */
 static void correct_shared(ct_state *state, double share)
 {
@@ -29,7 +29,8 @@ static void correct_shared(ct_state *state, double share)
     }
 }
 
-/* A number, or +0 where it is not wanted; by its bits, as compilers make a branch of a choice. */
+/* A number, or +0 if `wanted` is 0; with bit operations, because compilers turn a choice into a
+ * branch. */
 CT_INLINE double only_where(int wanted, double x)
 {
   uint64_t bits;
@@ -39,7 +40,7 @@ CT_INLINE double only_where(int wanted, double x)
   return x;
 }
 
-/* Take the forces on held degrees of freedom from an impulse. */
+/* Subtract the forces on prescribed degrees of freedom from an impulse. */
 CT_CLONES
 static void react(int64_t count, double share, const double *restrict inverse_mass,
                   const double *restrict force, double *restrict impulse)
@@ -49,14 +50,14 @@ static void react(int64_t count, double share, const double *restrict inverse_ma
     impulse[d] -= only_where(inverse_mass[d] == 0.0, share * force[d]);
 }
 
-/* The impulse of one reaction: minus all other forces on the degrees of freedom that it holds. */
+/* The impulse of one reaction: minus all other forces on its degrees of freedom. */
 static void count_reaction(const ct_problem *problem, const double *total, const ct_effect *effect,
                            double share, int32_t first, int32_t last, double *impulse)
 {
   const int32_t *nodes = effect->nodes;
   int32_t i = nodes == NULL ? first : ct_lower_bound(nodes, effect->node_count, first), end = last;
   for (; i < effect->node_count && ct_effect_node(effect, i) < last; i = end) {
-    // Nodes whose numbers follow each other are taken together.
+    // Nodes with consecutive numbers are processed together.
     for (end = i + 1; nodes != NULL && end < effect->node_count && nodes[end] < last &&
                       nodes[end] == nodes[end - 1] + 1;)
       end++;
@@ -76,7 +77,7 @@ void ct_ledger_reactions(const ct_problem *problem, ct_state *state, double shar
                      state->impulse + ct_state_starts(problem, k).impulse);
 }
 
-/* Work and impulse of the effects beside the first and the reactions, of a stage whose kick is
+/* Work and impulse of the effects other than the first and the reactions, for a stage whose kick is
  * `share` of the step. */
 static void count_work(const ct_problem *problem, ct_state *state, double share)
 {
@@ -88,7 +89,7 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
     for (int32_t i = 0, at = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
-      // Both lists ascend, so a walk finds the velocity before the step.
+      // Both lists ascend, so one pass finds the velocity before the step.
       while (w->shared[at] < node) at++;
       const double *before = &w->shared_velocity[3 * (int64_t)at],
                    *force = &w->force[k][3 * (int64_t)i];

@@ -1,5 +1,5 @@
-/* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the
- * solid has become too stiff for the step. */
+/* Checks of a state between steps: finite motion, spurious energy, and a solid that has become too
+ * stiff for the step. */
 #include <libcontact/step.h>
 #include <libcontact/base.h>
 
@@ -14,8 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounds of the power iteration when a monitor is made, and the share of noise that keeps every
- * direction alive in it. */
+/* Rounds of the power iteration when a monitor is created, and the fraction of noise that keeps all
+ * directions in it. */
 enum { FIRST_ROUNDS = 12 };
 static const double NOISE = 0.01, SMALL = 1e-6;
 
@@ -24,17 +24,17 @@ struct ct_monitor {
   const ct_problem *problem;
   ct_monitor_options options;
   ct_state *good;
-  ct_ledger ledger, next; /* the row of the good state, and of the one that is checked */
-  double start;           /* the ledger's total at the start */
-  double *gave; /* what each effect that stores energy had given to the ledger's total by then */
-  double floor; /* energy that round-off can make (eq:energy-floor) */
+  ct_ledger ledger, next; /* the row of the good state, and that of the state being checked */
+  double start;           /* total of the energy balance at the start */
+  double *gave;           /* contribution of each effect with stored energy to that total by then */
+  double floor;           /* energy that round-off can cause (eq:energy-floor) */
   ct_growth growth;
   double largest;  /* largest kinetic, stored or external energy of the good states */
   double expected; /* largest energy of motion and strain that the good states should have had */
   double swing;    /* 1 - (Δt / stable Δt)² */
   double edge;     /* shortest edge of all bodies */
   double omega_squared; /* of the last check */
-  double *mode; /* direction of the power iteration, shape (node_count, 3), or null when no body can
+  double *mode; /* direction of the power iteration, shape (node_count, 3), or null if no body can
                    stiffen */
   double *moved, *force;
   void *scratch; /* of the first effect */
@@ -57,7 +57,7 @@ static void square_terms(const ct_problem *problem, const ct_state *state, const
   ct_product_terms(end - first, &problem->mass[first], own, own, terms);
 }
 
-/* The node with the largest of them. */
+/* The node with the largest kinetic energy. */
 static int32_t largest_node(const ct_problem *problem, const ct_state *state, const double *x)
 {
   int32_t best = 0;
@@ -69,7 +69,7 @@ static int32_t largest_node(const ct_problem *problem, const ct_state *state, co
   return best;
 }
 
-/* An element of a body that has the node, counted in the body. */
+/* An element of a body with this node, numbered in the body. */
 static int64_t element_with(const ct_mesh *mesh, int32_t node)
 {
   int64_t per = ct_brick_node_count(mesh->kind);
@@ -78,9 +78,9 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* Energies of one look: what bodies and contacts store, what has appeared in the ledger; what
- * motion and strain should have, and have had at most (eq:energy-appears); the largest energy of
- * all, and below which nothing is reported. */
+/* Energies of one check: stored by bodies and contacts, spurious energy in the balance; energy that
+ * motion and strain should have, and its largest value so far (eq:energy-appears); the largest
+ * energy of all, and the limit below which nothing is reported. */
 typedef struct energies {
   double elastic, appeared, expected, most_expected, scale, least;
 } energies;
@@ -92,7 +92,7 @@ static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *
   ct_energy ledger = w->next.energy;
   double stored = ledger.total - ledger.kinetic + ledger.external;
   *e = (energies){.elastic = ledger.strain + ledger.contact, .appeared = ledger.total - w->start};
-  // All that was there and was brought, less what other effects store.
+  // Initial energy and external work, minus the energy stored by other effects.
   e->expected = w->start + ledger.external - (stored - e->elastic);
   e->most_expected = fmax(fmax(e->expected, w->expected), 0.0);
   e->scale = fmax(fabs(ledger.kinetic), fmax(fabs(stored), fabs(ledger.external)));
@@ -100,8 +100,8 @@ static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *
   return CT_OK;
 }
 
-/* Energy that round-off can make: a part ε of what the material could hold, which is Σ m c₁²
- * (eq:energy-floor). */
+/* Energy that round-off can cause: a fraction ε of the energy that the material could store, Σ m
+ * c₁² (eq:energy-floor). */
 static double floor_of(const ct_problem *problem)
 {
   double sum = 0.0;
@@ -114,15 +114,15 @@ static double floor_of(const ct_problem *problem)
   return DBL_EPSILON * sum;
 }
 
-/* What an effect has given to the ledger's total since t = 0: its work and what it stores, less
- * what came through it from outside (eq:energy-growth). */
+/* Contribution of an effect to the total of the energy balance since t = 0: its work and stored
+ * energy, minus energy from outside (eq:energy-growth). */
 static double given_by(const ct_monitor *w, int32_t k)
 {
   const ct_effect_energy *own = &w->next.effects[k];
   return w->problem->effects[k]->energy == NULL ? 0.0 : (own->work + own->stored) - own->external;
 }
 
-/* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
+/* Store the first growth above the reporting limit (eq:energy-growth). */
 static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 {
   double most = -INFINITY;
@@ -145,7 +145,7 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
 {
   // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
   double limit = w->options.energy_limit, expected = e->most_expected;
-  // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
+  // -- A growing oscillation, which the total of the energy balance does not show (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
   ct_place at = ct_effect_place(w->problem, largest_node(w->problem, state, NULL));
@@ -157,11 +157,11 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
       w->problem->bodies[at.body].name, (int)at.point);
 }
 
-/* Uniform on (-1, 1), the same for every run. */
+/* Uniform on (-1, 1), the same for each run. */
 static double noise(uint64_t *seed) { return ct_random_bits(seed) / 4503599627370496.0 - 1.0; }
 
-/* Scale the direction to p · M p = 1, with some noise, so that none is lost; what a support holds
- * does not move. */
+/* Scale the direction to p · M p = 1, with some noise, so that no direction is lost; fixed
+ * components are 0. */
 static void normalise(ct_monitor *w)
 {
   const ct_problem *problem = w->problem;
@@ -175,8 +175,8 @@ static void normalise(ct_monitor *w)
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count && norm > 0.0; d++) w->mode[d] /= norm;
 }
 
-/* One round of the power iteration about the state, whose forces stand: one more force of the solid
- * (eq:step-quotient). */
+/* One round of the power iteration about the state, whose forces are known: one further evaluation
+ * of the solid's force (eq:step-quotient). */
 static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
@@ -202,7 +202,7 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
   for (int64_t d = 0; d < count; d++) w->mode[d] = problem->inverse_mass[d] * w->force[d];
-  // Numbers too large or too small for a quotient say nothing; the next round begins anew.
+  // Numbers too large or too small for a quotient give no result; the next round begins again.
   if (!isfinite(w->omega_squared) ||
       !isfinite(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode))) {
     memset(w->mode, 0, (size_t)count * sizeof *w->mode);
@@ -228,7 +228,7 @@ static ct_status look_at_step(ct_monitor *w, ct_state *state, ct_error *error)
                  problem->bodies[at.body].name, (long long)at.element);
 }
 
-/* Whether the state is the one that was looked at last. */
+/* Whether the state is the one of the last check. */
 static int is_good(const ct_monitor *w, const ct_state *state)
 {
   size_t bytes = 3 * (size_t)w->problem->node_count * sizeof(double);
@@ -237,7 +237,7 @@ static int is_good(const ct_monitor *w, const ct_state *state)
          memcmp(w->good->velocity, state->velocity, bytes) == 0;
 }
 
-/* The row that was measured is that of the good state. */
+/* The measured row becomes that of the good state. */
 static void keep_ledger(ct_monitor *w)
 {
   ct_ledger before = w->ledger;
@@ -264,12 +264,12 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
 {
   if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
   if (is_good(monitor, state)) return CT_OK;
-  // Forces that stand may be older than the last change of the state by its host.
+  // Known forces may be older than the last change of the state by its host.
   ct_series_begin(state, 0);
   return check(monitor, state, error);
 }
 
-/* Tell time and body where an effect that failed could not. */
+/* Add time and body to the error of an effect. */
 static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
                           ct_error *error)
 {
@@ -286,7 +286,7 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   return status;
 }
 
-/* Whether all that forces follow from is as it was when the state was looked at last. */
+/* Whether all inputs of the forces are those of the last check. */
 static int is_unchanged(const ct_monitor *w, const ct_state *state)
 {
   size_t bytes = (size_t)state->memory_count * sizeof *state->memory;
@@ -294,8 +294,8 @@ static int is_unchanged(const ct_monitor *w, const ct_state *state)
          memcmp(w->good->memory, state->memory, bytes) == 0;
 }
 
-/* Steps with a check at every multiple of `every`, and one after the last step if that is asked
- * for. A check between two steps lets what sleeps sleep on. */
+/* Steps with a check at each multiple of `every`, and one after the last step if requested. A check
+ * between two steps does not wake sleeping elements. */
 static ct_status steps(ct_monitor *monitor, ct_state *state, int64_t count, int at_end,
                        ct_error *error)
 {
@@ -327,8 +327,8 @@ ct_status ct_monitor_advance(ct_monitor *monitor, ct_state *state, int64_t count
   return steps(monitor, state, count, 1, error);
 }
 
-/* First rounds of the power iteration. A linear solid keeps its stiffness, and is not asked again.
- */
+/* First rounds of the power iteration. The stiffness of a linear solid does not change, so it is
+ * not checked again. */
 static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_effect *solid = w->problem->effects[0];
@@ -368,7 +368,7 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
-  // Before the start no energy was known: all of it has appeared.
+  // Before the start no energy was known: all of it counts as new.
   w->start = e.appeared;
   w->floor = floor_of(problem);
   w->largest = e.scale;
@@ -414,7 +414,7 @@ void ct_monitor_free(ct_monitor *w)
 
 ct_state *ct_monitor_good(const ct_monitor *monitor)
 {
-  // Most runs have no fault, and nobody asks for the forces of their good states.
+  // The forces of good states are computed on demand, because most runs have no fault.
   return monitor == NULL || ct_state_equip(monitor->good, NULL) != CT_OK ? NULL : monitor->good;
 }
 

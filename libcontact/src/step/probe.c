@@ -1,4 +1,4 @@
-/* Histories of points, surfaces and resultants, a row a step, taken in the time loop. */
+/* Histories of points, surfaces and resultants, one row per step, recorded in the time loop. */
 #include <libcontact/base.h>
 #include <libcontact/step.h>
 
@@ -24,7 +24,7 @@ typedef struct probe {
   ct_probe_def def;
   char name[LONGEST_NAME + 1];
   int32_t column[QUANTITIES], width;
-  place *places; /* where forces are summed */
+  place *places; /* nodes at which forces are summed */
   int32_t place_count;
   double mass; /* of its nodes */
   double *rows;
@@ -94,7 +94,7 @@ static ct_status check(const ct_problem *problem, const probe *p, ct_error *erro
   return check_nodes(problem, p, error);
 }
 
-/* The name, which is that of a dataset in a results file. */
+/* The name, which becomes that of a dataset in a results file. */
 static ct_status take_name(ct_probes *probes, int32_t i, const char *name, ct_error *error)
 {
   probe *p = &probes->list[i];
@@ -108,7 +108,7 @@ static ct_status take_name(ct_probes *probes, int32_t i, const char *name, ct_er
   return CT_OK;
 }
 
-/* List where the forces of the effects act on the nodes of the probe. */
+/* List the places of the effects' forces at the nodes of the probe. */
 static void list_places(ct_probes *probes, probe *p)
 {
   const ct_probe_def *def = &p->def;
@@ -150,7 +150,7 @@ static ct_status create_probe(ct_probes *probes, int32_t i, const ct_probe_def *
   return CT_OK;
 }
 
-/* Room for the terms of the longest sum, and the masses of the nodes. */
+/* Memory for the terms of the longest sum, and the masses of the nodes. */
 static void finish(ct_probes *probes)
 {
   int32_t most = 0;
@@ -197,7 +197,7 @@ void ct_probes_free(ct_probes *probes)
 
 /* -- Take a row -- */
 
-/* One of three vectors of a node at t_n, as records have it. */
+/* One of three vectors of a node at t_n, as in records. */
 static void motion_of(const ct_problem *problem, const ct_state *state, int quantity, int32_t node,
                       double out[3])
 {
@@ -230,8 +230,8 @@ static void take_motion(ct_probes *probes, const probe *p, const ct_state *state
   for (int c = 0; c < 3; c++) out[c] = ct_sum(&probes->terms[(int64_t)c * count], count) / p->mass;
 }
 
-/* Stress at the centre of the element; what can't be computed, of an element that is turned inside
- * out, is NaN, as a probe must not end a run. */
+/* Stress at the centre of the element; NaN if the element is inverted, because a probe must not end
+ * a run. */
 static void take_stress(const ct_probes *probes, const probe *p, const ct_state *state, double *row)
 {
   static const double centre[3] = {0.0, 0.0, 0.0};
@@ -277,8 +277,8 @@ static void take_force(ct_probes *probes, const probe *p, const ct_state *state,
   for (int c = 0; c < 3; c++) out[c] = ct_sum(&probes->terms[(int64_t)c * count], count);
 }
 
-/* The rows of a state whose forces stand, for which there is room. A restart may come to a time
- * that is that of a row but for round-off. */
+/* The rows of a state whose forces are known, within the capacity. The time of a restart may equal
+ * that of a row up to round-off. */
 static void take_rows(void *data, const ct_state *state)
 {
   ct_probes *probes = data;
@@ -300,7 +300,7 @@ static void take_rows(void *data, const ct_state *state)
 
 /* -- The time loop -- */
 
-/* Room for some rows more. */
+/* Enlarge the capacity for some more rows. */
 static ct_status grow(probe *p, int64_t more, ct_error *error)
 {
   if (p->row_count + more <= p->room) return CT_OK;
@@ -314,7 +314,7 @@ static ct_status grow(probe *p, int64_t more, ct_error *error)
   return CT_OK;
 }
 
-/* Nodes that a probe reads are moved one by one where the rest of a body sleeps. */
+/* Nodes of a probe are moved individually even if the rest of a body sleeps. */
 static void keep_moving(const ct_probes *probes, const probe *p, ct_state *state)
 {
   struct ct_sleep *sleep = state->workspace->sleep;
@@ -332,7 +332,7 @@ static void keep_moving(const ct_probes *probes, const probe *p, ct_state *state
   }
 }
 
-/* Drop what is later than the state, and make room for the rows of some steps. */
+/* Drop rows that are later than the state, and allocate the rows of some steps. */
 static ct_status prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error)
 {
   if (probes == NULL || state == NULL || state->problem != probes->problem || count < 0)

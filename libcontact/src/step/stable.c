@@ -1,4 +1,4 @@
-/* The largest stable time step of a problem, and what bounds it. */
+/* The largest stable time step of a problem, and the effects that bound it. */
 #include <libcontact/step.h>
 
 #include "../base/error.h"
@@ -8,7 +8,7 @@
 
 enum { FIXED_POINT_ROUNDS = 64 };
 
-/* Two steps are alike when they differ by no more than this part. */
+/* Two steps are equal if they differ by at most this fraction. */
 static const double ALIKE = 1e-6;
 
 double ct_problem_edge(const ct_problem *problem)
@@ -55,19 +55,19 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   return status;
 }
 
-/* Whether an effect of this kind acts only where something touches. */
+/* Whether an effect of this kind acts only during contact. */
 static int is_contact(ct_effect_kind kind)
 {
   return kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_FRICTION || kind == CT_EFFECT_OBSTACLE;
 }
 
-/* Sums of the bounds of ω² and of damping rates, and the same of effects that have no matrix of an
- * element. */
+/* Sums of the bounds of ω² and of damping rates, and the same for effects without an element
+ * matrix. */
 typedef struct bounds {
   double omega_squared, rate, other_omega_squared, other_rate;
 } bounds;
 
-/* What bounds the step of all effects, and of all but the contacts. */
+/* Bounds on the step from all effects, and from all but the contacts. */
 static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds sum[2],
                             ct_error *error)
 {
@@ -88,8 +88,8 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds s
   return CT_OK;
 }
 
-/* The stable step of these sums. An effect that enlarges them does so the less the larger the
- * step; the fixed point is approached from below, so every round is stable (eq:averaged-bound). */
+/* The stable step for these sums. The increase by an effect is smaller for a larger step; the fixed
+ * point is approached from below, so each round is stable (eq:averaged-bound). */
 static double step_of(const ct_problem *problem, const bounds *sum)
 {
   const ct_effect *enlarging = NULL;
@@ -104,8 +104,8 @@ static double step_of(const ct_problem *problem, const bounds *sum)
   return dt;
 }
 
-/* Raise a stable step by the bound of the sum where some effect has a matrix of an element. The
- * bound grows less than Δt², so every round is stable (eq:joint-step). */
+/* Increase a stable step by the bound of the sum if some effect has an element matrix. The bound
+ * grows more slowly than Δt², so each round is stable (eq:joint-step). */
 static ct_status raise_step(const ct_problem *problem, const bounds *sum, double *dt,
                             ct_error *error)
 {
@@ -114,7 +114,7 @@ static ct_status raise_step(const ct_problem *problem, const bounds *sum, double
   int adding = 0;
   for (int32_t k = 1; k < problem->effect_count; k++)
     adding |= problem->effects[k]->add_element != NULL;
-  // For two stages the sums are tested, and nothing is proven.
+  // For two stages the sums are tested, not proved.
   if (!adding || solid->joint_bound == NULL || problem->integrator.scheme == CT_NOH_BATHE)
     return CT_OK;
   for (int round = 0; round < FIXED_POINT_ROUNDS; round++) {

@@ -1,5 +1,4 @@
-/* The moving part of a problem: making, copying and freeing a state, and the forces that belong to
- * it. */
+/* The moving part of a problem: creating, copying and freeing a state, and its forces. */
 #include <libcontact/step.h>
 
 #include "../base/bits.h"
@@ -45,7 +44,7 @@ ct_status ct_stage_check(const ct_state *state, ct_error *error)
                    (long long)state->step);
 }
 
-/* Number of the effect that effect `k` reads, which stands before it; -1: of none. */
+/* Number of the effect that effect `k` reads, an earlier one; -1: none. */
 static int32_t read_by(const ct_problem *problem, int32_t k)
 {
   int32_t i = problem->effects[k]->reads == NULL ? -1 : k - 1;
@@ -63,7 +62,7 @@ static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
   return 0;
 }
 
-/* An effect that follows from all forces of the state stands behind them. */
+/* An effect that depends on all forces of the state comes after them. */
 static ct_status check_enlarging(const ct_problem *p, int32_t k, ct_error *error)
 {
   const ct_effect *effect = p->effects[k];
@@ -176,7 +175,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       status = effect->create_scratch(effect, &w->scratch[k], error);
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
-  // A push moves what sleeps, so nothing may.
+  // A pushforward moves sleeping elements, so none may sleep.
   if (problem->effects[0]->kind == CT_EFFECT_SOLID && scheme != CT_PUSHFORWARD_PULLBACK)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
@@ -196,7 +195,7 @@ static ct_status no_memory(const ct_problem *problem, ct_error *error)
   return CT_NO_MEMORY(error, "a state of %d nodes", (int)problem->node_count);
 }
 
-/* The arrays stand in one block: first those of a restart, which a copy takes all at once. */
+/* The arrays are in one block, those of a restart first, so that a copy takes them at once. */
 ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *s = *out = ct_allocate(1, sizeof *s);
@@ -230,10 +229,10 @@ ct_status ct_state_equip(ct_state *state, ct_error *error)
   return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }
 
-/* Degrees of freedom of a thread at least. */
+/* Fewest degrees of freedom of a thread. */
 enum { LEAST_DOFS = 65536 };
 
-/* Half a step back from t = 0. */
+/* Velocity half a step before t = 0. */
 static void step_back(const ct_problem *problem, ct_state *state)
 {
   double back = -ct_integrator_share(&problem->integrator) * problem->dt,
@@ -252,14 +251,13 @@ static void step_back(const ct_problem *problem, ct_state *state)
     if (past != NULL && state->workspace->pushed == NULL)
       past[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
-  // A force that goes with velocity has seen another one so far; a restart from here would see this
-  // one.
+  // A force that depends on velocity was computed with another one; a restart would use this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
     if (problem->effects[k]->rate_bound != NULL ||
         (problem->effects[k]->phase != CT_PHASE_STATE &&
          problem->effects[k]->phase != CT_PHASE_REACTION))
       state->workspace->forces_at = -1;
-  // Constraints that are solved once more begin with the forces that they have found.
+  // Constraints that are solved once more begin with their present forces.
   for (int32_t k = 0; k < problem->effect_count; k++) {
     int64_t memory = ct_state_starts(problem, k).memory;
     if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT)
@@ -276,8 +274,8 @@ const uint64_t *ct_workspace_begun(const ct_state *state)
              : state->workspace->constraints->begun;
 }
 
-/* The velocity whose product with a force is what the work up to t = 0 must be short of;
- * `has_begun`: a force begins at the node. */
+/* The velocity whose product with a force gives the work to be subtracted at t = 0; `has_begun`: a
+ * force begins at the node. */
 static inline double start_velocity(const ct_problem *problem, const ct_state *state, double share,
                                     int has_begun, int64_t dof)
 {
@@ -287,7 +285,7 @@ static inline double start_velocity(const ct_problem *problem, const ct_state *s
                  state->workspace->total[dof]);
 }
 
-/* Begin the sums of an effect at one node (of the problem), where they stand in `work` and
+/* Initialise the sums of an effect at one node (of the problem), at its place in `work` and
  * `impulse`, or null. */
 static inline void start_node(const ct_problem *problem, const ct_state *state, int32_t node,
                               double share, const uint64_t *begun, const double force[3],
@@ -307,7 +305,7 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   const ct_workspace *w = state->workspace;
   double share = ct_integrator_share(&problem->integrator);
   const uint64_t *begun = ct_workspace_begun(state);
-  // The first effect's force stands in `total`, but for the nodes where others were added.
+  // `total` is the first effect's force except at nodes where others were added.
 #ifdef _OPENMP
   int threads = ct_threads_for(problem->threads, 3 * (int64_t)problem->node_count, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
@@ -336,7 +334,7 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   }
 }
 
-/* The initial velocity; each thread is the first to touch the nodes that it will move. */
+/* The initial velocity; each thread is the first to write the nodes that it will move. */
 static void start_velocities(const ct_problem *problem, ct_state *state)
 {
   int64_t dofs = 3 * (int64_t)problem->node_count;
@@ -365,7 +363,7 @@ ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *er
   return status;
 }
 
-/* Kinetic energy at t = 0, as a row of the ledger has it. */
+/* Kinetic energy at t = 0, as in a row of the energy balance. */
 static ct_status start_kinetic(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_energy energy;
@@ -376,7 +374,7 @@ static ct_status start_kinetic(const ct_problem *problem, ct_state *state, ct_er
     moving[b] = sums.kinetic;
   }
   state->kinetic_start = ct_sum(moving, problem->body_count);
-  // Where it is no number the whole row says why.
+  // If it is NaN, the error of the whole row gives the reason.
   return isfinite(state->kinetic_start) ? CT_OK : ct_energy_of(problem, state, &energy, error);
 }
 
@@ -384,7 +382,8 @@ ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *
 {
   ct_workspace *w = state->workspace;
   ct_status status = CT_OK;
-  // Constraints look a step ahead, and may have been solved for another one; what sleeps is known.
+  // Constraints depend on the next step, and may have been solved for another one; the sleeping
+  // elements are known.
   if (w->constraints != NULL && w->start_dt != problem->dt) {
     w->forces_at = -1;
     w->followed = w->known;
@@ -417,8 +416,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
       from->work_count != to->work_count || from->impulse_count != to->impulse_count ||
       from->memory_count != to->memory_count)
     return CT_REFUSE(error, "state: the two states are of different problems");
-  // One that was read from a file, or is kept by a watch, has no workspace, and stands between two
-  // steps.
+  // A state from a file, or one of a watch, has no workspace, and is between two steps.
   ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
   if (status != CT_OK) return status;
   memcpy(to->displacement, from->displacement,
@@ -429,8 +427,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (to->workspace == NULL) return CT_OK;
   to->workspace->forces_at = -1;
   to->workspace->stage = 0;
-  // Between two steps the acceleration before counts for nothing, but nothing times what is not
-  // finite is not nothing.
+  // Between two steps the last acceleration has no influence; it is cleared because 0 · inf is NaN.
   if (to->workspace->past != NULL)
     memset(to->workspace->past, 0, 3 * (size_t)problem->node_count * sizeof(double));
   return CT_OK;
@@ -480,13 +477,13 @@ void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int
   const double *total = &w->total[3 * (int64_t)node], *own = total;
   if (problem->effects[k]->phase == CT_PHASE_REACTION) {
     const double *inverse_mass = &problem->inverse_mass[3 * (int64_t)node];
-    // -- What a support holds is in balance with all other forces (eq:reaction)
+    // -- The reaction balances all other forces (eq:reaction)
     for (int c = 0; c < 3; c++) force[c] = inverse_mass[c] == 0.0 ? -total[c] : 0.0;
     return;
   }
   if (k > 0) own = &w->force[k][3 * (int64_t)i];
   else {
-    // The first effect's force stands in `total`, but for the nodes where others were added.
+    // `total` is the first effect's force except at nodes where others were added.
     int32_t place = ct_lower_bound(w->shared, w->shared_count, node);
     if (place < w->shared_count && w->shared[place] == node)
       own = &w->shared_first[3 * (int64_t)place];
@@ -494,7 +491,7 @@ void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int
   memcpy(force, own, 3 * sizeof *force);
 }
 
-/* Count the elements whose forces the solid effect has computed, and those that it has left out. */
+/* Count the elements whose forces the solid effect has computed and skipped. */
 static void count_updates(const ct_problem *problem, ct_state *state)
 {
   if (state->workspace->sleep != NULL)
@@ -525,7 +522,7 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   return CT_OK;
 }
 
-/* Find out what sleeps. The force is zero at nodes that no active element has (eq:sleep). */
+/* Find the sleeping elements. The force is zero at nodes without active elements (eq:sleep). */
 static void find_sleep(const ct_problem *problem, ct_state *state)
 {
   ct_workspace *w = state->workspace;
@@ -541,16 +538,16 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
 }
 
-/* Push the nodes for Δt_c by the forces that are known, and lay down how much that changes the
- * acceleration by the bodies, as the acceleration before of the drift. */
+/* Move the nodes for Δt_c by the known forces, and store the resulting change of acceleration in
+ * the bodies as the last acceleration of the drift. */
 static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   const ct_effect *solid = problem->effects[0];
   ct_stage stages[2];
   ct_integrator_stages(&problem->integrator, stages);
-  // What is in contact at t = 0 has got a velocity half a step back by forces that are not known
-  // here, so the first step is a central difference.
+  // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
+  // the first step is a central difference.
   if (w->pushed == NULL || stages[0].l == 0.0 || state->step == 0) return CT_OK;
   double begin = problem->clock == NULL ? 0.0 : problem->clock(),
          push = problem->integrator.push * problem->dt,

@@ -11,12 +11,12 @@
 
 enum {
   NODES_AT_ONCE = 256,
-  LEAST_NODES = 32768, /* of a thread: a fraction of a millisecond */
+  LEAST_NODES = 32768, /* per thread: a fraction of a millisecond */
   STEPS_BETWEEN_CHECKS = 64,
   STEPS_BETWEEN_FOLDS = 256
 };
 
-/* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect.
+/* Kick and drift the degrees of freedom first ... last - 1, and add the work of the first effect.
  */
 CT_CLONES
 static void advance(int64_t first, int64_t last, double dt, const double *restrict inverse_mass,
@@ -70,8 +70,8 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
   ct_ledger_reactions(problem, state, share, first, last);
 }
 
-/* Move all nodes by a stage: one by one where they are active (null: all of them are), as a whole
- * where they sleep. */
+/* Move all nodes by a stage: individually if they are active (null: all of them are), as a whole if
+ * they sleep. */
 static void move(const ct_problem *problem, ct_state *state, double share, const uint64_t *active)
 {
   ct_stage stage = ct_stage_now(problem, state);
@@ -91,9 +91,9 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
   state->time += stage.tau;
 }
 
-/* Take one stage of a step. Forces that stood already may be older than the last change of the
- * state by its host, and so may be what sleeps. `sampler` is null where it is inlined without
- * one, so that steps without probes have no trace of it. */
+/* Take one stage of a step. Known forces, and the set of sleeping elements, may be older than the
+ * last change of the state by its host. If `sampler` is null the inlined code has no sampling, so
+ * that steps without probes do not pay for it. */
 CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, double share,
                                const ct_sampler *sampler, ct_error *error)
 {
@@ -114,7 +114,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   return CT_OK;
 }
 
-/* Take a step: its stages one after another (eq:stage). */
+/* Take a step: its stages in order (eq:stage). */
 CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state, const ct_sampler *sampler,
                               ct_error *error)
 {
@@ -134,7 +134,7 @@ CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state, const 
   return CT_OK;
 }
 
-/* Give the nodes that sleep the displacement that they have drifted to. */
+/* Set the displacement of sleeping nodes. */
 static void settle(ct_state *state)
 {
   if (state->workspace->followed) ct_sleep_settle(state->workspace->sleep, state->displacement);
@@ -166,7 +166,7 @@ CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
     status = take_step(problem, state, sampler, error);
-    // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is
+    // An effect may be the first to detect a number that is not finite (CT_INVALID); the status is
     // the same as without it.
     if (status == CT_INVALID ||
         (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {

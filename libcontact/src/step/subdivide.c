@@ -1,4 +1,4 @@
-/* Going on with a smaller step. */
+/* Continuing with a smaller step. */
 #include <libcontact/step.h>
 
 #include "../base/error.h"
@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* In how many parts the step of a problem is divided by that of another one that is the same
- * otherwise, as far as can be seen; 0 when it is not. */
+/* Number of parts into which a problem divides the step of another one that is otherwise equal, as
+ * far as can be checked; 0 if it is not. */
 static int64_t parts_of(const ct_problem *coarse, const ct_problem *fine)
 {
   double parts = floor(coarse->dt / fine->dt + 0.5);
@@ -28,8 +28,7 @@ static void move_velocities(const ct_problem *problem, const ct_state *from, ct_
         ct_kick(from->velocity[d], less, problem->inverse_mass[d], from->workspace->total[d]);
 }
 
-/* Sums of which the smaller step makes the work and the impulse that they made of the larger one.
- */
+/* Sums from which the smaller step computes the same work and impulse as the larger one. */
 static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
                          int64_t parts)
 {
@@ -56,7 +55,7 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
   }
 }
 
-/* The ledgers of the smaller step; at t = 0 they begin with its own first kick (eq:work-start). */
+/* The sums of the smaller step; at t = 0 they begin with its own first kick (eq:work-start). */
 static ct_status carry_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
                                int64_t parts, ct_error *error)
 {
@@ -85,8 +84,8 @@ ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_
   to->step = parts * from->step;
   to->time = (double)to->step * problem->dt;
   move_velocities(problem, from, to);
-  // -- The kinetic energy of the scheme depends on the step; the balance goes on from what it was
-  // (eq:step-change)
+  // -- The kinetic energy of the scheme depends on the step; the balance continues from its last
+  // value (eq:step-change)
   to->kinetic_start = 0.0;
   status = carry_ledgers(problem, from, to, parts, error);
   if (status == CT_OK) status = ct_energy_of(problem, to, &after, error);

@@ -1,4 +1,4 @@
-/* Sums over nodes for a row of the ledger: each array is read once for all of them. */
+/* Sums over nodes for a row of the energy balance: each array is read once for all of them. */
 #include "sums.h"
 
 #include "../base/bits.h"
@@ -13,7 +13,7 @@ typedef struct ct_range {
   int32_t first, end;
 } ct_range;
 
-/* Nodes that are computed side by side; pieces are filled up to a multiple of them. */
+/* Nodes that are computed side by side; pieces are padded to a multiple of them. */
 enum { AT_ONCE = 4 / CT_QUAD_PARTS };
 enum { KINETIC, WORK, HALF_WORK, MOMENTUM, BODY_SUMS = MOMENTUM + 6 };
 enum { EFFECT_WORK, IMPULSE, EFFECT_SUMS = IMPULSE + 3 };
@@ -32,7 +32,7 @@ static ct_range nodes_of(const ct_problem *problem, int32_t body)
                     is_last ? problem->node_count : problem->bodies[body + 1].first_node};
 }
 
-/* Where the grids of the sums of effect `k` in a body are kept; k = 0: of the body. */
+/* Place of the grids of the sums of effect `k` in a body; k = 0: of the body. */
 static ct_grid *grids_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t body)
 {
   size_t bodies = (size_t)problem->body_count, b = (size_t)body,
@@ -41,13 +41,13 @@ static ct_grid *grids_of(const ct_problem *problem, const ct_state *state, int32
   return &state->workspace->grids[own];
 }
 
-/* Begin sums with the grids of the last time. */
+/* Begin sums with the grids of the last row. */
 static void begin(ct_stream *sums, int count, const ct_grid *grids)
 {
   for (int i = 0; i < count; i++) sums[i] = (ct_stream){.grid = grids[i]};
 }
 
-/* Keep their grids for the next time. */
+/* Save their grids for the next row. */
 static void keep(const ct_stream *sums, int count, ct_grid *grids)
 {
   for (int i = 0; i < count; i++) grids[i] = sums[i].grid;
@@ -59,18 +59,18 @@ enum { INVERSE_MASS, REFERENCE, DISPLACEMENT, VELOCITY, TOTAL, WORK_DONE, OWN, A
 typedef struct piece {
   int64_t count;
   const double *mass, *array[ARRAYS];
-  double middle[3 * AT_ONCE]; /* displacement about which the work is taken, of AT_ONCE nodes */
+  double middle[3 * AT_ONCE]; /* displacement about which the work is computed, of AT_ONCE nodes */
   double kick, share;         /* time from v_{n-1/2} to v_{n+1/2}, share of Δt to v_n */
-  double (*term)[CT_PIECE];   /* what comes out, a row a sum */
+  double (*term)[CT_PIECE];   /* results, one row per sum */
 } piece;
 
-/* Values at the nodes n ... n + AT_ONCE - 1, as they stand. */
+/* Values at the nodes n ... n + AT_ONCE - 1, as stored. */
 #define AT(array, n, i) (*(const ct_quad *)(const void *)&(array)[3 * (n) + AT_ONCE * (i)])
 
-/* Where a term of these nodes goes. */
+/* Place of a term of these nodes. */
 #define TERM(term, n) (*(ct_quad *)(void *)&(term)[n])
 
-/* A vector of four of the numbers of two others. */
+/* A vector of four numbers from two others. */
 #if defined(__clang__)
 #define PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #elif defined(__GNUC__)
@@ -133,7 +133,7 @@ static void body_terms(const piece *of)
   }
 }
 
-/* The terms of a piece; the nodes that are left over stand in room for AT_ONCE of them. */
+/* The terms of a piece; the remaining nodes are copied to memory for AT_ONCE of them. */
 static void make_body_terms(const piece *of)
 {
   double mass[AT_ONCE] = {0.0}, room[ARRAYS][3 * AT_ONCE] = {{0.0}};
@@ -155,7 +155,7 @@ static void make_body_terms(const piece *of)
     memcpy(&of->term[s][whole.count], term[s], (size_t)rest.count * sizeof *term[s]);
 }
 
-/* Where a force begins at t = 0 the kinetic energy is that of v_0. */
+/* If a force begins at t = 0 the kinetic energy is that of v_0. */
 static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
 {
   for (int32_t n = 0; begun != NULL && n < (int32_t)of->count; n++) {
@@ -171,8 +171,8 @@ static void start_terms(const uint64_t *begun, int32_t first, const piece *of)
   }
 }
 
-/* Middle of the displacements of a body, which does not depend on the order of its nodes; returns
- * the largest component. */
+/* Middle of the displacements of a body, independent of the order of its nodes; returns the largest
+ * component. */
 static double middle_of(int64_t count, const double *u, double middle[3])
 {
   double low[3], high[3], largest = -INFINITY;
@@ -184,8 +184,8 @@ static double middle_of(int64_t count, const double *u, double middle[3])
   return largest;
 }
 
-/* The first effect's force at the nodes first ... first + count - 1: `total`, but for the nodes
- * where others were added. */
+/* The first effect's force at the nodes first ... first + count - 1: `total` except at nodes where
+ * others were added. */
 static const double *first_force(const ct_workspace *w, int32_t first, int32_t count, double *room)
 {
   const double *total = &w->total[3 * (int64_t)first];
@@ -198,7 +198,7 @@ static const double *first_force(const ct_workspace *w, int32_t first, int32_t c
   return room;
 }
 
-/* Point a piece to its nodes. */
+/* Set the pointers of a piece to its nodes. */
 static void place(piece *p, const ct_problem *problem, const ct_state *state, int32_t first,
                   int32_t count, double *room)
 {
@@ -244,7 +244,7 @@ void ct_sum_body(const ct_problem *problem, const ct_state *state, int32_t body,
   }
 }
 
-/* Values of an array (node_count, 3) at the nodes i ... end - 1 of an effect: where they stand, or
+/* Values of an array (node_count, 3) at the nodes i ... end - 1 of an effect: in place, or
  * gathered. */
 static const double *at_nodes(const double *array, const ct_effect *effect, int32_t i, int32_t end,
                               double *room)
@@ -256,7 +256,7 @@ static const double *at_nodes(const double *array, const ct_effect *effect, int3
   return room;
 }
 
-/* Forces of a reaction: minus all others on what it holds (eq:reaction). */
+/* Forces of a reaction: minus all others on its degrees of freedom (eq:reaction). */
 CT_CLONES
 static void reaction_forces(int64_t count, const double *restrict inverse_mass,
                             const double *restrict total, double *restrict force)
@@ -265,8 +265,8 @@ static void reaction_forces(int64_t count, const double *restrict inverse_mass,
   for (int64_t d = 0; d < count; d++) force[d] = inverse_mass[d] == 0.0 ? -total[d] : 0.0;
 }
 
-/* Impulses and twice the work: what was counted with the motion, or for a reaction, whose velocity
- * is constant, from the impulse; work null: a reaction. */
+/* Impulses and twice the work: those summed with the motion, or for a reaction, whose velocity is
+ * constant, from the impulse; work null: a reaction. */
 CT_CLONES
 static void effect_terms(int64_t count, double share, const double *restrict force,
                          const double *restrict v, const double *restrict since,
@@ -284,7 +284,7 @@ static void effect_terms(int64_t count, double share, const double *restrict for
   }
 }
 
-/* Sums and components of a piece, which is filled up to a multiple of AT_ONCE. */
+/* Sums and components of a piece, which is padded to a multiple of AT_ONCE. */
 CT_CLONES
 static void part_terms(int64_t count, const double *impulse, const double *done,
                        double term[EFFECT_SUMS][CT_PIECE])
@@ -300,8 +300,8 @@ static void part_terms(int64_t count, const double *impulse, const double *done,
   }
 }
 
-/* Make the terms of the nodes i ... end - 1 of effect `k`; returns 0 where an effect has done
- * nothing, and they would all be zero. */
+/* Compute the terms of the nodes i ... end - 1 of effect `k`; returns 0 if the effect has done
+ * nothing, so that all would be zero. */
 static int make_effect_terms(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
                              int32_t end, double term[EFFECT_SUMS][CT_PIECE])
 {
