@@ -23,29 +23,52 @@ from tracing import book  # noqa: E402
 
 LIBRARIES = [f"build/lib/libcontact{part}.so" for part in ("", "-gsl", "-hdf5")]
 SECONDS = 600  # a change that makes a test hang is noticed
-# What changes in a line, and into what: a sign, a factor, a comparison, else the whole value. No index, exponent, arrow or pointer.
+# What changes in a statement, and into what: a sign, a factor, a divisor, a comparison, a whole value. No index, exponent, arrow or pointer.
 CHANGES = (
-    (r"[\w)\]] ([+-]) ?[\w(.-]", lambda sign: "-" if sign == "+" else "+"),
-    (r"[\w)\]] (\*) ?[\w(.-]", lambda sign: "* 1.5 *"),
+    (r"[\w)\]]\s([+-])\s?[\w(.-]", lambda sign: "-" if sign == "+" else "+"),
+    (r"[\w)\]]\s(\*)\s?[\w(.-]", lambda sign: "* 1.5 *"),
+    (r"[\w)\]]\s(/)\s?[\w(.-]", lambda sign: "/ 1.5 /"),
     (r"[=(,?:]\s*(-)[\w(]", lambda sign: ""),
-    (r"[\w)\]] ([<>]=?) [\w(.-]", lambda sign: sign.translate(str.maketrans("<>", "><"))),
-    (r"(?:\breturn|=) ([^;=]+);", lambda value: f"1.5 * ({value})"),
+    (r"[\w)\]]\s([<>]=?)\s[\w(.-]", lambda sign: sign.translate(str.maketrans("<>", "><"))),
+    (r"[\w)\]]\s([=!]=)\s", lambda sign: "!=" if sign == "==" else "=="),
+    (r"(?:\breturn|[^=!<>]=)\s((?:[^;=]|[=!<>]=)+?)\s*(?:;|$)", lambda value: f"1.5 * ({value})"),
+)
+# Where a statement has none of these: a number of a table, the condition of a jump, a call that is left out.
+ELSE = (
+    (r"(?<![\w.])(\d+\.\d+)(?![\w.])", lambda number: f"1.5 * {number}"),
+    (r"\bif\s(\(.*\))\s\w", lambda condition: f"(!{condition})"),
+    (r"^\s*(?:for \([^;]*;[^;]*;[^)]*\) )?(\w+\(.*\));\s*$", lambda call: ""),
 )
 
 
-def changed(line):
-    """Versions of a line of code, each with one change; what stands in brackets is an index."""
-    code = re.split(r"//|/\*|#", line)[0]
-    hidden = re.sub(r"\[[^\[\]]*\]", lambda m: "[" + "_" * (len(m[0]) - 2) + "]", code)
+def changed(statement):
+    """Versions of a statement, each with one change; what stands in brackets is an index, and comments and strings stay."""
+    hide = lambda pattern, text: re.sub(pattern, lambda m: re.sub(r"\S", "_", m[0]), text)  # noqa: E731
+    code = re.sub(r"//.*|/\*.*?\*/|#.*", lambda m: " " * len(m[0]), statement)
+    hidden = hide(r"\[[^\[\]]*\]", hide(r"\"[^\"\n]*\"", code))
     head = re.match(r"\s*for \([^;]*;[^;]*;[^)]*\)|", hidden).end()
     begin = re.compile(r"=|\breturn\b|\bif\b|\(").search(hidden, head)
     start = begin.start() if begin else head
-    if hidden[start - 1 : start] in "+-" and hidden[start : start + 1] == "=":  # += and -=
-        yield line[: start - 1] + ("-" if line[start - 1] == "+" else "+") + line[start:]
-    for pattern, new in CHANGES:
-        for match in re.finditer(f"(?={pattern})", hidden[start:]):
-            first, end = start + match.start(1), start + match.end(1)
-            yield line[:first] + new(line[first:end]) + line[end:]
+    jump = re.match(r"\s*if \(", hidden)  # its value is a status
+    found = []
+    if hidden[start - 1 : start] in ("+", "-") and hidden[start : start + 1] == "=":  # += and -=
+        found.append((start - 1, start, "-" if hidden[start - 1] == "+" else "+"))
+    for changes, at in ((CHANGES, max(start - 1, 0)), (ELSE, 0)):
+        for pattern, new in changes if not found or changes is CHANGES else ():
+            for match in re.finditer(f"(?={pattern})", hidden[at:]):
+                first, end = at + match.start(1), at + match.end(1)
+                if not (jump and hidden[:first].endswith("return ")):
+                    found.append((first, end, new(statement[first:end])))
+    for first, end, new in found:
+        yield statement[:first] + new + statement[end:]
+
+
+def is_program(path, text):
+    """Whether a changed Python file still is one."""
+    try:
+        return path.suffix != ".py" or bool(compile(text, str(path), "exec"))
+    except SyntaxError:
+        return False
 
 
 def run(command, **variables):
@@ -94,22 +117,35 @@ passes = functools.cache(lambda path, function: failing(path, function) == "")
 
 def try_equation(equation, dice):
     """A change of the line, and the test that noticed it, nothing if none did."""
-    path, rows = COPY / equation.code.path, range(equation.code.first - 1, equation.code.last)
+    path, first, last = COPY / equation.code.path, equation.code.first - 1, equation.code.last
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines(keepends=True)
-    options = [(i, line) for i in rows for line in changed(lines[i])]
+    statement = "".join(lines[first:last])
+    options = list(changed(statement))
     tests = {(t.path, t.function if t.path.endswith(".py") else ""): 0 for t in equation.tests}
     tests = [test for test in tests if passes(*test)]
     dice.shuffle(options)
     try:
-        for i, line in options:
-            path.write_text("".join([*lines[:i], line, *lines[i + 1 :]]), encoding="utf-8")
-            results = [failing(*test) for test in tests]
+        for option in options:
+            new = "".join([*lines[:first], option, *lines[last:]])
+            if not is_program(path, new):
+                continue
+            path.write_text(new, encoding="utf-8")
+            results = []
+            while len(results) < len(tests) and not any(results) and None not in results:
+                results.append(failing(*tests[len(results)]))
             if None not in results:
-                return line.strip(), "".join(f"\n    {result}" for result in results if result)
+                noticed = [f"\n    {result}" for result in results if result]
+                return difference(statement, option), "".join(noticed)
     finally:
         path.write_text(text, encoding="utf-8")
-    return "no change can be built", "\n    ?"
+    return "no change can be built", ""
+
+
+def difference(before, after):
+    """The lines that a change has touched."""
+    lines = zip(before.split("\n"), after.split("\n"), strict=False)
+    return " ".join(new.strip() for old, new in lines if old != new) or after.strip()
 
 
 def main():

@@ -76,8 +76,8 @@ def face(x, y, t, nu=0.3):
     parts = np.zeros((2, 5))
     for wave, c in enumerate((1.0, kappa)):
         p = path_point(x, y, t, c)
-        if p.imag == 0 and p.real < 1:
-            continue  # not arrived: all roots are real (eq:exact-head)
+        if p.imag == 0 and p.real < 1:  # not arrived: all roots are real (eq:exact-head)
+            continue
         sign = np.array([1, 1, -1, -1, 1])  # even in p, or odd
         parts[wave] = sign * primitive(p, wave, kappa).imag / np.pi  # (eq:exact-face)
     return parts

@@ -93,8 +93,9 @@ ct_clock ct_clock_of(const ct_integrator *integrator, double Omega)
   const double root = sqrt(fabs(inside));
   if (inside > 0.0) {
     const ct_complex m = 0.5 * S + root * I;
-    // Angle and damping (eq:dispersion-root), and the slope (eq:dispersion-slope)
-    const ct_complex slope = (S_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m);
+    const ct_complex slope =
+        (S_slope * m - D_slope) / (2.0 * root * I) / (1.0 + m); // (eq:dispersion-slope)
+    // Angle and damping (eq:dispersion-root)
     return (ct_clock){atan2(root, 1.0 + 0.5 * S), -0.5 * log1p(S + D), 2.0 * Omega * cimag(slope)};
   }
   // All roots are real: the largest dominates for long times.

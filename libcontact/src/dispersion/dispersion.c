@@ -88,14 +88,14 @@ static ct_status find_planes(front *f, const int32_t index[3], ct_error *error)
     }
   }
   if (divisor == 0) return CT_REFUSE(error, "dispersion: the normal is zero");
-  // -- Planes of nodes and where the families stand between them (eq:front-planes)
+  // -- Planes of nodes and where the families stand between them
   double length = 0.0;
   for (int d = 0; d < 3; d++) {
     f->normal[d] = index[d] / divisor / f->def->size[d];
     f->half[1 + d] = index[d] / divisor % 2 != 0;
     length += f->normal[d] * f->normal[d];
   }
-  f->spacing = 1.0 / sqrt(length);
+  f->spacing = 1.0 / sqrt(length); // (eq:front-planes)
   for (int d = 0; d < 3; d++) f->normal[d] *= f->spacing;
   return CT_OK;
 }

@@ -49,7 +49,7 @@ static void face_dashpots(const ct_facets *facets, const ct_face *face, double n
   static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
   double n[25][3], dA[25], square[8], terms[25], all;
   ct_facets_areas(facets, face, n, dA);
-  // -- Share of each node: ∫ N_a² dA over the sum of all (eq:absorb-share)
+  // -- Share of each node: ∫ N_a² dA over the sum of all
   for (int q = 0; q < facets->rule.count; q++) {
     for (int c = 0; c < 3; c++) n[q][c] /= dA[q];
     dA[q] *= facets->rule.weight[q];
@@ -67,6 +67,7 @@ static void face_dashpots(const ct_facets *facets, const ct_face *face, double n
           ((normal - tangential) * (n[q][row[k]] * n[q][column[k]]) + (k < 3 ? tangential : 0.0)) *
           dA[q];
     double whole = ct_sum(terms, facets->rule.count);
+    // (eq:absorb-share)
     for (int a = 0; a < facets->per; a++) C[6 * a + k] = square[a] / all * whole;
   }
 }

@@ -64,15 +64,15 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 }
 
 /* η d of each mode of an element at a step: (1 - 3^-n) times the mean of η = (1 - Co²) / 2 over the
- * n axes along which the mode changes (eq:averaged-gamma, eq:averaged-modes). */
+ * n axes along which the mode changes. */
 static void mode_shares(const averaged_body *body, double dt, double share[CT_MODES])
 {
   double g[3];
   for (int c = 0; c < 3; c++) {
     double courant = body->rate[c] * dt;
-    g[c] = courant < 1.0 ? 0.5 * (1.0 - courant * courant) : 0.0;
+    g[c] = courant < 1.0 ? 0.5 * (1.0 - courant * courant) : 0.0; // (eq:averaged-gamma)
   }
-  share[CT_XI] = 2.0 / 3.0 * g[0];
+  share[CT_XI] = 2.0 / 3.0 * g[0]; // (eq:averaged-modes)
   share[CT_ETA] = 2.0 / 3.0 * g[1];
   share[CT_ZETA] = 2.0 / 3.0 * g[2];
   share[CT_XI_ETA] = 4.0 / 9.0 * (g[0] + g[1]);
@@ -91,9 +91,10 @@ static void body_batches(const averaged_body *body, const double share[CT_MODES]
       ct_lanes v[3 * 8], U[CT_MODES], weight;
       ct_load_lanes(body->mesh, NULL, b, 8, in, lane, v);
       memcpy(&weight, &body->weight[CT_BATCH * (int64_t)b + lane], sizeof weight);
-      // -- η (M_L - M_C) of an element is diagonal in its modes (eq:averaged-element)
+      // -- η (M_L - M_C) of an element is diagonal in its modes
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
+        // (eq:averaged-element)
         for (int m = 0; m < CT_MODES; m++) U[m] = -(weight * (share[m] * U[m]));
         ct_brick_nodal(U, v);
         ct_store_lanes(v, 8, j, lane, 8, &values[192 * (int64_t)b]);
@@ -145,7 +146,7 @@ static void solve(const ct_effect *effect, const averaging_scratch *s, const dou
     average(d, s->values, s->in, s->out);
     for (int64_t k = 0; k < 3 * (int64_t)effect->node_count; k++) {
       double push = d->problem->inverse_mass[3 * (int64_t)d->nodes[k / 3] + k % 3] * s->out[k];
-      s->in[k] += relax * ((v[k] - s->in[k]) - push);
+      s->in[k] += relax * ((v[k] - s->in[k]) - push); // (eq:averaged-solve)
     }
   }
   average(d, s->values, s->in, s->out);
@@ -164,11 +165,11 @@ static ct_status averaging_energy(const ct_effect *effect, const ct_view *view, 
     s->after[k] = inverse > 0.0 ? v + view->c_dt * inverse * view->total[dof] : 0.0;
   }
   // -- ½ v_{n-1/2} · (P⁻¹ - M_L) v_{n+1/2}, and the work of moving supports
-  // (eq:averaged-energy, eq:averaged-support)
   solve(effect, s, s->after);
   for (int64_t k = 0; k < 3 * (int64_t)effect->node_count; k++)
     if (d->problem->inverse_mass[3 * (int64_t)d->nodes[k / 3] + k % 3] == 0.0)
-      s->out[k] -= 0.5 * view->c_dt * s->force[k];
+      s->out[k] -= 0.5 * view->c_dt * s->force[k]; // (eq:averaged-support)
+  // (eq:averaged-energy)
   *energy = -0.5 * ct_sum_product(effect->node_count, NULL, s->before, s->out);
   return CT_OK;
 }
@@ -199,6 +200,7 @@ static void averaging_element(const ct_effect *effect, int32_t first_node, const
     if (body->first_node != first_node) continue;
     mode_shares(body, dt, share);
     for (int m = 0; m < CT_MODES; m++) most = fmax(most, share[m]);
+    // (eq:averaged-tangent)
     double at = TANGENT * most, b = 1.0 / ((1.0 + at) * (1.0 + at)), rest = at * at * b;
     for (int i = 0; i < 24; i++) {
       matrix[25 * i] += 4.0 * rest * 8.0 * body->whole;

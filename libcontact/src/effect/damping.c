@@ -77,7 +77,7 @@ static double relaxation_rate(const ct_effect *effect, const ct_view *view)
   int due = age == 0.0 || 0.5 * rate * view->dt * age >= 1.0 || rate == 0.0;
   if (due && age > 0.0) {
     double omega = sqrt(rayleigh(effect, view));
-    if (omega > 0.0) rate = 2.0 * omega;
+    if (omega > 0.0) rate = 2.0 * omega; // (eq:relaxation-rate)
   }
   view->next_memory[RATE] = rate;
   view->next_memory[AGE] = due ? 1.0 : age + 1.0;

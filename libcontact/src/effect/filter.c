@@ -58,13 +58,13 @@ static void sum_outside(const ct_filter *filter, const ct_state *state)
   }
 }
 
-/* Remove the component of a change along a force (eq:filter-held). */
+/* Remove the component of a change along a force. */
 static void hold_along(const double force[3], double change[3])
 {
   double length = sqrt(ct_vector_dot(force, force)), along = 0.0;
   if (!(length > 0.0)) return;
   for (int c = 0; c < 3; c++) along += force[c] / length * change[c];
-  for (int c = 0; c < 3; c++) change[c] -= along * (force[c] / length);
+  for (int c = 0; c < 3; c++) change[c] -= along * (force[c] / length); // (eq:filter-held)
 }
 
 /* All passes over a field of the nodes, shape (node_count, 3). */

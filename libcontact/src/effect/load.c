@@ -87,7 +87,7 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
   if (!load->given.following || load->given.pressure == 0.0) return CT_OK;
   for (int32_t i = 0; i < load->given.amplitude.count; i++)
     largest = fmax(largest, fabs(load->given.amplitude.value[i]));
-  // -- Rows of |∂f/∂u| of each face (eq:load-bound)
+  // -- Rows of |∂f/∂u| of each face
   for (int32_t f = 0; f < facets->face_count; f++) {
     ct_face face;
     double *row = &values[(int64_t)f * facets->per];
@@ -100,7 +100,7 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
       for (int b = 0; b < facets->per; b++)
         change += fabs(facets->dN[q][b][0]) * l2 + fabs(facets->dN[q][b][1]) * l1;
       for (int a = 0; a < facets->per; a++)
-        row[a] += facets->rule.weight[q] * fabs(facets->N[q][a]) * change;
+        row[a] += facets->rule.weight[q] * fabs(facets->N[q][a]) * change; // (eq:load-bound)
     }
   }
   // -- The largest row over its mass

@@ -69,13 +69,14 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q, low;
       double speed[CT_LANES_COUNT], below[CT_LANES_COUNT];
       ct_load_lanes(body->mesh, NULL, b, 8, velocity, lane, v);
-      // -- The closing speed l D of the rate at which the volume changes (eq:volume-rate)
+      // -- The closing speed l D of the rate at which the volume changes
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         ct_mean_sum(e->b[j], U, &D[j]);
       }
+      // (eq:volume-rate)
       q = ((D[0] + D[1]) + D[2]) * (e->length * e->inverse_volume);
-      // -- A pressure against compression only (eq:bulk-viscosity)
+      // -- A pressure against compression only
       memcpy(speed, &q, sizeof speed);
       for (int l = 0; l < CT_LANES_COUNT; l++) {
         speed[l] = speed[l] < 0.0 ? -speed[l] : 0.0;
@@ -83,7 +84,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       }
       memcpy(&q, speed, sizeof speed);
       memcpy(&low, below, sizeof below);
-      q = slow * q + (fast * low * low + steep * (q - low));
+      q = slow * q + (fast * low * low + steep * (q - low)); // (eq:bulk-viscosity)
       // -- Nodal forces of the pressure (eq:viscous-force)
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
@@ -133,7 +134,7 @@ static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* 2 Δt C of a brick, C = ρ l c₁ Q V B Bᵀ with the steepest slope (eq:joint-bound). */
+/* 2 Δt C of a brick, C = ρ l c₁ Q V B Bᵀ with the steepest slope. */
 static void viscous_element(const ct_effect *effect, int32_t first_node, const double edge[3],
                             double dt, double *matrix)
 {
@@ -146,6 +147,7 @@ static void viscous_element(const ct_effect *effect, int32_t first_node, const d
   for (int32_t k = 0; k < d->body_count; k++) {
     const viscous_body *body = &d->bodies[k];
     if (body->first_node != first_node) continue;
+    // (eq:joint-bound)
     double most = 2.0 * dt * body->density * body->c1 * coefficient_of(d) * length_of(g2) * volume;
     for (int i = 0; i < 24; i++)
       for (int j = 0; j < 24; j++) matrix[24 * i + j] += most * B[i] * B[j];
@@ -169,6 +171,7 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
       for (int a = 0; status == CT_OK && a < 8; a++) {
         if (pass == 0) around[node[a]] += V;
         if (pass == 1)
+          // (eq:viscous-bound)
           sum += (B[a][0] * B[a][0] + B[a][1] * B[a][1] + B[a][2] * B[a][2]) *
                  (around[node[a]] / mass[node[a]]);
       }

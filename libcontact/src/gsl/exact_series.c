@@ -101,18 +101,19 @@ static double sine_energy(double xi2_squared, const ct_trig *t)
 /* The mode at (xi, omega) with its projection on the initial velocity. */
 static ct_mode mode_at(const ct_series *s, double xi, double omega, double weight, double *size)
 {
-  // -- Amplitudes from the free face (eq:series-free)
+  // -- Amplitudes from the free face
   ct_mode m = {xi,  omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi,
                0.0, 0.0};
   const ct_trig ta = trig(m.xi1_squared), tb = trig(m.xi2_squared);
   const double e = m.xi2_squared - xi * xi;
+  // (eq:series-free)
   const double a1 = -e * tb.sinc, b1 = 2.0 * xi * ta.s, a2 = 2.0 * xi * tb.c, b2 = e * ta.c;
   const int first = fabs(xi * a1) + fabs(b1) > fabs(xi * a2) + fabs(b2);
   m.a = first ? a1 : a2;
   m.b = first ? b1 : b2;
-  // -- Mean of u_x and kinetic energy (eq:series-projection, eq:series-norm)
+  // -- Mean of u_x and kinetic energy (eq:series-projection)
   const double mean = -(xi * m.a * ta.sinc + m.b * tb.sinc);
-  const double energy =
+  const double energy = // (eq:series-norm)
       0.5 * m.a * m.a *
           (xi * xi * (ta.unit + ta.sinc * ta.c) + (m.xi1_squared * ta.unit - ta.s * ta.c)) +
       0.5 * m.b * m.b * ((tb.unit + tb.sinc * tb.c) + xi * xi * sine_energy(m.xi2_squared, &tb)) +
@@ -327,9 +328,10 @@ static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double e
   shapes(m->xi2_squared, z, cb, sb);
   double sum[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
   for (int i = 0; i < BLOCK; i++) {
-    // -- Displacement of the mode and its derivatives over the thickness (eq:series-boundary)
+    // -- Displacement of the mode and its derivatives over the thickness
     const double xi = m->xi[i], a = m->a[i], b = m->b[i];
     const double sinc = m->xi2_squared[i] != 0.0 ? sb[i] / m->xi2_squared[i] : z;
+    // (eq:series-boundary)
     const double u = -(xi * a * ca[i] + b * cb[i]), w = xi * b * sinc - a * sa[i];
     const double divergence = -m->omega[i] * m->omega[i] * a * ca[i];
     const double w_z = xi * b * cb[i] - m->xi1_squared[i] * a * ca[i],

@@ -89,7 +89,7 @@ static void add_words(ct_seal *seal, uint64_t *before, const void *values, int64
   for (int64_t i = COLUMNS * rows; i < count; i++) {
     memcpy(row, (const char *)values + 8 * i, 8);
     seal->sum += row[0];
-    seal->weighted += ++*before * row[0];
+    seal->weighted += ++*before * row[0]; // (eq:restart-seal)
   }
 }
 
@@ -152,7 +152,6 @@ static uint64_t read_slot(ct_task *task, int slot, ct_state *into)
   into->time = seal.time;
   into->kinetic_start = seal.kinetic_start;
   // -- A record counts when the sums over what was read are those that were written
-  // (eq:restart-seal)
   const ct_seal read = seal;
   fill_seal(&seal, parts);
   int is_whole = task->status == CT_OK && seal.sum == read.sum && seal.weighted == read.weighted;

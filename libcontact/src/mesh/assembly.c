@@ -89,10 +89,10 @@ void ct_assembly_gather(const ct_assembly *assembly, const double *values, int32
   int components = assembly->components;
   for (int32_t i = first; i < last; i++) {
     const int32_t *p = &assembly->place[8 * (size_t)i];
-    // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
+    // -- Pair the octants along ξ, then η, then ζ
     for (int c = 0; c < components; c++) {
       const double *v = &values[8 * c];
-      sums[components * (int64_t)i + c] =
+      sums[components * (int64_t)i + c] = // (eq:tree-sum)
           ((v[p[0]] + v[p[1]]) + (v[p[2]] + v[p[3]])) + ((v[p[4]] + v[p[5]]) + (v[p[6]] + v[p[7]]));
     }
   }

@@ -376,9 +376,9 @@ PART real sample(const patches *patch, int samples, real f[9])
   const double (*at)[2] = samples == 9 ? QUADRILATERAL : TRIANGLE;
   real d[3], lowest = every(HUGE_VAL);
   for (int i = 0; i < samples; i++) {
-    // -- Sample the face (eq:robust-samples)
+    // -- Sample the face
     real xi[2] = {every(at[i][0]), every(at[i][1])};
-    f[i] = value(patch, xi, d);
+    f[i] = value(patch, xi, d); // (eq:robust-samples)
     lowest = least(lowest, f[i]);
   }
   return lowest;

@@ -118,10 +118,11 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
   m->m11 = dot(a1, a1) + (b->d11 + b->d6 * y);
   m->m22 = dot(a2, a2) + (b->d22 + b->d7 * x);
   real m12 = dot(a1, a2) + b->d12;
-  // -- Possible loss elsewhere in the cell (eq:certified-spread), and to rounding
+  // -- Possible loss elsewhere in the cell, and to rounding
   // (eq:certified-rounding)
   const real *t = p->tangent, *h = p->curve;
   const double e = 256 * DBL_EPSILON;
+  // (eq:certified-spread)
   m->m11 -= (absolute(a11) * w[0] + absolute(a12 + b->d6) * w[1]) + 2 * absolute(a6) * v +
             e * (t[0] * t[0] + b->distance * h[0]);
   m->m22 -= (absolute(b22) * w[1] + absolute(b12 + b->d7) * w[0]) + 2 * absolute(b7) * v +
@@ -200,8 +201,9 @@ PART real base_rounding(const proof *p, const base *b)
 PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
 {
   real g1 = absolute(g[0]), g2 = absolute(g[1]), product = m->m11 * m->m22;
-  // -- The lowest value of a parabola that lies below f (eq:certified-parabola)
+  // -- The lowest value of a parabola that lies below f
   real divisor = (product - twist * twist) * (1 - 1e-6) - 1e-9 * product, may = room * divisor;
+  // (eq:certified-parabola, eq:certified-rest)
   real drop = 0.25 * ((m->m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m->m11 * g2) * g2) * (1 + 1e-6);
   return (divisor > 0) & (may > SMALLEST) & (drop < HUGE_VAL) & (drop <= may);
 }
@@ -233,7 +235,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
   // The form of a plane face without curved sides is a sum of squares, also if rounding hides this.
   mask plane = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist),
        small = rest.loss <= room, proven = small & (plane | positive);
-  // -- Remaining slope at the closest point, compared with the form (eq:certified-rest)
+  // -- Remaining slope at the closest point, compared with the form
   mask left = positive & not(small);
   if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, room);
   return proven & open;

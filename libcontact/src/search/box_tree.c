@@ -248,7 +248,7 @@ static void fit(ct_box_tree *tree, const ct_bounds *boxes)
   if (tree->count == 0) return;
   set_frame(tree, boxes);
   for (int32_t i = tree->node_count; i-- > 0;) {
-    // -- Sum the surfaces of all boxes, over that of the whole (eq:tree-cost)
+    // -- Sum the surfaces of all boxes, over that of the whole
     node *n = &tree->nodes[i];
     for (int k = 0; k < n->count; k++) tree->cost += (double)fit_child(tree, boxes, n, k);
     for (int k = n->count; k < WIDTH; k++)
@@ -272,8 +272,9 @@ void ct_box_tree_build(ct_box_tree *tree, const ct_bounds *boxes)
 
 void ct_box_tree_refit(ct_box_tree *tree, const ct_bounds *boxes)
 {
-  // -- Rebuild if the boxes have grown by half, relative to the whole (eq:tree-cost)
+  // -- Rebuild if the boxes have grown by half, relative to the whole
   if (tree->builds > 0) fit(tree, boxes);
+  // (eq:tree-cost)
   if (tree->builds == 0 || tree->cost > 1.5 * tree->cost_built) ct_box_tree_build(tree, boxes);
 }
 

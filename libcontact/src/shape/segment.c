@@ -86,6 +86,7 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight, int stride,
                      double v[8])
 {
+  // (eq:segment-point, eq:segment-tangents)
   for (int i = 0; i < count; i++) v[i] = weight[i * stride] * face->node[i][k];
 }
 
@@ -123,7 +124,7 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
   if (face == NULL || xi == NULL || y == NULL) return;
   double N[8];
   ct_segment_shape(face->kind, xi, N);
-  // -- Sum of weight times node (eq:segment-point)
+  // -- Sum of weight times node
   node_sum(face, N, 1, y);
 }
 
@@ -131,7 +132,7 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
 {
   double dN[8][2];
   ct_segment_gradient(face->kind, xi, dN);
-  // -- Sums of derivative times node (eq:segment-tangents)
+  // -- Sums of derivative times node
   node_sum(face, &dN[0][0], 2, t1);
   node_sum(face, &dN[0][1], 2, t2);
 }

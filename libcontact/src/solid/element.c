@@ -42,7 +42,7 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
 }
 
 /* The stress conjugate to ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress
- * F S (eq:piola). Returns J = det F, 1 for small strain. */
+ * F S. Returns J = det F, 1 for small strain. */
 static double working_stress(const ct_material *material, double G[3][3], double P[3][3])
 {
   if (material->law == CT_LINEAR) {
@@ -50,9 +50,10 @@ static double working_stress(const ct_material *material, double G[3][3], double
     return 1.0;
   }
   double S[3][3], J = ct_large_stress(material, G, S);
-  // -- P = F S with F = 1 + G (eq:piola)
+  // -- P = F S with F = 1 + G
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
+      // (eq:piola)
       P[i][j] = S[i][j] + ((G[i][0] * S[0][j] + G[i][1] * S[1][j]) + G[i][2] * S[2][j]);
   return J;
 }
@@ -103,7 +104,7 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
   double W = 0.0;
   for (int i = 0; i < 3 * per; i++) force[i] = 0.0;
 
-  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:large-force, eq:large-energy)
+  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], G[3][3], P[3][3];
     double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
@@ -116,9 +117,9 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
     double dV = rule.weight[q] * det;
     for (int a = 0; a < per; a++)
       for (int i = 0; i < 3; i++)
-        // -σ_ij ∂N_a/∂x_j w det J (eq:internal-force)
+        // -σ_ij ∂N_a/∂x_j w det J (eq:internal-force, eq:large-force)
         for (int j = 0; j < 3; j++) force[3 * a + i] -= P[i][j] * dNdx[a][j] * dV;
-    if (energy != NULL) W += energy_density(material, G, P) * dV;
+    if (energy != NULL) W += energy_density(material, G, P) * dV; // (eq:large-energy)
   }
   if (energy != NULL) *energy = W;
   return CT_OK;

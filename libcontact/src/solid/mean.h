@@ -23,12 +23,13 @@ static inline void ct_mean_gradient(ct_lanes X[3][CT_MODES], ct_lanes b[3][CT_ME
   // Along ξ, η, ζ in turn: the mode itself, the two modes that contain it, and the third.
   static const int along[3] = {CT_XI, CT_ETA, CT_ZETA},
                    with[3] = {CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI};
-  // -- ∂V/∂X from products of the modes of the other two coordinates (eq:mean-gradient-modes)
+  // -- ∂V/∂X from products of the modes of the other two coordinates
   for (int j = 0; j < 3; j++) {
     const ct_lanes *Y = X[(j + 1) % 3], *Z = X[(j + 2) % 3];
     for (int d = 0; d < 3; d++) {
       int p = along[(d + 1) % 3], q = along[(d + 2) % 3], pd = with[d], qd = with[(d + 2) % 3],
           pq = with[(d + 1) % 3];
+      // (eq:mean-gradient-modes)
       b[j][along[d]] = (1.0 / 64.0) * ((Y[p] * Z[q] - Y[q] * Z[p]) +
                                        (1.0 / 3.0) * (Y[pd] * Z[qd] - Y[qd] * Z[pd]));
       b[j][pd] = (1.0 / 192.0) *

@@ -109,6 +109,7 @@ CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], do
   ct_lanes change = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three);
   ct_large_law(law, B, &change, lambda, mu, S);
   for (int i = 0; i < 3; i++) {
+    // (eq:large-reference-stress)
     for (int j = 0; j < 3; j++)
       T[j] =
           S[at[i][j]] + ((G[i][0] * S[at[0][j]] + G[i][1] * S[at[1][j]]) + G[i][2] * S[at[2][j]]);

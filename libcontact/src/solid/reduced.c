@@ -36,7 +36,7 @@ static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes
 {
   ct_lanes U[CT_MODES];
   ct_brick_modes(u, U);
-  // -- Take the mean displacement gradient (eq:mean-gradient)
+  // -- Take the mean displacement gradient
   for (int j = 0; j < 3; j++) ct_mean_sum(r->beta[j], U, &G[j]);
   // -- Take off the linear part of the hourglass amplitudes (eq:hourglass-amplitude)
   for (int k = 0; k < HOURGLASS; k++)

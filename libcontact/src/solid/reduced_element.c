@@ -25,7 +25,7 @@ ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double
   ct_rule_brick(CT_HEX8, &rule);
   memset(B, 0, 20 * sizeof B[0]);
   *volume = *g2 = 0.0;
-  // -- Average the gradients of the shape functions over the element (eq:mean-gradient)
+  // -- Average the gradients of the shape functions over the element
   for (int p = 0; p < rule.count; p++) {
     double dV = rule.weight[p] * ct_element_gradients(CT_HEX8, x, rule.xi[p], dNdx);
     if (!(dV > 0.0))
@@ -33,7 +33,7 @@ ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double
                      "the element is inverted or collapsed at Gauss point %d", p);
     *volume += dV;
     for (int a = 0; a < 8; a++)
-      for (int j = 0; j < 3; j++) B[a][j] += dNdx[a][j] * dV;
+      for (int j = 0; j < 3; j++) B[a][j] += dNdx[a][j] * dV; // (eq:mean-gradient)
   }
   for (int a = 0; a < 8; a++)
     for (int j = 0; j < 3; j++) {
@@ -64,7 +64,7 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
     middle[j] = ct_tree_corners(t, 1) / 8.0;
   }
 
-  // -- Make the hourglass vectors orthogonal to linear displacements (eq:hourglass-vector)
+  // -- Make the hourglass vectors orthogonal to linear displacements
   for (int k = 0; k < 4; k++) {
     double m[8], mx[3] = {0.0};
     for (int a = 0; a < 8; a++) {
@@ -76,6 +76,7 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
       for (int j = 0; j < 3; j++) mx[j] += m[a] * (x[a][j] - middle[j]);
     }
     for (int a = 0; a < 8; a++)
+      // (eq:hourglass-vector)
       r->Gamma[k][a] = m[a] - ((mx[0] * r->B[a][0] + mx[1] * r->B[a][1]) + mx[2] * r->B[a][2]);
   }
   // -- The stiffness with which a cube bends as a beam for Q = 1 (eq:hourglass-stiffness)
@@ -96,15 +97,14 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   ct_material_lame(material, &lambda, &mu);
   ct_reference_gradient(8, r.B, u, G);
 
-  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force)
-  // Its energy is ½ V σ : G (eq:reduced-energy).
+  // -- Stress of the mean gradient, at once over the whole volume
   double trace = (G[0][0] + G[1][1]) + G[2][2];
   for (int i = 0; i < 24; i++) force[i] = 0.0;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double sigma = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
-      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.V * sigma * r.B[a][j];
-      W += 0.5 * r.V * sigma * G[i][j];
+      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.V * sigma * r.B[a][j]; // (eq:reduced-force)
+      W += 0.5 * r.V * sigma * G[i][j]; // (eq:reduced-energy)
     }
   // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude)
   // Its force and its energy (eq:reduced-force, eq:reduced-energy).

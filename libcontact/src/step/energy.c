@@ -217,9 +217,9 @@ ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double 
   // The kinetic energy at t_{n-1/2} is never negative, unlike that of the energy balance.
   double kinetic =
       0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
-  // -- The larger of the two shares (eq:residual)
+  // -- The larger of the two shares
   double forces = left == 0.0 ? 0.0 : left / acting;
-  *residual = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
+  *residual = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored)); // (eq:residual)
   return CT_OK;
 }
 

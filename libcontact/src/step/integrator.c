@@ -101,12 +101,12 @@ double ct_integrator_share(const ct_integrator *integrator)
 static double stiffening(const ct_integrator *integrator)
 {
   const double value = integrator->parameter;
-  // -- 1, 4r - 3, (1 - τ₁)(3τ₁ - 1), 2φ - 1 (eq:integrator-limits)
+  // -- 1, 4r - 3, (1 - τ₁)(3τ₁ - 1), 2φ - 1
   switch (integrator->scheme) {
   case CT_CENTRAL_DIFFERENCE:
     break;
   case CT_CHUNG_LEE:
-    return 4.0 * value - 3.0;
+    return 4.0 * value - 3.0; // (eq:integrator-limits)
   case CT_NOH_BATHE:
     return (1.0 - value) * (3.0 * value - 1.0);
   case CT_TCHAMWA_WIELGOSZ:

@@ -143,10 +143,11 @@ static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const energies *e,
                                 ct_error *error)
 {
-  // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
+  // -- What motion and strain should have at most, and what they have too much
   double limit = w->options.energy_limit, expected = e->most_expected;
   // -- A growing oscillation, which the total of the energy balance does not show (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
+  // (eq:energy-appears)
   if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
   ct_place at = ct_effect_place(w->problem, largest_node(w->problem, state, NULL));
   return ct_fail(
@@ -193,11 +194,11 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   view.scratch = w->scratch;
   ct_status status = solid->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
-  // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
+  // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p
   for (int32_t n = 0; n < problem->node_count; n++) {
     double before[3], *change = &w->force[3 * (int64_t)n];
     ct_workspace_force_at(problem, state, 0, n, before);
-    for (int c = 0; c < 3; c++) change[c] = (before[c] - change[c]) / small;
+    for (int c = 0; c < 3; c++) change[c] = (before[c] - change[c]) / small; // (eq:step-quotient)
   }
   w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
