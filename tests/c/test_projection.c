@@ -614,6 +614,9 @@ static void simplex_against_the_equations(void)
     }
   }
   tap_close(off, 0, 1e-14, "simplex: 24 iterations as the equations of the paper say");
+  // m = n (33 + n) / 20 (eq:simplex-age)
+  tap_close(20 * ct_simplex_age(2), 70, 1e-13, "a vertex is old after 3.5 iterations");
+  tap_close(20 * ct_simplex_age(7), 280, 1e-13, "and in seven dimensions after 14");
 }
 
 /* Also: a minimum is one only where f is convex (eq:projection-convex), and far away rounding hides

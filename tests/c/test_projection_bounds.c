@@ -282,12 +282,65 @@ static void slopes(ct_face_kind kind)
   tap_ok(missed == 0, "%s: no small piece with a slope is left", FACE_NAME[kind]);
 }
 
+/* The slope at the centre that just empties a small piece, from the sums of the equations
+ * (eq:certified-third, eq:certified-slopes, eq:certified-derivatives). */
+static void least_slopes(ct_face_kind kind)
+{
+  int early = 0, late = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    scene s;
+    make(&s, kind, 0.7, 0.02);
+    base_at(&s.patch, s.piece.centre, &s.about);
+    double n[8], H[3], w = s.p.triangular ? 0.04 : 0.02, D = s.about.distance;
+    for (int j = 0; j < 8; j++)
+      n[j] = fabs(s.patch.c[j][0]) + fabs(s.patch.c[j][1]) + fabs(s.patch.c[j][2]);
+    function_at(&s.face, s.point, s.piece.centre, NULL, NULL, H);
+    double t1 = n[1] + n[3] + 2 * (n[4] + n[6]) + n[7], t2 = n[2] + n[3] + 2 * (n[5] + n[7]) + n[6];
+    double C11 = 2 * n[4] + 6 * n[6], C22 = 2 * n[5] + 6 * n[7], C12 = n[3] + 2 * (n[6] + n[7]);
+    D += t1 * w + t2 * w;
+    double f112 = 4 * t1 * C12 + 2 * t2 * C11 + 2 * D * 2 * n[6],
+           f122 = 4 * t2 * C12 + 2 * t1 * C22 + 2 * D * 2 * n[7];
+    double least[2] = {(fabs(H[0]) + fabs(H[2])) * w + (3 * t1 * C11 + f112 + 0.5 * f122) * w * w,
+                       (fabs(H[2]) + fabs(H[1])) * w + (0.5 * f112 + f122 + 3 * t2 * C22) * w * w};
+    for (int a = 0; a < 2; a++) {
+      cell c = s.piece, d = s.piece;
+      s.about.g[1 - a] = 0;
+      s.about.g[a] = least[a] * (1 - 1e-9);
+      early += slope_in_cell(&s.p, &s.about, &c) != OPEN;
+      s.about.g[a] = least[a] * (1 + 1e-9);
+      late += slope_in_cell(&s.p, &s.about, &d) == OPEN;
+    }
+  }
+  tap_ok(early == 0 && late == 0, "%s: a piece is emptied from the least slope on",
+         FACE_NAME[kind]);
+}
+
+/* Lower bound of |u| in a piece (eq:certified-beyond), its terms from u at nine points, which are
+ * differences without an error as u is of second order in each coordinate. */
+static double least_along(const narrow *n, const cell *c)
+{
+  double u[3][3], d[3];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      double xi[2] = {c->centre[0] + (i - 1) * c->half[0], c->centre[1] + (j - 1) * c->half[1]};
+      value(&n->along, xi, d);
+      u[i][j] = d[0];
+    }
+  double u1 = (u[2][1] - u[0][1]) / 2, u2 = (u[1][2] - u[1][0]) / 2;
+  double u11 = (u[2][1] + u[0][1]) / 2 - u[1][1], u22 = (u[1][2] + u[1][0]) / 2 - u[1][1];
+  double u12 = (u[2][2] - u[2][0] - u[0][2] + u[0][0]) / 4;
+  double u112 = (u[2][2] + u[0][2] - u[2][0] - u[0][0]) / 4 - u2,
+         u122 = (u[2][2] + u[2][0] - u[0][2] - u[0][0]) / 4 - u1;
+  return fabs(u[1][1]) - (fabs(u1) + fabs(u2) + fabs(u11) + fabs(u22) + fabs(u12)) - fabs(u112) -
+         fabs(u122);
+}
+
 /* Parts along and across a face add up to f (eq:certified-narrow); a piece that is beyond
  * (eq:certified-beyond) has no sample that is not, and small pieces are settled. */
 static void narrow_faces(void)
 {
   double off = 0;
-  int lies = 0, beyond = 0, missed = 0;
+  int lies = 0, beyond = 0, missed = 0, unlike = 0;
   for (int trial = 0; trial < CASES; trial++) {
     scene s;
     narrow n;
@@ -307,6 +360,11 @@ static void narrow_faces(void)
     lies += is_beyond(&s.p, &n, &s.piece);
     n.proof.target = 0.25 * lowest * lowest;
     beyond += is_beyond(&s.p, &n, &s.piece);
+    double least = least_along(&n, &s.piece);
+    for (int more = 0; more < 2 && least > 1e-3; more++) {
+      n.proof.target = least * least * (more ? 1 + 1e-9 : 1 - 1e-9);
+      unlike += is_beyond(&s.p, &n, &s.piece) != !more;
+    }
     cell small = {{s.piece.centre[0], s.piece.centre[1]}, {1e-4, 1e-4}};
     n.proof.target = pow(fmax(middle - 1e-3, 0), 2);
     missed += !is_beyond(&s.p, &n, &small);
@@ -314,6 +372,7 @@ static void narrow_faces(void)
   tap_close(off, 0, 1e-13, "the parts along and across add up to f");
   tap_ok(lies == 0 && beyond > CASES / 8, "%d pieces beyond, none wrongly", beyond);
   tap_ok(missed == 0, "small pieces are settled");
+  tap_ok(unlike == 0, "and all from the bound of |u| on");
 }
 
 /* Curvatures across and along (eq:valley-curvatures); and the way down a bent valley
@@ -350,6 +409,7 @@ int main(void)
     secants(KIND[k]);
     provers(KIND[k]);
     slopes(KIND[k]);
+    least_slopes(KIND[k]);
   }
   derivative_bounds();
   corners_with_a_slope();

@@ -12,7 +12,8 @@ static ct_project_options with(int method)
   return options;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below. */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below,
+ * where f is convex (eq:projection-convex). */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   for (int m = 0; m < method_count(); m++) {

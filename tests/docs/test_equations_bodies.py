@@ -344,20 +344,22 @@ def face_points(x):
 
 
 @executes("absorb-traction", "absorb-force", "absorb-share")
-def test_absorbing_face():
-    model = Model(cube().add("absorb", surface="body.x_max"))
-    X, side = around(model)
-    v = RNG.uniform(-1, 1, X.shape)
-    c1, c2, n = np.sqrt((LAMBDA + 2 * MU) / RHO), np.sqrt(MU / RHO), np.array([1.0, 0, 0])
-    area = [(N, w * np.linalg.norm(a)) for N, w, a in face_points(X[side])]
-    share = sum(A * N**2 for N, A in area)
-    share = share / share.sum()
-    whole = sum(A for _, A in area)
+def test_absorbing_faces():
+    """All six sides of a bent brick, whose normals have three components."""
+    model = Model(scene().add("absorb", surface="body.outer"))
+    v = RNG.uniform(-1, 1, BENT.shape)
+    c1, c2 = np.sqrt((LAMBDA + 2 * MU) / RHO), np.sqrt(MU / RHO)
     expected = np.zeros_like(v)
-    for phi, a in zip(share, side):
-        normal = (v[a] @ n) * n
-        traction = -RHO * c1 * normal - RHO * c2 * (v[a] - normal)
-        expected[a] = phi * whole * traction
+    for axis, sign in ((axis, sign) for axis in range(3) for sign in (-1, 1)):
+        side = np.flatnonzero(BRICK[:, axis] == sign)
+        across = np.delete(BRICK[side], axis, axis=1)
+        side = side[np.argsort(np.arctan2(across[:, 0], across[:, 1]))]
+        area = [(N, w * np.linalg.norm(a), a) for N, w, a in face_points(BENT[side])]
+        share = sum(A * N**2 for N, A, _ in area)
+        for phi, a in zip(share / share.sum(), side):
+            for _, A, n in area:
+                normal = (v[a] @ n) * n / (n @ n)
+                expected[a] -= phi * A * RHO * (c1 * normal + c2 * (v[a] - normal))
     close(model.ask("absorb", 0 * v, v)[0], expected)
 
 

@@ -82,6 +82,12 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
 ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
                             const ct_iterate *at, ct_closest *closest);
 
+/* Iterations for which a vertex stays before the simplex of n + 1 vertices turns about it. */
+static inline double ct_simplex_age(int n)
+{
+  return 1.65 * n + 0.05 * n * n; // (eq:simplex-age)
+}
+
 /* The regular simplex whose edge is a half-width, with its centroid at the start, and f at its
  * vertices; a flip of xi_1 about the centroid maps it onto itself. */
 void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options, double x[3][2],

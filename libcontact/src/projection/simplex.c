@@ -94,9 +94,8 @@ ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *op
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000, low, second, high;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
-  // -- Age at which a vertex is the centre of rotation, 3.5 for n = 2 (eq:simplex-age)
-  const int n = 2;
-  const double m = 1.65 * n + 0.05 * n * n;
+  // -- Age at which a vertex is the centre of rotation, 3.5
+  const double m = ct_simplex_age(2);
   simplex s = {.edge = half_width};
   ct_regular_simplex(patch, options, s.x, s.f, closest);
   ct_status status = CT_ITERATION_LIMIT;
