@@ -27,11 +27,11 @@ void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options
 /* Find the lowest vertex, the second highest and the highest. */
 static void simplex_order(const simplex *s, int *low, int *second, int *high)
 {
-  // -- Highest and lowest vertex (eq:simplex-high)
+  // -- Highest and lowest vertex
   *high = s->f[0] > s->f[1] ? 0 : 1;
-  *low = 1 - *high; // (eq:simplex-low)
-  if (s->f[2] > s->f[*high]) *high = 2;
-  else if (s->f[2] < s->f[*low]) *low = 2;
+  *low = 1 - *high;
+  if (s->f[2] > s->f[*high]) *high = 2;    // (eq:simplex-high)
+  else if (s->f[2] < s->f[*low]) *low = 2; // (eq:simplex-low)
   *second = 3 - *low - *high;
 }
 
