@@ -1,0 +1,56 @@
+/* Two inner rules of a pass: which points the face of the last step settles alone, and how far a
+ * motion can change a gap. */
+#include "../../libcontact/src/contact/pass.c"
+#include "../../libcontact/src/contact/warm.c"
+
+#include "tap.h"
+
+/* One point of eight, open, with nothing near (eq:warm-lanes): settled inside the face and nearer
+ * than contact looks, not on an edge or a corner, nor beyond; nor where the box of another face is
+ * as near. */
+static void settled(void)
+{
+  static const double place[3] = {-1.0, 0.4, 1.0};
+  ct_side_fixed fixed = {.rule.count = 1};
+  ct_point none = {.other = -1};
+  ct_side side = {.fixed = &fixed, .points = &none};
+  const ct_pass p = {.side = &side, .project = ct_project_options_default(), .depth = 0.5};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      for (int k = 0; k < 4; k++) {
+        block b = {.xi = {[3] = place[i], [11] = place[j]}, .status = {[3] = CT_OK}};
+        b.distance[3] = b.gap[3] = k % 2 ? 0.501 : 0.499;
+        b.rival[3] = k / 2;
+        tap_ok(is_settled(&p, &b, 3) == (i == 1 && j == 1 && k == 0),
+               "closest point (%g, %g) at %g, %s", place[i], place[j], b.distance[3],
+               k / 2 ? "with a rival" : "alone");
+      }
+}
+
+/* A point moves by (0.3, 0.1, 0), one node of the other face by (0, 0.5, 0.2), the others stand
+ * still: m = S |(0.3, -0.4, -0.2)| and 1e-6 of the size (eq:gap-bound). */
+static void motion(int per)
+{
+  int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  double own[24], theirs[24] = {[10] = 0.5, [11] = 0.2};
+  for (int i = 0; i < 24; i++) own[i] = i % 3 == 0 ? 0.3 : i % 3 == 1 ? 0.1 : 0.0;
+  ct_search search = {.per = per, .edges = 4, .faces = nodes, .size = 40.0};
+  ct_side_fixed fixed = {.rule.count = 1};
+  ct_point point = {.other = -1};
+  double N[8] = {0.0};
+  ct_segment_shape(per == 4 ? CT_Q4 : CT_Q8, (double[2]){0.3, -0.6}, N);
+  point.row.own_shape = N;
+  ct_side side = {.fixed = &fixed, .search = &search, .points = &point, .moved = own},
+          other = {.search = &search, .moved = theirs};
+  const ct_pass p = {.side = &side, .other = &other};
+  tap_close(motion_over(&p, 0, 0), (per == 8 ? 3.0 : 1.0) * sqrt(0.29) + 40e-6, 1e-12,
+            "a motion past a face of %d nodes", per);
+}
+
+int main(void)
+{
+  settled();
+  motion(4);
+  motion(8);
+  return tap_done();
+}
