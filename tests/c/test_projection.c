@@ -347,17 +347,17 @@ static void costs_in_looks(ct_face_kind kind)
          FACE_NAME[kind], dearer);
 }
 
-/* The first two iterates of a search. */
-typedef struct pair {
-  double xi[2][2];
+/* The first iterates of a search. */
+typedef struct first {
+  double xi[3][2];
   int count;
-} pair;
+} first;
 
-static void first_two(const double xi[2], double f, void *user)
+static void first_three(const double xi[2], double f, void *user)
 {
-  pair *p = (pair *)user;
+  first *p = (first *)user;
   (void)f;
-  if (p->count < 2)
+  if (p->count < 3)
     for (int a = 0; a < 2; a++) p->xi[p->count][a] = xi[a];
   p->count++;
 }
@@ -374,11 +374,11 @@ static void first_step_of_robust(ct_face_kind kind)
   for (int trial = 0; trial < 200; trial++) {
     ct_face face = random_face(kind, triangular(kind) ? 0.003 : 0.03);
     double point[3] = {uniform(2), uniform(2), uniform(0.3)}, xi[2], g[2], H[3], f[2];
-    pair p = {{{0}}, 0};
+    first p = {{{0}}, 0};
     ct_project_options options = with(CT_ROBUST);
     ct_projection out;
     random_xi(kind, 0.02, xi);
-    options.use_start = 1, options.trace = first_two, options.user = &p;
+    options.use_start = 1, options.trace = first_three, options.user = &p;
     for (int a = 0; a < 2; a++) options.start[a] = xi[a];
     ct_project(&face, point, &options, &out);
     if (p.count < 2) continue;
@@ -402,6 +402,55 @@ static void first_step_of_robust(ct_face_kind kind)
   tap_ok(steps > 150 && unkept == 0, "%s: f falls as promised in %d first steps of robust",
          FACE_NAME[kind], steps);
   tap_close(lower, 0, 1e-13, "%s: no allowed step has a lower model", FACE_NAME[kind]);
+}
+
+/* The allowed step on a quadrilateral with the lowest model, by grids that get finer about the
+ * lowest so far. */
+static void lowest_step(const double xi[2], const double g[2], const double H[3], double s[2],
+                        double *promise)
+{
+  double middle[2] = {0, 0};
+  *promise = 0, s[0] = s[1] = 0;
+  for (double half = 1; half > 1e-5; half *= 0.1) {
+    for (int i = -20; i <= 20; i++)
+      for (int j = -20; j <= 20; j++) {
+        double x = middle[0] + half * i / 20, y = middle[1] + half * j / 20,
+               far = fmax(fmax(fabs(x), fabs(y)), fmax(fabs(xi[0] + x), fabs(xi[1] + y))),
+               q = g[0] * x + g[1] * y + 0.5 * (H[0] * x * x + H[1] * y * y) + H[2] * x * y;
+        if (far <= 1 && q < -*promise) *promise = -q, s[0] = x, s[1] = y;
+      }
+    middle[0] = s[0], middle[1] = s[1];
+  }
+}
+
+/* On bent faces, where a search begins once more from its start, the first step is taken if f falls
+ * by a tenth of what the model promises, and no other is (eq:robust-accept). */
+static void steps_that_are_taken(void)
+{
+  int taken = 0, refused = 0, wrong = 0;
+  for (int trial = 0; trial < 20000; trial++) {
+    ct_face face = random_face(CT_Q8, 0.6);
+    double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2], s[2], g[2], H[3], f[2], promise;
+    first p = {{{0}}, 0};
+    ct_project_options options = with(CT_ROBUST);
+    ct_projection out;
+    random_xi(CT_Q8, 0.02, xi);
+    options.use_start = 1, options.trace = first_three, options.user = &p;
+    for (int a = 0; a < 2; a++) options.start[a] = xi[a];
+    ct_project(&face, point, &options, &out);
+    if (p.count < 3 || memcmp(p.xi[0], p.xi[1], sizeof xi) != 0) continue;
+    function_at(&face, point, xi, &f[0], g, H);
+    lowest_step(xi, g, H, s, &promise);
+    for (int a = 0; a < 2; a++) s[a] += xi[a];
+    function_at(&face, point, s, &f[1], NULL, NULL);
+    double share = (f[0] - f[1]) / promise;
+    int moved = memcmp(p.xi[2], xi, sizeof xi) != 0;
+    taken += moved && share < 0.14, refused += !moved && share > 0.03;
+    wrong += (share > 0.102 && !moved) || (share < 0.098 && moved);
+  }
+  tap_ok(wrong == 0 && taken > 2 && refused > 2,
+         "%d steps for which f falls by little are taken, %d refused, %d wrongly", taken, refused,
+         wrong);
 }
 
 static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2],
@@ -761,6 +810,7 @@ int main(void)
     for (int m = 0; m < 3; m++)
       copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
   }
+  steps_that_are_taken();
   newton_on_linear_triangles();
   simplex_floor();
   simplex_steps_by_hand();
