@@ -404,20 +404,25 @@ static void first_step_of_robust(ct_face_kind kind)
   tap_close(lower, 0, 1e-13, "%s: no allowed step has a lower model", FACE_NAME[kind]);
 }
 
+/* How far the model of f falls in a step. */
+static double promise_of(const double g[2], const double H[3], double x, double y)
+{
+  return -(g[0] * x + g[1] * y + 0.5 * (H[0] * x * x + H[1] * y * y) + H[2] * x * y);
+}
+
 /* The allowed step on a quadrilateral with the lowest model, by grids that get finer about the
  * lowest so far. */
-static void lowest_step(const double xi[2], const double g[2], const double H[3], double s[2],
-                        double *promise)
+static void lowest_step(const double xi[2], const double g[2], const double H[3], double s[2])
 {
-  double middle[2] = {0, 0};
-  *promise = 0, s[0] = s[1] = 0;
+  double middle[2] = {0, 0}, most = 0;
+  s[0] = s[1] = 0;
   for (double half = 1; half > 1e-5; half *= 0.1) {
     for (int i = -20; i <= 20; i++)
       for (int j = -20; j <= 20; j++) {
         double x = middle[0] + half * i / 20, y = middle[1] + half * j / 20,
                far = fmax(fmax(fabs(x), fabs(y)), fmax(fabs(xi[0] + x), fabs(xi[1] + y))),
-               q = g[0] * x + g[1] * y + 0.5 * (H[0] * x * x + H[1] * y * y) + H[2] * x * y;
-        if (far <= 1 && q < -*promise) *promise = -q, s[0] = x, s[1] = y;
+               promise = promise_of(g, H, x, y);
+        if (far <= 1 && promise > most) most = promise, s[0] = x, s[1] = y;
       }
     middle[0] = s[0], middle[1] = s[1];
   }
@@ -430,7 +435,7 @@ static void steps_that_are_taken(void)
   int taken = 0, refused = 0, wrong = 0;
   for (int trial = 0; trial < 20000; trial++) {
     ct_face face = random_face(CT_Q8, 0.6);
-    double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2], s[2], g[2], H[3], f[2], promise;
+    double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2], s[2], g[2], H[3], f[2];
     first p = {{{0}}, 0};
     ct_project_options options = with(CT_ROBUST);
     ct_projection out;
@@ -440,11 +445,12 @@ static void steps_that_are_taken(void)
     ct_project(&face, point, &options, &out);
     if (p.count < 3 || memcmp(p.xi[0], p.xi[1], sizeof xi) != 0) continue;
     function_at(&face, point, xi, &f[0], g, H);
-    lowest_step(xi, g, H, s, &promise);
-    for (int a = 0; a < 2; a++) s[a] += xi[a];
-    function_at(&face, point, s, &f[1], NULL, NULL);
-    double share = (f[0] - f[1]) / promise;
-    int moved = memcmp(p.xi[2], xi, sizeof xi) != 0;
+    for (int a = 0; a < 2; a++) s[a] = p.xi[2][a] - xi[a];
+    int moved = s[0] != 0 || s[1] != 0;
+    if (!moved) lowest_step(xi, g, H, s);
+    double end[2] = {xi[0] + s[0], xi[1] + s[1]};
+    function_at(&face, point, end, &f[1], NULL, NULL);
+    double share = (f[0] - f[1]) / promise_of(g, H, s[0], s[1]);
     taken += moved && share < 0.14, refused += !moved && share > 0.03;
     wrong += (share > 0.102 && !moved) || (share < 0.098 && moved);
   }
