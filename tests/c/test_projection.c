@@ -3,6 +3,7 @@
 #include "faces.h"
 #include "tap.h"
 
+#include <float.h>
 #include <string.h>
 
 static const ct_method METHOD[3] = {CT_ROBUST, CT_NEWTON, CT_SIMPLEX};
@@ -349,17 +350,46 @@ static void costs_in_looks(ct_face_kind kind)
 
 /* The first iterates of a search. */
 typedef struct first {
-  double xi[3][2];
+  double xi[20][2];
   int count;
 } first;
 
-static void first_three(const double xi[2], double f, void *user)
+static void look_at_first(const double xi[2], double f, void *user)
 {
   first *p = (first *)user;
   (void)f;
-  if (p->count < 3)
+  if (p->count < 20)
     for (int a = 0; a < 2; a++) p->xi[p->count][a] = xi[a];
   p->count++;
+}
+
+/* A search that meets no tolerance ends with the first step after which a quadratic method has
+ * rounding alone (eq:robust-quadratic). */
+static void last_step_of_robust(void)
+{
+  int searches = 0, early = 0, late = 0;
+  for (int trial = 0; trial < 1000; trial++) {
+    ct_face face = random_face(CT_Q8, 0.1);
+    double point[3] = {uniform(0.8), uniform(0.8), uniform(0.3)}, before = HUGE_VAL;
+    first p = {{{0}}, 0};
+    ct_project_options options = with(CT_ROBUST);
+    ct_projection out;
+    options.tolerance = 1e-16;
+    options.use_start = 1, options.trace = look_at_first, options.user = &p;
+    ct_project(&face, point, &options, &out);
+    if (p.count > 19 || out.where != CT_INTERIOR) continue;
+    for (int a = 0; a < 2; a++) p.xi[p.count][a] = out.xi[a];
+    for (int k = 0; k < p.count; k++) {
+      double s = fmax(fabs(p.xi[k + 1][0] - p.xi[k][0]), fabs(p.xi[k + 1][1] - p.xi[k][1])),
+             left = s * s * fmax(1, s / (before * before)) / (4 * DBL_EPSILON);
+      early += k == p.count - 1 && left > 1 + 1e-6,
+          late += k < p.count - 1 && s > 0 && left < 1 - 1e-6;
+      before = s;
+    }
+    searches++;
+  }
+  tap_ok(searches > 500 && early == 0 && late == 0, "robust: %d searches, %d end early and %d late",
+         searches, early, late);
 }
 
 /* On nearly plane faces, with points beside and beyond them, the first step of robust is the lowest
@@ -378,7 +408,7 @@ static void first_step_of_robust(ct_face_kind kind)
     ct_project_options options = with(CT_ROBUST);
     ct_projection out;
     random_xi(kind, 0.02, xi);
-    options.use_start = 1, options.trace = first_three, options.user = &p;
+    options.use_start = 1, options.trace = look_at_first, options.user = &p;
     for (int a = 0; a < 2; a++) options.start[a] = xi[a];
     ct_project(&face, point, &options, &out);
     if (p.count < 2) continue;
@@ -440,7 +470,7 @@ static void steps_that_are_taken(void)
     ct_project_options options = with(CT_ROBUST);
     ct_projection out;
     random_xi(CT_Q8, 0.02, xi);
-    options.use_start = 1, options.trace = first_three, options.user = &p;
+    options.use_start = 1, options.trace = look_at_first, options.user = &p;
     for (int a = 0; a < 2; a++) options.start[a] = xi[a];
     ct_project(&face, point, &options, &out);
     if (p.count < 3 || memcmp(p.xi[0], p.xi[1], sizeof xi) != 0) continue;
@@ -817,6 +847,7 @@ int main(void)
       copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
   }
   steps_that_are_taken();
+  last_step_of_robust();
   newton_on_linear_triangles();
   simplex_floor();
   simplex_steps_by_hand();
