@@ -47,8 +47,51 @@ static void motion(int per)
             "a motion past a face of %d nodes", per);
 }
 
+/* A vector of the length 3, turned by an angle from z in the plane of x and z. */
+static void turned(double degrees, double out[3])
+{
+  double angle = degrees * acos(-1.0) / 180.0;
+  out[0] = 3.0 * sin(angle), out[1] = 0.0, out[2] = 3.0 * cos(angle);
+}
+
+/* A point with the normal z, and places whose normals are turned from it: one looks across from
+ * 60° on (eq:self-adjacent), faces the point where the cosine is below -1/4, and is on the far side
+ * of a last place at 150° or at 60° if it is more than 120° from that, or more than 60° and not
+ * across (eq:far-side). */
+static void directions(void)
+{
+  static const double own[3] = {0.0, 0.0, 1.0};
+  int32_t nodes[4] = {0, 1, 2, 3};
+  // The last place looks along x.
+  double x[12] = {0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1};
+  ct_search search = {.kind = CT_Q4, .per = 4, .edges = 4, .faces = nodes, .x = x, .size = 1.0};
+  ct_side other = {.search = &search};
+  const ct_pass p = {.other = &other};
+  const ct_point was = {.other = 0}, new = {.other = -1};
+  int across = 0, faces = 0, far = 0;
+  for (double degrees = -179.5; degrees < 180.0; degrees += 1.0) {
+    double normal[3], cosine = cos(degrees * acos(-1.0) / 180.0);
+    turned(degrees, normal);
+    across += ct_pass_looks_across(own, normal) != (fabs(degrees) > 60.0);
+    faces += looks_at(&p, &new, own, normal) != (cosine < -0.25);
+    faces += looks_at(&p, &was, own, normal) !=
+             (cosine < -0.25 || (fabs(degrees) > 60.0 && fabs(degrees - 90.0) < 60.0));
+    for (int k = 0; k < 2; k++) {
+      double last[3], place = k == 0 ? 150.0 : 60.0, apart = fabs(degrees - place);
+      turned(place, last);
+      for (int c = 0; c < 3; c++) last[c] /= 3.0;
+      apart = fmin(apart, 360.0 - apart);
+      far += is_far(own, last, normal) != (apart > 120.0 || (apart > 60.0 && fabs(degrees) < 60.0));
+    }
+  }
+  tap_ok(across == 0, "places that look across");
+  tap_ok(faces == 0, "places that face a point");
+  tap_ok(far == 0, "places on the far side");
+}
+
 int main(void)
 {
+  directions();
   settled();
   motion(4);
   motion(8);

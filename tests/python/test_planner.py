@@ -79,6 +79,20 @@ def test_a_power_law_is_found(order, limit, change):
     assert found.uncertainty == pytest.approx(0.25 * abs(change) * h[-1] ** order, rel=1e-6)
 
 
+def test_the_uncertainty_of_a_line(monkeypatch):
+    """eq:planner-fit with one order: the error of the axis intercept in the regression of a line, with n - 3 for the order that is sought as well."""
+    monkeypatch.setattr(planner, "ORDERS", np.array([1.0]))
+    x, noise = np.array([1.0, 0.8, 0.6, 0.5, 0.4]), np.array([0.02, -0.03, 0.01, 0.02, -0.01])
+    f = 2.0 + 0.7 * x + noise
+    slope = np.cov(x, f)[0, 1] / np.var(x, ddof=1)
+    value = f.mean() - slope * x.mean()
+    variance = np.sum((f - value - slope * x) ** 2) / (5 - 3)
+    error = np.sqrt(variance * (1 / 5 + x.mean() ** 2 / np.sum((x - x.mean()) ** 2)))
+    found = planner.extrapolate(x, f)
+    assert found.value == pytest.approx(value, rel=1e-12)
+    assert found.uncertainty == pytest.approx(2 * error + 0.25 * abs(value - f[-1]), rel=1e-12)
+
+
 def test_the_uncertainty_holds_the_truth():
     """Orders between those that are tried, a second term, and noise of a hundredth of the change: in nine of ten sequences the truth is within it."""
     random, h, inside = np.random.default_rng(5), 2.0 ** (-0.5 * np.arange(6)), []

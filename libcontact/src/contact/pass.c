@@ -102,12 +102,12 @@ static int last_normal(const ct_pass *p, const ct_point *point, double normal[3]
 
 /* Whether a place with the normal `normal` (of any length) faces a point with the normal `own`, or
  * is perpendicular and points in the same direction as the point's place in the last step
- * (eq:self-adjacent). */
+ *. */
 static int looks_at(const ct_pass *p, const ct_point *point, const double own[3],
                     const double normal[3])
 {
   double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
-  // -- It faces the point, or its normal is within 60° of the last one (eq:self-adjacent)
+  // -- It faces the point, or its normal is within 60° of the last one
   if (along < -0.25 * length) return 1;
   return along < 0.5 * length && last_normal(p, point, last) &&
          ct_vector_dot(last, normal) > 0.5 * length;

@@ -37,6 +37,7 @@ static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
  * or is perpendicular to it (eq:far-side). */
 static inline int ct_pass_looks_across(const double own[3], const double normal[3])
 {
+  // (eq:self-adjacent)
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
 }
 
