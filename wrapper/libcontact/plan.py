@@ -358,7 +358,7 @@ class Rehearsal:
 
     coarse: Problem
     steps: int
-    pressed: npt.NDArray[np.bool_]
+    acted: npt.NDArray[np.bool_]
     seconds: Array
     computed: float
     rounds: float
@@ -466,18 +466,18 @@ def _pass(coarse: Problem, steps: int) -> Rehearsal:
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
     # The first effect, the elements, records no impulse.
     ends = np.cumsum([0, 0, *(effect.node_count for effect in coarse.made[1:])])
-    pressed: list[list[bool]] = []
+    acted: list[list[bool]] = []
     impulse = _impulse(state)
-    while not (len(pressed) == windows or (pressed and _at_rest(coarse, state))):
-        target = round((len(pressed) + 1) / windows * coarse.step_count)
+    while not (len(acted) == windows or (acted and _at_rest(coarse, state))):
+        target = round((len(acted) + 1) / windows * coarse.step_count)
         call(lib.ct_step_many, coarse.pointer, state, target - state.step)
         before, impulse = impulse, _impulse(state)
         changed = (impulse != before).any(axis=1)
-        pressed.append([changed[first:end].any() for first, end in zip(ends, ends[1:])])
+        acted.append([changed[first:end].any() for first, end in zip(ends, ends[1:])])
     return Rehearsal(
         coarse,
-        math.ceil(len(pressed) / windows * steps),
-        np.array(pressed),
+        math.ceil(len(acted) / windows * steps),
+        np.array(acted),
         step_seconds(coarse, state) / state.step,
         computed_fraction(state),
         state.constraint_rounds / state.step,
