@@ -108,9 +108,13 @@ class Turning:
             angle = _angle(body.mesh.nodes[some], moved)
             if angle > TURNED:
                 del self._bodies[i]
-                text = f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and '
-                text += f'with the law "linear" this rotation causes a false strain of {0.5 * angle * angle:.2g}; '
-                text += f'give material "{body.material.name}" the law "st_venant_kirchhoff" or "neo_hookean"'
+                turned = (
+                    f"{angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}"
+                )
+                strain, material = 0.5 * angle * angle, body.material.name
+                text = f'body "{body.name}" has turned by {turned}, and with the law "linear" '
+                text += f"this rotation causes a false strain of {strain:.2g}; "
+                text += f'give material "{material}" the law "st_venant_kirchhoff" or "neo_hookean"'
                 yield errors.RotationWarning(text, f"body[{i}]")
 
 
@@ -343,8 +347,10 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
         if math.isfinite(moving) and hit >= THIN * moving:
             share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]
-            text = f'body "{name}" is about one element thick where it hits, along {axis}: the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, which can be lost; '
-            text += "divide it into at least 4 elements along that direction (n equal ones lose up to 1/(2 n))"
+            text = f'body "{name}" is about one element thick where it hits, along {axis}: '
+            text += f"the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, "
+            text += "which can be lost; divide it into at least 4 elements along that direction "
+            text += "(n equal ones lose up to 1/(2 n))"
             yield errors.ThinWarning(text, touch.key)
 
 
