@@ -246,8 +246,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
   for (int cells = 0; size > 0; cells++) {
     cell c = stack[--size];
     slope sloping = OPEN;
-    // -- A cell is done if the closest point, or its own centre, proves that it contains no closer
-    // point (eq:certified-bound)
+    // -- A cell is done if the closest point or its own centre proves it (eq:certified-bound)
     if (proven_from_closest(p, closest, &c)) continue;
     if (cells > 0) {
       base_at(p->patch, c.centre, &b);
