@@ -62,6 +62,50 @@ def impact_loop():
     return figure
 
 
+def two_gaps():
+    """The gaps and forces of one impact, and the force of one step where the ramp of the law meets the motion of the point."""
+    step, n = 0.6, 2  # the step times ω, and the one that the right side shows
+    gaps, forces, _ = one_impact("energy_controlled", step, start=0.5)
+    a = 0.15 * np.sqrt(1 + 4 / step**2)  # (eq:surface-damping) for a point alone
+    before = np.minimum(gaps[:-2], 0)
+    law = lambda after, g: np.maximum(-0.5 * ((1 + a) * after + (1 - a) * g), 0)
+    assert np.allclose(forces[1:-1], law(gaps[2:], before), atol=1e-12)
+    figure = Figure(figsize=(7.5, 4.2))
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1], height_ratios=[1.5, 1])
+    gap = figure.add_subplot(grid[0, 0])
+    force = figure.add_subplot(grid[1, 0], sharex=gap)
+    ramp = figure.add_subplot(grid[:, 1])
+    t = np.arange(len(gaps))
+    gap.axhline(0, color="black", lw=1)
+    gap.plot(t, gaps, "o-", color=GREY, ms=4, lw=1)
+    force.bar(t, forces, 0.5, color=GREY)
+    force.bar(n, forces[n], 0.5, color=GREEN)
+    names = ((n - 1, ORANGE, "$g_{n-1}$"), (n, GREY, "$g_n$"), (n + 1, BLUE, "$g_{n+1}$"))
+    for at, colour, name in names:
+        gap.plot(at, gaps[at], "o", color=colour, ms=8)
+        gap.annotate(
+            name, (at, gaps[at]), (-8, -10), textcoords="offset points", color=colour, ha="right"
+        )
+    force.annotate(
+        r"$\lambda_n$", (n, forces[n]), (0, 2), textcoords="offset points", color=GREEN, ha="center"
+    )
+    gap.set(ylabel="gap ω / v", xlim=(-0.4, 8.4), ylim=(-1.0, 0.6))
+    gap.tick_params(labelbottom=False)
+    force.set(xlabel="step", ylabel="force", ylim=(0, 0.9))
+    after = np.linspace(-1.15, 0.45, 200)
+    ramp.plot(after, law(after, before[n - 1]), color=ORANGE, label="law, with $g_{n-1}$")
+    free = 2 * gaps[n] - gaps[n - 1]
+    ramp.plot(after, (after - free) / step**2, color=BLUE, label="motion, from $g_n$ and $g_{n-1}$")
+    ramp.plot(gaps[n + 1], forces[n], "o", color=GREEN, ms=9, label="step of the library")
+    ramp.plot(free, 0, "o", mfc="none", color=BLUE, ms=7, label="without contact")
+    edge = -(1 - a) / (1 + a) * before[n - 1]
+    ramp.plot(edge, 0, "|", color=ORANGE, ms=14, mew=2, label="threshold")
+    ramp.set(xlabel="gap $g_{n+1}$ at the end of the step", ylabel="force λ", ylim=(-0.06, 1.0))
+    ramp.set_xlim(-1.15, 0.45)
+    figure.legend(*ramp.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
 def laws():
     """What settled contact loses in a period, and the surface mode that is left, for each law and four penalties."""
     with (Path(__file__).resolve().parents[1] / "theory" / "laws.csv").open() as file:

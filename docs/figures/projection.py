@@ -10,7 +10,7 @@ import libcontact as ct
 
 def closest():
     """Fig. 1 of the paper, redrawn: a face, a point, its closest point, and the tangents there."""
-    figure = Figure(figsize=(6.0, 2.15))
+    figure = Figure(figsize=(6.0, 3.1))
     ax = axes_in_space(figure, elev=24, azim=-62)
     nodes = ARCH
     xi = np.array([0.25, 0.1])
@@ -34,8 +34,9 @@ def closest():
     ax.text(*nodes[3] + [0, 0, 0.15], r"$\gamma_c$")
     ax.set_box_aspect((3, 3, 1.7), zoom=1.1)
     figure.set_layout_engine("none")
-    ax.set_in_layout(False)  # its box is larger than what is drawn in it
-    ax.set_position([-0.1, -0.39, 1.2, 2.43])
+    # The box of the axes is larger than what is drawn in it: the picture ends where the figure does.
+    ax.get_tightbbox = lambda *_, **__: figure.bbox
+    ax.set_position([-0.1, -0.226, 1.2, 1.684])
     return figure
 
 
