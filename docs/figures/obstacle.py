@@ -1,8 +1,9 @@
 """Pictures of the chapter on obstacles."""
 
 import numpy as np
+from libcontact.plot import draw_faces
 from matplotlib.figure import Figure
-from shared.drawing import BLUE, GREY, ORANGE, arrow, bare, line
+from shared.drawing import BLUE, DARK, GREY, ORANGE, arrow, bare, line
 
 import libcontact as ct
 
@@ -48,7 +49,7 @@ def shapes():
 
 
 def hertz():
-    """The recovered pressure under a sphere, beside Hertz's."""
+    """A section of the block under a sphere with its stress, and the recovered pressure beside Hertz's."""
     data = ct.Scene.load(ct.example("hertz")).data
     box = {"origin": [0, 0, -3], "size": [3, 3, 3], "cells": [20, 20, 20]}
     data["body"][0] |= {"box": box}
@@ -63,11 +64,23 @@ def hertz():
     a = (3 * force * radius / (4 * modulus)) ** (1 / 3)
     peak = 1.5 * force / (np.pi * a**2)
     figure = Figure(figsize=(7.5, 3.4))
-    ax = figure.subplots()
+    section, ax = figure.subplots(1, 2)
+    body = run.state["block"]
+    for side in (1, -1):  # the block is a quarter of the whole: mirrored
+        turn, look = np.diag([side, 1]) / a, {"lw": 0.3, "edgecolors": DARK}
+        down = body.stress[:, 2] / peak
+        image = draw_faces(section, body, "y_min", down, (-1, 1), turn=turn, **look)
+    at = np.linspace(-0.6, 0.6, 200)
+    ball = data["obstacle"][0]
+    centre = (ball["sphere"]["centre"][2] + ball["travel"][2]) / a
+    section.plot(radius / a * np.sin(at), centre - radius / a * np.cos(at), color=ORANGE)
+    section.set(xlabel="x / a", ylabel="z / a", xlim=(-2.2, 2.2), ylim=(-2.6, 0.6))
+    section.grid(False)
+    figure.colorbar(image, ax=section, label=r"$\sigma_z$ / peak", location="bottom", shrink=0.8)
     fine = np.linspace(0, a, 300)
     ax.plot(fine / a, np.sqrt(1 - (fine / a) ** 2), color="black", lw=1.4, label="Hertz")
     near = r < 1.5 * a
     ax.plot(r[near] / a, nodes["pressure"][near] / peak, "o", ms=4, label="pressure at the nodes")
     ax.set(xlabel="distance from the middle r / a", ylabel="pressure / peak", xlim=(0, 1.5))
-    ax.legend()
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return figure
