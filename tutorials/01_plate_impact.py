@@ -250,7 +250,7 @@ draw_fronts(ax, T, NU)
 fig.colorbar(image, ax=ax, label=r"$\sigma_z^*$", shrink=0.8)
 ax.set(xlabel="x/d", ylabel="z/d", xlim=(-1, 1), ylim=(-1, 1))
 ax.set_title("Fig. 3: wave fronts at c$_1$t/d = 0.56")
-ax.legend(loc="upper center", ncols=5, fontsize=8, bbox_to_anchor=(0.5, -0.08), frameon=False)
+ax.legend(loc="upper center", ncols=5, fontsize=9, bbox_to_anchor=(0.5, -0.08), frameon=False)
 fig.savefig(folder / "fig3.png", dpi=150)
 
 # %%

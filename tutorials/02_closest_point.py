@@ -78,12 +78,13 @@ lowest = np.unravel_index(np.argmin(grid), grid.shape)
 assert best.distance[0] <= grid.min() + 1e-15
 assert max(abs(x[lowest] - nearest[0]), abs(y[lowest] - nearest[1])) < 0.01
 
-fig = plt.figure(figsize=(10, 4.5), layout="constrained")
+fig = plt.figure(figsize=(8, 3.8), layout="constrained")
 ax = fig.add_subplot(1, 2, 1, projection="3d")
 shown = face(x[::40, ::40], y[::40, ::40])
 ax.plot_surface(*np.moveaxis(shown, -1, 0), color="0.85", edgecolor="0.6", linewidth=0.4, alpha=0.7)
 ax.plot(*np.array([point, best.point[0]]).T, "o-", color="tab:red")
 ax.set(title="the face, the point, its closest point", xlabel="x", ylabel="y", zlabel="z")
+ax.set_box_aspect(None, zoom=0.85)
 ax = fig.add_subplot(1, 2, 2)
 lines = ax.contour(x, y, grid, 30, cmap="viridis", linewidths=0.8)
 ax.plot(*nearest, "*", color="tab:red", ms=12)
@@ -103,9 +104,9 @@ fig.savefig(folder / "closest_point_face.png", dpi=120)
 
 def panels():
     """A figure with axes for every method."""
-    rows = -(-len(METHODS) // 4)
+    rows = -(-len(METHODS) // 3)
     fig, axes = plt.subplots(
-        rows, 4, figsize=(12, 3.2 * rows + 0.6), layout="constrained", squeeze=False
+        rows, 3, figsize=(7.5, 2.6 * rows + 0.6), layout="constrained", squeeze=False
     )
     for ax in axes.flat[len(METHODS) :]:
         ax.axis("off")
@@ -163,7 +164,7 @@ for ax, name in zip(axes.flat, METHODS):
     ax.set_title(f"{name}: {calls[name]} evaluations", fontsize=10)
 legend_of_ends(fig)
 fig.suptitle(
-    "iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point"
+    "iterates from ξ = (-0.6, 0.7), lines of equal distance;\nthe star is the closest point"
 )
 fig.savefig(folder / "closest_point_paths.png", dpi=120)
 assert calls["newton"] < calls["simplex"]

@@ -165,7 +165,7 @@ for name, run in runs.items():
 curves["+ gravity"] = (*curves["+ gravity"][:2], "k--")
 notes = [f"{run.steps[-1]} steps" for run in runs.values()]
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8), layout="constrained")
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 4.4), layout="constrained")
 labels = {"xlabel": "time [ms]", "ylabel": "mean velocity of the rod [m/s]"}
 draw_curves(left, curves, title="What each effect does", **labels)
 draw_costs(right, plans, notes)

@@ -104,7 +104,7 @@ for label, (run, colour) in named.items():
 steps = [0.4, BEGIN, BEGIN, END, END, 1.3]
 pressures["exact"] = (steps, np.array([0, 0, 1, 1, 0, 0]) * PRESSURE, "k")
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3.8), layout="constrained")
 labels = {"xlabel": "time [s]", "title": "Spurious energy", "ylim": (0, None)}
 draw_curves(left, energies, ylabel="energy / energy at the start", **labels)
 labels = {"xlabel": "time [s]", "title": "Pressure on the wall", "xlim": (0.4, 1.3)}
@@ -167,7 +167,7 @@ energies = {f: rebound(f, phi, penalty) for f in fractions}
 
 curves = {f"penalty, f = {f}": (phi, energies[f]) for f in fractions}
 curves["energy-controlled, f = 0.9"] = (phi, rebound(0.9, phi, energy_controlled), "C2--")
-fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3.8), layout="constrained")
 labels = {"xlabel": r"landing $\varphi$ between two steps", "title": "One impact"}
 draw_curves(left, curves, ylabel="energy after / before", ylim=(0, None), **labels)
 
@@ -244,7 +244,7 @@ for f, colour in zip(fractions, ("tab:blue", "tab:orange", "tab:red")):
 right.set(
     xlabel="impact",
     ylabel="log10 of the energy",
-    title="Many impacts: 20 masses, and their mean by the integral",
+    title="Many impacts: 20 masses,\nand their mean by the integral",
 )
 right.legend(frameon=False)
 for ax in (left, right):
@@ -362,7 +362,7 @@ for (name, run), time in zip(runs.items(), seconds):
         f"{deep:11.1e}"
     )
 
-fig, axes = plt.subplots(3, 2, figsize=(11, 7.5), sharex=True, sharey=True, layout="constrained")
+fig, axes = plt.subplots(3, 2, figsize=(8, 6.2), sharex=True, sharey=True, layout="constrained")
 for ax, (name, run) in zip(
     axes.T.flat, [item for item in runs.items() if item[0] != "penalty 10, 0.9"]
 ):
@@ -531,7 +531,7 @@ for (name, difference), time in zip(differences.items(), seconds):
         textcoords="offset points",
         va="center",
         ha="right" if left_of else "left",
-        fontsize=8,
+        fontsize=9,
     )
 ax.set(
     yscale="log",

@@ -134,7 +134,7 @@ def exact_far_end(t):
 places, stress = along(film, 0)
 t = times_of(film)
 fine = np.linspace(0, 1.5, 601)
-fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 4.2), layout="constrained")
 image = draw_bar_in_time(left, t, places, stress, 360)
 fig.colorbar(image, ax=left, label="stress [Pa]")
 curves = {
@@ -150,7 +150,8 @@ curves = {
     "mean of ten steps": (middle, pressure, "C3"),
     r"closed form, $\rho c v$": ([0, 0.5, 0.5, off, off, 1.5], [0, 0, P, P, 0, 0], "k--"),
 }
-draw_curves(right, curves, xlabel="t [s]", ylabel="pressure on the wall [Pa]", xlim=(0, 1.5))
+labels = {"xlabel": "t [s]", "ylabel": "pressure on the wall [Pa]", "ylim": (-15, 420)}
+draw_curves(right, curves, "upper center", xlim=(0, 1.5), **labels)
 fig.savefig(folder / "scene_bar_on_a_wall.png", dpi=150)
 
 steady = (middle > 0.6) & (middle < 1.1)
@@ -198,7 +199,7 @@ film = states(bouncing, np.linspace(0, period, 161)[1:])
 records = run(bouncing)
 places, stress = along(film, 2)
 t = times_of(film)
-shape = {"figsize": (9, 7.5), "height_ratios": [2, 1], "sharex": True, "layout": "constrained"}
+shape = {"figsize": (8, 7), "height_ratios": [2, 1], "sharex": True, "layout": "constrained"}
 fig, (above, below) = plt.subplots(2, 1, **shape)
 image = draw_bar_in_time(above, t, places, stress, 500, upright=True)
 fig.colorbar(image, ax=[above, below], label="stress [Pa]", shrink=0.6)
@@ -206,7 +207,7 @@ curves = {
     "characteristics: ends": (t_exact, ends[:, 0], "k--"),
     "_upper": (t_exact, ends[:, 1], "k--"),
 }
-draw_curves(above, curves, "upper right", ylabel="z [m]", title="A bar bounces")
+draw_curves(above, curves, "upper right", ylabel="z [m]", ylim=(0, 17), title="A bar bounces")
 middle, pressure = force(records, "bar", 0.01, 2)
 landing, touching = np.array([1, 11 / 3]), {}
 for i, start in enumerate(landing):
@@ -236,9 +237,7 @@ slope = np.arctan2(3, 4)
 turn = np.array([[np.cos(slope), -np.sin(slope)], [np.sin(slope), np.cos(slope)]])
 film = states(incline, [0.0, 1.0])
 records = run(incline)
-fig, (left, right) = plt.subplots(
-    1, 2, figsize=(11, 4.4), width_ratios=[1.3, 1], layout="constrained"
-)
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 4), width_ratios=[1.3, 1], layout="constrained")
 for state in film:
     body = state["block"]
     look = {"turn": turn, "cmap": "viridis"}
@@ -282,7 +281,7 @@ a = np.sqrt(R * DEPTH)
 p0 = 2 * STAR / np.pi * np.sqrt(DEPTH / R)
 block = hertz.state["block"]
 layout = [["cut", "force"], ["cut", "pressure"], ["cut", "stress"]]
-shape = {"figsize": (11, 8), "width_ratios": [1.25, 1], "layout": "constrained"}
+shape = {"figsize": (8, 7.2), "width_ratios": [1.25, 1], "layout": "constrained"}
 fig, axes = plt.subplot_mosaic(layout, **shape)
 left = axes["cut"]
 for side in (1, -1):
@@ -377,7 +376,7 @@ def hoop(body):
 
 
 shown = [0, 10, 20, 31]
-shape = {"figsize": (11, 6.2), "height_ratios": [1.1, 1], "layout": "constrained"}
+shape = {"figsize": (8, 5.6), "height_ratios": [1.1, 1], "layout": "constrained"}
 fig, axes = plt.subplot_mosaic([shown, 4 * ["radius"]], **shape)
 for k in shown:
     body, ax = film[k]["ring"], axes[k]
@@ -393,6 +392,7 @@ curves = {
     "pictures above": (1e3 * t[shown], stretch[shown], "ko"),
 }
 labels = {"xlabel": "t [ms]", "ylabel": "radius / radius at the start", "xlim": (0, 6.3)}
+labels["ylim"] = (0.99, 1.25)  # with room for the legend
 draw_curves(axes["radius"], curves, "upper right", **labels)
 fig.savefig(folder / "scene_spinning_ring.png", dpi=150)
 
@@ -419,7 +419,7 @@ def bending(x):
     return LOAD * x**2 * (3 * LONG - x) / (6 * E * INERTIA) + LOAD * x / (KAPPA * SHEAR * AREA)
 
 
-shape = {"figsize": (11, 6.2), "layout": "constrained"}
+shape = {"figsize": (8, 5.6), "layout": "constrained"}
 fig, axes = plt.subplot_mosaic([["beam", "beam"], ["stress", "energy"]], **shape)
 ax, x = axes["beam"], np.linspace(0, LONG, 200)
 look = {"scale": 5, "linewidths": 0.5}
@@ -440,7 +440,9 @@ energy = beam_run.energy
 times, final = 1e3 * energy["time"], LOAD * bending(LONG) / 2
 curves = {name: (times, np.maximum(energy[name], 1e-12)) for name in ("kinetic", "strain")}
 curves["half the load times deflection"] = (times, final + 0 * times, "k--")
-draw_curves(axes["energy"], curves, xlabel="t [ms]", ylabel="energy [mJ]", yscale="log")
+draw_curves(
+    axes["energy"], curves, "lower center", xlabel="t [ms]", ylabel="energy [mJ]", yscale="log"
+)
 fig.savefig(folder / "scene_cantilever.png", dpi=150)
 
 tip = -beam.displacement[np.isclose(beam.nodes[:, 0], LONG), 2].mean()

@@ -331,12 +331,12 @@ def draw_costs(axes: Any, plans: Mapping[str, Sequence[Cost]], notes: Sequence[s
             ends.append(start)
         longest = max(longest, *ends)
         if notes:
-            axes.text(max(ends), row, f"  {notes[row]}", va="center", fontsize=8)
+            axes.text(max(ends), row, f"  {notes[row]}", va="center", fontsize=9)
     axes.set_yticks(range(len(plans)), list(plans))
     axes.invert_yaxis()
     axes.set(xlim=(0, 1.9 * longest), xlabel="time of the run [ms]")
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
 def draw_map(
@@ -367,7 +367,7 @@ def draw_map(
     axes.plot(*np.nonzero(dots)[::-1], "k.", ms=4)
     for i, j in zip(*np.nonzero(values > 0.01)):
         text = f"{100 * values[i, j]:.0f} %"
-        axes.text(j, i + 0.22, text, ha="center", va="center", fontsize=7)
+        axes.text(j, i + 0.22, text, ha="center", va="center", fontsize=8.5)
     axes.set_xticks(range(len(columns)), columns)
     axes.set_yticks(range(len(rows)), rows)
     bar = axes.figure.colorbar(image, ax=axes, ticks=range(-4, 2))
