@@ -75,6 +75,7 @@ def is_program(path, text):
 def run(command, **variables):
     """Exit status and output of a command in the copy."""
     env = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(COPY / "wrapper"), **variables}
+    env["PYTHONDONTWRITEBYTECODE"] = "1"  # a change within a second of the last one is one
     known = {"cwd": COPY, "env": env, "timeout": SECONDS}
     try:
         done = subprocess.run(command, **known, capture_output=True, text=True, errors="replace")

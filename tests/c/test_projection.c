@@ -368,8 +368,8 @@ static void look_at_first(const double xi[2], double f, void *user)
 static void last_step_of_robust(void)
 {
   int searches = 0, early = 0, late = 0;
-  for (int trial = 0; trial < 1000; trial++) {
-    ct_face face = random_face(CT_Q8, 0.1);
+  for (int trial = 0; trial < 20000; trial++) {
+    ct_face face = random_face(CT_Q8, 0.2);
     double point[3] = {uniform(0.8), uniform(0.8), uniform(0.3)}, before = HUGE_VAL;
     first p = {{{0}}, 0};
     ct_project_options options = with(CT_ROBUST);

@@ -1,5 +1,6 @@
 /* Lines and faces against closed forms: planes and parabolic cylinders, hits, misses, edges and
  * lines that touch. */
+#include "../../libcontact/src/projection/ray.c"
 #include "../../libcontact/src/shape/shape.h"
 #include "faces.h"
 #include "tap.h"
@@ -17,6 +18,51 @@ static int on_face(ct_face_kind kind, double x, double y, double slack)
 {
   if (triangular(kind)) return x >= -slack && y >= -slack && x + y <= 1 + slack;
   return fabs(x) <= 1 + slack && fabs(y) <= 1 + slack;
+}
+
+/* What one look at a square of a bent face tells, against the rules written out: the components
+ * across the line (eq:ray-across) with their bounds (eq:ray-bend), no root (eq:ray-empty,
+ * eq:ray-mixed), or one at most (eq:ray-unique). */
+static void squares(void)
+{
+  int unlike = 0, told[3] = {0, 0, 0};
+  for (int trial = 0; trial < 20000; trial++) {
+    ct_face face = random_face(CT_Q8, 0.3);
+    double point[3] = {uniform(0.5), uniform(0.5), uniform(0.3)}, t[2][3], y[3], G[2], dG[2][2],
+           A[3], R[2] = {0}, P[2][2], g[2], D[2][2], one = 0,
+           e[3] = {uniform(0.5), uniform(0.5), 1 + uniform(0.5)};
+    square q = {{uniform(0.7), uniform(0.7)}, ldexp(0.6, -(trial % 4))};
+    int none = 0;
+    ct_patch patch;
+    ct_patch_init(&patch, CT_Q8, face.node, point);
+    sight s = {.patch = &patch};
+    sight_along(&s, e);
+    ct_segment_point(&face, q.centre, y);
+    ct_segment_tangents(&face, q.centre, t[0], t[1]);
+    for (int i = 0; i < 2; i++) {
+      const double *u = s.across[i];
+      double c[8], d[3] = {y[0] - point[0], y[1] - point[1], y[2] - point[2]};
+      g[i] = ct_vector_dot(u, d);
+      for (int j = 0; j < 8; j++) c[j] = fabs(ct_vector_dot(u, patch.c[j]));
+      A[0] = 2 * c[4] + 2 * c[6], A[1] = 2 * c[5] + 2 * c[7], A[2] = c[3] + 2 * c[6] + 2 * c[7];
+      R[i] = (A[0] / 2 + A[1] / 2 + A[2]) * q.half * q.half;
+      for (int a = 0; a < 2; a++) D[i][a] = ct_vector_dot(u, t[a]);
+      none |= fabs(g[i]) > (fabs(D[i][0]) + fabs(D[i][1])) * q.half + R[i];
+    }
+    double determinant = D[0][0] * D[1][1] - D[0][1] * D[1][0];
+    P[0][0] = D[1][1] / determinant, P[0][1] = -D[0][1] / determinant;
+    P[1][0] = -D[1][0] / determinant, P[1][1] = D[0][0] / determinant;
+    for (int a = 0; a < 2; a++) {
+      double bend = fabs(P[a][0]) * R[0] + fabs(P[a][1]) * R[1];
+      none |= fabs(P[a][0] * g[0] + P[a][1] * g[1]) > q.half + bend;
+      one = fmax(one, 2 / q.half * bend);
+    }
+    verdict wanted = none ? NONE : one < 0.5 ? ONE_AT_MOST : UNKNOWN;
+    unlike += judge(&s, &q, G, dG) != wanted;
+    told[wanted]++;
+  }
+  tap_ok(unlike == 0, "%d squares without a root, %d with one at most, %d to be cut", told[0],
+         told[1], told[2]);
 }
 
 /* On z = p x^2 / 2 (a plane for p = 0) the distance along the line solves a quadratic equation. So
@@ -150,6 +196,7 @@ static void bad_input(void)
 
 int main(void)
 {
+  squares();
   for (int k = 0; k < 4; k++) {
     parabolic_cylinder((ct_face_kind)k, 0);
     if (k == CT_Q8 || k == CT_T6)

@@ -17,7 +17,7 @@ spec.loader.exec_module(face)
 
 @pytest.mark.parametrize("nu", [0.1, 0.3, 0.4])
 def test_quadrature_along_the_path_gives_the_closed_form(nu):
-    """All five fields of both faces and of the plane wave: eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
+    """All five fields of both faces and of the plane wave: eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes, eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
     random = np.random.default_rng(5)
     ell, seen = 2 * nu / (1 - 2 * nu), set()
     for x, z, t in random.uniform([0.05, -0.9, 0.3], [0.9, 0.9, 1.9], (60, 3)):
