@@ -1,5 +1,7 @@
 /* Averaged mass: the force against matrices that are written down by themselves, waves against
  * their closed form, energy and momentum, contact, the bound, and what is promised of bits. */
+#include "../../libcontact/src/step/stable.c"
+
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1, 0.3, 0.7, CT_LINEAR};
@@ -471,6 +473,27 @@ static double reported(int cells, ct_solid_kernel kernel, double hourglass, doub
   return dt / low;
 }
 
+/* The step of sums of bounds on a mesh of cubes solves Δt = 4 / (F D + √(F²D² + 4 F ω̂²)) with
+ * F = 1 + 26/27 η(Δt) (eq:averaged-bound). */
+static void fixed_point(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 3, 3, 3, 3, 3, 3);
+  ct_scene *scene = new_scene();
+  const ct_material material = {1.0, 0.25, 1.0, CT_LINEAR};
+  add_body(scene, "block", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
+  add_averaging(scene, NULL, 0);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  for (double rate = 0.0; rate < 2.0; rate += 0.7) {
+    const bounds sum = {.omega_squared = 5.0, .rate = rate};
+    double dt = step_of(p, &sum), F = 1.0 + 26.0 / 27.0 * eta_of(&material, 1.0, dt);
+    tap_close(dt / (4.0 / (F * rate + sqrt(F * F * rate * rate + 4.0 * F * 5.0))), 1.0, 1e-12,
+              "step of averaged masses with the damping rate %g", rate);
+  }
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
 static void bound(void)
 {
   static const double POISSON[3] = {0.0, 0.3, 0.45};
@@ -495,6 +518,7 @@ int main(void)
   energy();
   contact();
   bits();
+  fixed_point();
   bound();
   refusals();
   return tap_done();
