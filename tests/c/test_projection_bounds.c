@@ -220,7 +220,7 @@ static void corners_with_a_slope(void)
 static void derivative_bounds(void)
 {
   int above = 0;
-  double off = 0;
+  double off = 0, target = 0;
   for (int trial = 0; trial < 107; trial++) {
     scene s;
     make(&s, CT_Q8, 0.4, 0.1);
@@ -240,6 +240,11 @@ static void derivative_bounds(void)
         above += sqrt(dot(b.t22, b.t22)) > s.p.curve[1] * (1 + 1e-12);
         above += sqrt(dot(b.t12, b.t12)) > s.p.curve[2] * (1 + 1e-12);
       }
+    // d* - ½ τ max(d*, L) + 2 δ for τ = 1e-7 (eq:certified-target)
+    double size = s.patch.size, far = trial % 2 ? 0.5 * size : 2 * size;
+    proof_about(&s.p, &s.patch, 1e-7, far);
+    double room = (far - sqrt(s.p.target) + 2 * s.p.rounding) / fmax(far, size);
+    target = worst(target, room / 0.5e-7 - 1);
     for (int a = 0; a < 2; a++) {
       above += most_[a] > s.p.tangent[a] * (1 + 1e-12);
       if (trial < 7) off = worst(off, most_[a] - s.p.tangent[a]);
@@ -247,6 +252,7 @@ static void derivative_bounds(void)
   }
   tap_ok(above == 0, "no derivative exceeds its bound");
   tap_close(off, 0, 1e-15, "bounds of tangents are reached");
+  tap_close(target, 0, 1e-6, "and the target is by half the tolerance nearer");
 }
 
 /* Where slopes empty a piece (eq:certified-third, eq:certified-slopes), a
