@@ -249,6 +249,7 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
   ct_host *h = contact->host;
   double part[2];
   add_forces(contact, h->force);
+  // -- The work of both parts of the kick
   for (int k = 0; k < 2; k++) {
     for (int32_t n = 0; n < fixed->node_count; n++) {
       int64_t dof, own = 3 * (int64_t)n;
@@ -256,7 +257,7 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
       for (int c = 0; c < 3; c++, dof++, own++) {
         double after =
             increment_of(p, from, dof) / p->dt + p->kick * from->inverse_mass[dof] * h->force[own];
-        // -- Half of the kick times the velocity before it, or after it (eq:host-work)
+        // Half of the kick times the velocity before it, or after it (eq:host-work)
         h->terms[own] = 0.5 * p->kick * h->force[own] * (k == 0 ? from->velocity[dof] : after);
       }
     }

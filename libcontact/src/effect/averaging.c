@@ -200,7 +200,7 @@ static void averaging_element(const ct_effect *effect, int32_t first_node, const
     if (body->first_node != first_node) continue;
     mode_shares(body, dt, share);
     for (int m = 0; m < CT_MODES; m++) most = fmax(most, share[m]);
-    // (eq:averaged-tangent)
+    // -- The tangent in the modes, as a matrix of the nodes (eq:averaged-tangent)
     double at = TANGENT * most, b = 1.0 / ((1.0 + at) * (1.0 + at)), rest = at * at * b;
     for (int i = 0; i < 24; i++) {
       matrix[25 * i] += 4.0 * rest * 8.0 * body->whole;

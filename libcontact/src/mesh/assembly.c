@@ -24,6 +24,7 @@ static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
   for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
   for (size_t i = 0; i < 8 * (size_t)mesh->node_count; i++) assembly->place[i] = zero;
   assembly->extra_count = assembly->cell_count = 0;
+  // -- Enter each element into its slots; a slot with several elements becomes a cell
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < per; a++) {
       int32_t place = (e / 8 * per + a) * width + e % 8;

@@ -184,18 +184,21 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
   uint8_t *batch = &s->batch[part->first_batch];
   int32_t begin = part->first_node, end = begin + part->mesh->node_count;
   if (!part->optimisations.sleep || !choose_motion(part, u, v, past, own)) return 0;
+  // -- Mark the nodes that do not move like the first possible batch
   for (int32_t n = begin, last; n < end; n = last) {
     uint64_t word = 0;
     last = ct_bits_word_end(n, end);
     for (int32_t i = n; i < last; i++) word |= (uint64_t)stirs(own, u, v, past, i) << (i % 64);
     ct_bits_write(s->front, n, last, word);
   }
+  // -- A batch without such a node sleeps
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
     for (batch_nodes(part, b, &i, &last); i < last && !ct_bits_get(s->front, node_at(part, i));)
       i++;
     batch[b] = i < last ? CT_ACTIVE : CT_ASLEEP;
   }
+  // -- Begin the sets of nodes with the shared nodes, and wake the other batches
   ct_bits_put(s->summed, begin, end, 0);
   for (int32_t n = begin, last; n < end; n = last) {
     last = ct_bits_word_end(n, end);

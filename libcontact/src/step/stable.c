@@ -37,6 +37,7 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   ct_status status = ct_stage_check(state, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
+  // -- The bounds of one effect in this state
   ct_view view = ct_workspace_view(problem, state, k);
   if (effect->omega2_bound != NULL)
     status = effect->omega2_bound(effect, &view, omega_squared, error);
