@@ -106,9 +106,9 @@ EXPLICIT = {
         r"\*\*Too stiff\*\*",
     ),
     "docs/theory/stable.rst": (
-        r"which margin is wise",
+        r"recommends a margin",
         r":eq:`contact-bound`\. ?|:eq:`contact-bound`;",
-        r"with an .*penalty of the stiffness :math:`\\beta EA/h`",
+        r"penalty acts like a spring of the stiffness :math:`\\beta EA/h`",
     ),
 }
 
