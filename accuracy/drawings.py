@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -81,28 +81,37 @@ def tidy(ax: Axes, **labels: Any) -> None:
     ax.spines[["top", "right"]].set_visible(False)
 
 
-def work(folder: Path = table.BOOK, cost: str = "times_paper", scene: str = "reference") -> Figure:
+def work(
+    folder: Path = table.BOOK,
+    cost: str = "times_paper",
+    scene: str = "reference",
+    named: Collection[str] = tuple(campaign.METHODS),
+) -> Figure:
     """Error against cost, one curve per method, with the Pareto front, the paper's point and the best
-    buy."""
+    buy. The legend has the methods that are named; the others are grey."""
     rows = load(folder)
     figure = Figure(figsize=(7.5, 7.4), layout="constrained")
     paper = rows[campaign.case(scene, 100, campaign.PAPER).name]
     name, best = best_buy(rows, scene)
     for ax, (column, label) in zip(figure.subplots(1, 2), NAMES.items()):
         points = []
-        for k, (method, keys) in enumerate(campaign.METHODS.items()):
+        for method, keys in campaign.METHODS.items():
             x, y = values(rows, meshes(rows, scene, keys), cost, column)
             points += list(zip(x, y))
-            style = {"marker": "osv^D<>phX"[k % 10], "ms": 5, "lw": 1.3, "color": f"C{k % 10}"}
-            style["ls"] = "-" if k < 10 else "--"
-            ax.loglog(x, y, label=method, **style)
+            style = {"color": "0.55", "lw": 0.6, "zorder": 1.5}
+            if method in named:
+                k = list(named).index(method)
+                style = {"marker": "osv^D<>phX"[k % 10], "ms": 5, "lw": 1.3, "color": f"C{k % 10}"}
+                style |= {"ls": "-" if k < 10 else "--", "label": method}
+            ax.loglog(x, y, **style)
         x, y = np.array(points).T
         edge = front(x, y)
         ax.step(
             x[edge],
             y[edge],
             where="post",
-            color="0.8",
+            color="0.55",
+            alpha=0.4,
             lw=7,
             zorder=0,
             label="Pareto front",

@@ -1,4 +1,7 @@
-"""Picture of the first page: two plates just after their impact."""
+"""Pictures of the first page: two plates just after their impact, and what accuracy costs."""
+
+import sys
+from pathlib import Path
 
 import numpy as np
 from libcontact.plot import draw_faces
@@ -6,6 +9,9 @@ from matplotlib.figure import Figure
 from shared.drawing import DARK, RED
 
 import libcontact as ct
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "accuracy"))
+import drawings  # noqa: E402
 
 D, TIME = 2.5, 0.56  # half the thickness in mm, and the time c₁t/d at the end of the scene
 YOUNG, POISSON, DENSITY, SPEED = 2.1e5, 0.3, 7.8e-9, 1e3
@@ -34,3 +40,9 @@ def impact():
     ax.set(xlabel="x / d", ylabel="z / d", xlim=(-1, 1), ylim=(-1, 1))
     ax.grid(False)
     return figure
+
+
+def accuracy():
+    """Error against time for all methods; five have colours."""
+    named = ("paper's setting", "hex20", "default at 0.98", "averaged mass")
+    return drawings.work(named=(*named, "Tchamwa–Wielgosz 0.95, H' = 0.8"))
