@@ -20,7 +20,7 @@ LETTERS = (
 LETTERS += list("WAJsphTgk")
 # Parts where each of the letters has one sense in all formulas, and the letters that count there besides.
 CLOSED = ("week/index", "theory/index")
-MORE = [*"eta chi tau".split(), *"PVE"]
+MORE = [*"eta chi tau delta".split(), *"PVELwtmb"]
 EQUATION = re.compile(r"\.\. math::\n((?:   .*\n|\n)+)")
 STYLED = (
     r"\\(mathbf|boldsymbol|mathcal)\s*(?:\{\s*(\\[a-zA-Z]+|[a-zA-Z])\s*\}|(\\[a-zA-Z]+|[a-zA-Z]))"
@@ -32,7 +32,7 @@ def letters(formula: str, part: str = "") -> set[str]:
     """Symbols of a formula that have one of the letters that count in a part; subscripts, words and units do not count."""
     count = LETTERS + MORE if part in CLOSED else LETTERS
     text = re.sub(
-        r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)\*?\s*(?:" + GROUP + r"|\w)",
+        r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)(?![a-z])\*?\s*(?:" + GROUP + r"|\w)",
         " ",
         formula,
     )

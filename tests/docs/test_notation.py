@@ -89,3 +89,4 @@ def test_chapters_of_the_tables_exist():
 def test_letters_of_a_formula():
     formula = r"\sigma_{ij} = \boldsymbol\sigma : \mathbf{K}^{\mathsf T} + \tfrac12 h\, g_n \sin k_x \text{ for } \hat\omega"
     assert letters(formula) == {r"\sigma", r"\boldsymbol \sigma", "h", "g", "k", r"\omega"}
+    assert letters(r"\textstyle\sum_i \delta_{ij} w_i", "theory/index") == {r"\delta", "w"}
