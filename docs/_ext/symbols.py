@@ -32,7 +32,9 @@ def letters(formula: str, part: str = "") -> set[str]:
     """Symbols of a formula that have one of the letters that count in a part; subscripts, words and units do not count."""
     count = LETTERS + MORE if part in CLOSED else LETTERS
     text = re.sub(
-        r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)(?![a-z])\*?\s*(?:" + GROUP + r"|\w)",
+        r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)(?![a-z])\*?\s*(?:"
+        + GROUP
+        + r"|\w)",
         " ",
         formula,
     )
