@@ -100,6 +100,7 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
     int32_t pick = before(&list[at[2]], &list[at[0]], axis)   ? at[0]
                    : before(&list[at[2]], &list[at[1]], axis) ? at[2]
                                                               : at[1];
+    // -- Entries below the pivot to the front, those above it behind
     entry pivot = list[pick];
     int32_t i = first, j = last;
     while (i <= j) {
@@ -315,6 +316,7 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
     low[c] = scaled(tree, box->low[c], c);
     high[c] = scaled(tree, box->high[c], c);
   }
+  // -- Drop every box that does not overlap, with all boxes below it
   if (tree->count > 0) stack[depth++] = 0;
   while (depth > 0) {
     const node *n = &tree->nodes[stack[--depth]];
