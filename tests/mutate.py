@@ -27,8 +27,11 @@ SECONDS = 600  # a change that makes a test hang is noticed
 
 
 def another(value):
-    """A whole value that is another one, or itself where only a condition in it could change that."""
-    if re.search(r"\? -?\w+ : -?\w+$", value):
+    """A whole value that is another one, or itself of a tuple and where only a condition in it counts."""
+    outer = value
+    while outer != (outer := re.sub(r"\([^()]*\)", "", outer)):
+        pass
+    if "," in outer or re.search(r"\? -?\w+ : -?\w+$", value):
         return value
     truth = re.search(r"[<>]|[=!]=|&&|\|\|", value.replace("->", ".")) and "?" not in value
     return f"!({value})" if truth else f"1.5 * ({value})"

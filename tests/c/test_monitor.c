@@ -1,5 +1,7 @@
 /* Faults of a run: each is named with time, body and element or node before the numbers are lost,
  * the last good state is kept, and nothing else changes. */
+#include "../../libcontact/src/step/monitor.c"
+
 #include "bodies.h"
 
 static const double PI = 3.14159265358979323846;
@@ -254,6 +256,47 @@ static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
   }
 }
 
+/* Two blocks of 6 and 4 units of volume: ε Σ V (Λ + 2μ) = ε Σ V E (1 - ν) / ((1 + ν) (1 - 2ν))
+ * (eq:energy-floor). And from which energies on a run fails (eq:energy-appears, eq:energy-grows) or
+ * a growth is reported (eq:energy-growth). */
+static void least_energy(void)
+{
+  static const ct_material STIFF = {30.0, 0.25, 5.0, CT_LINEAR};
+  ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 2),
+          *upper = box_mesh(CT_HEX8, 0, 0, 5, 2, 2, 1, 2, 2, 2);
+  ct_scene *scene = new_scene();
+  add_body(scene, "lower", lower, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
+  add_body(scene, "upper", upper, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  tap_close(floor_of(p) / DBL_EPSILON, 10.0 * 30.0 * 0.75 / (1.25 * 0.5), 1e-9,
+            "the energy that counts as rounding");
+
+  ct_state *state = new_state(p);
+  ct_monitor_options options = every(1);
+  options.energy_limit = 0.1;
+  ct_monitor *monitor = new_watch(p, state, options);
+  monitor->swing = 0.7;
+  for (int more = 0; more < 2; more++) {
+    double part = more ? 1.0 + 1e-9 : 1.0 - 1e-9;
+    ct_error e;
+    energies of = {.appeared = part * 0.1 * 3.0, .most_expected = 3.0};
+    tap_ok((look_at_energy(monitor, state, &of, &e) != CT_OK) == more, "energy from nothing, %s",
+           more ? "too much" : "not yet");
+    of = (energies){.elastic = part * 1.1 * 3.0 / 0.7, .most_expected = 3.0};
+    tap_ok((look_at_energy(monitor, state, &of, &e) != CT_OK) == more, "a growing oscillation, %s",
+           more ? "too much" : "not yet");
+    of = (energies){.appeared = part * 0.01 * 3.0, .most_expected = 3.0};
+    note_growth(monitor, state, &of);
+    tap_close(monitor->growth.share, more * part * 0.01, 1e-12, "the growth that is reported");
+  }
+  ct_monitor_free(monitor);
+  ct_state_free(state);
+  ct_mesh_free(lower);
+  ct_mesh_free(upper);
+  ct_scene_free(scene);
+}
+
 /* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no
  * energy (eq:energy-floor). */
 static void at_rest(void)
@@ -386,6 +429,7 @@ int main(void)
   told(1, 1e-12);
   told(1, 1e12);
   told(0, 1.0);
+  least_energy();
   at_rest();
   named(0);
   named(1);
