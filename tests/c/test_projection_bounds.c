@@ -82,6 +82,65 @@ static void secants(ct_face_kind kind)
   tap_close(above, 0, 1e-12, "%s: and below f in the whole piece", FACE_NAME[kind]);
 }
 
+/* A form that is negative everywhere takes its lowest eigenvalue times the square of the half
+ * diagonal from a piece (eq:certified-worst). */
+static void negative_forms(void)
+{
+  int early = 0, late = 0;
+  scene s;
+  make(&s, CT_Q8, 0.2, 0.1);
+  s.about.g[0] = s.about.g[1] = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    double a = -1.5 + uniform(0.5), b = -1.5 + uniform(0.5), t = uniform(0.9),
+           lowest = 0.5 * (a + b) - hypot(0.5 * (a - b), t), room = -lowest * 2 * 0.1 * 0.1;
+    const form m = {a, b, t, t};
+    early += holds_in_cell(&s.p, &s.about, &s.piece, &m, room * (1 - 1e-9));
+    late += !holds_in_cell(&s.p, &s.about, &s.piece, &m, room * (1 + 1e-9));
+  }
+  tap_ok(early == 0 && late == 0, "a negative form at its worst");
+}
+
+/* The secant form of a piece, its entries and their changes as they are written (eq:certified-form,
+ * eq:certified-spread); and what a slope adds to it (eq:certified-slope). */
+static void entries(void)
+{
+  double off = 0, slope = 0;
+  for (int trial = 0; trial < CASES; trial++) {
+    scene s;
+    form m, with_slope = {0, 0, 0, 0};
+    slack rest = {0, {0, 0}};
+    const double E1[2] = {1, 0};
+    make(&s, CT_Q8, 0.5, 0.1);
+    const base *b = &s.about;
+    const double *c6 = s.patch.c[6], *c7 = s.patch.c[7], *t11 = b->t11, *t12 = b->t12,
+                 *t22 = b->t22;
+    double x = s.piece.centre[0] - b->xi[0], y = s.piece.centre[1] - b->xi[1], w = 0.1, a1[3],
+           a2[3];
+    double v = fabs(x) * w + fabs(y) * w + w * w;
+    for (int k = 0; k < 3; k++) {
+      a1[k] = b->t1[k] + t11[k] * x / 2 + t12[k] * y / 2 + c6[k] * x * y;
+      a2[k] = b->t2[k] + t22[k] * y / 2 + t12[k] * x / 2 + c7[k] * x * y;
+    }
+    double M11 = dot(a1, a1) + dot(b->d, t11) + 2 * dot(b->d, c6) * y,
+           M22 = dot(a2, a2) + dot(b->d, t22) + 2 * dot(b->d, c7) * x;
+    double D11 = fabs(dot(a1, t11)) * w + fabs(dot(a1, t12) + 2 * dot(b->d, c6)) * w +
+                 2 * fabs(dot(a1, c6)) * v,
+           D22 = fabs(dot(a2, t22)) * w + fabs(dot(a2, t12) + 2 * dot(b->d, c7)) * w +
+                 2 * fabs(dot(a2, c7)) * v,
+           D12 = fabs(dot(a1, t22) + dot(a2, t12)) * w / 2 +
+                 fabs(dot(a1, t12) + dot(a2, t11)) * w / 2 + fabs(dot(a1, c7) + dot(a2, c6)) * v;
+    secant_form(&s.p, b, &s.piece, &m);
+    off = worst(worst(off, m.m11 - (M11 - D11)), m.m22 - (M22 - D22));
+    off = worst(off, 0.5 * (m.high - m.low) - D12);
+    if (x < w) continue;
+    // l = 0.7 z_1 has at most 0.7 (x + w) there
+    linear_share(&s.p, &s.piece, b, 0.7, E1, &with_slope, &rest);
+    slope = worst(slope, with_slope.m11 * (x + w) / 0.7 - 1);
+  }
+  tap_close(off, 0, 1e-11, "entries of the secant form");
+  tap_close(slope, 0, 1e-12, "a slope is a parabola");
+}
+
 /* Positive forms (eq:certified-positive) and the lowest value of a parabola (eq:certified-parabola,
  * and so eq:certified-rest) against closed forms; a form turned to its axes (eq:certified-turned)
  * within a box (eq:certified-valley) against samples. */
@@ -460,6 +519,8 @@ int main(void)
     slopes(KIND[k]);
     least_slopes(KIND[k]);
   }
+  negative_forms();
+  entries();
   series();
   derivative_bounds();
   corners_with_a_slope();

@@ -118,17 +118,19 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
   m->m11 = dot(a1, a1) + (b->d11 + b->d6 * y);
   m->m22 = dot(a2, a2) + (b->d22 + b->d7 * x);
   real m12 = dot(a1, a2) + b->d12;
-  // -- Possible loss elsewhere in the cell, and to rounding
-  // (eq:certified-rounding)
+  // -- Possible loss to rounding (eq:certified-rounding), and elsewhere in the cell
   const real *t = p->tangent, *h = p->curve;
   const double e = 256 * DBL_EPSILON;
+  const real hidden[3] = {e * (t[0] * t[0] + b->distance * h[0]),
+                          e * (t[1] * t[1] + b->distance * h[1]),
+                          e * (t[0] * t[1] + b->distance * h[2])};
   // (eq:certified-spread)
-  m->m11 -= (absolute(a11) * w[0] + absolute(a12 + b->d6) * w[1]) + 2 * absolute(a6) * v +
-            e * (t[0] * t[0] + b->distance * h[0]);
-  m->m22 -= (absolute(b22) * w[1] + absolute(b12 + b->d7) * w[0]) + 2 * absolute(b7) * v +
-            e * (t[1] * t[1] + b->distance * h[1]);
+  m->m11 -=
+      (absolute(a11) * w[0] + absolute(a12 + b->d6) * w[1]) + 2 * absolute(a6) * v + hidden[0];
+  m->m22 -=
+      (absolute(b22) * w[1] + absolute(b12 + b->d7) * w[0]) + 2 * absolute(b7) * v + hidden[1];
   real spread = 0.5 * (absolute(a22 + b12) * w[1] + absolute(a12 + b11) * w[0]) +
-                absolute(a7 + b6) * v + e * (t[0] * t[1] + b->distance * h[2]);
+                absolute(a7 + b6) * v + hidden[2];
   m->low = m12 - spread;
   m->high = m12 + spread;
   // -- A piece of an edge has steps along it only, so that any number will do for the other entry
