@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from shared.drawing import BLUE, GREY
 
 DOCS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(DOCS / "_ext"))
@@ -131,10 +132,10 @@ def chart(part):
         for need in before[page]:
             a, b = place[need]
             ends = {"xy": (x + end[0], y + end[1]), "xytext": (a + side[0], b + side[1])}
-            line = {"arrowstyle": "->", "color": "#8a8a8a", "lw": 1.0}
+            line = {"arrowstyle": "->", "color": GREY, "lw": 1.0}
             ax.annotate("", **ends, arrowprops=line, zorder=1)
         label = "\n".join([f"{numbers[page]}", *title(page)])
-        box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": "#3b8bd4"}
+        box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": BLUE}
         text = ax.text(x, y, label, ha="center", va="center", fontsize=8.4, bbox=box, zorder=2)
         folder = Path(part).parent
         text.set_url(
