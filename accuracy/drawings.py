@@ -132,7 +132,7 @@ def work(
                 arrowprops={"arrowstyle": "-", "color": "0.5", "lw": 0.8, "shrinkB": 8},
             )
         unit = "seconds" if cost == "times_paper" else "element updates"
-        tidy(ax, xlabel=f"cost: {unit} over those of the paper's setting", ylabel=label)
+        tidy(ax, xlabel=f"{unit} over the paper's", ylabel=label)
         plain = FuncFormatter(lambda value, _: f"{value:g}")
         ax.xaxis.set_major_formatter(plain)
         ax.yaxis.set_major_formatter(plain)
