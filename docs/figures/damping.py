@@ -20,7 +20,7 @@ def decay(young, rate):
 
 
 def ratios():
-    """The ratio of damping of modes: in proportion to mass, to stiffness, and both."""
+    """The damping ratio of modes: damping in proportion to mass, to stiffness, and both."""
     figure = Figure(figsize=(7.5, 3.2))
     ax = figure.subplots()
     omega, rate, slow = np.geomspace(0.3, 30, 201), 0.2, 0.01
@@ -29,7 +29,7 @@ def ratios():
     ax.loglog(omega, rate / (2 * omega) + slow * omega / 2, "k--", lw=1, label="α M + β K")
     found = np.array([decay(young, rate) for young in (0.2, 1, 5, 25, 125)])
     ax.loglog(*found.T, "o", color=BLUE, label="α M, runs")
-    ax.set(xlabel="ω of the mode", ylabel="ratio of damping ζ", xlim=(0.3, 30), ylim=(1e-3, 1))
+    ax.set(xlabel="ω of the mode", ylabel="damping ratio ζ", xlim=(0.3, 30), ylim=(1e-3, 1))
     ax.legend(loc="center left")
     return figure
 

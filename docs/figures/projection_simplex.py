@@ -120,7 +120,7 @@ def lowest():
         error = np.abs(found.xi - points[:, :2]).max(axis=1)
         ax.loglog(gaps, np.maximum(error, 1e-17), mark, color=colour, ms=4, label=method)
     ax.loglog(
-        gaps, np.sqrt(2.2e-16) * gaps, "-", color="black", lw=1, label=r"$\sqrt{\epsilon}\,g_n/h$"
+        gaps, np.sqrt(2.2e-16) * gaps, "-", color="black", lw=1, label=r"$2\sqrt{\epsilon}\,g_n/h$"
     )
     ax.set(xlabel="gap / half-width of the face", ylabel="error of ξ")
     ax.legend()
