@@ -1,5 +1,5 @@
 /* Tractions recovered at the nodes of contact surfaces: closed forms, the forces and moments of the
- * points, which faces count, the order of everything. */
+ * points, the area of a corner, the order of everything. */
 #include "patches.h"
 
 /* Tractions and areas of both surfaces of a contact; NaN where nothing was written. */
@@ -97,6 +97,14 @@ static void add(double sum[6], const double x[3], const double f[3])
   }
 }
 
+static void turn(patch *p, double R[3][3])
+{
+  for (int n = 0; n < p->surface.node_count; n++) {
+    const double x[3] = {p->x[3 * n], p->x[3 * n + 1], p->x[3 * n + 2]};
+    for (int c = 0; c < 3; c++) p->x[3 * n + c] = R[c][0] * x[0] + R[c][1] * x[1] + R[c][2] * x[2];
+  }
+}
+
 /* Areas times tractions against the forces of all points, those of both passes.
  * (eq:recovered-traction) */
 static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
@@ -145,36 +153,115 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
   free_patch(&b);
 }
 
-/* A closed box stands on a patch, which is larger: the box's walls carry nothing, so the pressure
- * at the rim of its bottom is that in the middle; faces of the patch beyond the box have none. */
-static void only_faces_in_contact(void)
+/* A closed box stands on a patch, which is larger, in any direction: the box's walls carry nothing,
+ * so the pressure at the edges of its bottom is that in the middle. At a node of the patch the
+ * traction is the mean over the four faces around it, of which the box covers four, two or one.
+ * (eq:recovered-traction) */
+static void box_on_patch(int turned)
 {
-  const double low[3] = {0, 0, -0.01}, size[3] = {1, 1, 0.5};
+  const double low[3] = {0, 0, -0.01}, size[3] = {1, 1, 0.5}, full = 0.01 * EPSILON;
   const int cells[3] = {4, 4, 1};
   patch a = new_patch(CT_Q4, 8, 8, -0.5, -0.5, 2, 2, 1), b = new_box(low, size, cells);
+  double *x = numbers(3 * a.surface.node_count), *y = numbers(3 * b.surface.node_count),
+         R[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  memcpy(x, a.x, 3 * (size_t)a.surface.node_count * sizeof *x);
+  memcpy(y, b.x, 3 * (size_t)b.surface.node_count * sizeof *y);
+  if (turned) {
+    random_rotation(R);
+    turn(&a, R);
+    turn(&b, R);
+  }
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   update(contact, &a, &b);
   recovered r = recover(contact, &a, &b);
-  double off = 0.0, bottom[2] = {0.0, 0.0}, beyond = 0.0;
+  double off[2] = {0.0, 0.0}, area = 0.0;
   for (int n = 0; n < b.surface.node_count; n++) {
-    bottom[1] += r.area[1][n];
-    off = worst(off, r.traction[1][3 * n + 2] / (0.01 * EPSILON) - (b.x[3 * n + 2] < 0.0));
+    const double *t = &r.traction[1][3 * n], want = y[3 * n + 2] < 0.0 ? full : 0.0;
+    for (int c = 0; c < 3; c++) off[1] = worst(off[1], (t[c] - want * R[c][2]) / full);
   }
   for (int n = 0; n < a.surface.node_count; n++) {
-    const double *x = &a.x[3 * n];
     if (isnan(r.area[0][n])) continue;
-    bottom[0] += r.area[0][n];
-    if (x[0] < -0.01 || x[0] > 1.01 || x[1] < -0.01 || x[1] > 1.01)
-      beyond = worst(beyond, worst(r.area[0][n], r.traction[0][3 * n + 2]));
+    double want = full;
+    for (int c = 0; c < 2; c++) {
+      double out = fabs(x[3 * n + c] - 0.5) - 0.5;
+      want *= fabs(out) < 1e-12 ? 0.5 : out < 0.0;
+    }
+    area = worst(area, want > 0.0 ? r.area[0][n] / 0.0625 - 1.0 : r.area[0][n]);
+    for (int c = 0; c < 3; c++)
+      off[0] = worst(off[0], (r.traction[0][3 * n + c] + want * R[c][2]) / full);
   }
-  tap_ok(off < 1e-12 && fabs(bottom[0] - 1.0) < 1e-12 && fabs(bottom[1] - 1.0) < 1e-12 &&
-             beyond == 0.0,
-         "box on a larger patch: uniform to the rim, off by %.2g; areas %.6g, %.6g; beyond %g", off,
-         bottom[0], bottom[1], beyond);
+  tap_ok(off[0] < 1e-12 && off[1] < 1e-12 && area < 1e-12,
+         "box on a larger patch%s: uniform to its edges, off by %.2g; the patch, %.2g; areas, %.2g",
+         turned ? ", turned" : "", off[1], off[0], area);
+  free_recovered(&r);
+  ct_contact_free(contact);
+  free(x);
+  free(y);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A surface bends down at an angle, and only the flat part is in contact: the area of a node on the
+ * bend is that which the force sees, half of it on either part. (eq:recovered-traction) */
+static void bend(double angle)
+{
+  patch a = new_patch(CT_Q4, 8, 4, -1, 0, 2, 1, 1), b = new_patch(CT_Q4, 4, 4, -1, 0, 1, 1, 0);
+  for (int n = 0; n < a.surface.node_count; n++)
+    if (a.x[3 * n] > 1e-9) a.x[3 * n + 2] = -tan(angle) * a.x[3 * n];
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  double off = 0.0;
+  int on_bend = 0;
+  for (int n = 0; n < a.surface.node_count; n++) {
+    if (isnan(r.area[0][n]) || a.x[3 * n] > 1e-9) continue;
+    int bent = a.x[3 * n] > -1e-9;
+    on_bend += bent;
+    off = worst(off, r.traction[0][3 * n + 2] / (0.01 * EPSILON) + (bent ? 0.5 : 1.0));
+  }
+  tap_ok(off < 1e-12 && on_bend == 5, "bent by %.2g: half on the bend, off by %.2g", angle, off);
   free_recovered(&r);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
+}
+
+/* A round surface in a flat one, whose nodes with a force all have the area of their faces, also
+ * where a face around them has no point in contact: so the tractions, interpolated between the
+ * nodes, have the force as their integral. (eq:recovered-traction) */
+static void round_on_flat(ct_face_kind kind)
+{
+  int rim = 0, corners = kind == CT_Q4 || kind == CT_Q8 ? 4 : 3, per = ct_face_node_count(kind);
+  double off = 0.0;
+  for (int scene = 0; scene < 8; scene++) {
+    patch a = new_patch(kind, 12, 12, -1, -1, 2, 2, 1), b = new_patch(kind, 7, 9, -1, -1, 2, 2, 0);
+    const double centre[2] = {uniform(0.2), uniform(0.2)}, depth = 0.03 + uniform(0.02);
+    for (int n = 0; n < b.surface.node_count; n++) {
+      double *x = &b.x[3 * n], dx = x[0] - centre[0], dy = x[1] - centre[1];
+      x[2] = 0.2 * (dx * dx + dy * dy) - depth;
+    }
+    ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+    update(contact, &a, &b);
+    recovered r = recover(contact, &a, &b);
+    for (int f = 0; f < a.surface.face_count; f++) {
+      int with = 0;
+      for (int k = 0; k < corners; k++) {
+        int n = a.faces[f * per + k];
+        if (r.traction[0][3 * n + 2] == 0.0) continue;
+        with++;
+        off = worst(off, r.area[0][n] * 36.0 - 1.0);
+      }
+      rim += with > 0 && with < corners;
+    }
+    free_recovered(&r);
+    ct_contact_free(contact);
+    free_patch(&a);
+    free_patch(&b);
+  }
+  // The direction of the forces on the flat faces is vertical only to the angle of the round ones.
+  tap_ok(off < 0.02 && rim > 8 * 12, "%s: a round surface in a flat one: whole areas, off by %.2g",
+         KIND[kind], off);
 }
 
 /* A small patch in the middle of one large face, between the points of that face: only the patch
@@ -276,8 +363,10 @@ int main(void)
     uniform_overlap((ct_face_kind)k);
     for (int other = 0; other < 4; other++) resultants((ct_face_kind)k, (ct_face_kind)other, 1);
     resultants((ct_face_kind)k, (ct_face_kind)k, 0);
+    round_on_flat((ct_face_kind)k);
   }
-  only_faces_in_contact();
+  for (int turned = 0; turned < 2; turned++) box_on_patch(turned);
+  for (int k = 1; k < 5; k++) bend(0.3 * k);
   between_points();
   bits(CT_Q4);
   bits(CT_Q8);

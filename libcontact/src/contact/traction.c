@@ -39,40 +39,68 @@ static void add_force(const ct_side *side, int32_t node, double share, ct_stream
   }
 }
 
-/* Contribution of one face to its corner `a`: the area under the corner's hat function if the face
- * carries forces, and half the forces of its two mid-sides, from each of the faces around them. */
-static void add_face(const recovery *r, int32_t face, int a, ct_stream sum[4])
+/* Force of a corner: its own, and half of each mid-side beside it, in shares of the faces around
+ * that mid-side. */
+static void force_of(const recovery *r, int32_t node, double force[3])
 {
   const ct_search *search = r->side->search;
-  const int points = r->side->fixed->rule.count;
-  double term[27];
-  for (int q = 0; q < points; q++)
-    term[q] = r->N[q][a] * r->side->fixed->weight[(int64_t)face * points + q];
-  if (r->carries[face]) ct_stream_add(&sum[0], term, points);
-  if (search->per == search->edges) return;
-  const int beside[2] = {a, (a + search->edges - 1) % search->edges};
-  for (int k = 0; k < 2; k++) {
-    int32_t node = search->faces[(int64_t)face * search->per + search->edges + beside[k]];
-    double faces = search->incidence.first[node + 1] - search->incidence.first[node];
-    add_force(r->side, node, 0.5 / faces, &sum[1]);
+  const ct_incidence *around = &search->incidence;
+  ct_stream sum[3] = {{0}};
+  while (ct_stream_again(sum, 3)) {
+    add_force(r->side, node, 1.0, sum);
+    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
+      const int32_t *face = &search->faces[around->place[i] / search->per * search->per];
+      int a = around->place[i] % search->per, edges = search->edges;
+      const int beside[2] = {a, (a + edges - 1) % edges};
+      for (int k = 0; k < 2 && search->per > edges; k++) {
+        int32_t middle = face[edges + beside[k]];
+        add_force(r->side, middle, 0.5 / (around->first[middle + 1] - around->first[middle]), sum);
+      }
+    }
   }
+  for (int c = 0; c < 3; c++) force[c] = ct_stream_sum(&sum[c]);
+}
+
+/* Share of the area at point `i` that takes a force: all of it on a face that carries forces,
+ * elsewhere the cosine between the force and the inward normal, if positive. */
+static double share_of(const recovery *r, int64_t i, const double force[3])
+{
+  double n[3], square = ct_vector_dot(force, force);
+  if (r->carries[i / r->side->fixed->rule.count]) return 1.0;
+  if (square == 0.0) return 0.0;
+  ct_side_area(r->side, i, n);
+  // -- How much the point faces the force (eq:recovered-traction)
+  return fmax(-ct_vector_dot(n, force) / sqrt(ct_vector_dot(n, n) * square), 0.0);
+}
+
+/* Area of a corner with a force. */
+static double area_of(const recovery *r, int32_t node, const double force[3])
+{
+  const ct_incidence *around = &r->side->search->incidence;
+  const int per = r->side->search->per, points = r->side->fixed->rule.count;
+  ct_stream sum = {0};
+  while (ct_stream_again(&sum, 1))
+    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
+      const int64_t first = (int64_t)(around->place[i] / per) * points;
+      double term[27];
+      // -- Area under the corner's hat function that takes its force (eq:recovered-traction)
+      for (int q = 0; q < points; q++)
+        term[q] = r->N[q][around->place[i] % per] * r->side->fixed->weight[first + q] *
+                  share_of(r, first + q, force);
+      ct_stream_add(&sum, term, points);
+    }
+  return ct_stream_sum(&sum);
 }
 
 /* Area and traction of a corner, in sums that do not depend on their order
  * (eq:recovered-traction). */
 static double recover_corner(const recovery *r, int32_t node, double traction[3])
 {
-  const ct_incidence *around = &r->side->search->incidence;
-  const int per = r->side->search->per;
-  ct_stream sum[4] = {{0}};
-  while (ct_stream_again(sum, 4)) {
-    add_force(r->side, node, 1.0, &sum[1]);
-    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++)
-      add_face(r, around->place[i] / per, around->place[i] % per, sum);
-  }
+  double force[3];
+  force_of(r, node, force);
   // -- Force over area (eq:recovered-traction)
-  double area = ct_stream_sum(&sum[0]);
-  for (int c = 0; c < 3; c++) traction[c] = area > 0.0 ? ct_stream_sum(&sum[1 + c]) / area : 0.0;
+  double area = area_of(r, node, force);
+  for (int c = 0; c < 3; c++) traction[c] = area > 0.0 ? force[c] / area : 0.0;
   return area;
 }
 
