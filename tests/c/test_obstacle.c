@@ -21,7 +21,8 @@ static against begin(ct_mesh *mesh, const ct_material *material, double vx, doub
   return t;
 }
 
-/* Add an obstacle against the faces in x[axis] = at; with friction if mu is not 0. */
+/* Add an obstacle against the faces in x[axis] = at, or with axis -1 against all outer faces; with
+ * friction if mu is not 0. */
 static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, double mu)
 {
   ct_error error;
@@ -30,7 +31,8 @@ static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, dou
   const ct_problem *joined;
   need(ct_scene_join(t->scene, &joined, &error), &error);
   o.kind = ct_brick_face_kind(t->mesh->kind);
-  o.face_count = ct_mesh_plane_faces(t->mesh, axis, at, faces, NULL);
+  o.face_count = axis < 0 ? ct_mesh_outer_faces(t->mesh, faces, NULL)
+                          : ct_mesh_plane_faces(t->mesh, axis, at, faces, NULL);
   o.faces = faces;
   need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
   need(ct_scene_add_effect(t->scene, effect, &error), &error);
@@ -421,6 +423,7 @@ static void tractions(ct_brick_kind kind)
   ct_state *shaken = NULL;
   need(ct_state_create(t.problem, &shaken, &error), &error);
   for (int i = 0; i < 3 * nodes; i++) shaken->displacement[i] = uniform(0.02);
+  shaken->step++; // so that forces are computed anew
   need(ct_obstacle_traction(t.problem, shaken, 1, traction, area, &error), &error);
   need(ct_obstacle_reaction(t.problem, shaken, 1, reaction, &work, &error), &error);
   for (int i = 0; i < nodes; i++)
@@ -433,6 +436,53 @@ static void tractions(ct_brick_kind kind)
          "refused: %s", error.text);
   ct_state_free(shaken);
   free(pressure);
+  free(traction);
+  free(area);
+  end(&t);
+}
+
+/* A box falls into a plane in any direction, to any depth: no traction of a node is larger than
+ * that of the deepest point, also on walls, whose forces do not face them; and the force is kept.
+ * (eq:recovered-traction) */
+static void bound(ct_brick_kind kind)
+{
+  const double epsilon = 100.0;
+  ct_mesh *mesh = box_mesh(kind, -0.5, -0.5, -0.5, 1, 1, 1, 3, 2, 3);
+  against t = begin(mesh, &SOFT, 0, 0, 0);
+  ct_obstacle_def o = {COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = epsilon,
+                       .enforcement = CT_ENFORCE_PENALTY};
+  add_obstacle(&t, o, -1, 0.0, 0.0);
+  finish(&t, 1.0, 0.5);
+  int nodes = t.problem->node_count;
+  double *traction = numbers(3 * nodes), *area = numbers(nodes), top = 0.0, lost = 0.0;
+  ct_error error;
+  for (int scene = 0; scene < 40; scene++) {
+    double R[3][3], deepest = 0.0, force = 0.0, reaction[3], work, most = 0.0;
+    const double height = 0.4 + uniform(0.35);
+    ct_state *state = NULL;
+    need(ct_state_create(t.problem, &state, &error), &error);
+    random_rotation(R);
+    state->step++; // so that forces are computed anew
+    for (int i = 0; i < nodes; i++) {
+      const double *x = &mesh->nodes[3 * i];
+      for (int c = 0; c < 3; c++)
+        state->displacement[3 * i + c] =
+            R[c][0] * x[0] + R[c][1] * x[1] + R[c][2] * x[2] - x[c] + (c == 2 ? height : 0.0);
+      deepest = fmax(deepest, -x[2] - state->displacement[3 * i + 2]);
+    }
+    need(ct_obstacle_traction(t.problem, state, 1, traction, area, &error), &error);
+    need(ct_obstacle_reaction(t.problem, state, 1, reaction, &work, &error), &error);
+    for (int i = 0; i < nodes; i++) {
+      most = fmax(most, traction[3 * i + 2]);
+      force += area[i] * traction[3 * i + 2];
+    }
+    if (deepest > 0.0) top = fmax(top, most / (epsilon * deepest));
+    lost = worst(lost, (force + reaction[2]) / epsilon);
+    ct_state_free(state);
+  }
+  tap_ok(top <= 1.0 && top > 0.3 && lost < 1e-13,
+         "%s in a plane in any direction: at most %.3g of the largest traction; force lost %.2g",
+         kind == CT_HEX8 ? "hex8" : "hex20", top, lost);
   free(traction);
   free(area);
   end(&t);
@@ -507,6 +557,8 @@ int main(void)
   hertz();
   tractions(CT_HEX8);
   tractions(CT_HEX20);
+  bound(CT_HEX8);
+  bound(CT_HEX20);
   refusals();
   return tap_done();
 }
