@@ -433,6 +433,17 @@ def projected(nodes: np.ndarray, n: int) -> np.ndarray:
     return np.linalg.solve(matrix, np.linalg.solve(matrix, force).T).T
 
 
+def by_points(run: ct.Run, side: int, n: int) -> np.ndarray:
+    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, over the area that the points of both surfaces have there."""
+    (nodes,), (points,) = run.pressure["contact"], run.contact
+    nodes, force = nodes[nodes["side"] == side], np.zeros((n + 1, n + 1))
+    i, j = np.rint(n * nodes["position"][:, :2]).astype(int).T
+    force[i, j] = nodes["area"] * np.abs(nodes["traction"][:, 2])
+    place = np.where((points["side"] == side)[:, None], points["position"], points["closest"])
+    weight = 0.5 * points["weight"] * (points["pressure"] > 0)
+    return force / ((hat(place[:, 0], n) * weight) @ hat(place[:, 1], n).T)
+
+
 @measurement
 def recovered_blocks() -> Numbers:
     """Blocks of 8 and 11, and of 2 and 14 elements along an edge: largest errors of the traction of a point, of the recovered pressure and of the stress of an element."""
@@ -452,6 +463,34 @@ def recovered_blocks() -> Numbers:
                     projected(nodes[nodes["side"] == s], cells) for s, cells in ((0, n), (1, m))
                 ]
                 found[f"{name}_consistent"] = max(np.abs(side - 1).max() for side in sides)
+                found[f"{name}_by_points"] = max(
+                    np.abs(by_points(run, s, cells) - 1).max() for s, cells in ((0, n), (1, m))
+                )
+    return found
+
+
+@measurement
+def recovered_rim() -> Numbers:
+    """tutorials/scenes/hertz.toml with the default penalty on 10³ elements: pressure at the corner of the only face in contact, with the area of this face alone, and Hertz's; and in the middle with hex20."""
+    found = {}
+    for element in ("hex8", "hex20"):
+        data = ct.Scene.load(ROOT / "tutorials" / "scenes" / "hertz.toml").data
+        data["body"][0] |= {"element": element}
+        data["body"][0]["box"]["cells"] = [10, 10, 10]
+        del data["obstacle"][0]["beta"]
+        nodes = ct.Scene(data).run(progress=False, output=False).pressure["obstacle"][0]
+        middle, corner = (
+            np.argmin(((nodes["position"][:, :2] - x) ** 2).sum(axis=1)) for x in (0.0, 0.4)
+        )
+        if element == "hex20":
+            found["hex20"] = nodes["pressure"][middle]
+            continue
+        assert np.count_nonzero(nodes["pressure"]) == 4
+        found |= {
+            "corner": nodes["pressure"][corner],
+            "by_faces": nodes["pressure"][corner] * nodes["area"][corner] / (0.4**2 / 4),
+            "corner_hertz": 2000 / 0.91 / np.pi * np.sqrt((0.1 - 2 * 0.4**2 / 4) / 4),
+        }
     return found
 
 

@@ -1,9 +1,11 @@
-"""Pictures of the chapter on the stable step with contact."""
+"""Pictures of the chapter on the stable step with contact and on its pressure."""
 
 import numpy as np
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED
 from shared.scenes import bar_on_wall, done
+
+import libcontact as ct
 
 
 def after_impact(fraction, landings=3, **law):
@@ -53,5 +55,28 @@ def growth():
     ax.plot(steps, ratio, "s-", ms=3.5, color="black", label="default")
     ax.axhline(1.0, color=GREY, lw=0.8)
     ax.set(xlabel="step / stable step of the elements", ylabel="energy after / before")
+    ax.legend()
+    return figure
+
+
+def rim():
+    """The recovered pressure under a sphere on coarse meshes with a stiff contact, and that over the faces in contact alone."""
+    figure = Figure(figsize=(7.5, 3.4))
+    ax = figure.subplots()
+    a, peak, fine = np.sqrt(4 * 0.1), 2000 / 0.91 / np.pi * np.sqrt(0.1 / 4), np.linspace(0, 1, 300)
+    ax.plot(fine * a, peak * np.sqrt(1 - fine**2), color="black", lw=1.4, label="Hertz")
+    for cells, mark, colour in ((20, "o", BLUE), (10, "s", ORANGE)):
+        data = ct.Scene.load(ct.example("hertz")).data
+        data["body"][0]["box"]["cells"] = [cells] * 3
+        del data["obstacle"][0]["beta"]
+        (nodes,) = ct.Scene(data).run(progress=False, output=False).pressure["obstacle"]
+        r, p = np.hypot(*nodes["position"][:, :2].T), nodes["pressure"]
+        near = r < 1.2
+        ax.plot(r[near], p[near], mark, color=colour, ms=6, label=f"{cells}³ elements")
+    # On the coarse mesh the face in the middle alone has points in contact.
+    some = p > 0
+    alone = (p * nodes["area"])[some] / (0.4**2 / 4)
+    ax.plot(r[some], alone, "x", color=RED, ms=8, label="10³, faces in contact alone")
+    ax.set(xlabel="distance from the middle r [mm]", ylabel="pressure [MPa]", xlim=(-0.02, 1.2))
     ax.legend()
     return figure

@@ -469,7 +469,7 @@ class Contact:
         traction : ndarray, shape (n, 3)
             Force on the surface per reference area [stress]; its magnitude is the pressure.
         area : ndarray, shape (n,)
-            Area assigned to each corner [area].
+            The part of the faces around each corner that takes its force [area].
 
         Raises
         ------

@@ -359,11 +359,10 @@ class Run:
     contact: list[Rows] = field(default_factory=list)
     #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in
     #: the last state: side, body (number in ``bodies``), node (of the body), position, area (the
-    #: part of the faces in contact that is assigned to a corner; 0 at mid-sides), traction (force
+    #: part of the faces around a corner that takes its force; 0 at mid-sides), traction (force
     #: on the surface per reference area, averaged over both passes and the faces around the node),
     #: pressure (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
-    #: file, and in the runs passed to ``watch``. At the rim of a contact it may be far too large: check
-    #: where the largest pressure lies (:ref:`recovered-pressure`).
+    #: file, and in the runs passed to ``watch``.
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name; their sum is the
     #: change of momentum. Empty for a run that was read from a file.

@@ -310,16 +310,17 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
 /**
  * Tractions at the nodes of surface `side` (0 or 1), recovered from the forces of the last update
  * or step without friction, and averaged over both passes and the faces around a node,
- * :eq:`recovered-traction`. With `side` = 2 + k the tractions of obstacle k at the nodes of its
+ * :eq:`recovered-traction`. At the rim of a contact it is the mean over the faces around the node,
+ * in contact or not. With `side` = 2 + k the tractions of obstacle k at the nodes of its
  * surface. The pressure at a node is the magnitude of its traction. The sum of area times traction
  * is the force on the surface; the sum of their moments is the moment of this force if edges are
  * straight. Entries of nodes that are not on the surface do not change.
  *
  * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
  * mid-side node the mean of the two corners, and 0 where no face has contact forces. `area` [area],
- * shape (node_count): the part of the faces in contact that is assigned to a corner; 0 at
- * mid-sides. ``CT_ERROR_ARGUMENT``: null argument or unknown side; ``CT_ERROR_MEMORY``: out of
- * memory.
+ * shape (node_count): the part of the faces around a corner that takes its force,
+ * :eq:`recovered-share`; 0 at mid-sides and where no force is near. ``CT_ERROR_ARGUMENT``: null
+ * argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
  */
 CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
                                      double *area, ct_error *error);

@@ -61,15 +61,15 @@ static void force_of(const recovery *r, int32_t node, double force[3])
   for (int c = 0; c < 3; c++) force[c] = ct_stream_sum(&sum[c]);
 }
 
-/* Share of the area at point `i` that takes a force: all of it on a face that carries forces,
- * elsewhere the cosine between the force and the inward normal, if positive. */
+/* Share of the area at point `i` that takes a force (eq:recovered-share): all of it on a face that
+ * carries forces, elsewhere the cosine between the force and the inward normal, if positive. */
 static double share_of(const recovery *r, int64_t i, const double force[3])
 {
   double n[3], square = ct_vector_dot(force, force);
   if (r->carries[i / r->side->fixed->rule.count]) return 1.0;
   if (square == 0.0) return 0.0;
   ct_side_area(r->side, i, n);
-  // -- How much the point faces the force (eq:recovered-traction)
+  // -- How much the surface faces the force (eq:recovered-share)
   return fmax(-ct_vector_dot(n, force) / sqrt(ct_vector_dot(n, n) * square), 0.0);
 }
 
