@@ -202,7 +202,7 @@ static void box_on_patch(int turned)
 }
 
 /* A surface bends down at an angle, and only the flat part is in contact: the area of a node on the
- * bend is that which the force sees, half of it on either part. (eq:recovered-share) */
+ * bend is that which the force sees, half of it on either part. (eq:recovered-fraction) */
 static void bend(double angle)
 {
   patch a = new_patch(CT_Q4, 8, 4, -1, 0, 2, 1, 1), b = new_patch(CT_Q4, 4, 4, -1, 0, 1, 1, 0);

@@ -443,7 +443,7 @@ static void tractions(ct_brick_kind kind)
 
 /* A box falls into a plane in any direction, to any depth: no traction of a node is larger than
  * that of the deepest point, also on walls, whose forces do not face them; and the force is kept.
- * (eq:recovered-share) */
+ * (eq:recovered-fraction) */
 static void bound(ct_brick_kind kind)
 {
   const double epsilon = 100.0;

@@ -319,7 +319,7 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
  * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
  * mid-side node the mean of the two corners, and 0 where no face has contact forces. `area` [area],
  * shape (node_count): the part of the faces around a corner that takes its force,
- * :eq:`recovered-share`; 0 at mid-sides and where no force is near. ``CT_ERROR_ARGUMENT``: null
+ * :eq:`recovered-fraction`; 0 at mid-sides and where no force is near. ``CT_ERROR_ARGUMENT``: null
  * argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
  */
 CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,

@@ -39,8 +39,8 @@ static void add_force(const ct_side *side, int32_t node, double share, ct_stream
   }
 }
 
-/* Force of a corner: its own, and half of each mid-side beside it, in shares of the faces around
- * that mid-side. */
+/* Force of a corner: its own and half of that of each mid-side beside it, of which every face
+ * around the mid-side adds an equal part. */
 static void force_of(const recovery *r, int32_t node, double force[3])
 {
   const ct_search *search = r->side->search;
@@ -61,15 +61,15 @@ static void force_of(const recovery *r, int32_t node, double force[3])
   for (int c = 0; c < 3; c++) force[c] = ct_stream_sum(&sum[c]);
 }
 
-/* Share of the area at point `i` that takes a force (eq:recovered-share): all of it on a face that
- * carries forces, elsewhere the cosine between the force and the inward normal, if positive. */
-static double share_of(const recovery *r, int64_t i, const double force[3])
+/* Fraction of the area at point `i` that takes a force (eq:recovered-fraction): 1 on a face that
+ * carries forces, elsewhere the cosine between force and inward normal, where positive. */
+static double fraction_of(const recovery *r, int64_t i, const double force[3])
 {
   double n[3], square = ct_vector_dot(force, force);
   if (r->carries[i / r->side->fixed->rule.count]) return 1.0;
   if (square == 0.0) return 0.0;
   ct_side_area(r->side, i, n);
-  // -- How much the surface faces the force (eq:recovered-share)
+  // -- How much the surface faces the force (eq:recovered-fraction)
   return fmax(-ct_vector_dot(n, force) / sqrt(ct_vector_dot(n, n) * square), 0.0);
 }
 
@@ -86,7 +86,7 @@ static double area_of(const recovery *r, int32_t node, const double force[3])
       // -- Area under the corner's hat function that takes its force (eq:recovered-traction)
       for (int q = 0; q < points; q++)
         term[q] = r->N[q][around->place[i] % per] * r->side->fixed->weight[first + q] *
-                  share_of(r, first + q, force);
+                  fraction_of(r, first + q, force);
       ct_stream_add(&sum, term, points);
     }
   return ct_stream_sum(&sum);
