@@ -213,7 +213,8 @@ static point pushforward_pullback(point x, double w, double dt, double theta, do
 
 /* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2); its runs against the
  * formulas of the papers (eq:stage, eq:chung-lee-drift, eq:tchamwa-wielgosz-drift,
- * eq:noh-bathe-stages, eq:pullback-push, eq:pullback-drift, eq:stage-velocity). */
+ * eq:noh-bathe-stages, eq:pullback-push, eq:pullback-drift, eq:stage-velocity). The work of the
+ * solid is the kinetic energy that it gives (eq:stage-work). */
 static void textbook(ct_scheme scheme, double share)
 {
   const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)),
@@ -235,9 +236,11 @@ static void textbook(ct_scheme scheme, double share)
   if (scheme == CT_PUSHFORWARD_PULLBACK) q.integrator.push = 1.0 / share;
   ct_state *state = new_state(&q);
   point x = {0.0, 1.0, 0.0};
-  double off = 0.0, top = 0.0, *v = numbers(24), wrong = 0.0;
+  double off = 0.0, top = 0.0, *v = numbers(24), wrong = 0.0, balance = 0.0,
+         kinetic = energy_of(&q, state).kinetic;
   for (int n = 1; n <= 300; n++) {
     advance(&q, state, 1);
+    balance = worst(balance, energy_of(&q, state).balance / kinetic);
     need(ct_state_velocity(&q, state, v, &e), &e);
     x = scheme == CT_CHUNG_LEE   ? chung_lee(x, w, q.dt, g.parameter)
         : scheme == CT_NOH_BATHE ? noh_bathe(x, w, q.dt, g.parameter)
@@ -254,6 +257,7 @@ static void textbook(ct_scheme scheme, double share)
          SCHEME[scheme], share, off / top);
   tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: and so are the velocities, off by %.2g",
          SCHEME[scheme], wrong);
+  tap_close(balance, 0.0, 1e-11, "%s: and the work balance closes", SCHEME[scheme]);
   free(v);
   close_run(state, scene, m);
 }

@@ -146,7 +146,7 @@ static void entries(void)
  * within a box (eq:certified-valley) against samples. */
 static void forms(void)
 {
-  int positive = 1, parabola = 1, sound = 1, near = 1, valleys_ = 0;
+  int positive = 1, parabola = 1, sound = 1, near = 1, lowest = 1, valleys_ = 0;
   for (int trial = 0; trial < 4000; trial++) {
     double a = uniform(2), b = uniform(2), t = uniform(1), g[2] = {uniform(1), uniform(1)};
     form m = {a, b, t, t};
@@ -158,6 +158,10 @@ static void forms(void)
              drop = 0.25 * fmax(plus, minus);
       parabola &= holds_parabola(&m, twist, g, 1.001 * drop) == 1;
       parabola &= holds_parabola(&m, twist, g, 0.999 * drop) == 0;
+      // In a wide piece a known form falls to its lowest point.
+      const double wide[2] = {1e3, 1e3};
+      lowest &= holds_in_valley(&m, g, wide, 0.25 * plus * (1 + 1e-5));
+      lowest &= !holds_in_valley(&m, g, wide, 0.25 * plus * (1 - 1e-5));
     }
     double w[2] = {0.3, 0.2}, low = 0;
     for (int i = 0; i <= 60; i++)
@@ -179,6 +183,7 @@ static void forms(void)
     valleys_++;
   }
   tap_ok(positive, "a form is positive where its lower eigenvalue is");
+  tap_ok(lowest, "the lowest value of a form in its axes");
   tap_ok(parabola, "the lowest value of a parabola is that of the closed form");
   tap_ok(sound, "no bound in a valley is above the samples");
   tap_ok(near && valleys_ > 1000, "along the axes it is the lowest value (%d valleys)", valleys_);

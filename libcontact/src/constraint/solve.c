@@ -470,12 +470,12 @@ static int releases(ct_solver *s)
 {
   double gain[2];
   for (int pressed = 0; pressed < 2; pressed++) {
-    // -- Σ r_j δ_j of the rows without a force, and of those with one (eq:proportioning)
+    // -- Σ r_j δ_j of the rows without a force, and of those with one
     for (int64_t r = 0; r < s->count; r++)
       s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * s->answer[r] : 0.0;
     gain[pressed] = ct_sum(s->terms, s->count);
   }
-  if (!(gain[0] > gain[1])) return 0;
+  if (!(gain[0] > gain[1])) return 0; // (eq:proportioning)
   for (int64_t r = 0; r < s->count; r++) s->way[r] = s->force[r] > 0.0 ? 0.0 : s->answer[r];
   return 1;
 }
