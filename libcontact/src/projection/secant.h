@@ -118,7 +118,8 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
   m->m11 = dot(a1, a1) + (b->d11 + b->d6 * y);
   m->m22 = dot(a2, a2) + (b->d22 + b->d7 * x);
   real m12 = dot(a1, a2) + b->d12;
-  // -- Possible loss to rounding (eq:certified-rounding), and elsewhere in the cell
+  // -- Possible loss elsewhere in the cell, and to rounding
+  // (eq:certified-rounding)
   const real *t = p->tangent, *h = p->curve;
   const double e = 256 * DBL_EPSILON;
   const real hidden[3] = {e * (t[0] * t[0] + b->distance * h[0]),
