@@ -31,7 +31,7 @@ def another(value):
     outer = value
     while outer != (outer := re.sub(r"\([^()]*\)", "", outer)):
         pass
-    if "," in outer or re.search(r"\? -?\w+ : -?\w+$", value):
+    if "," in outer or re.fullmatch(r"0(\.0)?", value) or re.search(r"\? -?\w+ : -?\w+$", value):
         return value
     truth = re.search(r"[<>]|[=!]=|&&|\|\|", value.replace("->", ".")) and "?" not in value
     return f"!({value})" if truth else f"1.5 * ({value})"
