@@ -24,6 +24,11 @@ def test_nitsche_leaves_no_gap_and_has_a_limit(epsilon):
     assert abs(continuum["pressed"]("nitsche", epsilon)) < 1e-14
     assert np.isnan(continuum["pressed"]("nitsche", 9.9))
     assert not np.isnan(continuum["pressed"]("nitsche", 10.1))
+    K, u, h = np.diag([900.0, 30.0]), np.array([0.3, -0.7]), 0.5
+    added = 0.5 * u @ (continuum["wall_terms"]("nitsche", epsilon, K, u, h)[0] - K) @ u
+    pressure = (u[0] - u[1]) / h
+    law = pressure - epsilon * u[0]
+    assert added == pytest.approx((law**2 - pressure**2) / (2 * epsilon))
 
 
 def test_a_multiplier_is_the_pressure():

@@ -119,8 +119,9 @@ int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int 
  */
 static int grows(const double d[3], const double v[3])
 {
+  const double slack = 1e-6 * sqrt(ct_vector_dot(d, d) * ct_vector_dot(v, v));
   // -- Slope of the squared distance (eq:local-minimum)
-  return ct_vector_dot(d, v) >= -1e-6 * sqrt(ct_vector_dot(d, d) * ct_vector_dot(v, v));
+  return ct_vector_dot(d, v) + slack >= 0.0;
 }
 
 /* Direction from the place xi on an edge of a face to its middle. */
