@@ -55,8 +55,8 @@ ELSE = (
 )
 
 
-# A factor like (1 + 16 * DBL_EPSILON) covers rounding and stands in no equation.
-ROUNDING = r"\(1(\.0)? [-+] [^()]*(EPSILON|1e-\d+)\)"
+# A factor like (1 + 16 * DBL_EPSILON) or a term like 64.0 * DBL_EPSILON * size covers rounding and stands in no equation.
+ROUNDING = r"\(1(\.0)? [-+] [^()]*(EPSILON|1e-\d+)\)|[-+] [\d.]+ \* DBL_EPSILON \* \w+"
 
 
 def changed(statement):
