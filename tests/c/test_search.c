@@ -1,6 +1,6 @@
 /* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at
  * everything and against closed forms. */
-#include "../../libcontact/src/search/search_internal.h"
+#include "../../libcontact/src/search/nearest.c"
 #include "bodies.h"
 
 /* -- The tree
@@ -353,6 +353,16 @@ static int same_bits(const ct_nearest *a, const ct_nearest *b, int count)
 }
 
 enum { CLOUD = 3000 };
+
+/* Where a search starts from the last closest point it looks no farther than there (eq:warm-bound).
+ */
+static void last_point(void)
+{
+  const ct_nearest last = {.face = 3, .point = {2.0, -1.0, 5.0}}, none = {.face = -1};
+  const double point[3] = {4.0, 2.0, -1.0};
+  tap_close(bound_from(point, &last), 4.0 + 9.0 + 36.0, 1e-11, "no farther than the last point");
+  tap_ok(bound_from(point, &none) == HUGE_VAL, "without one it looks anywhere");
+}
 
 /* Nearest faces against looking at all, whatever the search starts from (eq:warm-bound). */
 static void nearest_faces(int k)
@@ -853,6 +863,7 @@ int main(void)
   special_boxes();
   for (int k = 0; k < 4; k++) face_boxes(k);
   parabola();
+  last_point();
   for (int k = 0; k < 4; k++) nearest_faces(k);
   cube(CT_T3);
   cube(CT_Q4);
