@@ -1,11 +1,11 @@
-/* The solid effect of one mesh, asked by itself, and the readable form of its forces. */
+/* The solid effect of one mesh by itself, and the readable form of its forces. */
 #ifndef BLOCKS_H
 #define BLOCKS_H
 
 #include "bodies.h"
 #include "defs.h"
 
-/* The solid effect of one mesh, with what it needs to be asked. */
+/* The solid effect of one mesh, with the objects that its calls need. */
 typedef struct block {
   ct_effect *effect;
   void *scratch;

@@ -1,4 +1,4 @@
-/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces
+/* Shared by several tests: random numbers, meshes that are distorted, rotated or mirrored, forces
  * of a whole problem, eigenvalues. */
 #ifndef BODIES_H
 #define BODIES_H
@@ -65,7 +65,7 @@ static inline double largest_difference(const double *v, const double *w, int64_
   return top;
 }
 
-/* End the program when a preparation, which is not what the test is about, has failed. */
+/* End the program if a preparation, which is not the subject of the test, has failed. */
 static inline void need(ct_status status, const ct_error *error)
 {
   if (status == CT_OK) return;
@@ -100,8 +100,8 @@ static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z
   return mesh_of(kind, (ct_box){.origin = {x, y, z}, .size = {a, b, c}, .cells = {nx, ny, nz}});
 }
 
-/* Move every node at random, up to `amount` in each direction; with `inside` those on the outside
- * of a box stay. */
+/* Move each node at random, up to `amount` in each direction; with `inside` those on the outside of
+ * a box stay. */
 static inline void shake(ct_mesh *mesh, double amount, int inside)
 {
   double low[3], high[3];
@@ -116,7 +116,7 @@ static inline void shake(ct_mesh *mesh, double amount, int inside)
   }
 }
 
-/* The same, by less and less until no element is inverted. */
+/* The same, with decreasing amounts until no element is inverted. */
 static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
 {
   size_t size = 3 * (size_t)mesh->node_count * sizeof(double);
@@ -128,8 +128,8 @@ static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
   free(straight);
 }
 
-/* Determinant of the Jacobian of a brick with the nodes `x` at a place, computed without the
- * library's own; J[d] is its column d. */
+/* Determinant of the Jacobian of a brick with the nodes `x` at a point, computed without the
+ * library; J[d] is its column d. */
 static inline double brick_determinant(ct_brick_kind kind, double (*x)[3], const double xi[3],
                                        double J[3][3])
 {
@@ -160,8 +160,8 @@ static inline int local_node(ct_brick_kind kind, const double xi[3])
   return -1;
 }
 
-/* Let the reference axes of each element point along other edges: one of the 24 rotations of a
- * cube, at random. */
+/* Let the reference axes of each element point along other edges: a random one of the 24 rotations
+ * of a cube. */
 static inline void turn_elements(ct_mesh *mesh)
 {
   static const int axes[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
@@ -235,7 +235,7 @@ static inline ct_mesh *shuffle_mesh(const ct_mesh *m, int32_t *to)
   return out;
 }
 
-/* Largest difference of vectors at nodes, of which those of `g` stand at to[n] (null: at n). */
+/* Largest difference of vectors at nodes; those of `g` are at to[n] (null: at n). */
 static inline double apart(const double *f, const double *g, const int32_t *to, int32_t nodes)
 {
   double most = 0.0;
@@ -253,7 +253,7 @@ static inline void take_element(const ct_mesh *mesh, int e, const double *from, 
     memcpy(&to[3 * a], &from[3 * mesh->elements[e * per + a]], 3 * sizeof(double));
 }
 
-/* Forces of all effects of a problem at any displacement, apart from any state. */
+/* Forces of all effects of a problem at any displacement, without a state. */
 typedef struct probe {
   const ct_problem *problem;
   void **scratch;
@@ -314,8 +314,8 @@ static inline void probe_force(probe *p, const double *u, double *sum)
 }
 
 /* Largest eigenvalue of M⁻¹K about the displacement u0, by power iteration with the Rayleigh
- * quotient (a lower bound of it at any time). K is the difference of forces over a displacement of
- * size `small`; `component` 0 ... 2 looks at that direction only. */
+ * quotient (at any time a lower bound). K is the difference of forces over a displacement of size
+ * `small`; `component` 0 ... 2 uses only that direction. */
 static inline double true_frequency(const ct_problem *problem, const double *u0, double small,
                                     int component, int iterations)
 {
@@ -402,7 +402,7 @@ static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh 
   return body;
 }
 
-/* A scene that begins with such a body. */
+/* A scene with such a body as its first one. */
 static inline ct_scene *new_scene_with(const char *name, const ct_mesh *mesh,
                                        const ct_material *material, ct_solid_kernel kernel,
                                        double vx, double vy, double vz)
@@ -412,7 +412,7 @@ static inline ct_scene *new_scene_with(const char *name, const ct_mesh *mesh,
   return scene;
 }
 
-/* A body whose nodes have velocities of their own, shape (node_count, 3). */
+/* A body whose nodes have individual velocities, shape (node_count, 3). */
 static inline int32_t add_moving_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
                                       const ct_material *material, ct_solid_kernel kernel,
                                       const double *velocities)
@@ -428,7 +428,7 @@ static inline int32_t add_moving_body(ct_scene *scene, const char *name, const c
   return body;
 }
 
-/* Hold the components in `which` ("x", "xyz", ...) of a body's nodes in a plane; `axis` -1: of all
+/* Fix the components in `which` ("x", "xyz", ...) of a body's nodes in a plane; `axis` -1: of all
  * its nodes. */
 static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mesh, int axis,
                                double value, const char *which, double velocity)
@@ -473,8 +473,8 @@ static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_me
   return status;
 }
 
-/* The same with the explicit penalty and friction; what overlaps at the start is pushed, as a load.
- */
+/* The same with the explicit penalty and friction; an overlap at the start is pushed out, as a
+ * load. */
 static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a,
                                           double at_a, int32_t b, const ct_mesh *mesh_b,
                                           double at_b, int axis, double beta, double friction,
@@ -495,8 +495,8 @@ static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *m
   return add_rough_contact(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, 0.0, 0.0);
 }
 
-/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x
- * that swells and fades as sin² over a period. */
+/* A weight m (g - c v) on all nodes from `first` on, as a host's effect, plus a pull along x that
+ * grows and decays as sin² over a period. */
 typedef struct weight {
   const ct_problem *problem;
   int32_t first;
@@ -531,7 +531,7 @@ static inline ct_status weight_damping(const ct_effect *effect, const ct_view *v
   return CT_OK;
 }
 
-/* Add an effect of the test's own to a scene. */
+/* Add a host's effect to a scene. */
 static inline void add_effect(ct_scene *scene, const ct_effect *filled)
 {
   const ct_problem *joined = NULL;
@@ -556,8 +556,7 @@ static inline void add_weight(ct_scene *scene, weight w)
                                  .rate_bound = weight_damping});
 }
 
-/* Make an effect of the library from its definition, by the function that makes such effects, and
- * add it to a scene. */
+/* Create an effect of the library from its definition with its factory, and add it to a scene. */
 #define add_made(scene, create, def)                             \
   do {                                                           \
     const ct_problem *joined_ = NULL;                            \
@@ -601,7 +600,7 @@ static inline void advance(const ct_problem *problem, ct_state *state, int64_t s
   need(ct_step_many(problem, state, steps, &error), &error);
 }
 
-/* What a restart carries, bit for bit. */
+/* The arrays of a restart, bit for bit. */
 static inline int same_state(const ct_state *x, const ct_state *y)
 {
   size_t n = 3 * (size_t)x->node_count * sizeof(double);

@@ -1,4 +1,4 @@
-/* An allocator that counts what is held, and fails when it is told to. */
+/* An allocator that counts allocated memory, and fails on request. */
 #ifndef COUNTING_H
 #define COUNTING_H
 
@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The size stands before the block. */
+/* The size is stored before the block. */
 enum { COUNTING_HEADER = 64 };
 
 typedef struct counting {
   size_t held, peak;
   long calls, blocks;
-  long last_call; /* the last that is given memory; -1: all are */
+  long last_call; /* the last call that gets memory; -1: all do */
 } counting;
 
 static counting counted = {.last_call = -1};

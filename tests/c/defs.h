@@ -1,10 +1,10 @@
-/* Effects by definitions that are filled in one place. */
+/* Definitions of effects, filled in one place. */
 #ifndef DEFS_H
 #define DEFS_H
 
 #include <libcontact/effect.h>
 
-/* What stands in the first member of every definition. */
+/* Value of the first member of each definition. */
 #define COOKIE .cookie = ct_gravity_def_default().cookie
 
 static inline ct_status create_solid(const ct_solid_body *blocks, int32_t count, ct_effect **effect,

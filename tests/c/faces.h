@@ -46,7 +46,7 @@ static inline void random_xi(ct_face_kind kind, double margin, double xi[2])
   } while (triangular(kind) && (xi[0] < margin || xi[1] < margin || xi[0] + xi[1] > 1 - margin));
 }
 
-/* A face with nodes at random places about their reference ones. */
+/* A face with nodes at random distances from their reference positions. */
 static inline ct_face random_face(ct_face_kind kind, double amount)
 {
   ct_face face = {kind, {{0}}};

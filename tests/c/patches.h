@@ -7,15 +7,15 @@
 static const char *const KIND[4] = {"Q4", "Q8", "T3", "T6"};
 static const double EPSILON = 1000.0;
 
-/* A surface with arrays of its own: the lattice of half cells over a rectangle, of which some kinds
- * leave nodes unused. */
+/* A surface with its own arrays: the lattice of half cells over a rectangle; some kinds leave nodes
+ * unused. */
 typedef struct patch {
   ct_surface surface;
   int32_t *faces;
   double *x;
 } patch;
 
-/* A closed box as a surface over nodes of its own. */
+/* A closed box as a surface with its own nodes. */
 static inline patch new_box(const double low[3], const double size[3], const int cells[3])
 {
   ct_mesh *m = box_mesh(CT_HEX8, low[0], low[1], low[2], size[0], size[1], size[2], cells[0],

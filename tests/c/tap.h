@@ -43,7 +43,7 @@ static inline int tap_close(double got, double want, double tol, const char *for
   return ok;
 }
 
-/* Counts as passed, and says why it was not run. */
+/* Counts as passed, and gives the reason why it was not run. */
 static inline void tap_skip(const char *format, ...)
 {
   va_list arguments;
@@ -52,8 +52,8 @@ static inline void tap_skip(const char *format, ...)
   va_end(arguments);
 }
 
-/* How often to repeat a check of random numbers: `count` times, and TAP_LONG times as often where
- * the environment has TAP_LONG, as `make fuzz` does. */
+/* How often to repeat a check of random numbers: `count` times, and TAP_LONG times as often if the
+ * environment has TAP_LONG, as in `make fuzz`. */
 static inline int tap_times(int count)
 {
   const char *more = getenv("TAP_LONG");

@@ -1,4 +1,4 @@
-/* Waves that leave. */
+/* Absorbing boundaries. */
 #include "bodies.h"
 
 static const ct_material ROCK = {.young = 900.0, .poisson = 0.25, .density = 2.0};
@@ -23,8 +23,8 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
   free(faces);
 }
 
-/* Send a smooth pulse down a column, held so that it is a plane P wave (axis 0) or S wave (axis 2),
- * and see what is left when it has met the other end (eq:absorb-traction, eq:absorb-force,
+/* Send a smooth pulse down a column, fixed so that it is a plane P wave (axis 0) or S wave (axis
+ * 2), and measure the reflection at the other end (eq:absorb-traction, eq:absorb-force,
  * eq:absorb-share, eq:absorb-rate). */
 static void pulse(ct_brick_kind kind, int axis, const char *name)
 {

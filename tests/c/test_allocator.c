@@ -1,12 +1,12 @@
-/* The allocator of a host: a scene with every kind of effect takes all its memory there and gives
- * it back, also when any one of its requests fails. */
+/* The allocator of a host: a scene with all kinds of effects takes all its memory from it and
+ * returns it, also if any one of its requests fails. */
 #include "bodies.h"
 #include "counting.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 1.0},
                          RUBBER = {900.0, 0.3, 1.0, CT_NEO_HOOKEAN};
 
-/* Everything that is made, so that it can be freed wherever the making has ended. */
+/* All objects, so that they can be freed wherever their creation has ended. */
 typedef struct world {
   ct_mesh *mesh[2];
   ct_scene *scene;
@@ -24,8 +24,7 @@ static void end(world *w)
   for (int b = 0; b < 2; b++) ct_mesh_free(w->mesh[b]);
 }
 
-/* Two cubes of 2 x 2 x 2 cells, one above the other, the upper one of rubber and distant by 0.01.
- */
+/* Two cubes of 2 x 2 x 2 cells, one 0.01 above the other, the upper one of rubber. */
 static ct_status add_bodies(world *w, ct_error *e)
 {
   static const double velocity[2][3] = {{0, 0, 0}, {0, 0.5, -4}};
@@ -67,13 +66,13 @@ static ct_status join_bodies(world *w, ct_error *e)
   return status;
 }
 
-/* A factory has answered `status`: give what it made to the scene. */
+/* A factory has returned `status`: add its effect to the scene. */
 static ct_status take(world *w, ct_status status, ct_effect **effect, ct_error *e)
 {
   return status == CT_OK ? ct_scene_add_effect(w->scene, *effect, e) : status;
 }
 
-/* What acts on faces or nodes below: an obstacle, a path, absorbing faces, a load. */
+/* Effects on faces or nodes below: an obstacle, a prescribed motion, absorbing faces, a load. */
 static ct_status add_boundaries(world *w, ct_error *e)
 {
   static const double time[2] = {0, 1}, factor[2] = {0, 1};
@@ -107,7 +106,7 @@ static ct_status add_boundaries(world *w, ct_error *e)
   return take(w, ct_motion_create_effect(&path, w->problem, &effect, e), &effect, e);
 }
 
-/* What acts on all nodes: gravity, damping, viscosity. */
+/* Effects on all nodes: gravity, damping, viscosity. */
 static ct_status add_fields(world *w, ct_error *e)
 {
   ct_effect *effect = NULL;
@@ -123,7 +122,7 @@ static ct_status add_fields(world *w, ct_error *e)
   return status;
 }
 
-/* Build, step until the bodies touch, ask for what a record asks for, continue on a copy. */
+/* Build, step until the bodies touch, compute what a record needs, continue on a copy. */
 static ct_status run(world *w, ct_error *e)
 {
   const ct_scene_time time = {.end = 0.02, .fraction = 0.5, .threads = 1};
@@ -152,7 +151,7 @@ static ct_status make(world *w, ct_error *e)
   return status == CT_OK ? run(w, e) : status;
 }
 
-/* Answers how many requests there were. */
+/* Returns the number of requests. */
 static long all_given_back(double *moved)
 {
   world w = {0};

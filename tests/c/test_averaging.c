@@ -30,8 +30,8 @@ static const ct_effect *averaging_of(const ct_problem *problem)
   return NULL;
 }
 
-/* M_L - M_C of a mesh of hex8 by Gauss' rule, shape (nodes, nodes), without the elements at nodes
- * that stand apart. */
+/* M_L - M_C of a mesh of hex8 by Gauss' rule, shape (nodes, nodes), without the elements at
+ * excluded nodes. */
 static double *mass_difference(const ct_mesh *m, double density, const char *apart)
 {
   const double g = sqrt(1.0 / 3.0);
@@ -60,8 +60,8 @@ static double *mass_difference(const ct_mesh *m, double density, const char *apa
   return D;
 }
 
-/* The force for any forces of the others: γ (M_L - M_C) M_L⁻¹ f, free, held, and with nodes apart
- * (eq:averaging-force, eq:averaged-modes, eq:averaged-element). */
+/* The force for any forces of the others: γ (M_L - M_C) M_L⁻¹ f, free, fixed, and with excluded
+ * nodes (eq:averaging-force, eq:averaged-modes, eq:averaged-element). */
 static void force(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1.5, 2, 2.5, 3, 4, 5);
@@ -204,8 +204,8 @@ static void dispersion(void)
   tap_close(off_group, 0.0, 1e-5, "group velocity against differences");
 }
 
-/* Two blocks that fly at each other, and their mirror images; `alone`: elements at the contact are
- * left out. */
+/* Two blocks that collide, and their mirror images; `alone`: elements at the contact are excluded.
+ */
 static ct_scene *blocks_of(ct_mesh *a, ct_mesh *b, int axis, double dissipation, int alone)
 {
   double v[2][3] = {{0.0}}, low[3], high[3], face[2];
@@ -227,8 +227,8 @@ static ct_scene *blocks_of(ct_mesh *a, ct_mesh *b, int axis, double dissipation,
   return scene;
 }
 
-/* The largest rise of the energy in one of 300 steps: the law of contact may take energy out when a
- * point closes or opens, and never adds any. */
+/* The largest increase of the energy in one of 300 steps: the contact law may dissipate energy when
+ * a point closes or opens, and never adds any. */
 static double energy_rise(int alone, double *balance)
 {
   ct_mesh *a = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 4, 4, 4),
@@ -274,7 +274,7 @@ static void contact(void)
   tap_close(balance, 0.0, 1e-13, "work and energy balance in both");
 }
 
-/* Energy of a block that vibrates at random, free or held, over 400 steps near the limit
+/* Energy of a block with random vibrations, free or fixed, over 400 steps near the limit
  * (eq:averaged-energy, eq:averaged-support, eq:averaged-solve). */
 static void energy(void)
 {
@@ -301,7 +301,7 @@ static void energy(void)
   }
 }
 
-/* A run of two blocks, mirrored along an axis, with some threads. */
+/* A run of two blocks, mirrored along an axis, with a number of threads. */
 static ct_state *contact_run(ct_scene **scene, ct_mesh *a, ct_mesh *b, int mirrored, int threads,
                              ct_optimisations fast, int64_t steps, ct_state *from)
 {
@@ -342,7 +342,7 @@ static void bits(void)
   ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(mirrored[0]), ct_mesh_free(mirrored[1]);
 }
 
-/* What a factory or a problem answers for a mesh of this kind. */
+/* Status of a factory or a problem for a mesh of this kind. */
 static ct_status refused(ct_mesh *m, ct_material material, int before, ct_scheme scheme,
                          ct_error *e)
 {

@@ -1,5 +1,5 @@
-/* Batches against ct_project, pair by pair and bit for bit, with one, four and eight lanes where
- * this machine has them, and against closed forms. */
+/* Batches compared with ct_project, pair by pair and bit for bit, with one, four and eight lanes if
+ * this machine has them, and with closed forms. */
 #include <libcontact.h>
 
 #include "../../libcontact/src/projection/projection_internal.h"
@@ -11,7 +11,7 @@
 
 enum { PAIRS = 403, BLOCKS = 51, NAN_PAIR = 17, FLAT_PAIR = 18, HUGE_PAIR = 19 };
 
-/* A batch: the rows that a host has, the same in lanes, and room for the closest points. */
+/* A batch: the rows of a host, the same in lanes, and memory for the closest points. */
 typedef struct batch {
   ct_face_kind kind;
   int per;
@@ -28,7 +28,7 @@ static ct_batch_closest closest_of(batch *b)
   return closest;
 }
 
-/* Rows of the pairs, `per` of each, into lanes; the last block is filled up with the last pair. */
+/* Rows of the pairs, `per` of each, into lanes; the last block is filled with the last pair. */
 static void gather(int per, const double *rows, double *lanes)
 {
   for (int p = 0; p < 8 * BLOCKS; p++)
@@ -36,8 +36,7 @@ static void gather(int per, const double *rows, double *lanes)
       lanes[(p / 8 * 3 * per + i) * 8 + p % 8] = rows[3 * per * (p < PAIRS ? p : PAIRS - 1) + i];
 }
 
-/* Faces from plain to folded, points from on the face to far away, and three pairs that are broken.
- */
+/* Faces from plane to folded, points from on the face to far away, and three invalid pairs. */
 static void fill(batch *b, ct_face_kind kind, double distortion)
 {
   b->kind = kind;
@@ -63,7 +62,7 @@ static int same_bits(double a, double b)
   return memcmp(&a, &b, sizeof a) == 0 || (isnan(a) && isnan(b)) || (a == 0 && b == 0);
 }
 
-/* What ct_project says of pair p. */
+/* The result of ct_project for pair p. */
 static ct_projection alone(const batch *b, int p, const double *start,
                            const ct_project_options *options)
 {
@@ -77,7 +76,7 @@ static ct_projection alone(const batch *b, int p, const double *start,
   return out;
 }
 
-/* Number of pairs that differ from ct_project in any bit of the answer. */
+/* Number of pairs that differ from ct_project in any bit of the result. */
 static int differing(const batch *b, const double *start, const ct_project_options *options)
 {
   int count = 0;

@@ -1,5 +1,5 @@
-/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node
- * numbering against VTK itself is in tests/python/test_projection.py. */
+/* Bricks compared with interpolation conditions, finite differences and the geometry of the cube.
+ * tests/python/test_projection.py compares the node numbers with VTK itself. */
 #include "../../libcontact/src/shape/shape.h"
 
 #include "tap.h"
@@ -13,7 +13,7 @@ static double worst(double so_far, double error)
   return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
 }
 
-/* What fixes the shape functions, and so eq:brick-hex8 and eq:brick-hex20. */
+/* Conditions that determine the shape functions, and so eq:brick-hex8 and eq:brick-hex20. */
 static void interpolation_conditions(ct_brick_kind kind)
 {
   double delta = 0, unity = 0, linear = 0;

@@ -1,5 +1,5 @@
-/* The parts of the constraint solver, on random rows, against matrices that this file fills itself.
- * The source is included, so that each part can be called alone. */
+/* The parts of the constraint solver, on random rows, compared with matrices that this file
+ * computes itself. The source is included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/solve.c"
 #include "bodies.h"
 
@@ -101,8 +101,8 @@ static double function_of(const rows *r, const double *force)
   return F;
 }
 
-/* What a row does to its nodes (eq:constraint-force), and the gaps that forces open
- * (eq:constraint-problem) with the slope of F, which here is a difference of F itself
+/* The forces of a row on its nodes (eq:constraint-force), and the gaps that forces open
+ * (eq:constraint-problem) with the gradient of F, here a difference of F itself
  * (eq:constraint-function). */
 static void slopes(void)
 {
@@ -178,7 +178,7 @@ static void step(void)
          rise);
 }
 
-/* Rows without a force are taken in where they have more to gain than the pressed ones
+/* Rows without a force are added if they promise a larger decrease than those with one
  * (eq:proportioning). */
 static void release_of_rows(void)
 {
@@ -238,8 +238,8 @@ static void near_rows(void)
          left_out, wrong);
 }
 
-/* The whole solution: no force is negative, slopes vanish where points press and are not negative
- * elsewhere, and the finite number of rounds is small. */
+/* The whole solution: no force is negative, gradients vanish at points with a force and are not
+ * negative elsewhere, and the number of rounds is small. */
 static void solution(void)
 {
   double off = 0.0, below = 0.0;

@@ -230,8 +230,8 @@ static void bound_of_q8(void)
   free_patch(&b);
 }
 
-/* The gap from far apart to far inside, in units of the face; at a first look there is no contact
- * beyond the depth (the face's diagonal). (eq:gap) */
+/* The gap from far apart to far inside, in units of the face; at the first update there is no
+ * contact beyond the depth (the face's diagonal). (eq:gap) */
 static void gap_sweep(double h)
 {
   static const double size[14] = {10,   3,    1.5,  1.41, 1,     0.1,   1e-2,
@@ -274,8 +274,8 @@ static void gap_sweep(double h)
   free_patch(&b);
 }
 
-/* A plate of thickness 0.1, closed all around, and a patch that presses on its top: the plate's far
- * side must stay out of it. (eq:far-side) */
+/* A plate of thickness 0.1, closed all around, and a patch that is pressed into its top: no force
+ * may act on the plate's far side. (eq:far-side) */
 static void far_side(double inside)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 0.1, 4, 4, 1);
@@ -330,7 +330,8 @@ static void far_side(double inside)
   ct_mesh_free(m);
 }
 
-/* A point beyond the border of the other surface meets nothing; the others meet it in full. */
+/* A point beyond the border of the other surface is not in contact; the others are, with full
+ * weight. */
 static void border(void)
 {
   patch a = new_patch(CT_Q4, 4, 4, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 5, 3, 0.37, -0.41, 1, 1, 0);
@@ -525,8 +526,8 @@ static void sharp_bound(void)
   free_patch(&b);
 }
 
-/* Points that see an edge between two faces at exactly the same distance: the bound must use one
- * face and its own shape functions. */
+/* Points at exactly the same distance from two faces with a common edge: the bound must use one
+ * face and its shape functions. */
 static void bound_on_ties(void)
 {
   patch a = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1),
@@ -729,8 +730,8 @@ static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_o
   return point;
 }
 
-/* Newton and the simplex know no borders, so they may miss a closest point on an edge between two
- * faces; every other point they find alike. */
+/* Newton and the simplex do not know borders, so they may miss a closest point on an edge between
+ * two faces; they must find all other points. */
 static void methods(ct_face_kind kind)
 {
   patch a, b;
@@ -806,7 +807,7 @@ static void between(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A contact that has followed a motion gives what a new one gives at its end. */
+/* A contact that has followed a motion gives the same forces as a new one at its end. */
 static void history(void)
 {
   patch a, b;
@@ -910,8 +911,8 @@ static ct_contact *two_squares(ct_face_kind kind, int separated, patch *a, patch
   return contact;
 }
 
-/* A call that is refused leaves no trace: what moves counts from the last good call, whichever
- * surface was refused. */
+/* A refused call leaves no trace: motion counts from the last good call, whichever surface was
+ * refused. */
 static void after_a_refusal(void)
 {
   for (int bad = 0; bad < 2; bad++) {
@@ -935,8 +936,8 @@ static void after_a_refusal(void)
   }
 }
 
-/* A point in contact that a jump takes deeper than lists reach stays in contact there, as
- * "separated" as its face is. */
+/* A point in contact that jumps deeper than the lists reach stays in contact, whatever `separated`
+ * says of its face. */
 static void jump_while_in_contact(void)
 {
   static const double by_hand[] = {-0.05, -20.0, -20.0, -20.1, -0.05, 0.05};

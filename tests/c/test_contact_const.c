@@ -1,8 +1,8 @@
-/* What is asked of a const contact only reads it: several threads may ask one contact at once. */
+/* Queries of a const contact only read it: several threads may use one contact at the same time. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "patches.h"
 
-/* All that such a call might write: the trees, the boxes, the room for sums. */
+/* All data that such a call might write: the trees, the boxes, the memory for sums. */
 typedef struct seen {
   int64_t builds[2];
   double cost[2];

@@ -43,8 +43,8 @@ static void held(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* Points that are deeper than the depth at the first look are in no contact, not when they come
- * nearer either, but once they have been outside. (eq:point-status) */
+/* Points that are deeper than the depth at the first update are not in contact until they have been
+ * outside, also if they come nearer. (eq:point-status) */
 static void buried(void)
 {
   static const double z[7] = {-1.0, -0.5, -0.2, -0.01, 0.01, -0.01, -0.2};
@@ -87,9 +87,9 @@ static double depth_in(const double p[3], const double low[3], const double high
 }
 
 /* A thin closed plate is pressed through a larger one, to 1.6 thicknesses: each point belongs to
- * the side by which it came in, or to the side faces around when these are nearer. Up to one
- * thickness the energy has a closed form; beyond, points have come out below, and still they are
- * pushed back. (eq:far-side, eq:held) */
+ * the side through which it came in, or to the side faces if these are nearer. Up to one thickness
+ * the energy has a closed form; beyond, points have left below, and are still pushed back.
+ * (eq:far-side, eq:held) */
 static void thin_plates(void)
 {
   const double t = 0.1, low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1},
@@ -263,8 +263,8 @@ static void turn(patch *p, double R[3][3])
   }
 }
 
-/* Height of the lowest of the highest places: how deep `top` may go into `base` before any point of
- * the contact is inside, by bisection; and the deepest corner then. */
+/* Height of the lowest of the highest positions: largest depth of `top` in `base` before any
+ * contact point is inside, by bisection; and the deepest corner at this height. */
 static double unseen(const patch *base, const patch *top, ct_contact_rule rule, double high,
                      double low)
 {
@@ -378,9 +378,9 @@ static double slide(ct_face_kind kind, double bend, double step)
   return jump / size;
 }
 
-/* On a flat base the force changes with the slide alone: half the step, half the change. On one
- * with folds a point that changes faces changes its direction by the angle of the fold, so the
- * total never jumps by more than that. */
+/* On a flat base the change of the force is proportional to the step of the slide. On a base with
+ * folds a point that changes faces changes its direction by the angle of the fold, so the total
+ * never jumps by more than that. */
 static void sliding(ct_face_kind kind)
 {
   double coarse = slide(kind, 0.0, 0.02), fine = slide(kind, 0.0, 0.01);
@@ -484,8 +484,8 @@ static void closed_border(void)
          coarse, fine);
 }
 
-/* Flat meshes that do not match: resultant and momentum exact, the error of single nodal forces as
- * of the line analogue. */
+/* Flat meshes that do not match: resultant and momentum are exact; the error of single nodal forces
+ * is that of the analogue on a line. */
 static void ratios(void)
 {
   static const int cells[5][2] = {{1, 1}, {2, 3}, {4, 5}, {4, 11}, {10, 73}};
@@ -538,8 +538,8 @@ static double listed(const ct_contact *contact)
   return count / faces;
 }
 
-/* A ring of long faces in contact with itself: each face looks at those around it, not at the whole
- * ring. */
+/* A ring of long faces in contact with itself: the candidates of each face are those around it, not
+ * the whole ring. */
 static void local_search(void)
 {
   ct_ring shape = {{0, 0, 0}, {40, 50}, 60, {2, 48, 2}};
@@ -662,8 +662,8 @@ static void safe_approach(void)
   free(up), free(down);
 }
 
-/* Two blocks of one outline press on each other and slide by little, so that points of side walls
- * come to stand beside the other block: what is asked twice at one place has one answer. */
+/* Two blocks with the same outline press on each other and slide slightly, so that points of side
+ * walls come beside the other block: two queries at one position must have the same result. */
 static void asked_twice(void)
 {
   const double low_a[3] = {0, 0, 0}, low_b[3] = {0, 0, 1.0 - 2e-3}, size[3] = {1, 1, 1};

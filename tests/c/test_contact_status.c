@@ -1,10 +1,10 @@
-/* What a contact remembers of its points, step by step by hand: every number that one step leaves
- * to the next goes through the effect's memory here. */
+/* Memory of a contact for its points, step by step by hand: all numbers that one step leaves for
+ * the next go through the effect's memory here. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "patches.h"
 
-/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory
- * goes from one step to the next. */
+/* The contact effect of two surfaces of one problem, evaluated step by step; only its memory is
+ * passed from one step to the next. */
 typedef struct hand {
   ct_effect *effect;
   patch a, b; /* both over the nodes of the problem */
@@ -109,9 +109,8 @@ typedef struct opening {
   double gap, depth;
 } opening;
 
-/* The start gap of points that open again, as worked out with pencil and paper from
- * eq:initial-shift: it follows the deeper one of the last two gaps, up to zero, and never goes
- * back. (eq:initial-release) */
+/* The start gap of points that open again, computed by hand from eq:initial-shift: it follows the
+ * deeper one of the last two gaps, up to zero, and never goes back. (eq:initial-release) */
 static void start_gap_opens(void)
 {
   static const opening by_hand[] = {
@@ -168,9 +167,9 @@ typedef struct course {
   opening step[12];
 } course;
 
-/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil
- * and paper from eq:initial-adjust: the start gap stays until the point has opened by more than
- * this for two steps. (eq:initial-facing, eq:initial-release) */
+/* Gaps and overlaps within the distance `adjust` count as touching, computed by hand from
+ * eq:initial-adjust: the start gap stays until the point has opened by more than this for two
+ * steps. (eq:initial-facing, eq:initial-release) */
 static void start_gaps_are_adjusted(void)
 {
   static const course courses[] = {
@@ -268,8 +267,8 @@ static double evaluate(hand *h, double *force)
   return energy;
 }
 
-/* Two warped patches on unlike meshes that overlap here and gape there, and are adjusted; then
- * pressed together. */
+/* Two warped patches on different meshes with overlaps and gaps, which are adjusted; then pressed
+ * together. */
 static hand two_warped_patches(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 3, 0, 0, 2, 2, 1),
@@ -370,10 +369,10 @@ static void start_gap_fades(void)
   free_hand(&h);
 }
 
-/* A point is in contact at any depth if it came in from outside, and in no contact if it begins
- * deep. One that was outside and is deeper than the depth at once (which a run refuses,
- * eq:tunnelling) has no face near: no contact, and a new point afterwards. What tells these apart
- * is the sign in the memory. (eq:point-status) */
+/* A point is in contact at any depth if it came in from outside, and not in contact if it begins
+ * deep. One that was outside and is at once deeper than the depth (which a run refuses,
+ * eq:tunnelling) has no face near: no contact, and a new point afterwards. The sign in the memory
+ * distinguishes these cases. (eq:point-status) */
 static void history_in_memory(void)
 {
   static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1},
@@ -400,8 +399,8 @@ static void history_in_memory(void)
   }
 }
 
-/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the
- * effect in its memory, through a restart in every step. Both are one. The host's energy has a
+/* Thin closed plates pressed into each other: the host's contact stores its history itself, the
+ * effect in its memory, with a restart in each step. Both must agree. The host's energy has a
  * closed form (test_contact_geometry). */
 static void same_as_the_host(void)
 {
@@ -443,8 +442,8 @@ static void same_as_the_host(void)
   free(z);
 }
 
-/* Two states of one effect share what never changes and nothing that does; no definition is taken
- * that does not start from its default. */
+/* Two states of one effect share constant data only; definitions that do not start from their
+ * default are refused. */
 static void states_share(void)
 {
   hand h = two_flat_patches(ct_contact_options_default(), 0.02);
@@ -494,8 +493,8 @@ static void states_share(void)
   free_hand(&h);
 }
 
-/* A point stands off the corner of a quadratic brick while nodes on the edges there move until the
- * faces are turned inside out. The point is not inside for that (eq:gap-bound). */
+/* A point is off the corner of a quadratic brick while nodes on the edges there move until the
+ * faces are inverted. The point must not count as inside (eq:gap-bound). */
 static void corner_turned_inside_out(void)
 {
   enum { STEPS = 80 };

@@ -1,4 +1,4 @@
-/* Motion that dies away. */
+/* Damped motion. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};
@@ -50,9 +50,9 @@ static void decay(void)
   ct_mesh_free(mesh);
 }
 
-/* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes as a loop
- * written here says: the same rates and the same motion (eq:relaxation-rate, eq:relaxation-force).
- */
+/* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes like a loop
+ * that is written here: the same rates and the same motion (eq:relaxation-rate,
+ * eq:relaxation-force). */
 static void relaxation_by_hand(void)
 {
   static const ct_material bar = {.young = 9.0, .poisson = 0.0, .density = 2.0};
@@ -187,7 +187,7 @@ static void relaxation(void)
   close_run(other, scene, mesh);
 }
 
-/* Unrest without anything that resists: 0 where nothing happens, infinite where a body flies. */
+/* The residual without any stiffness: 0 at rest, infinite in free flight. */
 static void unrest_of_free_bodies(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);

@@ -1,5 +1,5 @@
-/* An effect of the caller's own, filled by hand: a spring at each node of a body, against its
- * closed form. */
+/* A host's own effect, filled by hand: a spring at each node of a body, compared with its closed
+ * form. */
 #include "bodies.h"
 
 static const ct_material STIFF = {.young = 1e5, .poisson = 0.3, .density = 2.0};
@@ -35,7 +35,7 @@ static ct_status spring_frequency(const ct_effect *effect, const ct_view *view,
   return CT_OK;
 }
 
-/* A host's effect may have any name: nothing takes it for one of the library's because of it. */
+/* A host's effect may have any name: the library never identifies its own effects by name. */
 static void named(const char *name)
 {
   static const int32_t nodes[2] = {0, 3};
@@ -112,7 +112,7 @@ static ct_status bound_of_data(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* What a list of constraints that goes wrong answers: so many times one row. */
+/* Results of a wrong list of constraints: a number of copies of one row. */
 typedef struct listing {
   ct_constraint *row;
   int64_t count;
@@ -128,7 +128,7 @@ static ct_status list_wrongly(const ct_effect *effect, const ct_view *view, ct_c
   return CT_OK;
 }
 
-/* A problem that a host lists by itself is looked at when a state is made. */
+/* The effects of a problem that a host fills itself are checked when a state is created. */
 static void refused(const char *name, ct_effect *first, ct_effect *second)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);

@@ -1,4 +1,5 @@
-/* The ledger of energy and momentum on small plates, with and without contact, alike and unlike. */
+/* The balance of energy and momentum on small plates, with and without contact, with equal and
+ * different plates. */
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -11,7 +12,7 @@ static void plane_strain(ct_scene *scene, int32_t body, const ct_mesh *m, double
   add_support(scene, body, m, 1, thickness, "y", 0.0);
 }
 
-/* What a run leaves of each quantity that should not change, relative to its scale. */
+/* Change of each conserved quantity in a run, relative to its scale. */
 typedef struct ledger {
   double total, balance, impulse, momentum, contact, solid_work, contact_work;
 } ledger;
@@ -155,8 +156,8 @@ static void close_touching(touching *t)
   for (int b = 0; b < 2; b++) ct_mesh_free(t->mesh[b]);
 }
 
-/* What is there at t = 0 is the motion of the start and what an overlap stores, whatever the
- * contact does next (eq:energy-start, eq:work-start). */
+/* At t = 0 the energy is that of the initial motion and of an overlap, whatever the contact does
+ * next (eq:energy-start, eq:work-start). */
 static void first_row(void)
 {
   for (int e = 0; e < ENFORCEMENTS; e++)
@@ -198,7 +199,7 @@ static void first_row(void)
   close_touching(&t);
 }
 
-/* A start that goes on with a third of its step: its first row is that of a start. */
+/* A start that continues with a third of its step: its first row is that of a start. */
 static void refined_start(void)
 {
   touching t = open_touching(CT_HEX8, 1, CT_ENFORCE_ENERGY_CONTROLLED, CT_CENTRAL_DIFFERENCE, 0.0);
@@ -366,7 +367,7 @@ static void discrete_kinetic(void)
 
 /* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base
  * the rest of its momentum: to 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a
- * copy within a block of steps goes on with the same bits (eq:impulse-parts, eq:impulse-balance).
+ * copy within a block of steps continues with the same bits (eq:impulse-parts, eq:impulse-balance).
  */
 static void many_impulses(void)
 {
@@ -494,7 +495,8 @@ static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, cons
   ct_mesh_free(b);
 }
 
-/* Series of one step between checks: elements sleep on, and wake where a host pushes between. */
+/* Series of one step between checks: elements stay asleep, and wake if a host applies a force in
+ * between. */
 static void sleep_over_checks(int push)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 60, 1, 1, 120, 2, 2);

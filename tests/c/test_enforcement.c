@@ -1,5 +1,5 @@
-/* Enforcements: one point against a bisection of its law, many points against a dense solution, the
- * energy that never grows, momentum, and bits. */
+/* Enforcements: one point compared with a bisection of its law, many points with a dense solution;
+ * the energy that never grows, momentum, and bits. */
 #include "../../libcontact/src/constraint/law.h"
 #include "../../libcontact/src/step/constraints.h"
 #include "../../libcontact/src/step/workspace.h"
@@ -106,10 +106,10 @@ static void lasting(double a)
          a, off, law);
 }
 
-/* A mass that a pressure holds on the spring of its contact, at small steps: the swing about the
- * place of rest falls in each period by exp(-2π ζ / √(1 - ζ²)), as with a dashpot of the damping
- * ratio ζ (eq:surface-damping); and with a spring far too fast for the step a gap changes its sign
- * and shrinks by (1 - ζ) / (1 + ζ). */
+/* A mass that a pressure holds on the spring of its contact, at small steps: the amplitude about
+ * the equilibrium decreases in each period by exp(-2π ζ / √(1 - ζ²)), as with a dashpot of the
+ * damping ratio ζ (eq:surface-damping); and with a spring much too stiff for the step a gap changes
+ * its sign and shrinks by (1 - ζ) / (1 + ζ). */
 static void damping_ratio(double zeta)
 {
   const double k = 7.0, m = 2.0, omega = sqrt(k / m), dt = 1e-3 / omega, rest = -1.0;
@@ -230,8 +230,8 @@ static void energy_never_grows(void)
   close_bar(&p);
 }
 
-/* A bar that touches the wall at the start, or has gone into it: the first force is found twice,
- * and both times it is the same. */
+/* A bar that touches the wall at the start, or penetrates it: the first force is computed twice,
+ * with the same result. */
 static void start_in_touch(void)
 {
   for (int e = 0; e < IMPLICITS; e++)
@@ -394,8 +394,8 @@ static void fill_row(const ct_solver *s, int64_t r, double *row)
   }
 }
 
-/* How far nodal forces of the solver are off those of Gauss-Seidel with a dense matrix, from zero,
- * to the last digit; over the largest of them. */
+/* Difference of the solver's nodal forces from those of Gauss-Seidel with a dense matrix, iterated
+ * from zero to the last digit; over the largest of them. */
 static double off_dense(const ct_solver *s, int32_t nodes)
 {
   int64_t n = s->count, dofs = 3 * (int64_t)nodes;
@@ -535,8 +535,8 @@ static void bits(void)
     }
 }
 
-/* What the points of a state store in the middle of the coming step, by the law as the book writes
- * it. */
+/* Energy that the points of a state store at the middle of the next step, by the law as in the
+ * book. */
 static double stored_between_steps(const ct_solver *s)
 {
   double sum = 0.0;
@@ -665,10 +665,10 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   return scene;
 }
 
-/* The total of the ledger is the mean of what bodies and points have half a step before and after,
- * each of them computed here, from displacements, velocities, forces of the solid and gaps. So what
- * a point stores is told once and the same to both steps that it belongs to, whatever the point
- * meets. (eq:controlled-store, eq:controlled-energy) */
+/* The total of the energy balance is the mean of the energies of bodies and points half a step
+ * before and after; each of them is computed here, from displacements, velocities, forces of the
+ * solid and gaps. So the stored energy of a point is counted once and is the same for both steps
+ * that it belongs to, whatever the point meets. (eq:controlled-store, eq:controlled-energy) */
 static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], int ground,
                                double dissipation)
 {
@@ -773,8 +773,8 @@ static void a_twin_is_a_wall(void)
   ct_mesh_free(right);
 }
 
-/* A block that a path drives into a floor: no force moves it, so each point's gaps are known, and
- * its force is the law's. */
+/* A block that a prescribed motion drives into a floor: no force moves it, so each point's gaps are
+ * known, and its force is the law's. */
 static void driven(void)
 {
   static const double time[2] = {0.0, 1.0}, value[2] = {0.0, 1.0};

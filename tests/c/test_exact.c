@@ -1,5 +1,5 @@
-/* The closed form of the plate impact against the equations it must obey and against values from
- * elsewhere. */
+/* The closed form of the plate impact compared with its differential equations and with values from
+ * other sources. */
 #include <libcontact/exact.h>
 
 #include "tap.h"
@@ -25,9 +25,8 @@ static void at(double x, double z, double t, double nu, double f[5])
     for (int i = 0; i < 5; i++) f[i] = NAN;
 }
 
-/* Distance of (x, z) at time t to the nearest front, worked out from the geometry alone; to the
- * Rayleigh point with the depth shortened as its wave decays, which is how far the fields stay
- * analytic. */
+/* Distance of (x, z) at time t to the nearest front, from the geometry alone; to the Rayleigh point
+ * with the depth shortened like its wave's decay. The fields are analytic within this distance. */
 static double front_distance(double x, double z, double t, double nu)
 {
   double c2, c_r, least = fabs(x - t);
@@ -251,7 +250,7 @@ static void quadrature_values(void)
   }
 }
 
-/* eq:exact-linear: what is left when the large terms of both waves have gone. */
+/* eq:exact-linear: the remainder after the large terms of both waves cancel. */
 static void corner_is_self_similar(void)
 {
   double a[5], b[5];

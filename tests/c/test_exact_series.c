@@ -1,5 +1,5 @@
-/* The Rayleigh-Lamb series against the closed form, which shares no line with it, and against mode
- * theory. */
+/* The Rayleigh-Lamb series compared with the closed form, which shares no line with it, and with
+ * mode theory. */
 #include <libcontact/exact.h>
 #include <libcontact/series.h>
 
@@ -105,9 +105,9 @@ static void halves_and_grids_agree(void)
   tap_ok(off < 5e-4, "panels of 1 and 1/3: %.1e", off);
 }
 
-/* After both faces have answered many times: behind the front of the slow rod wave a plate comes to
- * rest at x = 0, and the mean force is that of the elementary theory, sigma_x = -rho c_p v0 with
- * c_p the speed of long waves in a plate. */
+/* After many reflections at both faces: behind the front of the slow rod wave a plate comes to rest
+ * at x = 0, and the mean force is that of the elementary theory, sigma_x = -rho c_p v0 with c_p the
+ * speed of long waves in a plate. */
 static void long_time_is_the_rod(void)
 {
   const double nu = 0.3, lambda = nu / (1.0 - nu), mu = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu));

@@ -1,5 +1,5 @@
-/* The filter of what is shown: its factor for each wave against a closed form, fields that pass as
- * they are, the range of its factors on any mesh, and what it must not touch. */
+/* The filter of recorded fields: its factor for each wave compared with a closed form, fields that
+ * pass unchanged, the range of its factors on any mesh, and data that it must not change. */
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1, 0.3, 0.7, CT_LINEAR};
@@ -110,8 +110,8 @@ static void constant_strain(ct_brick_kind kind)
   close_run(state, scene, m);
 }
 
-/* The factor of the fastest mode of a mesh, by repeating what a pass takes away (eq:filter-weight,
- * eq:filter-range). */
+/* The factor of the fastest mode of a mesh, by repeating the part that a pass subtracts
+ * (eq:filter-weight, eq:filter-range). */
 static double least_factor(const ct_mesh *m, int held)
 {
   ct_scene *scene = new_scene_with("body", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
@@ -157,7 +157,7 @@ static void range_of_factors(void)
     }
 }
 
-/* A run whose states are filtered in each step, and one whose are not. */
+/* Runs with and without a filter in each step. */
 static void state_is_not_touched(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3),

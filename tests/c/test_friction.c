@@ -5,7 +5,7 @@
 
 static const ct_material SOFT = {.young = 4000.0, .poisson = 0.0, .density = 1.0};
 
-/* A block of 1 x 1 x 0.4 with its sole on z = -sink over a wide slab that stands still. */
+/* A block of 1 x 1 x 0.4 with its lower face on z = -sink over a wide slab at rest. */
 typedef struct incline {
   ct_mesh *slab, *block;
   ct_scene *scene;
@@ -55,7 +55,7 @@ static void force_on_block(incline *t, int32_t effect, double sum[3])
   free(f);
 }
 
-/* Mean displacement along x or z of the block's sole, each node with its share of the area. */
+/* Mean displacement along x or z of the block's lower face, each node weighted by its area. */
 static double sole(const incline *t, int c)
 {
   double sum = 0.0, area = 0.0, low = t->block->nodes[2];
@@ -81,8 +81,8 @@ static void the_return(void)
          "a slip below the limit sticks and keeps its bits");
 }
 
-/* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and
- * no further, and it comes back. (eq:friction-law) */
+/* Below the angle of friction: a pull that grows and decays moves the lower face by the elastic
+ * slip and no further, and it returns. (eq:friction-law) */
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
@@ -226,8 +226,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
-/* Two blocks that are pressed together, as a problem whose forces can be asked for at any
- * displacement, with what they remember. */
+/* Two blocks that are pressed together, as a problem whose forces can be computed at any
+ * displacement, with memory. */
 typedef struct pressed {
   ct_mesh *a, *b;
   ct_scene *scene;
@@ -266,7 +266,7 @@ static pressed new_pressed(double mu, double rho, double skew, int axis)
   return t;
 }
 
-/* Forces at t.u; what they leave is remembered. */
+/* Forces at t.u; their memory is kept. */
 static void go(pressed *t)
 {
   probe_force(&t->p, t->u, t->f);
@@ -324,7 +324,7 @@ static void patch_law(void)
   free_pressed(&t);
 }
 
-/* What is held turns with the bodies: forces after a rigid rotation in steps are the rotated
+/* The stored slip rotates with the bodies: forces after a rigid rotation in steps are the rotated
  * forces. (eq:friction-trial) */
 static void rotation(void)
 {

@@ -1,4 +1,4 @@
-/* Bodies that fall. */
+/* Falling bodies. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};

@@ -8,7 +8,7 @@
 static const ct_material STEEL = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9},
                          SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
 
-/* Two bodies, or one in contact with itself: meshes, surfaces and initial velocities; a host. */
+/* Two bodies, or one in contact with itself: meshes, surfaces and initial velocities for a host. */
 typedef struct pair {
   int bodies;
   ct_mesh *mesh[2];
@@ -283,7 +283,7 @@ static ct_contact *open_contact(const pair *p, const ct_contact_options *options
   return contact;
 }
 
-/* How far what a host is told is off from what a scene tells, and the largest of it. */
+/* Difference of the host's values from those of a scene, and their largest size. */
 typedef struct told {
   double energy, most, lost, reaction, top, work, traction, pressure;
 } told;
@@ -485,7 +485,7 @@ static void close_host(host *h)
   ct_contact_free(h->contact);
 }
 
-/* One step of the host; answers the energy of its bodies at t_n: strain, and the product of both
+/* One step of the host; returns the energy of its bodies at t_n: strain, and the product of both
  * velocities, or at t_0 that of v_0. */
 static double step_host(host *h, int64_t n)
 {
@@ -516,8 +516,8 @@ static double step_host(host *h, int64_t n)
   return energy;
 }
 
-/* In no step does the energy of bodies and contact grow, and what bodies gain is the work that the
- * contact reports. (eq:host-work) */
+/* The energy of bodies and contact grows in no step, and the bodies gain the work that the contact
+ * reports. (eq:host-work) */
 static void never_grows(pair p, const char *name, double end, double allowed, double least)
 {
   static const double BETA[] = {1.0, 10.0, 40.0, 100.0};
@@ -562,8 +562,8 @@ static int same_host(const host *a, const host *b)
   return same;
 }
 
-/* A host that saves and gets another contact in mid-run, or the same one from an older moment,
- * continues with the same bits. */
+/* A host that saves and continues with another contact, or with the same one from an earlier time,
+ * gets the same bits. */
 static void restart(pair p, const char *name, ct_enforcement enforcement)
 {
   enum { STEPS = 60 };
@@ -714,8 +714,7 @@ static void steps_by_hand(double wall, int given)
   ct_contact_free(contact);
 }
 
-/* What is refused leaves all as it was: the next call gives the force of a contact that was never
- * asked. */
+/* A refused call changes nothing: the next call gives the force of a contact without that call. */
 static void refusals(void)
 {
   face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
@@ -856,8 +855,7 @@ static void refused_parts(void)
   ct_contact_free(alone);
 }
 
-/* Nothing is allocated after the first call; one that fails for want of memory can be made again.
- */
+/* Nothing is allocated after the first call; one that fails for lack of memory can be repeated. */
 static void memory(void)
 {
   face a = face_at(0.05, 2.0, UP), b = face_at(0.0, 0.0, DOWN);

@@ -1,5 +1,5 @@
-/* Integrators against the algorithms as their authors write them, closed forms of their
- * amplification, orders, ledgers, and equal bits. */
+/* Integrators compared with the algorithms of their authors, closed forms of their amplification;
+ * orders, energy balances, and equal bits. */
 #include "../../libcontact/src/effect/amplitude.h"
 #include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
@@ -290,8 +290,8 @@ static void free_fall(ct_scheme scheme)
   close_run(state, scene, m);
 }
 
-/* Two cubes that touch and run against each other: the forces of the first moment must be those of
- * the way that is then gone, and the velocity the given one. */
+/* Two cubes that touch and collide: the forces at the start must be those of the first displacement
+ * increment, and the velocity the given one. */
 static void pressed_start(ct_scheme scheme, double beta)
 {
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 1, 1, 1),
@@ -362,8 +362,8 @@ static void order_of(ct_scheme scheme, double least, double most)
   ct_mesh_free(m);
 }
 
-/* -- Two unlike bodies that meet askew, with a weight, damping, a moving support and a prescribed
- * path -- */
+/* -- Two different bodies that meet askew, with a weight, damping, a moving support and a
+ * prescribed motion -- */
 
 typedef struct meeting {
   ct_scene *scene;
@@ -402,7 +402,7 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   return c;
 }
 
-/* Work balance, momenta and a path in each method (eq:stage-work, eq:stage-motion). */
+/* Work balance, momenta and a prescribed motion in each method (eq:stage-work, eq:stage-motion). */
 static void ledger(ct_scheme scheme, ct_enforcement enforcement)
 {
   meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3, 1);
@@ -561,7 +561,7 @@ static void refusals(void)
   ct_scene_free(c.scene);
 }
 
-/* An effect of our own that fails at one time. */
+/* A host's effect that fails at one time. */
 static ct_status fail_force(const ct_effect *effect, const ct_view *view, double *force,
                             ct_error *error)
 {

@@ -115,7 +115,7 @@ static void mirrored(ct_brick_kind kind)
   }
 }
 
-/* Elements whose axes point anywhere meet a node in the same octant; the masses are the same. */
+/* Elements with arbitrary axes may meet a node in the same octant; the masses are the same. */
 static void turned(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 4, 4, 4);

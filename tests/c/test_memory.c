@@ -1,4 +1,4 @@
-/* What a run holds, byte by byte, by an allocator that counts. */
+/* Memory of a run, byte by byte, by an allocator that counts. */
 #include "../../libcontact/src/solid/kernel.h"
 #include "../../libcontact/src/solid/reduced.h"
 #include "bodies.h"
@@ -11,7 +11,7 @@ static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR},
                          RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
 static const ct_optimisations NONE = {0, 0, 0, 0};
 
-/* A block of 16 x 24 x 24 cells that flies, and what it has beside. */
+/* A block of 16 x 24 x 24 cells in free flight, and its options. */
 typedef struct kind {
   const char *name;
   ct_brick_kind brick;
@@ -19,7 +19,7 @@ typedef struct kind {
   ct_solid_kernel kernel;
   int lattice; /* nothing is stored of an element */
   int held, monitored, falls, relaxes;
-  double node, element; /* bytes of each that are expected beside `held`, ... */
+  double node, element; /* expected bytes of each in addition to `held`, ... */
 } kind;
 
 /* Numbers a node: of the problem 10 (X, m, 1/m, v_0), of the state 12 (u, v, work, force). */
@@ -71,7 +71,7 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
   return scene;
 }
 
-/* Ask for all that a record asks for. */
+/* Compute all quantities of a record. */
 static void ask(const ct_problem *problem, ct_state *state, ct_monitor *monitor)
 {
   ct_error e;
@@ -93,8 +93,8 @@ static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
   return build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, NULL, stable);
 }
 
-/* Build, step, ask; nothing is allocated after the start, and no more is held than what is written
- * above. */
+/* Build, step, compute records; nothing is allocated after the start, and the memory is no more
+ * than computed above. */
 static void budget(const kind *k)
 {
   size_t before = counted.held;
@@ -134,7 +134,7 @@ static void budget(const kind *k)
   counted.peak = counted.held;
 }
 
-/* The good state of a monitor gets its forces when somebody asks for it, and not before. */
+/* The good state of a monitor gets its forces on request, and not before. */
 static void good_state(void)
 {
   const kind *k = &KINDS[2];
@@ -192,8 +192,8 @@ static double by_hand(const ct_problem *problem, const double *mass, const doubl
 
 static double close_to(double got, double want) { return fabs(got - want) / fabs(want); }
 
-/* Sums and largest values over more nodes than a piece has: potential of the weight, rest, rate of
- * a relaxation. */
+/* Sums and largest values over more nodes than a piece has: potential of the weight, residual, rate
+ * of a relaxation. */
 static void many_nodes(const kind *k)
 {
   ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 0.7, 0.7, 10, 7, 7);
@@ -241,8 +241,8 @@ static void many_nodes(const kind *k)
   close_run(state, scene, m);
 }
 
-/* One bar, two, and two that meet: the second one brings no ring, and steps and ledger allocate
- * nothing. */
+/* One bar, two, and two that meet: the second one needs no ring, and steps and energy balance
+ * allocate nothing. */
 static void bars(void)
 {
   ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.6, 0.6, 20, 6, 6),
@@ -277,7 +277,8 @@ static void bars(void)
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
 }
 
-/* Counts of faces tell a lack of memory, and a mesh that is none, from a surface without faces. */
+/* The number of faces distinguishes lack of memory, and an invalid mesh, from a surface without
+ * faces. */
 static void no_room(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);

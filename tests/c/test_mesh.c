@@ -3,7 +3,7 @@
 
 static const char *KIND[2] = {"hex8", "hex20"};
 
-/* Nodes of a box stand where its cells want them (eq:mesh-lattice). */
+/* Positions of the nodes of a box (eq:mesh-lattice). */
 static void box_counts(ct_brick_kind kind)
 {
   // 3 x 4 x 5 cells: 4 * 5 * 6 corners; 3 * 5 * 6 + 4 * 4 * 6 + 4 * 5 * 5 mid-sides.
@@ -140,8 +140,8 @@ static void faces(ct_brick_kind kind)
 }
 
 /* Faces and their outward side survive any turning of the elements' own axes. */
-/* The faces in a plane are those of all outer faces that lie in it, in the same order; inner faces
- * in it do not count. */
+/* The faces in a plane are the outer faces in it, in the same order; inner faces in it do not
+ * count. */
 static void faces_in_planes(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
@@ -354,8 +354,8 @@ static int node_at(const ct_mesh *m, double x, double y, double z)
   return -1;
 }
 
-/* A ring closes upon itself: counts, the volume of a polygon's prism, radii, and exact mirror
- * images of its nodes (eq:mesh-ring). */
+/* A ring closes on itself: counts, the volume of a polygon's prism, radii, and exact mirror images
+ * of its nodes (eq:mesh-ring). */
 static void rings(ct_brick_kind kind)
 {
   static const int around[3] = {3, 8, 12};
@@ -415,8 +415,8 @@ static void box_refused(double size, int cells, double origin, const char *what)
          "a box with %s is refused: %s", what, e.text);
 }
 
-/* Elements are checked in groups: each of 27 is found alone when its far corner is beyond its near
- * one, however small the mesh. */
+/* Elements are checked in groups: each of 27 is found if its far corner is exchanged with its near
+ * one, for any size of the mesh. */
 static void each_is_checked(ct_brick_kind kind, double scale)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, scale, scale, scale, 3, 3, 3);
@@ -440,8 +440,8 @@ static void each_is_checked(ct_brick_kind kind, double scale)
   ct_mesh_free(m);
 }
 
-/* The shortest of unlike edges, in a group and in the rest of one; an edge without a length is
- * none. */
+/* The shortest of different edges, in a group and in the rest of one; an edge of zero length does
+ * not count. */
 static void unlike_edges(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 11, 0.25, 3, 11, 1, 1);

@@ -141,7 +141,8 @@ static void growth(double over)
   free(rest);
 }
 
-/* A force c m v that claims to store energy and stores none: kinetic energy grows as exp(2 c t). */
+/* A force c m v that declares a stored energy and stores none: kinetic energy grows as exp(2 c t).
+ */
 static ct_status pump_force(const ct_effect *effect, const ct_view *view, double *force,
                             ct_error *error)
 {
@@ -190,7 +191,7 @@ static void pump(double limit, int stores)
   close_run(state, scene, m);
 }
 
-/* The same force on some nodes, which takes from t = 10 on what it gave before and more. */
+/* The same force on some nodes; from t = 10 on it removes more than it gave before. */
 static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, double *force,
                                 ct_error *error)
 {
@@ -202,8 +203,8 @@ static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-/* Growth that is below the limit of a fault, and gone at the end, is told: how much, when, where
- * from. `unit` is the unit of energy (eq:energy-growth). */
+/* Growth below the limit of a fault, which is gone at the end, is reported: its size, time and
+ * place. `unit` is the unit of energy (eq:energy-growth). */
 static void told(int stores, double unit)
 {
   double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.01) / (2.0 * c[0]);
@@ -246,7 +247,7 @@ static void told(int stores, double unit)
   close_run(state, scene, m);
 }
 
-/* Turn a mesh about the origin, and move it. */
+/* Rotate a mesh about the origin, and move it. */
 static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
 {
   for (int n = 0; n < mesh->node_count; n++) {
@@ -351,7 +352,7 @@ static void at_rest(void)
       most, alarms, told_of, text);
 }
 
-/* An element that is turned inside out, and a number that is none, in mid-run. */
+/* An inverted element, and a NaN, during a run. */
 static void named(int bad)
 {
   static const ct_material large = {2.0, 0.3, 1.5, CT_NEO_HOOKEAN};

@@ -1,4 +1,4 @@
-/* Displacements that follow an amplitude, the forces that takes, and what is refused. */
+/* Displacements that follow an amplitude, the forces for that, and refused definitions. */
 #include "../../libcontact/src/effect/amplitude.h"
 #include "bodies.h"
 
@@ -17,7 +17,7 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps, NULL);
 }
 
-/* A distorted block whose base goes there, waits and comes back, while the rest flies
+/* A distorted block whose base follows a motion, waits and comes back, while the rest is free
  * (eq:motion-velocity, eq:motion-force). */
 static void there_and_back(ct_brick_kind kind)
 {
@@ -84,8 +84,8 @@ static void there_and_back(ct_brick_kind kind)
   close_run(other, scene, m);
 }
 
-/* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration
- * (eq:motion-force). */
+/* A block with all nodes prescribed that accelerates: the reaction is its mass times the
+ * acceleration (eq:motion-force). */
 static void inertia(void)
 {
   enum { POINTS = 400 };
@@ -118,7 +118,7 @@ static void inertia(void)
   close_run(state, scene, m);
 }
 
-/* The end of a bar at rest is pushed in at the speed V: a wave of the stress -rho c V, and the
+/* The end of a bar at rest is pushed in with the speed V: a wave of the stress -rho c V, and the
  * force A rho c V. */
 static void piston(void)
 {

@@ -53,8 +53,8 @@ static void finish(against *t, double end, double fraction)
 
 static void end(against *t) { close_run(t->state, t->scene, t->mesh); }
 
-/* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces: what each
- * point and each node takes. */
+/* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces per point
+ * and node. */
 static void operations(void)
 {
   enum { NODES = 4, COMPONENTS = 3 };
@@ -213,8 +213,8 @@ static void bar(void)
   end(&t);
 }
 
-/* A wall that comes with a velocity meets a bar at rest: the same in another frame. Its work is
- * external, and total stays. (eq:obstacle-motion, eq:obstacle-work) */
+/* A wall with a velocity meets a bar at rest: the same impact in another frame. Its work is
+ * external, and the total is constant. (eq:obstacle-motion, eq:obstacle-work) */
 static void moving_wall(int amplitude)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
@@ -247,7 +247,7 @@ static void moving_wall(int amplitude)
   end(&t);
 }
 
-/* A block that begins far below a plane is pushed out, however deep. */
+/* A block that begins far below a plane is pushed out, at any depth. */
 static void depth(void)
 {
   against t = begin(box_mesh(CT_HEX8, 0, 0, -50, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
@@ -263,7 +263,7 @@ static void depth(void)
   end(&t);
 }
 
-/* A block on an inclined plane, all of whose points touch all the time. */
+/* A block on an inclined plane, all of whose points stay in contact. */
 static void incline(double mu, double vx, int slips)
 {
   const double c = 0.8, s = 0.6, g = 10.0; // tan a = 0.75

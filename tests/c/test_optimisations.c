@@ -1,5 +1,5 @@
-/* Surfaces that are not searched while they are apart, elements that share what is stored for them,
- * and the order of numbers change no result; test_sleep.c is about elements that sleep. */
+/* Surfaces that are not searched while they are apart, shared element data, and the order of
+ * numbers change no result; test_sleep.c is about sleeping elements. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
@@ -7,8 +7,8 @@
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_optimisations NONE = {0, 0, 0, 0};
 
-/* Two plates that fly toward each other, wobble, touch and part: the coordinates of the second one
- * at a time from 0 to 1. */
+/* Two plates that approach, wobble, touch and part: the coordinates of the second one at a time
+ * from 0 to 1. */
 static void fly(const double *reference, int32_t node_count, double time, double *x)
 {
   for (int32_t n = 0; n < node_count; n++) {
@@ -21,8 +21,8 @@ static void fly(const double *reference, int32_t node_count, double time, double
   }
 }
 
-/* Contact points of a contact that need not look, and of one that always does; on the way the first
- * one counts its looks (eq:contact-clear). */
+/* Contact points of a contact that skips searches, and of one that always searches; the searches of
+ * the first one are counted (eq:contact-clear). */
 static void flight(ct_brick_kind kind, int self)
 {
   enum { STEPS = 800 };
@@ -102,8 +102,8 @@ static void flight(ct_brick_kind kind, int self)
   free(mass);
 }
 
-/* The middle of a quadratic face moves three times as far as its nodes when corners and mid-sides
- * part: it is not missed. */
+/* The middle of a quadratic face moves three times as far as its nodes if corners and mid-sides
+ * move apart: it must not be missed. */
 static void bulge(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -145,8 +145,8 @@ static void bulge(void)
   ct_mesh_free(m);
 }
 
-/* Force and energy of a box, many cells long or thin, for random displacements that are alike in
- * parts of it: tables or none, any number of threads. */
+/* Force and energy of a box, many cells long or thin, for random displacements that are equal in
+ * parts of it: with and without tables, any number of threads. */
 static void lattices(void)
 {
   // The ring of the last two has room for half a block beside what nodes wait for.
@@ -199,9 +199,9 @@ static void lattices(void)
   }
 }
 
-/* A distorted box whose numbers are shuffled: its forces and energies are those of the tables, and
- * those of the box in its order. `turned`: the reference axes of its elements differ, so that
- * octants of nodes hold several elements, whose order is that of their numbers (eq:order-rows). */
+/* A distorted box with shuffled numbers: its forces and energies are those of the tables, and those
+ * of the box in its order. `turned`: the reference axes of its elements differ, so that octants of
+ * nodes have several elements, in the order of their numbers (eq:order-rows). */
 static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
 {
   ct_error e;
@@ -264,9 +264,7 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
   ct_mesh_free(m);
 }
 
-/* A shuffled bar whose end is pulled: most of it sleeps, and what moves is what moves without
- * sleep.
- */
+/* A shuffled bar whose end is pulled: most of it sleeps, and the motion is that without sleep. */
 static void shuffled_bar(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 6, 0.2, 0.2, 60, 2, 2);
@@ -367,7 +365,7 @@ static void shuffles(void)
   shuffled_collision();
 }
 
-/* A scene without contact has no memory, no work and no nodes of one. */
+/* A scene without contact has no memory, no work and no nodes of a contact. */
 static void without_contact(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
@@ -394,8 +392,8 @@ static int compare_places(const void *a, const void *b)
   return 0;
 }
 
-/* Two boxes of which one flies at the other, numbered in one of three ways or shuffled: what
- * happens at each place. */
+/* Two boxes, one of which hits the other, numbered in one of three ways or shuffled: the results at
+ * each place. */
 static place *impact(ct_brick_kind kind, ct_layers layers, int shuffle_it,
                      ct_optimisations optimisations, int32_t *count)
 {
@@ -437,7 +435,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, int shuffle_it,
   return places;
 }
 
-/* The order of numbers changes nothing that happens anywhere, with and without optimisations. */
+/* The order of numbers changes no result at any place, with and without optimisations. */
 static void orders(ct_brick_kind kind)
 {
   int32_t count, other;

@@ -20,11 +20,11 @@
 #include <time.h>
 #include <unistd.h>
 
-/* -- The disk, as HDF5 sees it: every write passes through here -- */
+/* -- The disk under HDF5: all writes pass through here -- */
 
 static struct {
   long writes;    /* writes so far */
-  long fail_from; /* from this write on the disk is full; 0: never */
+  long fail_from; /* the disk is full from this write on; 0: never */
   int snapshots;  /* copy the file before each write, and again with the write cut at the first page
                      boundary */
   int snapshot_count;
@@ -75,7 +75,7 @@ ssize_t pwrite64(int file, const void *bytes, size_t size, off_t at)
   return pwrite(file, bytes, size, at);
 }
 
-/* -- A problem: a hex8 body, a curved hex20 body, and an effect that remembers -- */
+/* -- A problem: a hex8 body, a curved hex20 body, and an effect with memory -- */
 
 typedef struct rig {
   ct_scene *scene;
@@ -87,7 +87,7 @@ typedef struct rig {
 
 static const int32_t PROBE_NODES[3] = {1, 5, 7};
 
-/* Springs that harden with the way that their nodes have gone. */
+/* Springs that harden with the displacement of their nodes. */
 static ct_status hardening_force(const ct_effect *effect, const ct_view *view, double *force,
                                  ct_error *error)
 {
@@ -215,8 +215,8 @@ static long visible_steps(hid_t file)
   return steps;
 }
 
-/* Every visible step of a file written with `pose` is there and right. Returns the number of steps,
- * or -1. */
+/* Check that each visible step of a file written with `pose` is there and correct. Returns the
+ * number of steps, or -1. */
 static long check_steps(const rig *r, const char *path)
 {
   static const struct {
@@ -251,7 +251,7 @@ static long check_steps(const rig *r, const char *path)
   return good;
 }
 
-/* The record of a file written with `pose`: its k, or -1 when there is none or it is not whole. */
+/* The record of a file written with `pose`: its k, or -1 if there is none or it is incomplete. */
 static long check_record(const rig *r, const char *path, ct_error *error)
 {
   ct_state *state = new_state(&r->problem);
@@ -312,7 +312,7 @@ static ct_probes *must_probe(const rig *r)
   return probes;
 }
 
-/* Whether a file gives back the rows of the poses 0 ... k and no others. */
+/* Whether a file returns the rows of the poses 0 ... k and no others. */
 static int check_history(const rig *r, const char *path, long k)
 {
   ct_probes *probes = must_probe(r);
@@ -380,7 +380,7 @@ static void test_restart_continues(void)
   rig_free(r);
 }
 
-/* Until the monitor is made, a restart must not need more than a run does. */
+/* Until the monitor is created, a restart must need no more memory than a run. */
 static void test_restart_makes_no_state(void)
 {
   ct_error error;
@@ -398,7 +398,7 @@ static void test_restart_makes_no_state(void)
   tap_ok(counted.blocks == 0 && ct_set_allocator(NULL) == CT_OK, "and leaves none behind");
 }
 
-/* What else is in the file is read in tests/python/test_output.py. */
+/* tests/python/test_output.py reads the other contents of the file. */
 static void test_contents(void)
 {
   rig *r = rig_create(1, 0);
@@ -417,8 +417,8 @@ static int interesting(int k)
          (k >= 127 && k <= 129) || k == 256 || k == 512 || k == 513;
 }
 
-/* The file as it is between any two writes of HDF5, and with each write cut at a page boundary, is
- * what a kill leaves behind. */
+/* A kill leaves the file as it is between two writes of HDF5, or with a write cut at a page
+ * boundary. */
 static void test_any_moment(void)
 {
   rig *r = rig_create(0, 1);
@@ -501,8 +501,8 @@ static int descriptor_count(void)
   return open_ones;
 }
 
-/* A child whose disk is full from write number `from` on: 0 when all went as it should, another
- * number that tells what did not. */
+/* A child whose disk is full from write number `from` on: 0 if everything was correct, else a
+ * number for the fault. */
 static int full_disk_child(const rig *r, const char *path, long from, const char *errors)
 {
   int said = open(errors, O_RDWR | O_CREAT | O_TRUNC, 0666);
@@ -532,7 +532,7 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
   disk.fail_from = 0;
   ct_state_free(state);
   struct stat found;
-  // Nothing was told but through `error`
+  // Errors are reported through `error` only
   H5close();
   if (stat(errors, &found) != 0 || found.st_size != 0) return 7;
   // The steps before the failure are there
@@ -701,8 +701,8 @@ static pid_t start_writer(const rig *r, const char *path, int steps)
   return child;
 }
 
-/* One writer a file, in this process and in others, under the name that the file has before its
- * first step and under its own. */
+/* One writer per file, in this process and in others, under the temporary name before its first
+ * step and under the final name. */
 static void test_one_writer(void)
 {
   rig *r = rig_create(0, 0);
@@ -735,7 +735,7 @@ static void test_one_writer(void)
   rig_free(r);
 }
 
-/* What bears the name of the part already is replaced; a link there leads nowhere. */
+/* An object with the temporary name is replaced; a link there is not followed. */
 static void test_part_is_a_link(void)
 {
   rig *r = rig_create(0, 0);
@@ -844,7 +844,7 @@ static void test_other_problem(void)
   rig_free(bare);
 }
 
-/* Change the file's bytes where `needle` stands, which must be there. */
+/* Change the file's bytes at `needle`, which must be there. */
 static int spoil(const char *path, const double *needle)
 {
   FILE *file = fopen(path, "r+b");
@@ -909,8 +909,7 @@ static herr_t count_calls(hid_t stack, void *data)
   return 0;
 }
 
-/* The host's way to hear of HDF5's errors is the same after our calls, and our own errors do not
- * reach it. */
+/* The host's HDF5 error handler is unchanged after our calls, and gets none of our errors. */
 static void test_error_handler(void)
 {
   rig *r = rig_create(0, 0);
@@ -930,8 +929,8 @@ static void test_error_handler(void)
   rig_free(r);
 }
 
-/* Two runs write the same bytes; only HDF5 dates its root group (four times 4 bytes and a
- * checksum), asked or not. */
+/* Two runs write the same bytes; only HDF5 writes a date into its root group (four times 4 bytes
+ * and a checksum). */
 static void test_same_bytes(void)
 {
   rig *r = rig_create(1, 1);

@@ -1,5 +1,5 @@
-/* One layer of boxes in two dimensions: the same numbers as the bricks give, and the bricks where
- * the layers part. */
+/* One layer of boxes in two dimensions: the same numbers as from bricks, and bricks if the layers
+ * move apart. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -28,7 +28,7 @@ static ct_solid_kernel kernel_of(const ct_effect *effect)
   return kernel;
 }
 
-/* A random displacement that is the same in both layers and nothing along the axis. */
+/* A random displacement that is equal in both layers and zero along the axis. */
 static double *plane_displacement(const ct_mesh *m, int axis)
 {
   double *u = random_displacement(m, 1e-3), low[3], high[3];
@@ -51,8 +51,8 @@ static int64_t unlike(const double *f, const double *g, int64_t n)
   return count;
 }
 
-/* In a layer that flies no force is -0, which would change a velocity of -0 otherwise than the +0
- * of bricks and of what is skipped. */
+/* In a layer in free flight no force is -0, which would change a velocity of -0 differently from
+ * the +0 of bricks and of skipped elements. */
 static void zeros(void)
 {
   for (int axis = 0; axis < 3; axis++) {
@@ -129,8 +129,8 @@ static void forces(void)
   }
 }
 
-/* More elements than the rings of forces hold, in any order of elements and nodes, by any number of
- * threads. */
+/* More elements than the rings of forces have, with elements and nodes in any order, by any number
+ * of threads. */
 static void rings(void)
 {
   static const char *const ORDER[] = {"in rows", "elements in any order", "nodes in any order"};

@@ -1,12 +1,12 @@
-/* Probes: rows are what a step by step host would see, the state's bits stay, nothing is allocated
- * in a step, and impossible definitions are refused. */
+/* Probes: rows are the values that a host would see step by step, the state's bits do not change,
+ * nothing is allocated in a step, and invalid definitions are refused. */
 #include "bodies.h"
 #include "counting.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
 enum { STEPS = 40, PROBES = 4 };
 
-/* Two bars that meet; the far end of the left one flies on asleep, and is held there. */
+/* Two bars that meet; the far end of the left one flies asleep, and is fixed there. */
 typedef struct rig {
   ct_mesh *mesh[2];
   ct_scene *scene;
@@ -102,7 +102,7 @@ static ct_probe_history history_of(const ct_probes *probes, int32_t i)
   return history;
 }
 
-/* Where a quantity stands in the row of a step, which is its number. */
+/* Position of a quantity in the row of a step, whose number is given. */
 static const double *entry(const ct_probes *probes, int32_t i, int64_t row, ct_quantity quantity)
 {
   ct_probe_history h = history_of(probes, i);
@@ -115,7 +115,7 @@ static int same(const double *x, const double *y, int64_t count)
   return x != NULL && y != NULL && memcmp(x, y, (size_t)count * sizeof *x) == 0;
 }
 
-/* A host that steps one by one and asks after each. */
+/* A host that takes single steps and computes the values after each. */
 static void rows_are_what_a_host_sees(ct_scheme scheme)
 {
   rig r = make(scheme, 1, 0);
@@ -178,7 +178,7 @@ static void rows_are_what_a_host_sees(ct_scheme scheme)
   unmake(&r);
 }
 
-/* The rows of a run that is cut into series of steps, as by a monitor. */
+/* The rows of a run that is split into series of steps, as by a monitor. */
 static void monitor_takes_the_same_rows(void)
 {
   rig r = make(CT_CENTRAL_DIFFERENCE, 1, 0);
@@ -241,7 +241,7 @@ static void same_bits_elsewhere(void)
   for (int i = 0; i < 3; i++) ct_probes_free(probes[i]), unmake(all[i]);
 }
 
-/* Room for the rows is made before the steps, a block a probe. */
+/* Memory for the rows is allocated before the steps, one block per probe. */
 static void nothing_is_allocated_in_a_step(void)
 {
   rig r = make(CT_CENTRAL_DIFFERENCE, 1, 0);

@@ -1,5 +1,5 @@
-/* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and
- * scaled copies of themselves. */
+/* Projections compared with closed forms, optimality conditions, brute force, and mirrored, moved
+ * and scaled copies. */
 #include "faces.h"
 #include "tap.h"
 
@@ -91,8 +91,8 @@ static ct_face affine_face(ct_face_kind kind)
   return face;
 }
 
-/* A point at the height `height` over the edge from a to b, away from the face, at right angles to
- * the edge up to rounding. Answers at which part of the edge its closest point lies, in extended
+/* A point at the height `height` over the edge from a to b, away from the face, perpendicular to
+ * the edge up to rounding. Returns the position of its closest point on the edge, in extended
  * precision. */
 static double point_over_edge(const double *a, const double *b, const double *inside, double height,
                               double point[3])
@@ -110,10 +110,10 @@ static double point_over_edge(const double *a, const double *b, const double *in
   return (double)(pt / square);
 }
 
-/* On a straight edge the closest point is known, and how far rounding moves it
- * (eq:robust-resolved). Close to the edge robust finds it to the tolerance
- * and says CT_OK. Far away the rounding of the distance moves xi by more than the tolerance; then
- * CT_OK would be false. */
+/* On a straight edge the closest point is known, and so is its displacement by rounding
+ * (eq:robust-resolved). Close to the edge robust finds it to the tolerance and returns CT_OK. Far
+ * away the rounding of the distance moves xi by more than the tolerance; then CT_OK would be wrong.
+ */
 static void status_on_an_edge(ct_face_kind kind)
 {
   int corners = triangular(kind) ? 3 : 4, near_ok = 1, far_false = 0, far_beyond = 0, far_edge = 1;
@@ -143,7 +143,7 @@ static void status_on_an_edge(ct_face_kind kind)
 }
 
 /* High above the inside of an affine face the status changes from ok to "not certified" at the
- * height where rounding moves the closest point by the tolerance (eq:robust-resolved). */
+ * height at which rounding moves the closest point by the tolerance (eq:robust-resolved). */
 static void status_high_above(ct_face_kind kind)
 {
   int wrong = 0;
@@ -204,8 +204,8 @@ static void function_derivatives(ct_face_kind kind)
   tap_close(second, 0, 1e-11, "%s: Hessian of f against differences", FACE_NAME[kind]);
 }
 
-/* Two ways to f (eq:projection-f): the shape functions here, the polynomial inside the methods,
- * seen through the trace. */
+/* Two evaluations of f (eq:projection-f): the shape functions here, and the polynomial inside the
+ * methods, from the trace. */
 typedef struct watch {
   const ct_face *face;
   const double *point;
@@ -247,9 +247,9 @@ static void trace_shows_f(ct_face_kind kind)
   tap_close(off, 0, 1e-14, "%s: the methods' f is that of the shape functions", FACE_NAME[kind]);
 }
 
-/* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort;
- * inside the gap is perpendicular to the tangents (eq:projection-stationary), on the boundary f
- * does not fall towards the inside. */
+/* Brute force: no point of a fine grid on the face is closer, for points and faces of all sorts;
+ * inside, the gap is perpendicular to the tangents (eq:projection-stationary), on the boundary f
+ * does not decrease towards the inside. */
 static void brute_force(ct_face_kind kind)
 {
   const int cells = 48;
@@ -274,8 +274,8 @@ static void brute_force(ct_face_kind kind)
   tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", FACE_NAME[kind]);
 }
 
-/* Samples (eq:robust-samples) show the valleys. Faces z = p x^2 + q y^2 + r x y, so strongly bent
- * that several valleys lie on them: the samples alone miss the lowest on some 1 in 100. */
+/* Samples (eq:robust-samples) detect the valleys. Faces z = p x^2 + q y^2 + r x y, so strongly bent
+ * that they have several valleys: the samples alone miss the lowest one in about 1 of 100 cases. */
 static void folded_faces(ct_face_kind kind)
 {
   const int cells = 60;
@@ -297,8 +297,8 @@ static void folded_faces(ct_face_kind kind)
          missed);
 }
 
-/* Caps of a sphere of radius 1.2 to 3 seen from close to its centre: f is nearly flat, and several
- * places compete. */
+/* Caps of a sphere of radius 1.2 to 3 with the point close to the centre: f is nearly constant, and
+ * several minima compete. */
 static void centres_of_curvature(ct_face_kind kind)
 {
   const int cells = 60;
@@ -319,9 +319,10 @@ static void centres_of_curvature(ct_face_kind kind)
          FACE_NAME[kind], missed);
 }
 
-/* What robust costs: a nearly plane face a few looks, as it is mild (eq:robust-mild, from
- * eq:robust-bend and eq:robust-straight), the first guess good (eq:robust-guess) and the end seen
- * in time (eq:robust-quadratic); and a loose tolerance never more than a tight one. */
+/* Cost of robust: few evaluations on a nearly plane face, because it is mild (eq:robust-mild, from
+ * eq:robust-bend and eq:robust-straight), the first guess is good (eq:robust-guess) and the end is
+ * detected in time (eq:robust-quadratic); and a loose tolerance never costs more than a tight one.
+ */
 static void costs_in_looks(ct_face_kind kind)
 {
   int most = 0, dearer = 0;
@@ -542,7 +543,7 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
            METHOD_NAME[method]);
 }
 
-/* A move is exact where the numbers are short. */
+/* A translation is exact if the numbers are short. */
 static void moved_copies_give_the_same_bits(ct_face_kind kind, ct_method method)
 {
   static const double SHIFT[3] = {64, -32, 128}, ONE[3] = {1, 1, 1};
@@ -593,7 +594,7 @@ static void newton_on_linear_triangles(void)
   tap_close(error, 0, 1e-12, "T3: newton solves the normal equations");
 }
 
-/* What no search by values can pass (eq:simplex-floor). */
+/* The limit of any search by values (eq:simplex-floor). */
 static void simplex_floor(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -639,11 +640,11 @@ static void simplex_steps_by_hand(void)
          "simplex halves when a vertex has stayed 4 times (%d iterations)", out.iterations);
 }
 
-/* The rolling simplex once more, written from the equations of the chapter with values of the shape
+/* The rolling simplex again, written from the equations of the chapter with values of the shape
  * functions: the start (eq:simplex-start), the highest and the lowest vertex (eq:simplex-high,
  * eq:simplex-low), the centre of the others (eq:simplex-centre), the reflection
- * (eq:simplex-reflection), the age (eq:simplex-age) and the halving (eq:simplex-halving). Answers
- * the lowest vertex after so many iterations. */
+ * (eq:simplex-reflection), the age (eq:simplex-age) and the halving (eq:simplex-halving). Returns
+ * the lowest vertex after a number of iterations. */
 static void roll(const ct_face *face, const double point[3], int iterations, double lowest[2])
 {
   double x[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}}, f[3];
@@ -704,8 +705,8 @@ static void simplex_against_the_equations(void)
   tap_close(20 * ct_simplex_age(7), 280, 1e-13, "and in seven dimensions after 14");
 }
 
-/* Also: a minimum is one only where f is convex (eq:projection-convex), and far away rounding hides
- * whether f falls (eq:robust-noise). */
+/* A stationary point is a minimum only where f is convex (eq:projection-convex), and far away
+ * rounding hides whether f decreases (eq:robust-noise). */
 static void hard_cases(void)
 {
   /* A trough z = x^2 / 2: above the centre of curvature the closest point splits into x = +- sqrt(2
@@ -759,13 +760,14 @@ static void hard_cases(void)
   tap_ok(ct_project(&collapsed, at, NULL, &out) == CT_OK, "collapsed quadrilateral");
   tap_close(out.signed_distance, -2, 1e-15, "collapsed quadrilateral: gap");
 
-  /* Offsets cost no digits, since the point is subtracted first. */
+  /* Offsets cost no digits, because the point is subtracted first. */
   ct_face away = {CT_Q4, {{1e6 - 1, -1, 0}, {1e6 + 1, -1, 0}, {1e6 + 1, 1, 0}, {1e6 - 1, 1, 0}}};
   double over[3] = {1e6 + 0.25, 0.5, 1e-9};
   ct_project(&away, over, NULL, &out);
   tap_close(out.signed_distance, 1e-9, 1e-24, "a gap of 1e-9 at an offset of 1e6");
 
-  /* So far away that rounding hides where on the face the closest point is: no endless search. */
+  /* So far away that rounding hides the position of the closest point on the face: the search must
+   * end. */
   ct_face tilted = {CT_T3, {{0, 0, 0}, {1, 0.3, 0.7}, {-0.2, 1, 0.1}}};
   double far[3] = {-0.67e9 + 0.24, -0.24e9 + 0.39, 1.06e9 + 0.24};
   ct_project(&tilted, far, NULL, &out);

@@ -1,5 +1,5 @@
-/* Each bound of the certificate by itself: against many samples of a piece of a face, none may be
- * too high, and on small pieces each must come near. */
+/* Each bound of the certificate by itself: compared with many samples of a piece of a face, none
+ * may be too high, and on small pieces each must be close. */
 #include "../../libcontact/src/projection/proof.c"
 
 #include "faces.h"
@@ -252,7 +252,7 @@ static void provers(ct_face_kind kind)
   }
 }
 
-/* Corners from which f rises into the face, seldom the closest points: what the slope adds
+/* Corners from which f increases into the face, seldom the closest points: the slope
  * (eq:certified-slope) must not prove more than samples show, on pieces of all sizes. */
 static void corners_with_a_slope(void)
 {
@@ -488,7 +488,7 @@ static void narrow_faces(void)
   tap_ok(unlike == 0, "and all from the bound of |u| on");
 }
 
-/* Curvatures across and along (eq:valley-curvatures); and the way down a bent valley
+/* Curvatures across and along (eq:valley-curvatures); and the descent in a bent valley
  * (eq:valley-along, eq:valley-across) that is a thousand times steeper across. */
 static void down_a_valley(void)
 {

@@ -1,4 +1,4 @@
-/* A certificate is never false: whatever is proven is compared with dense samples of the face. */
+/* A certificate is never false: each proof is compared with dense samples of the face. */
 #include "faces.h"
 #include "tap.h"
 
@@ -7,7 +7,7 @@
 /* Random faces of a kind. */
 enum { TRIALS = 100 };
 
-/* How many of `trials` are proven, how many of the proofs a grid refutes, and what they cost. */
+/* How many of `trials` are proved, how many proofs a grid refutes, and their cost. */
 typedef struct score {
   int proven, refuted, disagree, evaluations;
 } score;
@@ -53,7 +53,7 @@ static void random_faces(ct_face_kind kind, double amount, double far, const cha
   report(&cut, trials, 0, FACE_NAME[kind], "robust stopped after one iteration");
 }
 
-/* Several valleys, two of them as deep as each other in every third case. */
+/* Several valleys, two of them equally deep in every third case. */
 static void folded_faces(ct_face_kind kind)
 {
   const int trials = tap_times(TRIALS);
@@ -128,7 +128,7 @@ static double on_row(const ct_face *face, const double point[3], double x, int o
   return golden(face, point, x, outer, 32);
 }
 
-/* Long thin faces: a narrow valley that winds, and a search that is stopped on its way. */
+/* Long thin faces: a narrow valley that winds, and a search that is stopped in it. */
 static void narrow_valleys(void)
 {
   score s = {0, 0, 0, 0};
@@ -157,8 +157,8 @@ static void narrow_valleys(void)
          wrong);
 }
 
-/* On a cylinder every height over the axis is as near as every other: a line of closest points, and
- * a distance that is certain. */
+/* On a cylinder all heights over the axis are equally near: a line of closest points, and a certain
+ * distance. */
 static void many_feet(void)
 {
   ct_face collapsed = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {1, 1, 0}}};
@@ -180,7 +180,7 @@ static void many_feet(void)
 }
 
 /* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f
- * is nearly the same everywhere. */
+ * is nearly constant. */
 static ct_face around(ct_face_kind kind, int sphere, double radius, double aside, double point[3])
 {
   ct_face face = parabolic_face(kind, 0, 0);
@@ -205,8 +205,8 @@ static void centres_of_curvature(void)
   report(&s, trials, trials - trials / 100, "Q8 and T6", "at the centre of curvature");
 }
 
-/* Near the surface nothing is left of the distance that a bound could give away; a look at the
- * closest point must do. */
+/* Near the surface a bound cannot give away any of the distance; one evaluation at the closest
+ * point must suffice. */
 static void near_the_surface(void)
 {
   int certified = 0;
@@ -234,8 +234,8 @@ static void near_the_surface(void)
          "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
 }
 
-/* The target (eq:certified-target). A closest point that is wrong by `shift`: if that is
- * nevertheless called proven, it must be as near as the true one within half the tolerance. */
+/* The target (eq:certified-target). A closest point with the error `shift`: if it is proved all the
+ * same, its distance must be that of the true one within half the tolerance. */
 static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
 {
   ct_project_options options = ct_project_options_default();

@@ -1,5 +1,5 @@
-/* Every method on ordinary faces with a closed form, its order of convergence against theory, its
- * honesty, its budget. */
+/* Each method on ordinary faces with a closed form, its order of convergence compared with theory,
+ * its status, its budget. */
 #include "faces.h"
 #include "tap.h"
 
@@ -227,7 +227,7 @@ static double value_at(const ct_face *face, const double point[3], const double 
 
 /* One iteration of Nelder and Mead on sorted vertices x with values f, from the equations of the
  * chapter: the line (eq:nelder-line), reflection (eq:nelder-reflection), expansion
- * (eq:nelder-expansion), contraction (eq:nelder-contraction), shrinking (eq:nelder-shrink). Answers
+ * (eq:nelder-expansion), contraction (eq:nelder-contraction), shrinking (eq:nelder-shrink). Returns
  * whether it shrinks. */
 static int nelder_mead_iteration(const ct_face *face, const double point[3], double x[3][2],
                                  double f[3])
@@ -296,8 +296,8 @@ static void nelder_mead_against_the_equations(void)
   tap_ok(shrunk > 0, "%d of them shrink", shrunk);
 }
 
-/* Where a line search along s ends (eq:projection-armijo, eq:projection-parabola). Answers in how
- * many trials. */
+/* End of a line search along s (eq:projection-armijo, eq:projection-parabola). Returns the number
+ * of trials. */
 static int searched(const ct_face *face, const double point[3], const double xi[2],
                     const double g[2], const double s[2], double next[2])
 {
@@ -359,9 +359,9 @@ static void line_searches_against_the_equations(void)
   tap_ok(shortened > 100, "their line search shortens %d steps", shortened);
 }
 
-/* The least fall that a line search takes (eq:projection-armijo). On the square f = (x - a)^2 + ...
- * bfgs steps by 1/2 first, which changes f by 1/4 - a, with the slope -a. The step is kept if f
- * falls by a ten-thousandth of a, else the bottom of the parabola is at a. */
+/* The least decrease that a line search accepts (eq:projection-armijo). On the square f = (x - a)^2
+ * + ... bfgs steps by 1/2 first, which changes f by 1/4 - a, with the slope -a. The step is kept if
+ * f decreases by a ten-thousandth of a, else it goes to the minimum of the parabola at a. */
 static void least_fall(void)
 {
   ct_face flat = parabolic_face(CT_Q4, 0, 0);
@@ -409,8 +409,8 @@ static void remainder_of_a_slow_method(void)
   tap_close(out.xi[0], 0, 1.01e-10, "but until the rest is below the tolerance");
 }
 
-/* A trough has a saddle of f above the centre of curvature: whoever ends there must not call it an
- * answer. */
+/* A trough has a saddle of f above the centre of curvature: a method that ends there must not
+ * report success. */
 static void saddles_are_no_answers(void)
 {
   ct_face trough = parabolic_face(CT_Q8, 1, 0);

@@ -5,7 +5,7 @@
 #include "faces.h"
 #include "tap.h"
 
-/* The verdict on one line. */
+/* The result for one line. */
 static ct_status ray(const ct_face *face, const double point[3], const double direction[3],
                      double tolerance, ct_ray_hit *out)
 {
@@ -67,7 +67,7 @@ static void squares(void)
 
 /* On z = p x^2 / 2 (a plane for p = 0) the distance along the line solves a quadratic equation. So
  * the equations across the line (eq:ray-across), the bounds (eq:ray-bend), the squares without a
- * root (eq:ray-empty, eq:ray-mixed) or with one at most (eq:ray-unique), and Newton's step
+ * root (eq:ray-empty, eq:ray-mixed) or with at most one (eq:ray-unique), and Newton's step
  * (eq:ray-newton) lose no hit and invent none. */
 static void parabolic_cylinder(ct_face_kind kind, double p)
 {

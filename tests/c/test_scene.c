@@ -1,4 +1,4 @@
-/* What a scene builds, and what it refuses. */
+/* Objects that a scene builds, and definitions that it refuses. */
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -120,7 +120,7 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
   ct_error e = {0};
   ct_status status = ct_scene_add_body(scene, &def, NULL, &e);
   if (status == CT_OK) {
-    // What only shows when masses and forces are made.
+    // Errors that only show when masses and forces are computed.
     const ct_problem *problem = NULL;
     int64_t steps;
     ct_stable_step stable;
@@ -366,7 +366,7 @@ static void built_twice(void)
   close_plates(&p); // a scene that grew after its last build: a leak ends the sanitized program
 }
 
-/* Two plates with something that acts at t = 0, other things in each trial. */
+/* Two plates with an effect that acts at t = 0, a different one in each trial. */
 static plates acted_on(int trial)
 {
   // The default law solves for the end of the first step, so for the step itself.
@@ -380,8 +380,8 @@ static plates acted_on(int trial)
   return p;
 }
 
-/* The state that comes with the problem is the one that would be made of it: no bit differs, now or
- * 30 steps later; where the problem is refused there is none. */
+/* The state that comes with the problem equals one created from it: no bit differs, now or 30 steps
+ * later; if the problem is refused there is none. */
 static void started(void)
 {
   int differ = 0, moved = 0;
@@ -421,7 +421,7 @@ static void started(void)
   close_plates(&p);
 }
 
-/* The problem is what was asked for: nodes one body after another, masses, velocities, names. */
+/* The problem as requested: nodes one body after another, masses, velocities, names. */
 static void contents(void)
 {
   plates p = two_plates(4.0);
@@ -457,8 +457,8 @@ static void contents(void)
   close_plates(&p);
 }
 
-/* A spring on all nodes or a dashpot on some, to be an effect of the caller's own: force -c times
- * displacement or velocity. */
+/* A spring on all nodes or a dashpot on some, as a host's effect: force -c times displacement or
+ * velocity. */
 typedef struct own_data {
   double c, bound;
   int *freed;
@@ -493,14 +493,14 @@ static ct_status own_bound(const ct_effect *effect, const ct_view *view, double 
 
 static void own_freed(void *data) { ++*((own_data *)data)->freed; }
 
-/* A clock that counts how often it was asked. */
+/* A clock that counts its calls. */
 static double ticks(void)
 {
   static double count;
   return ++count;
 }
 
-/* The caller's own effects: taken over, run, freed once, and refused with the reason. */
+/* A host's effects: taken over, run, freed once, and refused with the reason. */
 static void own_effects(void)
 {
   int freed = 0;
@@ -575,7 +575,7 @@ static void own_effects(void)
   tap_ok(freed == 2, "the scene frees it once");
 }
 
-/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the
+/* One step factor: amplitude of a spring with a dashpot after 20000 steps of `factor` times the
  * bound of eq. damped-step-bound. */
 static double swing(double factor, double w, double d)
 {
@@ -667,7 +667,7 @@ static ct_mesh *moved_box(ct_brick_kind kind, const ct_box *box)
   return mesh;
 }
 
-/* The set-up is the same for any number of threads, and so is what it refuses. */
+/* The set-up is the same for any number of threads, and so are its errors. */
 static void test_threads(void)
 {
   static const struct {

@@ -1,5 +1,5 @@
-/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at
- * everything and against closed forms. */
+/* The search: its tree of boxes, its boxes of faces, its nearest faces, compared with brute force
+ * and with closed forms. */
 #include "../../libcontact/src/search/nearest.c"
 #include "bodies.h"
 
@@ -29,7 +29,7 @@ static int meets(const ct_bounds *a, const ct_bounds *b)
 typedef struct items {
   const ct_bounds *boxes;
   const double *point;
-  double *extra; /* how much farther than its box an item is */
+  double *extra; /* additional distance of an item beyond its box */
   int asked;
   int32_t first; /* the nearest, of equals the first */
   double best;
@@ -52,8 +52,8 @@ static double visit(void *user, int32_t item)
   return all->best * all->best;
 }
 
-/* Ask the tree for overlaps and nearest items, and compare with all boxes one by one; prints what
- * was asked. */
+/* Query the tree for overlaps and nearest items, and compare with all boxes one by one; prints the
+ * name of the case. */
 static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double *extra, int count,
                         double spread, int lattice, const char *what)
 {
@@ -100,7 +100,7 @@ static void random_boxes(int count, int lattice, const char *what)
   ct_box_tree_build(tree, boxes);
   against_all(tree, boxes, extra, count, 50.0, lattice, what);
 
-  // Boxes that move a little, are blown up, shrink: the tree follows.
+  // Boxes that move slightly, are enlarged, shrink: the tree follows.
   static const struct {
     const char *name;
     double scale;
@@ -195,8 +195,8 @@ static const struct {
   const char *name;
 } KIND[] = {{CT_Q4, "Q4"}, {CT_Q8, "Q8"}, {CT_T3, "T3"}, {CT_T6, "T6"}};
 
-/* The boxes of bent faces hold their points (eq:face-bounds, eq:oriented-box); how much larger than
- * the points' own box is the box along the axes. */
+/* The boxes of bent faces contain their points (eq:face-bounds, eq:oriented-box); ratio of the box
+ * along the axes to the points' own box. */
 static void face_boxes(int k)
 {
   int out = 0, far = 0, wide = 0;
@@ -364,7 +364,7 @@ static void last_point(void)
   tap_ok(bound_from(point, &none) == HUGE_VAL, "without one it looks anywhere");
 }
 
-/* Nearest faces against looking at all, whatever the search starts from (eq:warm-bound). */
+/* Nearest faces compared with brute force, for any start of the search (eq:warm-bound). */
 static void nearest_faces(int k)
 {
   patchwork p;
@@ -478,8 +478,7 @@ static void cube(ct_face_kind kind)
   ct_search_free(search);
 }
 
-/* The classic trap of signs: a spike, where the face that is found first looks away from the point.
- */
+/* The classic trap of signs: a spike, where the face found first points away from the point. */
 static void spike(void)
 {
   const double x[5][3] = {
@@ -498,8 +497,8 @@ static void spike(void)
   ct_search_free(search);
 }
 
-/* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with a node more in the middle
- * of each side. */
+/* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with one further node in the
+ * middle of each side. */
 typedef struct skin {
   double x[26][3];
   int32_t faces[72];
@@ -533,8 +532,7 @@ static double dot3(const double a[3], const double b[3])
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether the brick is far from being turned inside out anywhere, so that its skin does not cross
- * itself. */
+/* Whether the brick is far from inverted everywhere, so that its skin does not cross itself. */
 static int is_regular(skin *s)
 {
   for (int i = 0; i < 125; i++) {
@@ -597,7 +595,7 @@ static double winding(const ct_surface *s, const double point[3])
   return angle / (4.0 * 3.14159265358979323846);
 }
 
-/* Closed curved surfaces: next to corners the tangents, not the chords, say what is inside.
+/* Closed curved surfaces: near corners the tangents, not the chords, determine the inside.
  * (eq:edge-direction, eq:pseudo-normal) */
 static void curved_corners(ct_face_kind kind, double middles)
 {
@@ -824,7 +822,7 @@ static void repeated(void)
   ct_search_free(search);
 }
 
-/* The cost of a tree (eq:tree-cost). The tree is kept while a surface moves as one, and built anew
+/* The cost of a tree (eq:tree-cost). The tree is kept while a surface moves as one, and rebuilt
  * when it is crumpled. */
 static void rebuilding(void)
 {

@@ -8,7 +8,8 @@
 static const double PROBE[5][2] = {
     {0.125, 0.25}, {-0.625, 0.75}, {0.875, -0.375}, {-1, 1}, {0.3, 0.1}};
 
-/* What fixes the shape functions, and so eq:segment-q4, eq:segment-q8 and eq:segment-triangle. */
+/* Conditions that determine the shape functions, and so eq:segment-q4, eq:segment-q8 and
+ * eq:segment-triangle. */
 static void interpolation_conditions(ct_face_kind kind)
 {
   double delta = 0, unity = 0, slope = 0, padding = 0;

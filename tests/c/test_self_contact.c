@@ -1,12 +1,12 @@
-/* Contact of a surface with itself: a strip folded upon itself, a ring cut open, closed thin
- * bodies, all that must not touch. */
+/* Contact of a surface with itself: a folded strip, a ring cut open, closed thin bodies, and bodies
+ * without contact. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "bodies.h"
 
 static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
 static const double EPSILON = 1000.0;
 
-/* A surface with arrays of its own; the faces of its lower and its upper layer apart. */
+/* A surface with its own arrays; the faces of its lower and its upper layer separately. */
 typedef struct fold {
   ct_surface surface, lower, upper;
   int32_t *faces, *layer[2];
@@ -162,9 +162,9 @@ static void folded(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* The layers as two surfaces of their own must say the same, as the bend between them touches
- * nothing; also where a small depth leaves the lists of the reference shape empty.
- * (eq:local-minimum, eq:self-adjacent) */
+/* The layers as two separate surfaces must give the same result, as the bend between them touches
+ * nothing; also if a small depth leaves the lists of the reference shape empty. (eq:local-minimum,
+ * eq:self-adjacent) */
 static void like_two(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -241,8 +241,8 @@ static void bound(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* A layer that travels over the straight part of the other one: the forces at the end are the bits
- * of a contact that was made for the end alone, on any number of threads. (eq:local-minimum) */
+/* A layer that moves over the straight part of the other one: the forces at the end are the bits of
+ * a contact created at the end, on any number of threads. (eq:local-minimum) */
 static void history(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -332,8 +332,8 @@ static void jaws(const ct_mesh *m, double angle, double *x)
   }
 }
 
-/* Jaws that open touch nothing, although the end of one comes to look at the underside of the
- * other, through the other (eq:self-status). */
+/* Jaws that open touch nothing, although the end of one comes to face the underside of the other,
+ * through the other (eq:self-status). */
 static void open_jaws(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.2, 1, 18, 2, 2);
@@ -375,8 +375,8 @@ static void ring(const ct_mesh *m, double angle, double *x)
   }
 }
 
-/* A C whose ends are pushed into each other: the ends meet as two surfaces would, and nothing else
- * does. (eq:self-adjacent) */
+/* A C whose ends are pushed into each other: the ends meet as two surfaces would, and there is no
+ * other contact. (eq:self-adjacent) */
 static void c_shape(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 3, 2);
@@ -470,8 +470,7 @@ static void scene_of_a_c(void)
   free(outer);
 }
 
-/* Keep the elements of a box that a shape is made of: an L, stairs, or all but one at the last
- * corner. */
+/* Keep the elements of a box that form a shape: an L, stairs, or all but one at the last corner. */
 static int in_shape(int shape, int i, int j, int k)
 {
   return shape == 0 ? i == 0 || j == 0 : shape == 1 ? i + j < 4 : !(i == 3 && j == 3 && k == 3);
@@ -487,7 +486,7 @@ static void carve(ct_mesh *m, int shape, int layers)
 }
 
 /* Concave bodies of cubes with nodes moved at random: an undeformed body does not touch itself, and
- * one that moves by little, little (eq:gap-bound). (eq:self-adjacent, eq:self-status) */
+ * after a small motion only slightly (eq:gap-bound). (eq:self-adjacent, eq:self-status) */
 static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
 {
   double at_rest = 0.0, shaken = 0.0;
@@ -522,8 +521,7 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
          KIND[ct_brick_face_kind(kind)], shape, (int)points, at_rest, shaken);
 }
 
-/* Layers that lie in each other in the reference shape are no contact until they have come apart.
- */
+/* Layers that overlap in the reference shape are not in contact until they have come apart. */
 static void made_in_each_other(ct_face_kind kind)
 {
   fold p = new_fold(kind);

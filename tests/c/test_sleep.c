@@ -1,6 +1,6 @@
-/* Elements that sleep change no value: runs with and without sleeping beside each other, cut,
- * copied and changed by a host in between, with any number of threads. test_sleep_random.c does the
- * same with random scenes. */
+/* Sleeping elements change no value: runs with and without sleeping side by side, split, copied and
+ * changed by a host in between, with any number of threads. test_sleep_random.c does the same with
+ * random scenes. */
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -46,7 +46,7 @@ static const form FORMS[] = {
 };
 enum { FORM_COUNT = sizeof FORMS / sizeof *FORMS, STEPS = 28, TRIALS = 30 };
 
-/* A push that looks at all nodes: it pushes a little harder the more their mean moves. */
+/* A force on all nodes: it grows slightly with their mean displacement. */
 static ct_status push_force(const ct_effect *effect, const ct_view *view, double *force,
                             ct_error *error)
 {
@@ -116,7 +116,7 @@ static void close_bars(bars *r)
   ct_scene_free(r->scene);
 }
 
-/* Equal values; a contact marks with NaN what it does not remember. */
+/* Equal values; a contact marks values without memory with NaN. */
 static int equal(const double *a, const double *b, int64_t count)
 {
   int64_t i = 0;
@@ -141,8 +141,8 @@ static int same_energy(bars *a, bars *b)
   return equal((const double *)&x, (const double *)&y, sizeof x / sizeof(double));
 }
 
-/* What a host may do to a state: move or push a node at the far end, lift a whole bar, set its
- * velocities to -0, also while the forces stand. */
+/* Changes of a state by a host: move or push a node at the far end, lift a whole bar, set its
+ * velocities to -0, also while the forces are known. */
 static void disturb(bars *r, int how)
 {
   int64_t last = 3 * (int64_t)r->problem->node_count, half = last / 2;
@@ -155,7 +155,7 @@ static void disturb(bars *r, int how)
   }
 }
 
-/* Go on in a state that is new, or one that was ahead and is full of NaN. */
+/* Continue in a new state, or in one that was ahead and is full of NaN. */
 static void change_place(bars *r, int spoilt)
 {
   ct_error e;
@@ -169,8 +169,8 @@ static void change_place(bars *r, int spoilt)
   r->state = other;
 }
 
-/* One thread and one series without sleeping, beside threads, cuts, copies and energies in between;
- * a host disturbs both runs twice. */
+/* One thread and one series without sleeping, compared with threads, splits, copies and energies in
+ * between; a host disturbs both runs twice. */
 static void forms(void)
 {
   for (int i = 0; i < FORM_COUNT; i++) {
@@ -212,8 +212,7 @@ static ct_status failing_force(const ct_effect *effect, const ct_view *view, dou
   return view->time >= fail_at ? CT_ERROR_UNSUPPORTED : CT_OK;
 }
 
-/* Where an effect fails in the midst of a call, all nodes have the displacement of the last whole
- * step. */
+/* If an effect fails during a call, all nodes have the displacement of the last whole step. */
 static void failure(void)
 {
   ct_error e;
@@ -282,7 +281,7 @@ static void front(ct_solid_kernel kernel)
   ct_mesh_free(m);
 }
 
-/* Elements whose nodes all have one displacement have no force: what sleeping rests on. */
+/* Elements whose nodes all have one displacement have no force: the basis of sleeping. */
 static void no_force(const form *f)
 {
   ct_error e;

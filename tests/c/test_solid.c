@@ -225,8 +225,8 @@ static void kernels(void)
 }
 
 /* A mesh of many batches: nodes are summed while elements are still being computed, so each must
- * wait for its last one. The scratch holds the forces of another displacement before, and elements
- * stand in their own order or in any. */
+ * wait for its last element. The scratch contains the forces of another displacement before, and
+ * elements are in their own order or in any. */
 static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled, const char *name)
 {
   ct_mesh *m = kind == CT_HEX8 ? box_mesh(kind, 0, 0, 0, 12, 10, 11, 12, 10, 11)
@@ -457,8 +457,8 @@ static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char 
   ct_mesh_free(m);
 }
 
-/* The bound of a mesh is that of its worst element, wherever it stands: equal elements may be
- * skipped, others not. */
+/* The bound of a mesh is that of its worst element, at any place: equal elements may be skipped,
+ * others not. */
 static void worst_element(ct_brick_kind kind)
 {
   double wrong = 0.0, x[60], mass[20];
@@ -486,7 +486,7 @@ static void worst_element(ct_brick_kind kind)
       KIND[kind], wrong);
 }
 
-/* The element matrix without what is held, as a mass that hardly moves. */
+/* The element matrix without fixed components, as a mass that hardly moves. */
 static double held_frequency(const ct_mesh *m, int el, const int held[3])
 {
   int n = 3 * ct_brick_node_count(m->kind);
@@ -506,9 +506,9 @@ static double held_frequency(const ct_mesh *m, int el, const int held[3])
   return top;
 }
 
-/* Which elements surely have no eigenvalue above a number, against Jacobi's eigenvalues a little
- * below and above it; and the bound of the body is the largest of all. Elements grow along x, so
- * that a stiff one stands first, and last (eq:definite). */
+/* Elements that certainly have no eigenvalue above a number, compared with Jacobi's eigenvalues
+ * slightly below and above it; and the bound of the body is the largest of all. Elements grow along
+ * x, so that a stiff one is first, and last (eq:definite). */
 static void definite(ct_brick_kind kind)
 {
   static const int HELD[3][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}};
@@ -576,7 +576,7 @@ static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *nam
   }
 }
 
-/* Give the nodes other numbers, at random; `to` tells which. */
+/* Renumber the nodes at random; `to` has the new numbers. */
 static ct_mesh *renumber(const ct_mesh *m, int32_t *to)
 {
   ct_mesh *other = NULL;
@@ -594,7 +594,7 @@ static ct_mesh *renumber(const ct_mesh *m, int32_t *to)
   return other;
 }
 
-/* Batches whose nodes stand side by side are read otherwise than others; the bits are the same. */
+/* Batches with consecutive nodes are read differently from others; the bits are the same. */
 static void rows(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, const char *name)
 {
   ct_material material = {2.1e5, 0.3, 7.8e-9, law};

@@ -1,5 +1,5 @@
-/* The box kernel of hex20: beside the general one, translations to the bit, exchanged axes, which
- * bodies it takes. */
+/* The box kernel of hex20: comparison with the general one, exact translations, exchanged axes, and
+ * its range of bodies. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -39,8 +39,8 @@ static void beside_the_general_kernel(void)
   }
 }
 
-/* Differences come first: a translation that rounds no displacement (here it takes all 53 bits of
- * one) changes no bit of any force, and alone gives exact zeros. */
+/* Differences come first: a translation that rounds no displacement (here one displacement takes
+ * all 53 bits) changes no bit of any force, and alone gives exact zeros. */
 static void translations(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 3, 2, 2);
@@ -67,7 +67,7 @@ static void translations(void)
 }
 
 /* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no
- * axis has a way of its own. */
+ * axis is treated differently. */
 static void exchanged_axes(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 1, 1, 1),
@@ -94,7 +94,7 @@ static void exchanged_axes(void)
   ct_mesh_free(t);
 }
 
-/* The kernel that a body gets, or -1 with the status UNSUPPORTED. */
+/* The kernel of a body, or -1 with the status UNSUPPORTED. */
 static int kernel_for(const ct_mesh *m, ct_solid_kernel asked, ct_law law, int held, ct_error *e)
 {
   ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = asked, .held = {0, held, 0}};

@@ -115,7 +115,7 @@ static void patch_test(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-/* A rotation about an axis that is none of ours. */
+/* A rotation about a general axis. */
 static void rotation(double angle, double Q[3][3])
 {
   double n[3] = {2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0}, c = cos(angle), s = sin(angle);
@@ -127,7 +127,7 @@ static void rotation(double angle, double Q[3][3])
   }
 }
 
-/* A stressed body that is turned keeps its energy, and its forces turn with it (eq:green-lagrange,
+/* A rotated stressed body keeps its energy, and its forces rotate with it (eq:green-lagrange,
  * eq:large-reference-stress). */
 static void turned(ct_brick_kind kind, ct_law law)
 {
@@ -420,7 +420,7 @@ static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *m
   free(v);
 }
 
-/* One run of a free block that spins, stretches and shakes; the width of the band of its energy,
+/* One run of a free block that spins, stretches and vibrates; the width of the band of its energy,
  * over the energy. */
 static double spin(const ct_mesh *m, ct_law law, double end, double fraction, double *drift,
                    double *balance)
@@ -449,9 +449,9 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
   return (high - low) / first;
 }
 
-/* The angular momentum stays, the work balance closes, and the energy keeps within a band that
- * falls as the step squared: over the first turn, where runs with different steps move alike, and
- * no wider over ten turns. */
+/* The angular momentum is constant, the work balance closes, and the energy stays within a band
+ * proportional to the step squared: over the first rotation, in which runs with different steps
+ * have the same motion, and no wider over ten rotations. */
 static void spinning(ct_brick_kind kind, ct_law law)
 {
   double spread[4], drift = 0.0, balance = 0.0;
@@ -516,7 +516,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
   close_run(state, scene, m);
 }
 
-/* An element that is turned inside out ends the run with its number and its body's. */
+/* An inverted element ends the run; the error has its number and its body's. */
 static void inside_out(ct_brick_kind kind, ct_law law)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 21, 1, 1, 21, 1, 1);
@@ -528,7 +528,7 @@ static void inside_out(ct_brick_kind kind, ct_law law)
   for (int bad = 0; bad < 2; bad++) {
     ct_state *state = new_state(problem);
     ct_error e = {0};
-    // Push the middle of the far end through the last element, or let it be no number.
+    // Push the middle of the far end through the last element, or set it to NaN.
     for (int n = 0; n < m->node_count; n++)
       if (m->nodes[3 * n] > 20.9)
         state->displacement[3 * (m->node_count + n)] = bad == 0 ? -1.5 : NAN;

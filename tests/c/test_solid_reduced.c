@@ -6,7 +6,7 @@
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
 
-/* Energy of the hourglass control at u, from the effect of that name. */
+/* Energy of the hourglass control at u, from the effect with this name. */
 static double hourglass_energy(const block *solid, const double *u)
 {
   ct_effect *effect = NULL;
@@ -146,7 +146,7 @@ static void patch(void)
   ct_mesh_free(m);
 }
 
-/* Translations and small rotations: no force; and nothing else is free: six zero eigenvalues of
+/* Translations and small rotations: no force; and no other mechanism: six zero eigenvalues of
  * the 24. */
 static void rigid(void)
 {
@@ -356,7 +356,8 @@ static void frequencies(void)
          high - 1.0);
 }
 
-/* A block that is let go in an hourglass mode: the ledger shows its energy apart, and closes. */
+/* A block released from an hourglass mode: the energy balance has its energy as a separate part,
+ * and closes. */
 static void ledger(void)
 {
   ct_scene *scene = new_scene();

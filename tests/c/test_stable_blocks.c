@@ -1,10 +1,10 @@
 /* The bound on the step of a box of bricks by blocks of its elements: above the largest eigenvalue
- * of the whole, and near it. */
+ * of the whole, and close to it. */
 #include "blocks.h"
 
 static const ct_material SOFT = {1.0, 0.3, 1.0, CT_LINEAR};
 
-/* The effect of one body with components that are held. */
+/* The effect of one body with fixed components. */
 static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel,
                        const int held[3])
 {
@@ -12,8 +12,8 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
       .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}});
 }
 
-/* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below
- * the largest eigenvalue, and in the end it is that. */
+/* Rayleigh's quotient of the whole after many rounds of the power method: a lower bound on the
+ * largest eigenvalue, which it finally reaches. */
 static double whole(const ct_mesh *m, const ct_material *material, const block *solid,
                     const int held[3])
 {
@@ -67,8 +67,8 @@ static void sharpness(ct_solid_kernel kernel, const char *name)
          "%s, 30 boxes: reported over true step between %.4f and %.4f", name, least, most);
 }
 
-/* What supports hold does not bound the step: plates in plane strain, bars in one dimension, a body
- * that can't move at all. */
+/* Fixed components do not bound the step: plates in plane strain, bars in one dimension, a body
+ * that cannot move at all. */
 static void held_components(void)
 {
   ct_material material = {1.0, 0.3, 1.0, CT_LINEAR};
@@ -114,8 +114,8 @@ static void held_components(void)
   ct_mesh_free(m);
 }
 
-/* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look
- * like one have the bound of their elements. */
+/* A box with nodes and elements in any order has the same bound, with the same bits; bodies that
+ * only resemble a box have the bound of their elements. */
 static void looks(void)
 {
   const int held[3] = {0, 0, 0};
@@ -161,7 +161,7 @@ static void looks(void)
   ct_mesh_free(m);
 }
 
-/* A box that is turned has the bound of the box; one whose bricks lean has that of its elements. */
+/* A rotated box has the bound of the box; one with sheared bricks that of its elements. */
 static void turned(void)
 {
   const int held[3] = {0, 0, 0}, along[3] = {0, 1, 0};

@@ -1,11 +1,11 @@
-/* Names of the codes, the version, and what an error carries. */
+/* Names of the codes, the version, and the contents of an error. */
 #include "../../libcontact/src/base/error.h"
 #include "bodies.h"
 
 #include <ctype.h>
 
-/* A text of every length around the room for it: whole where it fits, else cut between characters
- * and ended by three dots. */
+/* Texts of all lengths around the capacity: unchanged if they fit, else cut between characters and
+ * ended by three dots. */
 static void lengthy_text(void)
 {
   ct_error error;

@@ -12,7 +12,7 @@ static ct_scene *one_body(const ct_mesh *m, const ct_material *material, ct_soli
   return scene;
 }
 
-/* A problem with a step and velocities of our own: a host may fill the struct. */
+/* A problem with its own step and velocities: a host may fill the struct. */
 static ct_problem changed(const ct_problem *p, double dt, const double *velocity)
 {
   ct_problem q = *p;
@@ -421,8 +421,8 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   ct_mesh_free(right);
 }
 
-/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given
- * velocity, and the ledger knows (eq:leapfrog-start). */
+/* Bodies that overlap at t = 0 have a force then: the first half kick goes back from the given
+ * velocity, and the energy balance includes it (eq:leapfrog-start). */
 static void loaded_start(void)
 {
   ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),
@@ -484,7 +484,8 @@ static void loaded_start(void)
   ct_mesh_free(right);
 }
 
-/* A step far too long: the run ends with the body, the node and the time, not with NaN. */
+/* A step that is much too long: the run ends with an error that names body, node and time, not with
+ * NaN. */
 static void blowup(int with_contact)
 {
   ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),

@@ -1,5 +1,5 @@
-/* Going on with a smaller step: nothing that a body has may change by it, and the order of the
- * method stays. */
+/* Continuing with a smaller step: no quantity of a body may change by it, and the order of the
+ * method is kept. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -74,7 +74,7 @@ static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, do
   ct_state_free(rest);
 }
 
-/* A change of the step keeps the order of the method, also of those that carry on an acceleration.
+/* A change of the step keeps the order of the method, also of methods with an earlier acceleration.
  */
 static void order(ct_scheme scheme)
 {
@@ -114,8 +114,8 @@ static void order(ct_scheme scheme)
   ct_mesh_free(m);
 }
 
-/* Two bodies that meet askew with friction, a weight with damping, a moving support; what they have
- * and what was done to them. */
+/* Two bodies that meet askew with friction, a weight with damping, a moving support; their motion
+ * and sums. */
 typedef struct books {
   double momentum[3], impulse[3], work, balance, external, strain;
 } books;

@@ -1,4 +1,4 @@
-/* Sums against exact integers and against an exact expansion; the same bits in any order. */
+/* Sums compared with exact integers and with an exact expansion; the same bits in any order. */
 #include <libcontact/base.h>
 
 #include "../../libcontact/src/base/stream.h"
@@ -157,7 +157,7 @@ static void pieces(void)
          "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
 }
 
-/* Pieces of zeros are passed over: they change no sum, and what hides among zeros is found. */
+/* Pieces of zeros are skipped: they change no sum, and other values among zeros are found. */
 static void zeros(void)
 {
   static double v[4 * CT_PIECE];
@@ -190,7 +190,7 @@ static void zeros(void)
          wrong, lost);
 }
 
-/* The sum over nodes of m x · y, against the same terms written out. */
+/* The sum over nodes of m x · y, compared with the same terms written out. */
 static void products(void)
 {
   static double m[700], x[2100], y[2100], terms[700];

@@ -1,4 +1,4 @@
-/* Prescribed velocities, their reactions and what a support refuses. */
+/* Prescribed velocities, their reactions and refused definitions. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -118,8 +118,8 @@ static void refusals(void)
   refused(NULL, 1, CT_ERROR_ARGUMENT, "nothing", "a null list");
 }
 
-/* Holds that change from node to node, at some nodes or at all; an effect on all nodes lists none.
- */
+/* Fixed components that differ from node to node, at some nodes or at all; an effect on all nodes
+ * has no list. */
 static void holds(void)
 {
   for (int missing = 0; missing < 2; missing++) {
@@ -160,8 +160,8 @@ static void holds(void)
   }
 }
 
-/* Nodes of a scene's support in any order, one of them twice, on the second body: the same as one
- * after another. */
+/* Nodes of a scene's support in any order, one of them twice, on the second body: the same as in
+ * order. */
 static void any_order(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 2, 2, 2);

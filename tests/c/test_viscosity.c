@@ -5,8 +5,8 @@
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_material ROD = {1.0, 0.0, 1.0, CT_LINEAR};
 
-/* Pressure over density at the closing speed x = l |D|: Q1 c1 x and a parabola that goes on along
- * its tangent where its slope is 0.06 c1. */
+/* Pressure over density at the closing speed x = l |D|: Q1 c1 x and a parabola that continues as
+ * its tangent from the slope 0.06 c1 on. */
 static double pressure(double linear, double quadratic, double c1, double x)
 {
   double a = quadratic * quadratic, knee = a > 0.0 ? 0.03 * c1 / a : INFINITY;
@@ -33,7 +33,7 @@ static double rate_of(const ct_effect *effect, const double *velocity)
   return rate;
 }
 
-/* A scene of one mesh with viscosity; `effect` is made for its joined problem. */
+/* A scene of one mesh with viscosity; `effect` is created for its joined problem. */
 static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *material,
                        double linear, double quadratic)
 {
@@ -217,8 +217,8 @@ static void bound(void)
 
 enum { CELLS = 200 };
 
-/* A rod of CELLS cubes of edge 1, held on its sides, that runs against a fixed end at speed `v0`;
- * stresses at time `end`, and the work of the viscosity. */
+/* A rod of CELLS cubes of edge 1, fixed on its sides, that hits a fixed end at speed `v0`; stresses
+ * at time `end`, and the work of the viscosity. */
 static double rod(double linear, double quadratic, double courant, double v0, double end,
                   double stress[CELLS], double *balance, double *dt)
 {
@@ -267,7 +267,7 @@ static void chain_force(double linear, double quadratic, const double u[CELLS + 
   }
 }
 
-/* Its leapfrog, written down by itself: stresses at the end, and the work of the viscosity. */
+/* Its leapfrog, written here: stresses at the end, and the work of the viscosity. */
 static double chain(double linear, double quadratic, double dt, double v0, double end,
                     double stress[CELLS])
 {
@@ -292,8 +292,8 @@ static double chain(double linear, double quadratic, double dt, double v0, doubl
   return work;
 }
 
-/* Behind the front the exact stress is -v0 (ρ c = 1); how far it overshoots, and the distance from
- * 90 % to 10 % of it. */
+/* Behind the front the exact stress is -v0 (ρ c = 1); the overshoot, and the distance from 90 % to
+ * 10 % of it. */
 static void shock(double linear, double quadratic, double v0, double *overshoot, double *width)
 {
   static double stress[CELLS], other[CELLS];
@@ -336,7 +336,8 @@ static void shocks(void)
             "which does nothing at a thousandth of the speed of sound");
 }
 
-/* At the whole stable step a hard hit stays bounded: viscosity takes energy, never gives it. */
+/* At the whole stable step a hard impact stays bounded: viscosity removes energy and never adds
+ * any. */
 static void stability(void)
 {
   static const double coefficients[4][2] = {{0.06, 1.2}, {0.5, 0.0}, {2.0, 0.0}, {0.06, 4.0}};
