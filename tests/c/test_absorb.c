@@ -50,10 +50,10 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   ct_energy after = energy_of(problem, state);
   double share = (after.kinetic + after.strain) / (before.kinetic + before.strain), work;
   ct_error e = {0};
-  tap_ok(share < 0.01 && share >= 0.0, "%s: %.2g of the energy comes back", name, share);
+  tap_ok(share < 0.01 && share >= 0.0, "%s: %.2g of the energy is reflected", name, share);
   need(ct_energy_work(problem, state, 2, &work, &e), &e);
-  tap_close(work / -(before.kinetic + before.strain), 1.0, 0.01, "%s: the dashpots took the rest",
-            name);
+  tap_close(work / -(before.kinetic + before.strain), 1.0, 0.01,
+            "%s: the dashpots absorbed the rest", name);
   tap_close(after.balance / before.kinetic, 0.0, 1e-12, "%s: the work balance closes", name);
   double rate = 0.0, unused;
   need(ct_stable_share(problem, state, 2, &unused, &rate, &e), &e);

@@ -156,12 +156,12 @@ static long all_given_back(double *moved)
 {
   world w = {0};
   ct_error error = {0};
-  tap_ok(make(&w, &error) == CT_OK, "a scene of every effect runs: %s", error.text);
+  tap_ok(make(&w, &error) == CT_OK, "a scene with all effects runs: %s", error.text);
   tap_ok(momentum_of(w.problem, w.state, 0).contact_impulse[2] < 0.0, "the bodies have met");
-  tap_ok(counted.calls > 0 && counted.blocks > 0, "in memory of the host: %zu bytes", counted.held);
+  tap_ok(counted.calls > 0 && counted.blocks > 0, "in the host's memory: %zu bytes", counted.held);
   *moved = w.copy->displacement[3 * w.problem->node_count - 1];
   end(&w);
-  tap_ok(counted.blocks == 0 && counted.held == 0, "all %ld blocks are given back", counted.calls);
+  tap_ok(counted.blocks == 0 && counted.held == 0, "all %ld blocks are freed", counted.calls);
   return counted.calls;
 }
 
@@ -182,10 +182,10 @@ static void each_request_fails(long requests)
       printf("# request %ld: %s: %s\n", n, ct_status_name(status), error.text);
     if (status == CT_OK) printf("# request %ld: went through\n", n);
   }
-  tap_ok(wrong == 0, "every call without memory answers that: %ld answer something else", wrong);
-  tap_ok(passed == 0, "and says so: %ld of %ld go through", passed, requests);
+  tap_ok(wrong == 0, "each call without memory returns that status: %ld return another one", wrong);
+  tap_ok(passed == 0, "and reports it: %ld of %ld succeed", passed, requests);
   tap_ok(unnamed == 0, "the error has the code of the call: %ld have another", unnamed);
-  tap_ok(leaked == 0, "what was made before is given back: %ld leak", leaked);
+  tap_ok(leaked == 0, "earlier objects are freed: %ld leak", leaked);
   counted = (counting){.last_call = -1};
 }
 
@@ -196,10 +196,10 @@ static void arguments(void)
   tap_ok(ct_set_allocator(&half) == CT_ERROR_ARGUMENT, "an allocator without release is refused");
   half = COUNTING;
   half.allocate = NULL;
-  tap_ok(ct_set_allocator(&half) == CT_ERROR_ARGUMENT, "so is one without allocate");
+  tap_ok(ct_set_allocator(&half) == CT_ERROR_ARGUMENT, "an allocator without allocate is refused");
   long before = counted.calls;
   ct_mesh_free(box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1));
-  tap_ok(counted.calls > before && counted.blocks == 0, "and the one before stays");
+  tap_ok(counted.calls > before && counted.blocks == 0, "and the previous one stays");
 }
 
 int main(void)
@@ -213,7 +213,7 @@ int main(void)
   arguments();
   counted.calls = 0;
   tap_ok(ct_set_allocator(NULL) == CT_OK && make(&w, &error) == CT_OK && counted.calls == 0,
-         "null: the C library again");
+         "null: the C library's allocator again");
   moved[1] = w.copy->displacement[3 * w.problem->node_count - 1];
   tap_ok(moved[0] == moved[1], "and the same bits");
   end(&w);

@@ -11,11 +11,11 @@ int main(void)
   ct_amplitude amplitude = {5, time, value}, none = {0, NULL, NULL}, bad = {5, value, time};
   ct_error e = {0};
   tap_ok(ct_amplitude_check(&amplitude, &e) == CT_OK && ct_amplitude_check(&none, &e) == CT_OK,
-         "an amplitude with a jump, and none, are taken");
+         "an amplitude with a jump, and none, are accepted");
   for (size_t i = 0; i < sizeof at / sizeof at[0]; i++)
     tap_close(ct_amplitude_value(&amplitude, at[i][0]), at[i][1], 1e-15, "at t = %g", at[i][0]);
   tap_close(nextafter(ct_amplitude_value(&amplitude, nextafter(1.0, 0.0)), 3.0), 2.0, 1e-14,
-            "just before the jump the line still holds");
+            "just before the jump the value is on the line");
   tap_ok(ct_amplitude_value(&none, 7.0) == 1.0, "without points the factor is 1");
   tap_ok(ct_amplitude_check(&bad, &e) == CT_ERROR_ARGUMENT && e.point == 4,
          "times that descend: %s", e.text);

@@ -10,7 +10,7 @@ int main(void)
     LLVMFuzzerTestOneInput((const uint8_t *)&mixed, sizeof mixed);
   }
   tap_ok(total_calls > 10000 && total_built > 100 && total_steps > 500,
-         "%lld calls, %lld scenes built of %lld, %lld steps: no promise broken", total_calls,
+         "%lld calls, %lld scenes built of %lld, %lld steps: no contract violated", total_calls,
          total_built, total_scenes, total_steps);
   return tap_done();
 }

@@ -94,8 +94,8 @@ static void force(void)
       top = worst(top, want);
       sum[i % 3] += got[i];
     }
-    tap_ok(top > 0.1 && off < 1e-14 * top, "force %s against Gauss' rule: off by %.2g",
-           alone ? "with a face apart" : "of all elements", off / top);
+    tap_ok(top > 0.1 && off < 1e-14 * top, "force %s compared with Gauss' rule: off by %.2g",
+           alone ? "with a face excluded" : "of all elements", off / top);
     // Round-off of 120 terms.
     tap_ok(largest(sum, 3) < 1e-13 * top, "it keeps momentum: %.2g", largest(sum, 3) / top);
     effect->free_scratch(scratch);
@@ -253,7 +253,7 @@ static double energy_rise(int alone, double *balance)
     if (p->effects[k]->kind == CT_EFFECT_AVERAGING) least = stored;
   }
   tap_ok(contact > 0.0 && least < -1e-6 * start,
-         "the blocks meet, and the averaged mass counts: %.2g", least / start);
+         "the blocks meet, and the averaged mass has an effect: %.2g", least / start);
   ct_momentum momentum[2] = {momentum_of(p, state, 0), momentum_of(p, state, 1)};
   double sum = 0.0;
   for (int c = 0; c < 3; c++)
@@ -269,7 +269,7 @@ static void contact(void)
 {
   double balance = 0.0, held = energy_rise(1, &balance), kept_in = energy_rise(0, &balance);
   // Round-off of a row of the ledger.
-  tap_close(held, 0.0, 1e-13, "no energy appears in a contact whose elements are left out");
+  tap_close(held, 0.0, 1e-13, "no energy appears in a contact whose elements are excluded");
   tap_ok(kept_in > 1e-5, "with them some would: %.2g", kept_in);
   tap_close(balance, 0.0, 1e-13, "work and energy balance in both");
 }
@@ -295,7 +295,7 @@ static void energy(void)
       drift = worst(drift, now.total / first.total - 1.0);
     }
     tap_ok(fabs(now.kinetic / first.kinetic - 1.0) > 0.1 && drift < 1e-13,
-           "a block that vibrates, %s, keeps its energy to %.2g", held ? "held" : "free", drift);
+           "a vibrating block, %s, keeps its energy to %.2g", held ? "held" : "free", drift);
     free(v);
     close_run(state, scene, m);
   }
@@ -335,7 +335,7 @@ static void bits(void)
   tap_ok(same_state(one, two), "two threads have the bits of one");
   tap_ok(same_state(one, rest), "so has a restart");
   tap_ok(largest_difference(one->displacement, slow->displacement, 3 * (n[0] + n[1])) == 0.0,
-         "so has a run that computes everything");
+         "a run without sleeping has them, too");
   tap_ok(faults == 0, "the mirror image has the mirrored bits, but for %d", (int)faults);
   ct_state *states[6] = {one, two, half, rest, slow, image};
   for (int i = 0; i < 6; i++) ct_state_free(states[i]), ct_scene_free(scene[i]);
@@ -374,24 +374,24 @@ static void refusals(void)
   ct_error e;
   large.law = CT_NEO_HOOKEAN;
   distort(odd, 0.02);
-  tap_ok(refused(box, STEEL, 0, CT_CENTRAL_DIFFERENCE, &e) == CT_OK, "equal bricks are averaged");
+  tap_ok(refused(box, STEEL, 0, CT_CENTRAL_DIFFERENCE, &e) == CT_OK, "equal bricks are accepted");
   tap_ok(refused(odd, STEEL, 0, CT_CENTRAL_DIFFERENCE, &e) == CT_ERROR_UNSUPPORTED &&
              strstr(e.text, "block") != NULL && e.body == 0,
-         "distorted ones are not: %s", e.text);
+         "distorted bricks are refused: %s", e.text);
   tap_ok(refused(fine, STEEL, 0, CT_CENTRAL_DIFFERENCE, &e) == CT_ERROR_UNSUPPORTED, "nor hex20");
   tap_ok(refused(box, large, 0, CT_CENTRAL_DIFFERENCE, &e) == CT_ERROR_UNSUPPORTED,
-         "nor large strain");
+         "large strain is refused");
   tap_ok(refused(box, STEEL, 1, CT_CENTRAL_DIFFERENCE, &e) == CT_ERROR_ARGUMENT,
-         "a force of the state behind it: %s", e.text);
-  tap_ok(refused(box, STEEL, 0, CT_NOH_BATHE, &e) == CT_ERROR_ARGUMENT, "another integrator: %s",
-         e.text);
+         "a later effect of the phase state is refused: %s", e.text);
+  tap_ok(refused(box, STEEL, 0, CT_NOH_BATHE, &e) == CT_ERROR_ARGUMENT,
+         "another integrator is refused: %s", e.text);
   ct_dispersion_def wave[2] = {ct_dispersion_def_default(), ct_dispersion_def_default()};
   double k[3] = {0.1, 0.0, 0.0};
   ct_branch b[12];
   wave[0].kind = CT_HEX20, wave[1].integrator = ct_integrator_default(CT_CHUNG_LEE);
   for (int i = 0; i < 2; i++) {
     wave[i].mass = CT_MASS_AVERAGED;
-    tap_ok(ct_dispersion(&wave[i], 1, k, b, &e) == CT_ERROR_ARGUMENT, "waves likewise: %s", e.text);
+    tap_ok(ct_dispersion(&wave[i], 1, k, b, &e) == CT_ERROR_ARGUMENT, "also for waves: %s", e.text);
   }
   ct_mesh_free(box), ct_mesh_free(fine), ct_mesh_free(odd);
 }

@@ -109,8 +109,8 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
   status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest);
-  tap_ok(status == CT_OK && differing(b, b->start, &options) == 0, "%s, distortion %g: warm, too",
-         FACE_NAME[kind], distortion);
+  tap_ok(status == CT_OK && differing(b, b->start, &options) == 0,
+         "%s, distortion %g: also with a start", FACE_NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
   ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest);
@@ -185,7 +185,7 @@ static void widths_agree(batch *one, batch *many, ct_face_kind kind, ct_batch_ke
   }
   tap_ok(cold == 8, "%s, %s: the bits of one lane on ordinary and on hard faces", FACE_NAME[kind],
          name);
-  tap_ok(warm == 8, "%s, %s: warm, too", FACE_NAME[kind], name);
+  tap_ok(warm == 8, "%s, %s: also with a start", FACE_NAME[kind], name);
 }
 #endif
 
@@ -235,7 +235,7 @@ static void impossible_arguments(batch *b)
   options.tolerance = 1e-10, options.iteration_limit = -1;
   good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest) ==
           CT_ERROR_ARGUMENT;
-  tap_ok(good && b->status[0] == -7, "impossible arguments are refused, and nothing is written");
+  tap_ok(good && b->status[0] == -7, "invalid arguments are refused, and nothing is written");
   good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &closest) == CT_OK;
   good &= ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &none) == CT_OK;
   tap_ok(good, "no pairs, and no arrays to write to, are allowed");

@@ -74,7 +74,7 @@ static void sides(ct_brick_kind kind)
     ct_segment_point(&face, xi, y);
     ct_segment_normal(&face, xi, n);
     tap_ok(y[axis] == sign && n[axis] == sign,
-           "%s: side %d lies where its name says, normal outwards", NAME[kind], side);
+           "%s: side %d lies at the place of its name, normal outwards", NAME[kind], side);
     double unit = ct_segment_area_element(&face, xi);
     tap_close(unit, 1, 1e-15, "%s: side %d has its mid-sides between its corners", NAME[kind],
               side);

@@ -134,7 +134,7 @@ static void slopes(void)
   }
   tap_ok(off_force < 1e-14, "a row acts on its nodes with b_a n, off by %.1e", off_force);
   tap_ok(off_gap < 1e-12, "gaps are free + G A G^T lambda, off by %.1e", off_gap);
-  tap_ok(off_slope < 1e-10, "the slope is that of F, off by %.1e", off_slope);
+  tap_ok(off_slope < 1e-10, "the gradient is that of F, off by %.1e", off_slope);
 }
 
 /* D_j - C_j = Σ |b_ja| A_a Σ_k |b_ka|, worked out row by row with the largest A of a node
@@ -198,8 +198,8 @@ static void release_of_rows(void)
     release(&r);
   }
   tap_ok(wrong == 0 && taken > 40 && taken < trials - 40,
-         "rows are taken in where they have more to gain: %d of %d times, %d wrong", taken, trials,
-         wrong);
+         "rows are added if they promise a larger decrease: %d of %d times, %d wrong", taken,
+         trials, wrong);
 }
 
 /* The rows that a step can close, and no others (eq:near-constraints). */
@@ -234,7 +234,7 @@ static void near_rows(void)
     }
     release(&r);
   }
-  tap_ok(wrong == 0 && left_out > 50, "rows that the motions can close: %d left out, %d wrong",
+  tap_ok(wrong == 0 && left_out > 50, "rows that the motions can close: %d dropped, %d wrong",
          left_out, wrong);
 }
 
@@ -260,7 +260,8 @@ static void solution(void)
     release(&r);
   }
   tap_ok(off < 1e-8 && below < 1e-8 && rounds < 100,
-         "the minimum: slopes of pressed rows %.1e, of others not below %.1e; at most %d rounds",
+         "the minimum: gradients of rows with a force %.1e, of others not below %.1e; at most %d "
+         "rounds",
          off, -below, rounds);
 }
 

@@ -319,7 +319,8 @@ static void far_side(double inside)
   ct_contact_points(below, point);
   for (int i = 0; i < ct_contact_point_count(below); i++)
     same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
-  tap_ok(same_way == 0, "a patch that faces the same way as the top is not pressed by the top");
+  tap_ok(same_way == 0,
+         "a patch that points in the same direction as the top has no contact force");
   free(point);
   ct_contact_free(below);
   free_patch(&up);
@@ -350,7 +351,8 @@ static void border(void)
                   : point[i].other != -1 || point[i].pressure != 0.0;
   }
   tap_ok(wrong == 0 && in > 20 && in < count,
-         "%d of %d points lie over the other surface: they meet it, the others do not (%d wrong)",
+         "%d of %d points lie over the other surface: they are in contact, the others are not (%d "
+         "wrong)",
          in, (int)count, wrong);
   free(point);
   ct_contact_free(contact);
@@ -824,7 +826,8 @@ static void history(void)
   double *f = numbers(na + nb), *g = all_forces(&a, &b, ct_contact_options_default());
   forces(contact, &a, &b, f, f + na);
   double off = largest_difference(f, g, na + nb) / largest(g, na + nb);
-  tap_ok(off < 1e-13, "after a journey of 60 updates: forces off by %.2g of a new contact's", off);
+  tap_ok(off < 1e-13, "after 60 updates of a motion: forces differ by %.2g from a new contact's",
+         off);
   ct_contact_free(contact);
   free(f);
   free(g);
@@ -979,10 +982,9 @@ static void refusals(void)
   o = good, o.threads = 0;
   refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "no threads");
   o = good, o.threads = 1025;
-  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1,
-          "more threads than are safe to ask for");
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "more threads than allowed");
   o = good, o.method = (ct_method)77;
-  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a method that is none");
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "an unknown method");
   ct_surface s = b.surface;
   s.face_count = 0;
   refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "a surface without faces");
@@ -993,7 +995,7 @@ static void refusals(void)
   refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "no face list");
   refused(NULL, &s, &good, CT_ERROR_ARGUMENT, -1, -1, "no surface");
   tap_ok(ct_contact_create(&a.surface, &b.surface, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
-         "no options, nowhere to write, no error: refused");
+         "null options, output and error: refused");
 
   int32_t keep = b.faces[8 + 3];
   b.faces[8 + 3] = b.surface.node_count;
@@ -1055,16 +1057,16 @@ static void shared_nodes(void)
   }
   for (int n = 0; n < 6; n++) want = fmax(want, row[n] / mass[n]);
   need(ct_contact_omega2_bound(contact, mass, mass, &got[0]), &e);
-  tap_ok(met == count, "every point of an open book looks at the other page");
+  tap_ok(met == count, "each point of an open book faces the other page");
   tap_close(got[0] / want, 1.0, 1e-13, "nodes of both pages have the sum of both rows");
   need(ct_contact_add_force(contact, zero, zero), &e);
-  tap_ok(largest(zero, 18) == 0.0, "and an open book does not press");
+  tap_ok(largest(zero, 18) == 0.0, "an open book has no contact force");
   ct_contact_free(contact);
   memcpy(copy, x, sizeof copy);
   b.reference = copy;
   need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
   need(ct_contact_omega2_bound(contact, mass, mass, &got[1]), &e);
-  tap_ok(got[1] < 0.9 * got[0], "of two arrays they are nodes of their own");
+  tap_ok(got[1] < 0.9 * got[0], "with two arrays they are separate nodes");
   ct_contact_free(contact);
   free(point);
 }

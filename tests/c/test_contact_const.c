@@ -79,13 +79,14 @@ int main(void)
     before = look(contact);
     ask(contact, mass, got);
     after = look(contact);
-    tap_ok(same(contact, &before, &after), "%s: nor while it is pressed", KIND[kind]);
+    tap_ok(same(contact, &before, &after), "%s: nothing is written in contact either", KIND[kind]);
     ask(contact, mass, again);
-    tap_ok(memcmp(got, again, sizeof got) == 0, "%s: and the same answers come again", KIND[kind]);
+    tap_ok(memcmp(got, again, sizeof got) == 0, "%s: and repeated queries have the same results",
+           KIND[kind]);
     // Two surfaces of stiffness ε with weight ½ each, over the area 1: ½ ε g².
     tap_close(got[0], 0.5 * EPSILON * 1e-4, 1e-15,
               "%s: the energy of both surfaces, each with half the stiffness", KIND[kind]);
-    tap_close(got[2], 0.01, 1e-15, "%s: the corners of b are inside by what it was moved",
+    tap_close(got[2], 0.01, 1e-15, "%s: the corners of b are inside by its displacement",
               KIND[kind]);
     ct_contact_free(contact);
     free_patch(&a);

@@ -62,10 +62,11 @@ static void buried(void)
              found.buried != (i < 4 ? 32 : 0) || found.inside != (i == 4 ? 0 : 32);
     wrong += !(fabs(found.deepest - (i > 4 ? -z[i] : 0.0)) < 1e-15);
   }
-  tap_ok(wrong == 0,
-         "points deep inside at the first look are in no contact before they have been outside (%d "
-         "wrong)",
-         wrong);
+  tap_ok(
+      wrong == 0,
+      "points deep inside at the first update are not in contact until they have been outside (%d "
+      "wrong)",
+      wrong);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
@@ -125,7 +126,7 @@ static void thin_plates(void)
   }
   tap_ok(off < 1e-12,
          "thin plates, pressed to their thickness: the energy is that of each point under the side "
-         "it came in by, off by %.2g",
+         "through which it came in, off by %.2g",
          off);
   tap_ok(downward == 0 && jump < 1.5 * EPSILON * step * 0.8 * 0.8,
          "thin plates: no jump (at most %.3g of a step's stiffness), and pushed apart to 1.6 "
@@ -308,11 +309,12 @@ static void corners_and_edges(void)
                                            -lowest + 0.1, -lowest - 0.45));
     free_patch(&cube);
   }
-  tap_ok(corner[0] > 0.05 && corner[0] < 0.5 * (1.0 - 1.0 / sqrt(3.0)) * sqrt(2.0),
-         "cubes on a floor: Gauss points let a corner in by up to %.3f h, less than 0.299 h",
-         corner[0]);
-  tap_ok(corner[1] < 1e-14, "cubes on a floor: points at corners let no corner in (%.2g h)",
-         corner[1]);
+  tap_ok(
+      corner[0] > 0.05 && corner[0] < 0.5 * (1.0 - 1.0 / sqrt(3.0)) * sqrt(2.0),
+      "cubes on a floor: with Gauss points a corner penetrates by up to %.3f h, less than 0.299 h",
+      corner[0]);
+  tap_ok(corner[1] < 1e-14,
+         "cubes on a floor: with points at corners no corner penetrates (%.2g h)", corner[1]);
   // Two cubes on edge, crossed: their edges meet at a random place of both.
   for (int k = 0; k < 24; k++) {
     patch lower = new_box(cube_low, cube_size, one), upper = new_box(cube_low, cube_size, one);
@@ -330,7 +332,8 @@ static void corners_and_edges(void)
     free_patch(&upper);
   }
   tap_ok(edge[1] <= 0.25,
-         "crossed edges: points on edges let them in by up to %.3f h, at most 0.25 h; Gauss points "
+         "crossed edges: with points on edges they penetrate by up to %.3f h, at most 0.25 h; with "
+         "Gauss points "
          "by %.3f h",
          edge[1], edge[0]);
   free_patch(&base);
@@ -603,10 +606,10 @@ static void seen_before_it_comes_in(void)
     }
     memcpy(before, now, (size_t)count * sizeof *now);
   }
-  tap_ok(
-      inside > 50 && unseen == 0 && wrong == 0,
-      "steps of %g, as large as allowed: %d points came in, %d of them unseen, %d with a wrong gap",
-      contact->fixed->approach, inside, unseen, wrong);
+  tap_ok(inside > 50 && unseen == 0 && wrong == 0,
+         "steps of %g, as large as allowed: %d points came in, %d of them undetected, %d with a "
+         "wrong gap",
+         contact->fixed->approach, inside, unseen, wrong);
   ct_contact_free(contact);
   for (int s = 0; s < 2; s++) {
     free(faces[s]);
@@ -655,7 +658,7 @@ static void safe_approach(void)
   ct_error e;
   tap_ok(ct_tunnelling_check(contact, velocity, 0.999 * limit, 0.0, &e) == CT_OK &&
              ct_tunnelling_check(contact, velocity, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
-         "surfaces that come nearer by more than that in a step are refused");
+         "a larger approach in a step is refused");
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
@@ -685,8 +688,7 @@ static void asked_twice(void)
     free_patch(&b);
   }
   tap_ok(touched > 200 && off < 1e-14,
-         "asked twice, a contact gives the same energy (%d times, off by %.2g at most)", touched,
-         off);
+         "a repeated query gives the same energy (%d times, off by %.2g at most)", touched, off);
 }
 
 int main(void)

@@ -138,7 +138,7 @@ static void start_gap_opens(void)
     energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
   }
   tap_ok(force < 1e-15 && energy < 1e-16,
-         "start gaps of points that open again are those of pencil and paper (force off by %.2g, "
+         "start gaps of points that open again are those by hand (force off by %.2g, "
          "energy by %.2g)",
          force, energy);
   // Far away no face is near, and the start gap is gone.
@@ -234,8 +234,8 @@ static void start_gaps_are_adjusted(void)
       energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
     }
     tap_ok(force < 1e-15 && energy < 1e-16,
-           "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)", c->what,
-           force, energy);
+           "%s: forces and energy by hand (force off by %.2g, energy by %.2g)", c->what, force,
+           energy);
     free_hand(&h);
   }
 }
@@ -297,7 +297,7 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
   double begin = fabs(take(&h, 0.0, 0.0, &stored, NULL));
   for (int i = 0; i < 3 * h.nodes; i++) begin = worst(begin, h.force[i]);
   tap_ok(begin == 0.0 && stored == 0.0,
-         "%s: surfaces that overlap and gape, adjusted, begin without any force or energy", name);
+         "%s: surfaces with overlaps and gaps, adjusted, begin without force and energy", name);
   for (int n = 0; n < h.nodes; n++) {
     double w = n < h.first_b ? 0.0 : -0.01;
     for (int c = 0; c < 3; c++)
@@ -328,7 +328,7 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
   double lost = worst(worst(sum[0], sum[1]), sum[2]),
          turned = worst(worst(moment[0], moment[1]), moment[2]);
   tap_ok(lost < 1e-13 * size && turned < 1e-13 * size,
-         "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)", name,
+         "%s: with start gaps linear and angular momentum are conserved (%.2g, %.2g)", name,
          lost / size, turned / size);
   free_hand(&h);
   free(f);
@@ -364,7 +364,7 @@ static void start_gap_fades(void)
   off = worst(off, take(&h, -0.01, 0.75 * T, &stored, &work) - F2);
   off = worst(off, work - before - 0.5 * F2 * g2 * (tail - half));
   tap_ok(off < 1e-16 * EPSILON * area,
-         "a start gap that fades and opens: forces and work of pencil and paper, off by %.2g",
+         "a start gap that fades and opens: forces and work by hand, off by %.2g",
          off / (EPSILON * area));
   free_hand(&h);
 }
@@ -485,10 +485,10 @@ static void states_share(void)
   foreign.b = &elsewhere;
   tap_ok(ct_contact_create_effect(&foreign, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
              effect == NULL,
-         "and so is a surface over other nodes than the problem's: %s", e.text);
+         "a surface with other nodes than the problem's is refused: %s", e.text);
   friction.cookie--;
   ct_status status = ct_friction_create_effect(&friction, &problem, &effect, &e);
-  tap_ok(status == CT_OK && effect->kind == CT_EFFECT_FRICTION, "with the cookie it is taken");
+  tap_ok(status == CT_OK && effect->kind == CT_EFFECT_FRICTION, "with the cookie it is accepted");
   ct_effect_free(effect);
   free_hand(&h);
 }
@@ -528,8 +528,7 @@ static void corner_turned_inside_out(void)
     ct_contact_free(contact);
   }
   tap_ok(lowest > 0.3 && energy == 0.0,
-         "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest,
-         energy);
+         "a point off an inverted corner stays outside: gap %g, energy %g", lowest, energy);
   ct_mesh_free(m);
 }
 

@@ -354,7 +354,7 @@ static void refusals(void)
              ct_contact_traction(contact, 0, NULL, area, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_traction(contact, 0, traction, NULL, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_traction(NULL, 0, traction, area, &e) == CT_ERROR_ARGUMENT,
-         "a surface that is none and null arguments are refused: %s", e.text);
+         "an unknown surface and null arguments are refused: %s", e.text);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);

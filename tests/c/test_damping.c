@@ -23,7 +23,7 @@ static void decay(void)
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   double W = 4.0 / (free_step.dt * free_step.dt);
   tap_close(stable.dt / (4.0 / (2.0 + sqrt(4.0 + 4.0 * W))), 1.0, 1e-12,
-            "the stable step knows the rate (%g of the undamped one)", stable.dt / free_step.dt);
+            "the stable step includes the rate (%g of the undamped one)", stable.dt / free_step.dt);
   ct_state *state = new_state(problem);
   // v at -1/2 is chosen so that the mean of both halves is the given velocity.
   double start = state->velocity[0], off = 0.0;
@@ -34,9 +34,11 @@ static void decay(void)
     off = worst(off, state->velocity[0] / (start * pow(1.0 - 2.0 * problem->dt, (double)n)) - 1.0);
   }
   now = energy_of(problem, state);
-  tap_close(off, 0.0, 1e-12, "velocity falls by 1 - alpha dt in every step (%d steps)", (int)steps);
-  tap_close(state->velocity[0] / 3.0, exp(-2.0), 0.05 * exp(-2.0), "that is near exp(-alpha t)");
-  tap_close(now.total / first.total, 1.0, 1e-12, "what is lost stands as work in the ledger");
+  tap_close(off, 0.0, 1e-12,
+            "velocity decreases by the factor 1 - alpha dt in each step (%d steps)", (int)steps);
+  tap_close(state->velocity[0] / 3.0, exp(-2.0), 0.05 * exp(-2.0),
+            "this is close to exp(-alpha t)");
+  tap_close(now.total / first.total, 1.0, 1e-12, "the lost energy is work in the energy balance");
   tap_close(now.balance / first.kinetic, 0.0, 1e-13, "the work balance closes");
   double work;
   need(ct_energy_work(problem, state, 1, &work, &e), &e);
@@ -155,7 +157,7 @@ static void relaxation(void)
   ct_state *state = new_state(problem), *other = new_state(problem);
   double unrest = 0.0, work = 0.0, balance = 0.0, off = 0.0;
   need(ct_energy_residual(problem, state, &unrest, &e), &e);
-  tap_ok(unrest > 0.9, "at the start nothing balances the weight: unrest %g", unrest);
+  tap_ok(unrest > 0.9, "at the start no force balances the weight: residual %g", unrest);
   ct_energy energy = {0}, first = energy_of(problem, state);
   for (unrest = 1.0; state->step < steps && unrest > 1e-9;) {
     if (state->step == 200) need(ct_state_copy(problem, state, other, &e), &e);
@@ -177,7 +179,7 @@ static void relaxation(void)
   // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of
   // -dt/2 and dt/2, which is below 0.
   tap_close((work + first.kinetic) / energy.strain, -1.0, 1e-8,
-            "damping has taken half the work of the weight, the other half is strain (%g)",
+            "damping has dissipated half the work of the weight, the other half is strain (%g)",
             energy.strain);
   while (other->step < state->step) advance(problem, other, 1);
   tap_ok(memcmp(other->displacement, state->displacement,
@@ -200,7 +202,7 @@ static void unrest_of_free_bodies(void)
         build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
     ct_state *state = new_state(problem);
     need(ct_energy_residual(problem, state, &unrest, &e), &e);
-    tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: unrest %g",
+    tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: residual %g",
            flies ? "flies" : "lies there", unrest);
     ct_state_free(state);
     ct_scene_free(scene);

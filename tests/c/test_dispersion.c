@@ -167,7 +167,8 @@ static void waves_solve_the_mesh(void)
       branches_at(&def, k, b);
       for (int w = 0; w < branches_of(def.kind); w++) wave_residual(&def, k, &b[w], &off);
     }
-    tap_close(off, 0.0, 1e-12, "hex%d: every wave moves the nodes of a patch as their forces do",
+    tap_close(off, 0.0, 1e-12,
+              "hex%d: each wave satisfies the equations of motion at the nodes of a patch",
               kind ? 20 : 8);
   }
 }
@@ -233,7 +234,7 @@ static void isotropic_at_zero(void)
       polar = worst(polar, fabs(dot(&b[2].shape[3 * family], n)) - 1.0);
   }
   tap_close(off, 0.0, 3e-6, "long waves run with c1 and c2 in every direction");
-  tap_close(group, 0.0, 3e-5, "so does their energy");
+  tap_close(group, 0.0, 3e-5, "and their energy does");
   tap_close(polar, 0.0, 3e-5, "P waves move along their direction");
 }
 
@@ -489,7 +490,7 @@ static void refusals(void)
          "refused at 1: %s", error.text);
   tap_ok(ct_dispersion(NULL, 1, k, b, &error) == CT_ERROR_ARGUMENT, "refused: %s", error.text);
   tap_ok(ct_dispersion(&good, 1, NULL, b, NULL) == CT_ERROR_ARGUMENT, "refused: no wave vectors");
-  tap_ok(ct_dispersion(&good, 0, NULL, NULL, NULL) == CT_OK, "nothing asked, nothing done");
+  tap_ok(ct_dispersion(&good, 0, NULL, NULL, NULL) == CT_OK, "no wave vectors, no result");
   static const int32_t X[3] = {1, 0, 0}, ZERO[3] = {0, 0, 0}, FAR[3] = {1, 17, 0};
   ct_dispersion_def stepped = good;
   stepped.step = 0.1;

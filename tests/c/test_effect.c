@@ -56,7 +56,7 @@ static void named(const char *name)
   ct_friction_def rub = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = 0.3};
   tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT &&
              friction == NULL,
-         "a host's effect \"%s\" has no points that rub: %s", name, e.text);
+         "a host's effect \"%s\" has no friction points: %s", name, e.text);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   ct_state *state = new_state(
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL));
@@ -91,7 +91,7 @@ static void copied(void)
          "a copy of an effect of the library is refused: %s", e.text);
   need(ct_scene_add_effect(scene, gravity, &e), &e);
   tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT,
-         "and so is one that the scene has already: %s", e.text);
+         "an effect that the scene has already is refused: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }
@@ -157,7 +157,7 @@ static void refusals(void)
   ct_effect a = plain, b = plain;
   refused("no effect at all", &a, NULL);
   b.nodes = outside;
-  refused("a node that the problem has not", &a, &b);
+  refused("a node that is not in the problem", &a, &b);
   b.nodes = mixed;
   refused("nodes that do not ascend", &a, &b);
   b = plain, b.nodes = NULL, b.node_count = 9;
@@ -171,8 +171,8 @@ static void refusals(void)
   const listing wrong[] = {{NULL, -1}, {NULL, 3}, {NULL, 1}, {&row, 1}};
   a = b = plain;
   b.phase = CT_PHASE_CONSTRAINT, b.constraints = &constraints, b.constraint_count = 2;
-  static const char *const how[] = {"fewer than no rows", "more rows than it has room for",
-                                    "a row that is null", "a row with a node of nobody"};
+  static const char *const how[] = {"a negative number of rows", "more rows than its capacity",
+                                    "a row that is null", "a row with an unknown node"};
   for (int i = 0; i < 4; i++) {
     listing one = wrong[i];
     b.data = &one;
@@ -185,16 +185,16 @@ static void refusals(void)
                         .stiffness = 1.0};
   listing one = {&wide, 1};
   b.data = &one, b.constraint_nodes = 1;
-  refused("a row with more nodes than it has room for", &a, &b);
+  refused("a row with more nodes than its capacity", &a, &b);
   b.constraint_nodes = 17;
-  refused("more nodes a row than there may be", &a, &b);
+  refused("more nodes per row than allowed", &a, &b);
   const double bounds[] = {NAN, -1.0};
   for (int i = 0; i < 2; i++) {
     double bound = bounds[i];
     b = plain, b.data = &bound, b.omega2_bound = bound_of_data;
-    refused("a bound that is no bound", &a, &b);
+    refused("an invalid bound", &a, &b);
     b.omega2_bound = NULL, b.rate_bound = bound_of_data;
-    refused("a rate that is none", &a, &b);
+    refused("an invalid rate", &a, &b);
   }
 }
 
@@ -238,7 +238,7 @@ int main(void)
   }
   tap_close(off, 0.0, 1e-5 * 0.15, "a block on springs swings as v / omega sin omega t");
   tap_close(exchange, 0.0, 1e-5 * first.total, "its stored energy is k u^2 / 2");
-  tap_close(total / first.total, 0.0, 1e-12, "and stands in the total");
+  tap_close(total / first.total, 0.0, 1e-12, "and is part of the total");
   close_run(state, scene, mesh);
   return tap_done();
 }

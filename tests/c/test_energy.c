@@ -66,8 +66,7 @@ static void reference_run(void)
   ct_state *state = new_state(p);
   double kinetic = energy_of(p, state).kinetic, mass = 0.0;
   for (int n = 0; n < p->node_count; n++) mass += m->nodes[3 * n] > 0.0 ? p->mass[n] : 0.0;
-  tap_close(kinetic / (0.5 * mass * 1e6), 1.0, 1e-12,
-            "reference run: kinetic energy of what moves, m v^2 / 2");
+  tap_close(kinetic / (0.5 * mass * 1e6), 1.0, 1e-12, "reference run: kinetic energy m v^2 / 2");
   ledger l = watch(p, state, steps / 10 * 10, 10);
   tap_ok(l.total < 1e-12, "reference run, %d steps: total energy constant to %.2g", (int)steps,
          l.total);
@@ -78,7 +77,7 @@ static void reference_run(void)
          "reference run: change of momentum is the support's impulse, off by %.2g", l.impulse);
   ct_momentum now = momentum_of(p, state, 0);
   tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0,
-         "reference run: the wall pushes back, and there is no contact");
+         "reference run: the wall has an impulse, and there is no contact");
   close_run(state, scene, m);
 }
 
@@ -213,7 +212,7 @@ static void refined_start(void)
     balance = worst(balance, energy_of(&fine, state).balance / t.moving);
     advance(&fine, state, 1);
   }
-  tap_ok(balance < 1e-13, "a start that goes on with a third of its step: work balance %.1e",
+  tap_ok(balance < 1e-13, "a start that continues with a third of its step: work balance %.1e",
          balance);
   ct_state_free(start);
   ct_state_free(state);
@@ -326,7 +325,7 @@ static void flying_block(void)
   tap_ok(off < 1e-14, "velocity at whole steps");
   need(ct_energy_stored(p, state, 0, &stored, &e), &e);
   need(ct_energy_work(p, state, 0, &work, &e), &e);
-  tap_ok(stored < 1e-25 && fabs(work) < 1e-13, "nothing is stored and nothing done");
+  tap_ok(stored < 1e-25 && fabs(work) < 1e-13, "no stored energy and no work");
   tap_ok(ct_momentum_of(p, state, 1, &now, &e) == CT_ERROR_ARGUMENT &&
              ct_momentum_of(p, state, -1, &now, &e) == CT_ERROR_ARGUMENT,
          "there is no second body: %s", e.text);
@@ -406,7 +405,7 @@ static void many_impulses(void)
   advance(p, copy, state->step - copy->step);
   tap_ok(memcmp(copy->impulse, state->impulse,
                 (size_t)state->impulse_count * sizeof *state->impulse) == 0,
-         "a copy goes on with the same bits of its impulses");
+         "a copy continues with the same bits of its impulses");
   ct_state_free(state);
   close_run(copy, scene, box);
 }
@@ -521,11 +520,11 @@ static void sleep_over_checks(int push)
   double off = largest_difference(one->displacement, other->displacement, 3 * p->node_count);
   tap_ok(off == 0.0 && (one->displacement[3 * (p->node_count - 1)] != 0.0) == push,
          "checks after each step%s: the same values, off by %.2g",
-         push ? ", and a push between two" : "", off);
+         push ? ", and a force between two" : "", off);
   if (!push)
     tap_ok(one->element_updates[0] <= other->element_updates[0] + 480 &&
                one->element_updates[1] > 3 * one->element_updates[0],
-           "checks after each step wake nobody: %lld updates, %lld without checks",
+           "checks after each step wake no element: %lld updates, %lld without checks",
            (long long)one->element_updates[0], (long long)other->element_updates[0]);
   ct_monitor_free(monitor);
   ct_state_free(other);

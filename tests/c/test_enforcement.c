@@ -213,8 +213,9 @@ static void energy_never_grows(void)
         close_bar(&b);
       }
     tap_ok(rise < 2e-14 && least > LEAST[s],
-           "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest rise of the "
-           "total in a step is %.1e, at least %.3f stays",
+           "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest increase of "
+           "the "
+           "total in a step is %.1e, at least %.3f remains",
            SHARE[s], rise, least);
   }
   double left;
@@ -225,7 +226,7 @@ static void energy_never_grows(void)
          "a stiff penalty leaves the stable step as it is, an explicit one shortens it");
   largest_rise(p.problem, p.state, p.steps, &left);
   tap_ok(left > 1.1,
-         "and feeds energy into the bar within its own limit: %.2f times what was there", left);
+         "and feeds energy into the bar within its own limit: %.2f times the initial energy", left);
   close_bar(&b);
   close_bar(&p);
 }
@@ -821,7 +822,8 @@ static void driven(void)
     top = fmax(top, want);
   }
   tap_ok(top > 100.0 && off < 1e-13 * top,
-         "a block driven into a floor by a path: the force is the law's, off by %.1e", off / top);
+         "a block driven into a floor by a prescribed motion: the force is the law's, off by %.1e",
+         off / top);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);

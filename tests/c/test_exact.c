@@ -300,7 +300,7 @@ static void bad_input_is_refused(void)
                ct_exact_speeds(nus[i], NULL, NULL) != CT_OK,
            "refused: nu = %g", nus[i]);
   tap_ok(ct_exact_plates(0, NULL, NULL, NULL, 0.3, INFINITY, NULL, NULL, NULL) == CT_OK,
-         "no points are no fault");
+         "no points are no error");
   tap_ok(ct_exact_plates(1, &one, &one, &one, 0.3, INFINITY, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null fields are refused");
 }

@@ -97,9 +97,9 @@ static void sticks(ct_brick_kind kind, const char *name)
   // Tangential force over normal force is rho times slip over overlap. Lightly damped, so that only
   // the pull moves the block.
   tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06,
-            "%s, stick: the sole creeps by the elastic slip at the top of the pull", name);
+            "%s, stick: the lower face moves by the elastic slip at the maximum of the pull", name);
   tap_ok(fabs(sole(&t, 0)) < 0.02 * slip && lost == 0.0,
-         "%s, stick: it comes back to %.2g of the slip, and nothing is dissipated (%.2g)", name,
+         "%s, stick: it returns to %.2g of the slip, and no energy is dissipated (%.2g)", name,
          sole(&t, 0) / slip, lost);
   free_incline(&t);
 }
@@ -158,11 +158,12 @@ static void ledger(void)
     before = lost;
   }
   tap_ok(balance < 1e-12, "work balance %.2g of the kinetic energy", balance);
-  tap_ok(share < 2e-3 && lost > 0.9 * start,
-         "work of friction is minus what is held and dissipated, to %.2g; %.3f of the energy is "
-         "dissipated",
-         share, lost / start);
-  tap_ok(falls == 0, "what is dissipated never comes back");
+  tap_ok(
+      share < 2e-3 && lost > 0.9 * start,
+      "work of friction is minus the stored and dissipated energy, to %.2g; %.3f of the energy is "
+      "dissipated",
+      share, lost / start);
+  tap_ok(falls == 0, "dissipated energy never decreases");
   tap_close(momentum_of(t.problem, t.state, 1).p[0], 0.0, 0.02 * 0.4 * 2.0,
             "the block has come to rest");
   free_incline(&t);
@@ -363,7 +364,7 @@ static void rotation(void)
     }
   }
   tap_ok(off < 1e-12 * size,
-         "after turns of 0.4 rad each the held friction has turned with the bodies (%.2g)",
+         "after rotations of 0.4 rad each the stored friction has rotated with the bodies (%.2g)",
          off / size);
   free(x0), free(f0), free(solid);
   free_pressed(&t);

@@ -40,11 +40,11 @@ static void free_fall(void)
     other = worst(other, u[1]);
   }
   tap_close(other, 0.0, 1e-12, "a body falls v t + g t^2 / 2 (t = %g)", t);
-  tap_close(first, 0.0, 1e-13, "a body that is not listed flies on");
+  tap_close(first, 0.0, 1e-13, "a body that is not listed is not accelerated");
   tap_close(total / start.total, 0.0, 1e-12, "kinetic energy and weight together are constant");
   tap_close(balance / start.total, 0.0, 1e-13, "the work balance closes");
   double force[3 * 200], sum = 0.0, mass = 0.0;
-  tap_ok(3 * problem->node_count <= 600, "room for the forces");
+  tap_ok(3 * problem->node_count <= 600, "memory for the forces");
   need(ct_state_force(problem, state, 1, force, &e), &e);
   for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
   for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];

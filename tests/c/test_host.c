@@ -600,7 +600,7 @@ static void restart(pair p, const char *name, ct_enforcement enforcement)
   first = again.contact, again.contact = parts.contact, parts.contact = first;
   need(ct_contact_restore(again.contact, memory, count, &e), &e);
   for (int64_t n = 0; n < 2 * STEPS; n++) step_host(&again, n);
-  tap_ok(same_host(&whole, &again), "%s: and so has one from the beginning", name);
+  tap_ok(same_host(&whole, &again), "%s: a restart from the beginning has them, too", name);
   host *all[] = {&whole, &parts, &spare, &again};
   for (int i = 0; i < 4; i++) close_host(all[i]);
   free(memory);
@@ -747,7 +747,8 @@ static void refusals(void)
     b.x[5] = keep;
     need(ct_contact_step(contact, &p, &e), &e);
     need(ct_contact_step(other, &p, &e), &e);
-    tap_ok(lift(contact) == lift(other) && lift(contact) > 0.1, "and the next call is as ever");
+    tap_ok(lift(contact) == lift(other) && lift(contact) > 0.1,
+           "and the next call is not affected");
     for (int n = 0; n < 4; n++) a.v[3 * n + 2] += 0.01 * 2.0 * lift(contact) / 4;
     for (int n = 0; n < 4; n++) a.x[3 * n + 2] += 0.01 * a.v[3 * n + 2];
   }
@@ -765,7 +766,7 @@ static void refusals(void)
   contact = open_faces(&c, &b, options);
   need(ct_contact_update(contact, c.x, b.x, &e), &e);
   need(ct_contact_step(contact, &p, &e), &e);
-  tap_ok(lift(contact) == 0.0, "or kept, also after an update; it gives no force");
+  tap_ok(lift(contact) == 0.0, "or kept, also after an update, without force");
   for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not for 0.005"),
          "half a kick in the second step: %s", e.text);
@@ -811,11 +812,11 @@ static void refused_parts(void)
              ct_contact_add_obstacle(alone, 1, &wall, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_obstacle(contact, 0, NULL, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_obstacle(NULL, 0, &wall, &e) == CT_ERROR_ARGUMENT,
-         "surfaces that are not there: %s", e.text);
+         "unknown surfaces: %s", e.text);
   tap_ok(ct_contact_add_friction(alone, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
-         "friction of nothing: %s", e.text);
+         "friction without a contact: %s", e.text);
   need(ct_contact_add_obstacle(contact, 0, &wall, &e), &e);
   need(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e), &e);
   tap_ok(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
@@ -841,13 +842,13 @@ static void refused_parts(void)
     memory[i] = keep;
   }
   tap_ok(count < 400 && refused == count - 8 && allowed == 8,
-         "NaN in %d of %d saved numbers is refused, all but the distances of points: %s", refused,
+         "NaN in %d of %d saved numbers is refused, except in distances of points: %s", refused,
          (int)count, e.text);
   tap_ok(ct_contact_restore(contact, memory, count - 1, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_restore(contact, NULL, count, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_restore(NULL, memory, count, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_save(NULL, memory) == 0,
-         "another number of them: %s", e.text);
+         "another count of numbers: %s", e.text);
   need(ct_contact_restore(contact, memory, count, &e), &e);
   tap_ok(at > 0.0 && ct_contact_balance_of(contact, &(ct_contact_balance){0}) == CT_ERROR_ARGUMENT,
          "after a restart there is no balance before the next step");
@@ -881,14 +882,14 @@ static void memory(void)
     if (status == CT_OK) break;
     if (status != CT_ERROR_MEMORY) failed = -1000;
   }
-  tap_ok(failed > 20, "the first step fails %d times for want of memory, and then does not",
+  tap_ok(failed > 20, "the first step fails %d times for lack of memory, and then succeeds",
          failed);
   long calls = counted.calls;
   for (int i = 0; i < 20; i++) {
     for (int n = 0; n < 4; n++) a.x[3 * n + 2] -= 0.005;
     need(ct_contact_step(contact, &p, &e), &e);
   }
-  tap_ok(counted.calls == calls && lift(contact) > 0.0, "20 more allocate nothing");
+  tap_ok(counted.calls == calls && lift(contact) > 0.0, "20 further steps allocate nothing");
   ct_contact_free(contact);
 }
 

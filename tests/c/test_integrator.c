@@ -255,8 +255,8 @@ static void textbook(ct_scheme scheme, double share)
   tap_ok(off < 1e-11 * top,
          "%s at %.2f of its limit: 300 steps as its authors write them, off by %.2g",
          SCHEME[scheme], share, off / top);
-  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: and so are the velocities, off by %.2g",
-         SCHEME[scheme], wrong);
+  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: the velocities, too, off by %.2g", SCHEME[scheme],
+         wrong);
   tap_close(balance, 0.0, 1e-11, "%s: and the work balance closes", SCHEME[scheme]);
   free(v);
   close_run(state, scene, m);
@@ -286,7 +286,8 @@ static void free_fall(ct_scheme scheme)
       fast = worst(fast, v[i + 2] - (2.0 - 3.0 * t));
   }
   tap_ok(off < 1e-14 * 20 && fast < 1e-14 * 20,
-         "%s: a thrown stone, place off by %.2g and velocity by %.2g", SCHEME[scheme], off, fast);
+         "%s: a thrown stone, position off by %.2g and velocity by %.2g", SCHEME[scheme], off,
+         fast);
   close_run(state, scene, m);
 }
 
@@ -438,7 +439,7 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
          balance);
   tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", SCHEME[scheme],
          ENFORCEMENT[enforcement], momentum);
-  tap_ok(path < 1e-15, "%s, %s: a prescribed path is kept to %.2g", SCHEME[scheme],
+  tap_ok(path < 1e-15, "%s, %s: a prescribed motion is followed to %.2g", SCHEME[scheme],
          ENFORCEMENT[enforcement], path);
   ct_state_free(state);
   ct_scene_free(c.scene);
@@ -535,7 +536,7 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   double rms = sqrt(sum / count), kept = energy_of(&q, state).total / start;
   tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f",
          SCHEME[scheme], 100.0 * rms, kept);
-  tap_ok(kept < 1.001, "%s: bar on a wall, no energy from nothing", SCHEME[scheme]);
+  tap_ok(kept < 1.001, "%s: bar on a wall, no spurious energy", SCHEME[scheme]);
   free(force);
   close_run(state, scene, bar);
 }
@@ -599,22 +600,21 @@ static void within_a_step(void)
   tap_ok(ct_step(p, state, &e) == CT_INVALID, "a second stage fails, and so does its step");
   tap_ok(ct_step(p, state, &e) == CT_ERROR_ARGUMENT &&
              ct_energy_of(p, state, &energy, &e) == CT_ERROR_ARGUMENT,
-         "the state within the step is refused: %s", e.text);
+         "a state between two stages is refused: %s", e.text);
   tap_ok(ct_state_copy(p, state, good, &e) == CT_ERROR_ARGUMENT && good->step == 3 &&
              good->time == 3.0 * p->dt,
-         "nor can it be copied, and the other state stays: %s", e.text);
+         "it cannot be copied, and the other state does not change: %s", e.text);
   when = INFINITY;
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);
   advance(p, good, 2);
-  tap_ok(same_state(state, good), "a copy of the last good state goes on");
+  tap_ok(same_state(state, good), "a copy of the last good state continues");
   state->velocity[0] = NAN;
-  tap_ok(ct_step_many(p, state, 4, &e) != CT_OK, "a velocity that is no number is refused: %s",
-         e.text);
+  tap_ok(ct_step_many(p, state, 4, &e) != CT_OK, "a velocity that is NaN is refused: %s", e.text);
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);
   advance(p, good, 2);
-  tap_ok(same_state(state, good), "nothing of it is left in a state that is copied into");
+  tap_ok(same_state(state, good), "no trace of it remains in the destination of a copy");
   ct_state_free(state);
   close_run(good, scene, m);
 }

@@ -68,7 +68,7 @@ static void resultants(ct_brick_kind kind, const char *name)
       sum[c] += f[3 * n + c], moment += c == 2 ? f[3 * n + 2] * l.problem->reference[3 * n] : 0.0;
   tap_close(sum[0], 6.0, 1e-12, "%s: traction x area along x", name);
   tap_close(sum[1], -12.0, 1e-12, "%s: along y", name);
-  tap_close(sum[2], 3.0 - 42.0, 1e-12, "%s: along z, less the pressure", name);
+  tap_close(sum[2], 3.0 - 42.0, 1e-12, "%s: along z, minus the pressure", name);
   tap_close(moment, -39.0 * 1.5, 1e-11, "%s: the moment is that of the middle", name);
   free(f);
   ct_scene_free(scene);
@@ -98,7 +98,7 @@ static void closed_surface(ct_brick_kind kind, const char *name)
     }
   tap_close(largest(force, 3) / size, 0.0, 1e-14, "%s: a pressure all around has no resultant",
             name);
-  tap_close(largest(moment, 3) / size, 0.0, 1e-14, "%s: and no moment", name);
+  tap_close(largest(moment, 3) / size, 0.0, 1e-14, "%s: it has no moment", name);
   double bound = 0.0, worst_row = 0.0, unused;
   ct_state *state = new_state(l.problem);
   ct_error e = {0};
@@ -159,11 +159,11 @@ static void step_load(void)
   tap_close(state->displacement[3 * last] / exact, 1.0, 5e-3,
             "the loaded end has moved traction / (rho c) t");
   tap_close(mean / 3.0, 1.0, 5e-3, "behind the front the stress is the traction");
-  tap_ok(fabs(stress[6 * 20]) < 1e-12, "ahead of it there is none (%g)", stress[6 * 20]);
+  tap_ok(fabs(stress[6 * 20]) < 1e-12, "ahead of it the stress is 0 (%g)", stress[6 * 20]);
   ct_energy now = energy_of(l.problem, state);
   tap_close(now.balance / now.kinetic, 0.0, 1e-12, "the work balance closes");
   tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12,
-            "the bar holds the work of the load and nothing else");
+            "the energy of the bar is the work of the load");
   free(stress);
   close_run(state, scene, mesh);
 }

@@ -53,9 +53,9 @@ static void constants(void)
 static void limits(void)
 {
   ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
-  tap_ok(ct_material_check(&steel, NULL) == CT_OK, "steel is a material");
+  tap_ok(ct_material_check(&steel, NULL) == CT_OK, "steel is accepted");
   tap_ok(ct_material_check(NULL, NULL) == CT_ERROR_ARGUMENT,
-         "no material is refused, without a place for the error");
+         "a null material is refused, also with a null error");
   refused(0.0, 0.3, 1.0, "Young");
   refused(-1.0, 0.3, 1.0, "Young");
   refused(NAN, 0.3, 1.0, "Young");
@@ -70,7 +70,7 @@ static void limits(void)
   const ct_material least = {DBL_MIN, nextafter(-1.0, 0.0), DBL_MIN, CT_LINEAR},
                     most = {DBL_MAX, nextafter(0.5, 0.0), DBL_MAX, CT_LINEAR};
   tap_ok(ct_material_check(&least, NULL) == CT_OK && ct_material_check(&most, NULL) == CT_OK,
-         "what lies just within the limits is a material");
+         "values just within the limits are accepted");
 }
 
 int main(void)

@@ -118,19 +118,20 @@ static void budget(const kind *k)
          ring = k->lattice ? 1032 * 192 + 3 * 25 * 25 * (double)sizeof(ct_run) : 0;
   double peak = (double)(counted.peak - before) / held;
   tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want,
-         "%s: %.1f bytes a node, expected %.1f", k->name, held / nodes, (want + ring) / nodes);
+         "%s: %.1f bytes per node, expected %.1f", k->name, held / nodes, (want + ring) / nodes);
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
   long calls_before = counted.calls;
   if (monitor != NULL) need(ct_monitor_steps(monitor, state, 4, &e), &e);
   else advance(problem, state, 4);
   ask(problem, state, monitor);
-  tap_ok(counted.calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)",
-         k->name, counted.calls - calls_before);
+  tap_ok(counted.calls == calls_before,
+         "%s: neither steps nor the energy balance allocate (%ld calls)", k->name,
+         counted.calls - calls_before);
   ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
-  tap_ok(counted.held == before, "%s: all is given back", k->name);
+  tap_ok(counted.held == before, "%s: all memory is freed", k->name);
   counted.peak = counted.held;
 }
 
@@ -155,8 +156,8 @@ static void good_state(void)
   ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
   tap_ok(asked - before > 24 * (size_t)m->node_count && ct_monitor_good(monitor) == good &&
              counted.held == asked,
-         "a good state gets room for its forces once");
-  tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
+         "a good state allocates its forces once");
+  tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the energy balance of that state");
   advance(problem, state, 2);
   need(ct_monitor_check(monitor, state, &e), &e);
   a = energy_of(problem, state), b = energy_of(problem, good);
@@ -214,14 +215,14 @@ static void many_nodes(const kind *k)
     stored += fabs(energy);
     if (strcmp(problem->effects[i]->label, "gravity") == 0)
       tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14,
-             "the potential is minus weight times way");
+             "the potential is minus weight times displacement");
   }
   for (int64_t d = 0; d < dofs; d++)
     left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
   kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
   need(ct_energy_residual(problem, state, &unrest, &e), &e);
   double want = fmax(left / acting, sqrt(kinetic / stored));
-  tap_ok(close_to(unrest, want) < 1e-14, "%s: the unrest is that of all its nodes", k->name);
+  tap_ok(close_to(unrest, want) < 1e-14, "%s: the residual is that of all its nodes", k->name);
   if (k->relaxes) {
     const double *sample = state->memory + 2;
     double *way = numbers(dofs), *change = numbers(dofs);
@@ -266,14 +267,15 @@ static void bars(void)
            : i == 1 ? "two bars"
                     : "two that meet",
            counted.calls - calls_before, (int)steps);
-    if (i == 2) tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they have met");
+    if (i == 2)
+      tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they are in contact");
     ct_state_free(state);
     ct_scene_free(scene);
   }
   // 1 + 20 + 120 elements wait for their nodes and 256 are computed at once, in a ring of 512.
   double alone = (double)held[0] - (512 + 8) * 192;
   tap_ok(fabs((double)(held[1] - held[0]) - alone) <= 0.02 * alone,
-         "a second bar brings %zu bytes to %zu, and no ring", held[1] - held[0], held[0]);
+         "a second bar changes %zu bytes to %zu, without a ring", held[1] - held[0], held[0]);
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
 }
 
@@ -286,7 +288,7 @@ static void no_room(void)
   counted.last_call = counted.calls;
   tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY &&
              ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY,
-         "no memory for the faces of a mesh: told, and not as none");
+         "no memory for the faces of a mesh: reported as such, not as no faces");
   counted.last_call = -1;
   tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 &&
              ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4,

@@ -24,7 +24,7 @@ static void box_counts(ct_brick_kind kind)
       used[m->elements[e * per + a]]++;
     }
   for (int n = 0; n < m->node_count; n++) unused += used[n] == 0;
-  tap_ok(off == 0, "%s: every node of every element stands where its cell wants it (%d do not)",
+  tap_ok(off == 0, "%s: each node of each element is at its place in the cell (%d are not)",
          KIND[kind], off);
   tap_ok(unused == 0, "%s: every node is used", KIND[kind]);
   // Node sharing: each corner of the box is used once, an inner lattice point 8 times.
@@ -186,7 +186,7 @@ static void turned_faces(void)
     good += n[0] > 0.999999;
   }
   tap_ok(ct_mesh_check(m, NULL) == CT_OK && count == 9 && good == 9,
-         "turned elements: nine faces at x = 1, all outwards");
+         "rotated elements: nine faces at x = 1, all outwards");
   free(face);
   ct_mesh_free(m);
 }
@@ -214,7 +214,7 @@ static void refusals(ct_brick_kind kind)
   memcpy(keep, three, sizeof(int32_t) * (size_t)per);
   for (int a = 0; a < 4; a++) three[a] = keep[a + 4], three[a + 4] = keep[a];
   for (int a = 8; kind == CT_HEX20 && a < 12; a++) three[a] = keep[a + 4], three[a + 4] = keep[a];
-  refused(m, CT_ERROR_GEOMETRY, 3, 0, "inverted", "an element turned inside out");
+  refused(m, CT_ERROR_GEOMETRY, 3, 0, "inverted", "an inverted element");
   memcpy(three, keep, sizeof(int32_t) * (size_t)per);
 
   for (int a = 0; a < 4; a++) three[a + 4] = keep[a];
@@ -235,7 +235,7 @@ static void refusals(ct_brick_kind kind)
   m->nodes[3 * 5 + 1] = INFINITY;
   refused(m, CT_INVALID, -1, 5, "coordinate y", "an infinite coordinate");
   m->nodes[3 * 5 + 1] = old;
-  tap_ok(ct_mesh_check(m, NULL) == CT_OK, "%s: and with all of that undone it passes", KIND[kind]);
+  tap_ok(ct_mesh_check(m, NULL) == CT_OK, "%s: without these faults it passes", KIND[kind]);
 
   m->kind = (ct_brick_kind)7;
   tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT, "an unknown kind of element is refused");
@@ -296,7 +296,7 @@ static void corners(ct_brick_kind kind)
     }
     refused(m, CT_ERROR_GEOMETRY, 0, -1,
             beyond ? "inverted at its corner 6" : "collapsed at its corner 6",
-            beyond ? "a corner that is inside out" : "a flat corner");
+            beyond ? "an inverted corner" : "a flat corner");
   }
   memcpy(m->nodes, keep, size);
 
@@ -435,7 +435,7 @@ static void each_is_checked(ct_brick_kind kind, double scale)
     x[2] = keep;
   }
   tap_ok(found == 2 * m->element_count && ct_mesh_check(m, NULL) == CT_OK,
-         "%s of size %g: each of 27 elements is found when it is turned, %d of %d", KIND[kind],
+         "%s of size %g: each of 27 elements is found if it is inverted, %d of %d", KIND[kind],
          scale, found, 2 * (int)m->element_count);
   ct_mesh_free(m);
 }
@@ -484,7 +484,7 @@ int main(void)
   ct_mesh *m = NULL;
   tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT &&
              ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,
-         "more cells than numbers reach are refused");
+         "more cells than 32 bits can count are refused");
   tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT &&
              ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "no box and an unknown element are refused");
@@ -493,9 +493,10 @@ int main(void)
   ring_refused((ct_ring){{0, 0, 0}, {1, 1}, 1, {1, 8, 1}}, "radius", "a ring without thickness");
   ring_refused((ct_ring){{0, 0, 0}, {1, 2}, NAN, {1, 8, 1}}, "width", "a width that is NaN");
   ring_refused((ct_ring){{0, 0, INFINITY}, {1, 2}, 1, {1, 8, 1}}, "centre", "a centre at infinity");
-  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 2, 1}}, "around", "a ring of two");
-  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 8, 0}}, "across", "a ring of no cells");
-  tap_ok(ct_mesh_create_ring(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT, "no ring is refused");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 2, 1}}, "around", "a ring of two cells");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 8, 0}}, "across", "a ring without cells");
+  tap_ok(ct_mesh_create_ring(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT,
+         "a null ring is refused");
   ct_mesh_free(NULL);
   double low[3], high[3];
   ct_mesh_bounds(NULL, low, high);

@@ -55,7 +55,7 @@ static void same_bits(void)
              memcmp(plain->memory, monitored->memory,
                     (size_t)plain->memory_count * sizeof(double)) == 0 &&
              memcmp(plain->work, monitored->work, (size_t)plain->work_count * sizeof(double)) == 0,
-         "looks change no bit of %d steps", (int)steps);
+         "checks change no bit of %d steps", (int)steps);
   const ct_state *good = ct_monitor_good(monitor);
   tap_ok(good != NULL && good->step == steps / 3 * 3,
          "the last good state is that of the last check, step %d",
@@ -98,7 +98,7 @@ static void stiffening(void)
          stretch, critical);
   tap_ok(finite(p, state) && ct_monitor_good(monitor)->step < state->step &&
              ct_monitor_good(monitor)->step >= state->step - 4,
-         "before anything has grown");
+         "before the motion has grown");
   ct_monitor_free(monitor);
   close_run(state, scene, m);
   ct_mesh_free(other);
@@ -133,7 +133,7 @@ static void growth(double over)
            "a step %.4f of the limit: %s", over, e.text);
   else
     tap_ok(status == CT_OK && state->step == 20000,
-           "a step %.4f of the limit: no word in 20000 steps", over);
+           "a step %.4f of the limit: no error in 20000 steps", over);
   ct_monitor_free(monitor);
   close_run(state, scene, m);
   ct_mesh_free(still);
@@ -184,9 +184,9 @@ static void pump(double limit, int stores)
   if (stores)
     tap_ok(status == CT_ERROR_ENERGY && e.body == 0 && state->time > when &&
                state->time < when + 2.5 * p->dt,
-           "a share of %.2f from nothing at t = %.4g, in theory %.4g: %s", limit, state->time, when,
+           "a spurious fraction of %.2f at t = %.4g, in theory %.4g: %s", limit, state->time, when,
            e.text);
-  else tap_ok(status == CT_OK, "the same work by a force from outside is no fault");
+  else tap_ok(status == CT_OK, "the same work by an external force is no error");
   ct_monitor_free(monitor);
   close_run(state, scene, m);
 }
@@ -237,12 +237,12 @@ static void told(int stores, double unit)
     tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 &&
                found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 &&
                found.body == 1 && found.step > 0,
-           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f "
+           "unit %g: %.4f spurious at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f "
            "left at the end",
            unit, found.share, found.time, when, (int)found.effect, (int)found.body, left);
   else
     tap_ok(status == CT_OK && found.share == 0.0,
-           "unit %g: the same work by a force from outside is no growth", unit);
+           "unit %g: the same work by an external force is no growth", unit);
   ct_monitor_free(monitor);
   close_run(state, scene, m);
 }
@@ -346,10 +346,10 @@ static void at_rest(void)
     free(faces[0]);
     free(faces[1]);
   }
-  tap_ok(
-      alarms == 0 && told_of == 0 && most < 1e-26,
-      "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s",
-      most, alarms, told_of, text);
+  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
+         "two blocks at rest in 40 positions, energies up to %.1e: %d errors, growth reported %d "
+         "times%s",
+         most, alarms, told_of, text);
 }
 
 /* An inverted element, and a NaN, during a run. */
@@ -370,11 +370,11 @@ static void named(int bad)
   if (bad)
     tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 &&
                strstr(e.text, "second") && strstr(e.text, "(step "),
-           "no number: %s", e.text);
+           "not a number: %s", e.text);
   else
     tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 3 &&
                strstr(e.text, "second") && strstr(e.text, "element 3") && strstr(e.text, "(step "),
-           "inside out: %s", e.text);
+           "an inverted element: %s", e.text);
   tap_ok(ct_monitor_good(monitor)->step == 4 && finite(p, ct_monitor_good(monitor)),
          "the state of step 4 was good");
   // It goes on from there to the same bits as a run in which nothing happened.
@@ -384,7 +384,7 @@ static void named(int bad)
   advance(p, straight, 10);
   tap_ok(memcmp(straight->displacement, state->displacement,
                 3 * (size_t)p->node_count * sizeof(double)) == 0,
-         "and goes on to the same bits");
+         "and continues with the same bits");
   ct_monitor_free(monitor);
   ct_state_free(straight);
   close_run(state, scene, m);
@@ -411,7 +411,7 @@ static void refusals(void)
              ct_monitor_steps(NULL, state, 1, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_check(NULL, state, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_good(NULL) == NULL && ct_monitor_growth(NULL).share == 0.0,
-         "and so is nothing at all");
+         "null arguments are refused");
   ct_monitor_free(NULL);
   close_run(state, scene, m);
 }

@@ -68,7 +68,7 @@ static void there_and_back(ct_brick_kind kind)
   need(ct_energy_work(p, state, 1, &own, &e), &e);
   tap_ok(path < 1e-13, "kind %d: the base is where the amplitude has it, off by %.2g", kind, path);
   tap_close((own - work) / scale, 0.0, 1e-12,
-            "kind %d: the ledger has the work of the reaction on its way", kind);
+            "kind %d: the energy balance has the work of the reaction", kind);
   tap_ok(total < 1e-12 * scale && balance < 1e-12 * scale,
          "kind %d: total energy constant to %.2g, balance %.2g of the strain energy", kind,
          total / scale, balance / scale);
@@ -182,7 +182,7 @@ static void refusals(void)
   ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -1}};
   add_made(scene, ct_gravity_create_effect, &gravity);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_OK,
-         "another effect may stand after it in the list");
+         "another effect may come after it in the list");
   need(create_motion(two, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&

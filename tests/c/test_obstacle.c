@@ -205,9 +205,9 @@ static void bar(void)
   tap_close(first, 0.5, 0.005, "bar: contact begins at 0.5");
   tap_close(last, 0.5 + 2.0 / 3.0, 0.01, "bar: and ends at 1.1667");
   tap_close(middle / count, 300.0, 1.0, "bar: with the pressure 300");
-  tap_close(p.p[0] / 0.1, 10.0, 0.15, "bar: it goes back with the velocity 10");
+  tap_close(p.p[0] / 0.1, 10.0, 0.15, "bar: it rebounds with the velocity 10");
   tap_close(impulse[0], p.p[0] + 1.0, 1e-12, "bar: the wall's impulse is the change of momentum");
-  tap_close(p.obstacle_impulse[0], p.p[0] + 1.0, 1e-12, "bar: and stands in the row of the body");
+  tap_close(p.obstacle_impulse[0], p.p[0] + 1.0, 1e-12, "bar: and is in the row of the body");
   tap_ok(balance < 1e-12, "bar: work balance %.2g", balance);
   tap_ok(drift < 0.01, "bar: the energy stays within %.2g", drift);
   end(&t);
@@ -242,7 +242,7 @@ static void moving_wall(int amplitude)
             amplitude ? "amplitude" : "velocity");
   tap_close(work, 20.0, 0.2, "the wall's work is its impulse times its velocity");
   tap_ok(e.external == work && drift < 0.005 * 20.0,
-         "it is booked as external, and the total stays (%.2g)", drift / 20.0);
+         "it counts as external, and the total is constant (%.2g)", drift / 20.0);
   tap_ok(balance < 1e-12 * 20.0, "work balance %.2g", balance / 20.0);
   end(&t);
 }
@@ -258,8 +258,9 @@ static void depth(void)
       2, -50.0, 0.0);
   finish(&t, 1.0, 0.5);
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
-  tap_close(force[2], -100.0, 1e-12,
-            "a sole 50 deep, many blocks below the plane, is pushed with 50 times the penalty");
+  tap_close(
+      force[2], -100.0, 1e-12,
+      "a face at a depth of 50, many blocks below the plane, has 50 times the penalty as pressure");
   end(&t);
 }
 
@@ -299,10 +300,10 @@ static void incline(double mu, double vx, int slips)
     tap_ok(ratio < 1e-12, "incline: friction is mu times the normal force in every step (%.2g)",
            ratio);
     tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-12,
-              "incline: so momentum along and across the slope go together exactly");
+              "incline: momentum along and across the slope have this ratio exactly");
     tap_close(gain, want, 0.01 * want, "incline: the acceleration is g (sin a - mu cos a)");
     tap_ok(lost > 0.0 && fabs(work + held + lost) < 1e-3 * lost,
-           "incline: work of friction is minus what is held and dissipated (%.2g)",
+           "incline: work of friction is minus the stored and dissipated energy (%.2g)",
            (work + held + lost) / lost);
   } else
     tap_ok(lost == 0.0 && top < 3.0 * 0.1 * g * s * 0.3 * 0.25 / 900.0 &&
@@ -384,7 +385,7 @@ static void hertz(void)
   double pressure = epsilon * (t.state->displacement[3 * middle + 2] + depth),
          peak = 2.0 * modulus / 3.14159265358979323846 * sqrt(depth / R);
   tap_ok(energy_of(t.problem, t.state).kinetic < 1e-3 * work,
-         "Hertz: all is at rest (kinetic energy %.2g of the work)",
+         "Hertz: the block is at rest (kinetic energy %.2g of the work)",
          energy_of(t.problem, t.state).kinetic / work);
   tap_close(got / want, 1.0, 0.06,
             "Hertz: force of the closed form for the approach (contact radius %.2g, elements %.2g)",
@@ -429,7 +430,7 @@ static void tractions(ct_brick_kind kind)
   for (int i = 0; i < nodes; i++)
     for (int c = 0; c < 3; c++) sum[c] += area[i] * traction[3 * i + c];
   tap_ok(fabs(sum[2] + reaction[2]) < 1e-12 * sum[2] && largest(sum, 2) == 0.0,
-         "%s, shaken: all of the force on the obstacle, off by %.2g",
+         "%s, distorted: all of the force on the obstacle, off by %.2g",
          kind == CT_HEX8 ? "hex8" : "hex20", fabs(sum[2] + reaction[2]) / sum[2]);
   tap_ok(ct_obstacle_traction(t.problem, t.state, 0, traction, area, &error) == CT_ERROR_ARGUMENT &&
              ct_obstacle_traction(t.problem, t.state, 1, NULL, area, &error) == CT_ERROR_ARGUMENT,

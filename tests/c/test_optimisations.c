@@ -288,7 +288,7 @@ static void shuffled_bar(void)
   int64_t slept = state[1]->element_updates[1], all = 20 * (int64_t)s->element_count;
   tap_ok(apart(state[0]->displacement, state[1]->displacement, NULL, s->node_count) == 0.0 &&
              slept > all / 2 && slept < all,
-         "a shuffled bar, pulled for 20 steps: the same values, though %d of %d updates are left "
+         "a shuffled bar, pulled for 20 steps: the same values, although %d of %d updates are left "
          "out",
          (int)slept, (int)all);
   for (int k = 0; k < 2; k++) {
@@ -349,7 +349,7 @@ static void shuffled_collision(void)
          "two shuffled blocks collide (%.0f): three threads and a restart have the same bits",
          pushed);
   int64_t faults = mirror_faults(one->displacement, mirrored->displacement, one->node_count, 1);
-  tap_ok(faults == 0, "so has the mirror image, but for %d", (int)faults);
+  tap_ok(faults == 0, "the mirror image has them, too, except for %d", (int)faults);
   ct_state *states[5] = {one, three, half, rest, mirrored};
   for (int i = 0; i < 5; i++) ct_state_free(states[i]), ct_scene_free(scene[i]);
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]), ct_mesh_free(image[b]);
@@ -375,7 +375,7 @@ static void without_contact(void)
   ct_state *state = new_state(problem);
   tap_ok(problem->effect_count == 1 && state->memory_count == 0 && state->impulse_count == 0 &&
              state->work_count == 3 * m->node_count && state->workspace->shared_count == 0,
-         "a scene without contact keeps nothing for it");
+         "a scene without contact stores nothing for it");
   close_run(state, scene, m);
 }
 
@@ -447,8 +447,8 @@ static void orders(ct_brick_kind kind)
   for (int k = 0; k < 7; k++) {
     ct_optimisations none = {0, 0, 0, 0};
     static const char *names[] = {
-        "z, nothing left out", "x",           "x, nothing left out",          "y",
-        "y, nothing left out", "z, shuffled", "z, shuffled, nothing left out"};
+        "z, no element skipped", "x",           "x, no element skipped",          "y",
+        "y, no element skipped", "z, shuffled", "z, shuffled, no element skipped"};
     place *places = impact(kind,
                            k == 0 || k > 4 ? CT_LAYERS_Z
                            : k < 3         ? CT_LAYERS_X

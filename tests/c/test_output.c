@@ -367,13 +367,13 @@ static void test_restart_continues(void)
   good = ct_output_restart(in_folder("restart.vtkhdf"), &r->problem, resumed, &error) == CT_OK;
   tap_ok(good && resumed->step == 15, "the newest record is read (step %ld)", (long)resumed->step);
   good = ct_step_many(&r->problem, resumed, 10, &error) == CT_OK;
-  tap_ok(straight->memory_count == 3 && straight->memory[0] > 0, "the effect remembers something");
+  tap_ok(straight->memory_count == 3 && straight->memory[0] > 0, "the effect has memory");
   tap_ok(good && same_state(resumed, straight),
-         "stopped, saved and restarted: the same bits as the straight run");
+         "stopped, saved and restarted: the same bits as the uninterrupted run");
   ct_energy a, b;
   good = ct_energy_of(&r->problem, straight, &a, &error) == CT_OK &&
          ct_energy_of(&r->problem, resumed, &b, &error) == CT_OK;
-  tap_ok(good && a.total == b.total && a.balance == b.balance, "and the same ledger");
+  tap_ok(good && a.total == b.total && a.balance == b.balance, "and the same energy balance");
   ct_state_free(straight);
   ct_state_free(stopped);
   ct_state_free(resumed);
@@ -391,11 +391,11 @@ static void test_restart_makes_no_state(void)
   long calls = counted.calls;
   int good = ct_output_restart(in_folder("lean.vtkhdf"), &r->problem, state, &error) == CT_OK;
   tap_ok(good && counted.calls == calls,
-         "a restart takes no memory of the library beside the state that it fills (%ld blocks)",
+         "a restart allocates no library memory besides the state (%ld blocks)",
          counted.calls - calls);
   ct_state_free(state);
   rig_free(r);
-  tap_ok(counted.blocks == 0 && ct_set_allocator(NULL) == CT_OK, "and leaves none behind");
+  tap_ok(counted.blocks == 0 && ct_set_allocator(NULL) == CT_OK, "and no memory stays allocated");
 }
 
 /* tests/python/test_output.py reads the other contents of the file. */
@@ -453,8 +453,9 @@ static void test_any_moment(void)
     tap_skip("this HDF5 does not write through pwrite, so its writes can't be watched");
   else {
     tap_ok(bad_records == 0,
-           "a whole restart record at each of %ld moments between writes and inside them", moments);
-    tap_ok(bad_steps == 0, "every step before it readable at each of them");
+           "a complete restart record at each of %ld times between writes and within them",
+           moments);
+    tap_ok(bad_steps == 0, "all earlier steps are readable at each of them");
     tap_ok(bad_histories == 0, "and the history of a probe up to the record");
   }
   ct_probes_free(probes);
@@ -489,7 +490,7 @@ static void test_kill(void)
     if (steps >= 1 && (record == steps - 1 || record == steps)) good++;
     else printf("# steps %ld, record %ld: %s\n", steps, record, error.text);
   }
-  tap_ok(good == tries, "killed at %d of %d odd moments: the file opens, with a record that fits",
+  tap_ok(good == tries, "killed at %d of %d random times: the file opens, with a matching record",
          good, tries);
   rig_free(r);
 }
@@ -563,7 +564,7 @@ static void test_failing_writes(void)
              WIFEXITED(how) ? WEXITSTATUS(how) : how);
   }
   tap_ok(finished && good == tried,
-         "disk full at %d of %d writes: told with the reason, closed, nothing left open, nothing "
+         "disk full at %d of %d writes: reported with the reason, closed, no open handles, nothing "
          "printed",
          good, tried);
   rig_free(r);
@@ -603,7 +604,7 @@ static void test_full_disk(void)
   remove(ballast);
   tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK &&
              ct_output_close(output, &error) == CT_OK,
-         "once there is room again, the run goes on");
+         "once there is space again, the run continues");
   tap_ok(check_steps(r, path) == k && check_record(r, path, &error) == k - 1,
          "and no step is missing");
   file = fopen(ballast, "w");
@@ -611,8 +612,8 @@ static void test_full_disk(void)
   if (file != NULL) fclose(file);
   ct_output *none = NULL;
   tap_ok(ct_output_create(path, &r->problem, &ALL, &none, &error) == CT_ERROR_FILE && none == NULL,
-         "no room to create: %s", error.text);
-  tap_ok(check_steps(r, path) == k, "the old file is as it was");
+         "no space to create: %s", error.text);
+  tap_ok(check_steps(r, path) == k, "the old file is unchanged");
   snprintf(command, sizeof command, "umount -l '%s'", mount_point);
   if (system(command) != 0) printf("# %s stays mounted\n", mount_point);
   ct_state_free(state);
@@ -644,14 +645,14 @@ static void test_bad_paths(void)
                 "/proc/run.vtkhdf: can't write the file: No such file");
   refuse_create(r, blocked, CT_ERROR_FILE, "Is a directory");
   tap_ok(access(in_folder("blocked.vtkhdf.part"), F_OK) == 0,
-         "what stood in the way is not removed");
+         "the object in the way is not removed");
   tap_ok(ct_output_create(blocked, NULL, &ALL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "nulls are refused");
   tap_ok(ct_output_append(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "append with nulls is refused");
   tap_ok(ct_output_restart(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "restart with nulls is refused");
-  tap_ok(ct_output_close(NULL, NULL) == CT_OK, "closing nothing is no error");
+  tap_ok(ct_output_close(NULL, NULL) == CT_OK, "closing null is no error");
   rig_free(r);
 }
 
@@ -662,10 +663,10 @@ static void test_names(void)
   ct_error error;
   write_file(r, path, 2);
   ct_output *output = must_create(r, path);
-  tap_ok(check_steps(r, path) == 2, "a new run leaves the old file alone until its first step");
+  tap_ok(check_steps(r, path) == 2, "a new run does not touch the old file until its first step");
   tap_ok(ct_output_close(output, &error) == CT_OK && check_steps(r, path) == 2 &&
              access(part, F_OK) != 0,
-         "and for good when it has no step");
+         "and never if it has no step");
   write_file(r, path, 1);
   tap_ok(check_steps(r, path) == 1 && access(part, F_OK) != 0, "a run with a step replaces it");
   char target[320], link[320];
@@ -715,7 +716,7 @@ static void test_one_writer(void)
   refuse_create(r, path, CT_ERROR_FILE, reason);
   for (int k = 0; k < 2; k++) {
     pose(r, state, k);
-    tap_ok(ct_output_append(first, &r->problem, state, &error) == CT_OK, "the first run goes on");
+    tap_ok(ct_output_append(first, &r->problem, state, &error) == CT_OK, "the first run continues");
     refuse_create(r, path, CT_ERROR_FILE, reason);
     tap_ok(check_steps(r, path) == k + 1 && access(part, F_OK) != 0,
            "and its file can be read while it is written");
@@ -727,7 +728,7 @@ static void test_one_writer(void)
     refuse_create(r, path, CT_ERROR_FILE, reason);
     kill(writer, SIGKILL);
     waitpid(writer, NULL, 0);
-    tap_ok((access(part, F_OK) == 0) == (steps == 0), "a killed run leaves what it had");
+    tap_ok((access(part, F_OK) == 0) == (steps == 0), "a killed run leaves its steps");
     write_file(r, path, 1);
     tap_ok(check_steps(r, path) == 1 && access(part, F_OK) != 0, "and blocks no other");
   }
@@ -789,11 +790,11 @@ static void test_wrong_state(void)
          "a step without stresses: %s", error.text);
   r->body[1].material.law = CT_LINEAR;
   tap_ok(check_record(r, path, &error) == 0 && check_steps(r, path) == 1,
-         "leaves steps and record as they were");
+         "leaves steps and record unchanged");
   pose(r, state, 1);
-  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "and the run may go on");
+  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "and the run may continue");
   ct_output_close(output, NULL);
-  tap_ok(check_steps(r, path) == 2, "with its steps in a row");
+  tap_ok(check_steps(r, path) == 2, "with consecutive steps");
   ct_state_free(state);
   ct_state_free(foreign);
   rig_free(r);
@@ -815,7 +816,7 @@ static void test_other_problem(void)
   rig *r = rig_create(0, 1), *curved = rig_create(1, 1), *bare = rig_create(0, 0);
   const char *path = in_folder("other.vtkhdf");
   write_file(r, path, 2);
-  refuse_restart(curved, path, CT_ERROR_FILE, "stands at another place");
+  refuse_restart(curved, path, CT_ERROR_FILE, "has another position");
   refuse_restart(bare, path, CT_ERROR_FILE, "'libcontact/effects' has 2 rows, the problem 1");
   r->probe.label = "gravity";
   refuse_restart(r, path, CT_ERROR_FILE,
@@ -838,7 +839,7 @@ static void test_other_problem(void)
   refuse_restart(r, path, CT_ERROR_FILE, "has another name");
   strcpy(r->body[0].name, "left");
   ct_error error;
-  tap_ok(check_record(r, path, &error) == 1, "and the right problem is still welcome");
+  tap_ok(check_record(r, path, &error) == 1, "and the right problem is still accepted");
   rig_free(r);
   rig_free(curved);
   rig_free(bare);
@@ -884,9 +885,9 @@ static void test_bad_files(void)
   // and 4.5 in the fields as well
   double value = want_velocity(2, 2);
   tap_ok(spoil(path, &value) > 0 && check_record(r, path, &error) == 1,
-         "a spoilt record: the one before it is taken");
+         "a damaged record: the one before it is used");
   value = want_velocity(2, 1);
-  tap_ok(spoil(path, &value) > 0, "both records spoilt");
+  tap_ok(spoil(path, &value) > 0, "both records damaged");
   refuse_restart(r, path, CT_ERROR_FILE, "no complete restart record");
   write_file(r, path, 3);
   struct stat found;
@@ -923,7 +924,7 @@ static void test_error_handler(void)
   refuse_restart(r, in_folder("text.vtkhdf"), CT_ERROR_FILE, "can't read the file");
   H5Eget_auto2(H5E_DEFAULT, &after, &data);
   tap_ok(calls == 0 && after == count_calls && data == &calls,
-         "the host's error handler is left as it was, and not called");
+         "the host's error handler is unchanged and not called");
   H5Eset_auto2(H5E_DEFAULT, before, before_data);
   tap_ok(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL) == 0, "no HDF5 object is left open");
   rig_free(r);

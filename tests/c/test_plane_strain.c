@@ -63,7 +63,7 @@ static void zeros(void)
     for (int i = 0; i < n; i++) u[i] = i % 3 == axis ? 0.0 : 0.7;
     block_force(&plane, u, f);
     for (int i = 0; i < n; i++) minus += f[i] != 0.0 || signbit(f[i]);
-    tap_ok(minus == 0, "held along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus,
+    tap_ok(minus == 0, "fixed along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus,
            n);
     close_block(&plane);
     free(u);
@@ -83,7 +83,7 @@ static void forces(void)
     double own = block_force(&plane, u, f), want = block_force(&box, u, g),
            energy = reference_force(m, &STEEL, u, h);
     tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX,
-           "held along %c: the plane kernel is chosen", "xyz"[axis]);
+           "fixed along %c: the plane kernel is chosen", "xyz"[axis]);
     tap_ok(unlike(f, g, n) == 0 && own == want,
            "%c: %d of %d forces differ from the bricks', energies %.17g and %.17g", "xyz"[axis],
            (int)unlike(f, g, n), n, own, want);
@@ -114,7 +114,7 @@ static void forces(void)
     own = block_force(&plane, w, f);
     want = block_force(&box, w, g);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want,
-           "%c: so are layers that shear along their thickness", "xyz"[axis]);
+           "%c: layers that shear along their thickness are, too", "xyz"[axis]);
     free(w);
     own = block_force(&plane, u, f);
     want = block_force(&box, u, g);
@@ -169,7 +169,7 @@ static void rings(void)
         memset(f, 0, (size_t)n * sizeof *f);
         need(plane.effect->force(plane.effect, &view, f, &e), &e);
         tap_ok(unlike(f, g, n) == 0,
-               "held along %c, %s, %d threads: %d of %d forces differ from the bricks'",
+               "fixed along %c, %s, %d threads: %d of %d forces differ from the bricks'",
                "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
       }
       close_block(&plane);
@@ -293,7 +293,7 @@ static void runs(void)
            "plates%s%s: displacements and velocities have the bits of the bricks",
            push ? ", one layer pushed" : "", congruent ? "" : ", nothing shared");
     tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0,
-           "their ledger, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
+           "their energy balance, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
     tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
     double *f = numbers(n), *g = numbers(n);
     ct_error e;
@@ -321,8 +321,8 @@ static void choice(void)
         thick = open_held(two, CT_KERNEL_AUTO, 1, 1),
         general = open_held(bent, CT_KERNEL_AUTO, 1, 1);
   tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE,
-         "one layer of boxes held along its thickness is a plane");
-  tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "held another way it is not");
+         "one layer of boxes fixed along its thickness is a plane");
+  tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "fixed along another axis it is not");
   tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
   tap_ok(kernel_of(general.effect) == CT_KERNEL_GENERAL, "elements of any shape are not");
   for (int moving = 0; moving < 2; moving++) {
@@ -332,8 +332,8 @@ static void choice(void)
     const ct_problem *p =
         build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9, .threads = 1}, NULL, NULL);
     tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE),
-           "of a scene: held %s",
-           moving ? "and moved, it is computed as bricks" : "at rest, it is a plane");
+           "of a scene: fixed %s",
+           moving ? "and moving, it is computed as bricks" : "at rest, it is a plane");
     ct_scene_free(scene);
   }
   double cost[2], bytes[2];
@@ -341,7 +341,7 @@ static void choice(void)
   ct_solid_body_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
   ct_solid_body_plan(box.effect, 0, NULL, &cost[1], &bytes[1]);
   tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0],
-         "the plan: %.0f operations and %.0f bytes an element, %.0f and %.0f for bricks", cost[0],
+         "the plan: %.0f operations and %.0f bytes per element, %.0f and %.0f for bricks", cost[0],
          bytes[0], cost[1], bytes[1]);
   close_block(&held);
   close_block(&wrong);
@@ -351,7 +351,7 @@ static void choice(void)
   ct_solid_body b = {.mesh = one, .material = STEEL, .kernel = CT_KERNEL_PLANE};
   ct_effect *effect = NULL;
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL,
-         "a plane that is not held is refused: %s", e.text);
+         "a plane that is not fixed is refused: %s", e.text);
   ct_mesh_free(one);
   ct_mesh_free(two);
   ct_mesh_free(bent);

@@ -207,7 +207,7 @@ static void monitor_takes_the_same_rows(void)
   ct_probe_history b = history_of(probes[1], 0), a = history_of(probes[0], 0);
   tap_ok(back == 35 && b.row_count == back + 1 &&
              largest_difference(a.rows, b.rows, b.row_count * b.width) == 0.0,
-         "from a copy of an earlier state: the later rows are dropped and taken anew");
+         "from a copy of an earlier state: the later rows are dropped and recorded again");
   ct_monitor_free(monitor);
   for (int i = 0; i < 2; i++) ct_probes_free(probes[i]);
   ct_state_free(one);

@@ -268,10 +268,11 @@ static void brute_force(ct_face_kind kind)
     for (int a = 0; a < 4 && !triangular(kind); a++)
       if (room[a] > 0) slope = fmax(slope, inward[a]);
   }
-  tap_ok(bad == 0, "%s: robust ends well on 150 distorted faces", FACE_NAME[kind]);
+  tap_ok(bad == 0, "%s: robust succeeds on 150 distorted faces", FACE_NAME[kind]);
   tap_close(fmax(closer, 0), 0, 1e-13, "%s: no grid point is closer than its closest point",
             FACE_NAME[kind]);
-  tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", FACE_NAME[kind]);
+  tap_close(slope, 0, 1e-12, "%s: no direction into the face decreases the distance",
+            FACE_NAME[kind]);
 }
 
 /* Samples (eq:robust-samples) detect the valleys. Faces z = p x^2 + q y^2 + r x y, so strongly bent
@@ -344,7 +345,7 @@ static void costs_in_looks(ct_face_kind kind)
       dearer += b.evaluations > a.evaluations;
     }
   }
-  tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", FACE_NAME[kind], most);
+  tap_ok(most <= 5, "%s: a nearly plane face needs at most %d evaluations", FACE_NAME[kind], most);
   tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces",
          FACE_NAME[kind], dearer);
 }
@@ -430,7 +431,7 @@ static void first_step_of_robust(ct_face_kind kind)
     lower = fmax(lower, taken - best);
     unkept += f[0] - f[1] < -0.1 * taken;
   }
-  tap_ok(steps > 150 && unkept == 0, "%s: f falls as promised in %d first steps of robust",
+  tap_ok(steps > 150 && unkept == 0, "%s: f decreases as predicted in %d first steps of robust",
          FACE_NAME[kind], steps);
   tap_close(lower, 0, 1e-13, "%s: no allowed step has a lower model", FACE_NAME[kind]);
 }
@@ -589,8 +590,7 @@ static void newton_on_linear_triangles(void)
     evaluations = out.evaluations > evaluations ? out.evaluations : evaluations;
     for (int a = 0; a < 2; a++) error = worst(error, (out.xi[a] - xi[a]) / (1 + fabs(xi[a])));
   }
-  tap_ok(evaluations == 2,
-         "T3: newton is there after one step (the second evaluation confirms it)");
+  tap_ok(evaluations == 2, "T3: newton converges in one step (the second evaluation confirms it)");
   tap_close(error, 0, 1e-12, "T3: newton solves the normal equations");
 }
 
@@ -608,10 +608,10 @@ static void simplex_floor(void)
     tap_close(error, 0, 1e-10 + floor_,
               "simplex at the gap %g: error within the tolerance and the floor", gap);
     tap_ok((out.status == CT_OK) == (floor_ < 1e-10) && out.evaluations < 1000,
-           "simplex at the gap %g: the status tells (%s after %d)", gap, ct_status_name(out.status),
-           out.evaluations);
+           "simplex at the gap %g: the status reports it (%s after %d)", gap,
+           ct_status_name(out.status), out.evaluations);
     tap_close(out.distance, gap, 4.5e-16 * gap + 1e-20 / gap,
-              "simplex at the gap %g: the distance is right all the same", gap);
+              "simplex at the gap %g: the distance is still correct", gap);
   }
   double near[3] = {0.3, 0.3, 0.1};
   ct_projection out;
@@ -722,7 +722,7 @@ static void hard_cases(void)
   tap_ok(ct_project(&trough, above, &options, &out) == CT_OK, "trough: robust leaves the saddle");
   tap_close(fabs(out.xi[0]), 0.5, 1e-14, "trough: to one of the two closest points");
   tap_ok(ct_project(&trough, above, &newton, &out) == CT_NO_CONVERGENCE,
-         "trough: newton ends on the saddle and says so");
+         "trough: newton ends on the saddle and reports it");
   double beside[3] = {0.01, 0.25, 1.125};
   options.use_start = 1, options.start[0] = -0.5, options.start[1] = 0.25;
   ct_project(&trough, beside, &options, &out);
@@ -730,7 +730,7 @@ static void hard_cases(void)
   options.use_start = 0;
   ct_project(&trough, beside, &options, &out);
   tap_ok(out.xi[0] > 0.5 && out.distance < left,
-         "trough: from nothing, the lower of two minima is found");
+         "trough: without a start, the lower of two minima is found");
 
   /* A corner whose two mid-sides are at their quarter points has no gradient there for any point.
    */
@@ -824,11 +824,11 @@ static void many_points_are_single_points(void)
     same &= one.xi[0] == many[i].xi[0] && one.distance == many[i].distance &&
             one.evaluations == many[i].evaluations;
   }
-  tap_ok(same, "they are what single calls give");
+  tap_ok(same, "they equal those of single calls");
   tap_ok(ct_project_points(&face, 2, NULL, NULL, NULL, many) == CT_ERROR_ARGUMENT, "no points");
   tap_ok(ct_project_points(NULL, 2, &points[0][0], NULL, NULL, many) == CT_ERROR_ARGUMENT &&
              isnan(many[1].distance),
-         "no face for them");
+         "null faces are refused");
 }
 
 int main(void)

@@ -247,7 +247,7 @@ static void provers(ct_face_kind kind)
     }
     tap_ok(lies == 0 && proven > 0, "%s, %s: %d bounds, none above the samples", FACE_NAME[kind],
            NAME[way], proven);
-    tap_ok(missed <= tried / 50, "%s, %s: near on small pieces (%d of %d not)", FACE_NAME[kind],
+    tap_ok(missed <= tried / 50, "%s, %s: close on small pieces (%d of %d not)", FACE_NAME[kind],
            NAME[way], missed, tried);
   }
 }
@@ -275,8 +275,7 @@ static void corners_with_a_slope(void)
     lies += claimed && lowest < s.p.target;
   }
   tap_ok(lies == 0 && lower > 100 && proven > 100,
-         "from corners %d pieces are proven, none of the %d that hold something closer", proven,
-         lower);
+         "from corners %d pieces are proved, none of the %d with a closer point", proven, lower);
 }
 
 /* Bounds of the derivatives over the face (eq:certified-derivatives): samples never exceed them,
@@ -509,8 +508,8 @@ static void down_a_valley(void)
   ct_patch patch;
   ct_closest count = {.evaluations = 0};
   ct_patch_init(&patch, CT_Q8, face.node, point);
-  tap_ok(ct_follow_valley(&patch, xi, &count) == 1, "down a valley");
-  tap_close(fmax(fabs(xi[0] - 0.7), fabs(xi[1] - 0.2)), 0, 1e-6, "to its lowest point");
+  tap_ok(ct_follow_valley(&patch, xi, &count) == 1, "the descent in a valley");
+  tap_close(fmax(fabs(xi[0] - 0.7), fabs(xi[1] - 0.2)), 0, 1e-6, "ends at its lowest point");
   tap_close(sqrt(value(&patch, xi, d)), 1e-3, 1e-9, "where the distance is the gap");
   tap_ok(count.evaluations < 30, "in %d evaluations", count.evaluations);
 }

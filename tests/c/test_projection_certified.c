@@ -167,7 +167,7 @@ static void many_feet(void)
   options.method = CT_CERTIFIED;
   ct_projection out;
   tap_ok(ct_project(&collapsed, behind, &options, &out) == CT_OK && out.certified,
-         "the whole of a collapsed edge is the closest point, and the distance is proven");
+         "all points of a collapsed edge are closest, and the distance is proved");
   tap_close(out.distance, 3, 1e-14, "it is the distance from the corner");
   ct_face flat = parabolic_face(CT_T3, 0, 0);
   double above[3] = {0.25, 0.25, 1};
@@ -231,7 +231,8 @@ static void near_the_surface(void)
   tap_ok(certified == 400, "%d of 400 points within 1e-3 to 1e-10 of the surface are certified",
          certified);
   tap_ok(evaluations <= robust + 440,
-         "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
+         "nearly all by one evaluation (%ld evaluations of certified, %ld of robust)", evaluations,
+         robust);
 }
 
 /* The target (eq:certified-target). A closest point with the error `shift`: if it is proved all the
@@ -279,7 +280,7 @@ static void attacks(void)
     attack(&face, point, pow(10, -trial % 13), &proven, &lies);
   }
   tap_ok(lies == 0 && proven > 300,
-         "3000 closest points that are moved by 1 to 1e-12: %d are good enough to be proven, %d of "
+         "3000 closest points that are moved by 1 to 1e-12: %d are good enough to be proved, %d of "
          "them wrongly",
          proven, lies);
 }

@@ -8,7 +8,7 @@ int main(void)
   fuzz_random_inputs(INPUTS);
   tap_ok(answers[CT_OK] > INPUTS / 4 && answers[CT_INVALID] > INPUTS / 100 &&
              answers[CT_ERROR_ARGUMENT] > INPUTS / 100,
-         "%d inputs, no promise broken: %lld closest points found, %lld invalid, %lld refused",
+         "%d inputs, no contract violated: %lld closest points found, %lld invalid, %lld refused",
          INPUTS, answers[CT_OK], answers[CT_INVALID], answers[CT_ERROR_ARGUMENT]);
   return tap_done();
 }

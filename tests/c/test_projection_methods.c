@@ -34,7 +34,7 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
-    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, METHOD_NAME[m]);
+    tap_ok(status, "%s on a %s: %s succeeds", FACE_NAME[kind], what, METHOD_NAME[m]);
     tap_close(error, 0,
               by_values(m) ? 5e-8
               : exact      ? 1e-14
@@ -104,8 +104,8 @@ static void orders(void)
   tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "as is newton (%d iterates)",
          p.count);
   p = walk(CT_BROYDEN, &saddle, point, diagonal, &out);
-  tap_ok(p.count < 14 && out.status == CT_OK,
-         "broyden needs no more Hessians than one (%d iterates)", p.count);
+  tap_ok(p.count < 14 && out.status == CT_OK, "broyden needs only one Hessian (%d iterates)",
+         p.count);
   p = walk(CT_BFGS, &saddle, point, diagonal, &out);
   tap_ok(p.count < 16 && out.status == CT_OK, "bfgs needs none (%d iterates)", p.count);
   int falls = 1;
@@ -405,8 +405,8 @@ static void remainder_of_a_slow_method(void)
   double point[3] = {0, 0, 1}, start[2] = {0.01, 0};
   ct_projection out;
   (void)walk(CT_LEAST_SQUARES, &cylinder, point, start, &out);
-  tap_ok(fabs(out.xi[0]) > 1e-12, "least squares at the rate 0.85 does not go on for ever");
-  tap_close(out.xi[0], 0, 1.01e-10, "but until the rest is below the tolerance");
+  tap_ok(fabs(out.xi[0]) > 1e-12, "least squares at the rate 0.85 ends");
+  tap_close(out.xi[0], 0, 1.01e-10, "but not before the remainder is below the tolerance");
 }
 
 /* A trough has a saddle of f above the centre of curvature: a method that ends there must not
@@ -421,7 +421,7 @@ static void saddles_are_no_answers(void)
     ct_project(&trough, above, &options, &out);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
     tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", METHOD_NAME[m],
-           at_foot ? "finds a closest point" : "says that it found none");
+           at_foot ? "finds a closest point" : "reports that it found none");
   }
 }
 
@@ -473,7 +473,7 @@ static void budgets_copies_and_bad_input(int m)
     for (int k = 0; k < 12 && i >= 3; k++) own.node[k / 3][k % 3] *= TINY[i - 3];
     extreme &= ct_project(&own, point, &options, &out) == CT_INVALID;
   }
-  tap_ok(extreme, "%s: numbers whose fourth powers are none are invalid", name);
+  tap_ok(extreme, "%s: numbers whose fourth powers overflow are invalid", name);
   ct_status status = ct_project(&line, point, &options, &out);
   tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
 }

@@ -109,9 +109,9 @@ static void parabolic_cylinder(ct_face_kind kind, double p)
     normal = worst(worst(normal, out.normal[0] + p * out.xi[0] / n), out.normal[2] - 1 / n);
   }
   tap_ok(wrong == 0 && hits > 80 && misses > 80,
-         "%s, p = %g: %d hits (%d of them twice) and %d misses are told apart", FACE_NAME[kind], p,
-         hits, twice, misses);
-  tap_close(error, 0, 1e-12, "%s, p = %g: the hits and the ways to them", FACE_NAME[kind], p);
+         "%s, p = %g: %d hits (%d of them twice) and %d misses are distinguished", FACE_NAME[kind],
+         p, hits, twice, misses);
+  tap_close(error, 0, 1e-12, "%s, p = %g: the hits and their distances", FACE_NAME[kind], p);
   tap_close(normal, 0, 1e-13, "%s, p = %g: their normals", FACE_NAME[kind], p);
 }
 
@@ -150,19 +150,18 @@ static void edges_and_touches(void)
          "an edge is hit");
   tap_close(out.distance, -0.5, 1e-15, "behind the point");
   tap_ok(ray(&flat, beside, up, 1e-10, &out) == CT_NO_CONVERGENCE && isnan(out.xi[0]),
-         "what passes beside is a miss");
+         "a line beside the face is a miss");
   ct_status parallel = ray(&flat, up, (double[3]){1, 2, 0}, 1e-10, &out);
   tap_ok(parallel == CT_NO_CONVERGENCE && out.evaluations < 10,
-         "a line parallel to a plane misses it (%d looks)", out.evaluations);
+         "a line parallel to a plane misses it (%d evaluations)", out.evaluations);
   double below[3] = {-0.3, 0.1, 0}, along[3] = {1, 0, 0}, centre[3] = {-0.5, 0, 0},
          low[3] = {0, 0, -0.01};
   tap_ok(ray(&flat, below, along, 1e-10, &out) == CT_NOT_CERTIFIED && isfinite(out.distance),
-         "a line in the face is no clear hit");
+         "a line in the face has no clear hit");
   ct_status touch = ray(&cup, centre, along, 1e-10, &out);
   tap_ok((touch == CT_NOT_CERTIFIED || touch == CT_OK) && fabs(out.xi[0]) < 1e-6,
          "a line that touches the bottom of a cup: %s", ct_status_name(touch));
-  tap_ok(ray(&cup, low, along, 1e-10, &out) == CT_NO_CONVERGENCE,
-         "one that passes below it misses");
+  tap_ok(ray(&cup, low, along, 1e-10, &out) == CT_NO_CONVERGENCE, "a line below it misses");
 }
 
 static void bad_input(void)
@@ -178,7 +177,7 @@ static void bad_input(void)
          "NaN");
   tap_ok(ray(&flat, point, infinite, 1e-10, &out) == CT_INVALID, "an infinite direction");
   tap_ok(ray(&flat, point, long_, 1e-10, &out) == CT_OK && fabs(out.distance - 1) < 1e-15,
-         "a very long one is one");
+         "a very long direction is accepted");
   odd.kind = (ct_face_kind)9;
   tap_ok(ray(&odd, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT &&
              ray(NULL, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT,
@@ -186,7 +185,7 @@ static void bad_input(void)
   tap_ok(ray(&flat, point, up, 0, &out) == CT_ERROR_ARGUMENT &&
              ray(&flat, point, up, NAN, &out) == CT_ERROR_ARGUMENT,
          "no tolerance");
-  tap_ok(ray(&flat, point, up, 1e-10, NULL) == CT_ERROR_ARGUMENT, "nowhere to write");
+  tap_ok(ray(&flat, point, up, 1e-10, NULL) == CT_ERROR_ARGUMENT, "a null output");
   double points[6] = {0, 0, 1, 0.5, 0.5, -2}, ups[6] = {0, 0, 1, 0, 0, 1};
   ct_ray_hit two[2];
   tap_ok(ct_project_rays(&flat, 2, points, ups, 1e-10, two) == CT_OK && two[0].distance == -1 &&

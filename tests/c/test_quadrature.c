@@ -124,9 +124,9 @@ int main(void)
   brick_rule(CT_HEX20, 3);
   ct_rule rule;
   tap_ok(ct_rule_face((ct_face_kind)7, &rule) == CT_ERROR_ARGUMENT && rule.count == 0,
-         "no unknown face");
+         "an unknown face is refused");
   tap_ok(ct_rule_brick((ct_brick_kind)7, &rule) == CT_ERROR_ARGUMENT &&
              ct_rule_brick(CT_HEX8, NULL) == CT_ERROR_ARGUMENT,
-         "no unknown brick");
+         "an unknown brick is refused");
   return tap_done();
 }

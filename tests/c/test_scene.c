@@ -53,7 +53,8 @@ static void times(void)
   tap_close((double)steps * problem->dt, 1e-6, 1e-20, "%d steps end where the scene ends",
             (int)steps);
   tap_ok(problem->dt <= asked * (1 + 1e-8) && 1e-6 / (double)(steps - 1) > asked,
-         "%d steps are the fewest: dt is %.6f of the asked one", (int)steps, problem->dt / asked);
+         "%d steps are the fewest: dt is %.6f of the requested one", (int)steps,
+         problem->dt / asked);
   tap_ok(stable.dt < stable.dt_without_contact && stable.dt_without_contact < stable.dt_courant,
          "the contact lowers the stable step, and it is below Courant number 1");
   double eps = 0.0;
@@ -67,7 +68,7 @@ static void times(void)
   t.courant = 0.0, t.fraction = 1.0;
   problem = build(p.scene, t, &steps, &stable);
   tap_ok(problem->dt <= stable.dt && problem->dt > 0.5 * stable.dt,
-         "the whole stable step may be asked for");
+         "the whole stable step is accepted");
   t.fraction = 0.0, t.dt = stable.dt / 3.0, t.end = stable.dt / 3.0 * 17.0;
   problem = build(p.scene, t, &steps, &stable);
   tap_ok(steps == 17, "17 times dt are 17 steps, not 18 (%d)", (int)steps);
@@ -94,7 +95,8 @@ static void times(void)
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "threads", "no threads");
   bad = t, bad.courant = 1e-20;
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "steps", "more steps than can be counted");
-  tap_ok(build(p.scene, t, &steps, &stable) != NULL, "after all that the scene still builds");
+  tap_ok(build(p.scene, t, &steps, &stable) != NULL,
+         "after all these errors the scene still builds");
   tap_ok(ct_scene_build(NULL, &t, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT &&
              ct_scene_build(p.scene, NULL, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
@@ -242,7 +244,7 @@ static void contacts(void)
 
   p = two_plates(0.0);
   c = good, c.options.method = (ct_method)77;
-  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "77", "a search that does not exist");
+  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "77", "an unknown search");
   close_plates(&p);
 
   p = two_plates(0.0);
@@ -343,7 +345,7 @@ static void supports(void)
   p = two_plates(0.0);
   s = good, s.fixed[0] = 0;
   need(ct_scene_add_support(p.scene, &s, &e), &e);
-  not_built(p.scene, t, CT_ERROR_ARGUMENT, "component", "a support that holds nothing");
+  not_built(p.scene, t, CT_ERROR_ARGUMENT, "component", "a support without components");
   close_plates(&p);
 }
 
@@ -417,7 +419,7 @@ static void started(void)
   int64_t steps = -1;
   tap_ok(ct_scene_start(p.scene, &t, &problem, &steps, NULL, &state, NULL) == CT_ERROR_STEP &&
              problem == NULL && state == NULL && steps == -1,
-         "a step that is refused leaves problem, state and count as they were");
+         "a refused step does not change problem, state and count");
   close_plates(&p);
 }
 
@@ -446,13 +448,13 @@ static void contents(void)
              v[2] == (n < 100 ? 0 : 3) && memcmp(x, &problem->reference[3 * n], 24) == 0;
     mass += problem->mass[n];
   }
-  tap_ok(right, "nodes, coordinates and velocities of three bodies stand one after another");
+  tap_ok(right, "nodes, coordinates and velocities of three bodies are consecutive");
   tap_close(mass / (7.8e-9 * (0.25 + 0.25 + 1.0)), 1.0, 1e-13, "their masses add up");
   tap_ok(strcmp(problem->bodies[0].name, "left") == 0 && strlen(problem->bodies[2].name) == 63,
          "names are kept, long ones cut");
   tap_ok(strcmp(problem->effects[0]->label, "solid") == 0 &&
              strcmp(problem->effects[1]->label, "contact") == 0 && problem->effect_count == 2,
-         "two effects, and none that was not asked for");
+         "two effects, and none that was not requested");
   ct_mesh_free(far);
   close_plates(&p);
 }
@@ -525,14 +527,13 @@ static void own_effects(void)
   tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0,
          "a joined scene has its nodes and masses");
   ct_scene_body late = {.name = "late", .mesh = p.left, .material = STEEL};
-  tap_ok(ct_scene_add_body(p.scene, &late, NULL, &e) == CT_ERROR_ARGUMENT, "no body after that: %s",
+  tap_ok(ct_scene_add_body(p.scene, &late, NULL, &e) == CT_ERROR_ARGUMENT, "no further body: %s",
          e.text);
   need(ct_effect_create(&filled, &effect, &e), &e);
-  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK,
-         "an effect of the caller's own is taken");
+  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK, "a host's effect is accepted");
   const ct_problem *problem = build(p.scene, t, &steps, &with);
   tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->label, "dashpot") == 0,
-         "it stands behind the contacts");
+         "it comes after the contacts");
   double W = 4.0 / (without.dt * without.dt), D = 5e7;
   tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12,
             "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)",
@@ -543,11 +544,11 @@ static void own_effects(void)
     need(ct_stable_share(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
     sum += omega_squared[k];
   }
-  tap_close(sum / W, 1.0, 1e-12, "the effects' shares of the bound add up");
+  tap_close(sum / W, 1.0, 1e-12, "the effects' contributions to the bound add up");
   tap_ok(rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == D && omega_squared[2] == 0.0,
          "the dashpot alone damps, and has no stiffness");
   tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT,
-         "there is no fourth share: %s", e.text);
+         "there is no fourth contribution: %s", e.text);
   advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
   ct_state_free(state);
@@ -557,8 +558,9 @@ static void own_effects(void)
   advance(problem, state, 5);
   int each_once = state->effect_seconds[3] == 5.0;
   for (int k = 0; k < 3; k++) each_once &= state->effect_seconds[k] == 6.0;
-  tap_ok(each_once, "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each "
-                    "effect, as the first forces are asked twice where one goes with velocity");
+  tap_ok(each_once,
+         "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each "
+         "effect, because the first forces are computed twice if one depends on velocity");
   ct_state_free(state);
   tap_ok(freed == 0, "building twice keeps it");
   filled.nodes = outside;
@@ -715,7 +717,7 @@ static void test_threads(void)
                          prepared(kind, mesh, NULL, 3, &one, &s, &second)};
     tap_ok(none[0] == NULL && none[1] == NULL && first.element == mesh->element_count / 3 &&
                second.element == first.element && !strcmp(first.text, second.text),
-           "three threads refuse as one does: %s", second.text);
+           "three threads give the same error as one: %s", second.text);
     ct_mesh_free(mesh);
   }
 }
@@ -748,7 +750,7 @@ static void test_rings(void)
                      3 * (size_t)state[0]->node_count * sizeof(double)) &&
              !memcmp(state[0]->velocity, state[1]->velocity,
                      3 * (size_t)state[0]->node_count * sizeof(double)),
-         "a small and a larger box: eight threads move them as one does");
+         "a small and a larger box: eight threads give the same motion as one");
   for (int i = 0; i < 2; i++) ct_state_free(state[i]), ct_scene_free(scene[i]);
 }
 

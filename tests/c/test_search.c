@@ -77,10 +77,10 @@ static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double 
     for (int i = 0; i < count; i++) visit(&all, i);
     unlike += tried.first != all.first || tried.best != all.best;
   }
-  tap_ok(wrong == 0, "%s: overlaps are those found by looking at all %d boxes, ascending", what,
+  tap_ok(wrong == 0, "%s: overlaps are those of brute force over all %d boxes, ascending", what,
          count);
   tap_ok(unlike == 0,
-         "%s: the nearest is the nearest of all, the first of equals (%.1f of %d looked at)", what,
+         "%s: the nearest is the nearest of all, the first of equals (%.1f of %d examined)", what,
          (double)asked / queries, count);
   free(found);
 }
@@ -151,10 +151,10 @@ static void special_boxes(void)
   all = (items){same, point, zero, 0, -1, INFINITY};
   ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
   tap_ok(all.first == 0 && all.asked == 8,
-         "of eight equal items all are looked at and the first is taken");
+         "of eight equal items all are examined and the first is returned");
   found[3] = 77;
   tap_ok(ct_box_tree_overlaps(tree, same, &one, found, 3) == 8 && found[3] == 77,
-         "with room for three, eight are counted and three written");
+         "with a capacity of three, eight are counted and three written");
   ct_box_tree_free(tree);
 
   need(ct_box_tree_create(0, &tree, &e), &e);
@@ -229,11 +229,12 @@ static void face_boxes(int k)
       excess = fmax(excess, (box.high[c] - box.low[c]) / (seen.high[c] - seen.low[c]));
   }
   tap_ok(out == 0,
-         "%s: the box of the control points holds 441 points of each of 300 bent faces (at most "
+         "%s: the box of the control points contains 441 points of each of 300 bent faces (at most "
          "%.2f times as wide as they)",
          KIND[k].name, excess);
   tap_ok(far == 0 && wide == 0,
-         "%s: the box along the face holds them too, and is never farther from a point than they",
+         "%s: the box along the face contains them too, and is never farther from a point than "
+         "they are",
          KIND[k].name);
 }
 
@@ -406,7 +407,7 @@ static void nearest_faces(int k)
   need(ct_search_move(search, p.x, &e), &e);
   ct_search_nearest(search, CLOUD, points, NULL, NULL, again);
   tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
-         "%s: after a crumpling and back (%d builds), the same bits", KIND[k].name,
+         "%s: after a large deformation and back (%d builds), the same bits", KIND[k].name,
          (int)ct_search_builds(search));
   free(moved);
   free(points);
@@ -747,24 +748,24 @@ static void refused(void)
              ct_search_nearest(search, 0, NULL, NULL, NULL, NULL) == CT_OK,
          "null pointers are refused, no points are fine");
   tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out) == CT_ERROR_ARGUMENT,
-         "a start that is no face is refused");
+         "a start that is not a face is refused");
   options.tolerance = 0.0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
          "a tolerance of 0 is refused");
   options = (ct_search_options){1e-10, 1};
   options.threads = 0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
-         "no thread is refused");
+         "0 threads are refused");
 
   double strange[][3] = {{NAN, 0, 0}, {0, INFINITY, 0}, {0, 0, 1e300}, {1e71, 0, 0}};
   for (int i = 0; i < 4; i++) {
     ct_search_nearest(search, 1, strange[i], NULL, NULL, &out);
     tap_ok(out.status == CT_INVALID && out.face == -1 && isnan(out.distance) && isnan(out.point[0]),
-           "a point of (%g, %g, %g) gets no answer", strange[i][0], strange[i][1], strange[i][2]);
+           "a point of (%g, %g, %g) has no result", strange[i][0], strange[i][1], strange[i][2]);
   }
   double far[3] = {3e20, 0, 0};
   ct_search_nearest(search, 1, far, NULL, NULL, &out);
-  tap_ok(out.status == CT_OK && out.distance == 3e20, "a point 1e20 sizes away gets one");
+  tap_ok(out.status == CT_OK && out.distance == 3e20, "a point 1e20 sizes away has one");
 
   double *x = numbers(3 * p.surface.node_count);
   memcpy(x, p.x, 3 * (size_t)p.surface.node_count * sizeof *x);
@@ -772,7 +773,7 @@ static void refused(void)
   tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1],
          "a node moved to NaN is refused and named: %s", e.text);
   ct_search_nearest(search, 1, point, NULL, NULL, &out);
-  tap_ok(out.status == CT_OK && isfinite(out.distance), "and nothing has moved");
+  tap_ok(out.status == CT_OK && isfinite(out.distance), "and no node has moved");
   for (int i = 0; i < 3 * p.surface.node_count; i++) x[i] = 0.25;
   need(ct_search_move(search, x, &e), &e);
   ct_search_nearest(search, 1, point, NULL, NULL, &out);
@@ -787,7 +788,7 @@ static void refused(void)
   tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 3}, p.x}, &e) ==
                  CT_ERROR_ARGUMENT &&
              e.element == 0,
-         "a node that is not there is refused: %s", e.text);
+         "an unknown node is refused: %s", e.text);
   tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 1}, p.x}, &e) ==
                  CT_ERROR_GEOMETRY &&
              e.element == 0,
@@ -818,7 +819,7 @@ static void repeated(void)
   ct_search_nearest(search, 2, points, start, NULL, out);
   tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 &&
              out[1].signed_distance == -2.0,
-         "of fifty equal faces the first is taken, wherever one starts");
+         "of fifty equal faces the first is returned, for any start");
   ct_search_free(search);
 }
 
@@ -844,7 +845,7 @@ static void rebuilding(void)
   }
   need(ct_search_move(search, x, &e), &e);
   tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0,
-         "one whose nodes are shuffled gets a new one");
+         "a surface with shuffled nodes gets a new one");
   free(x);
   ct_search_free(search);
   patchwork_free(&p);

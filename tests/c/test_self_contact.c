@@ -127,10 +127,10 @@ static void folded(ct_face_kind kind)
     pressed[mine]++;
     across += mine != theirs;
   }
-  tap_ok(
-      pressed[0] > 5 && pressed[1] > 5 && across == pressed[0] + pressed[1],
-      "%s strip: %d points of one layer and %d of the other are pressed, each by the other layer",
-      KIND[kind], pressed[0], pressed[1]);
+  tap_ok(pressed[0] > 5 && pressed[1] > 5 && across == pressed[0] + pressed[1],
+         "%s strip: %d points of one layer and %d of the other are in contact, each with the other "
+         "layer",
+         KIND[kind], pressed[0], pressed[1]);
   for (int i = 0; i < 3 * nodes; i++) {
     double keep = p.x[i], up;
     p.x[i] = keep + h;
@@ -187,11 +187,11 @@ static void like_two(ct_face_kind kind)
          "%s strip: the energy is that of its two layers as two surfaces, off by %.2g", KIND[kind],
          a / b - 1.0);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
-         "%s strip: so are the forces", KIND[kind]);
+         "%s strip: the forces are, too", KIND[kind]);
   need(ct_contact_traction(one, 0, f, area, &e), &e);
   for (int s = 0; s < 2; s++) need(ct_contact_traction(two, s, g, area, &e), &e);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
-         "%s strip: so are the tractions at the nodes", KIND[kind]);
+         "%s strip: the tractions at the nodes are, too", KIND[kind]);
   ct_contact_free(one);
   ct_contact_free(two);
   free(f);
@@ -230,7 +230,7 @@ static void bound(ct_face_kind kind)
     quotient = work / kinetic;
   }
   tap_ok(quotient > 0.05 * square && quotient <= square,
-         "%s strip: the bound %.4g holds the true frequency %.4g", KIND[kind], square, quotient);
+         "%s strip: the bound %.4g is above the true frequency %.4g", KIND[kind], square, quotient);
   tap_close(dt * sqrt(square), 2.0, 1e-14, "%s strip: the step is that of the bound", KIND[kind]);
   ct_contact_free(contact);
   free(f0);
@@ -265,7 +265,7 @@ static void history(ct_face_kind kind)
   forces(threads, nodes, h);
   tap_ok(largest(f, 3 * nodes) > 0.0 &&
              largest_difference(f, g, 3 * nodes) <= 1e-13 * largest(g, 3 * nodes),
-         "%s strip: the way there does not show in the forces (%.2g)", KIND[kind],
+         "%s strip: the forces do not depend on the motion (%.2g)", KIND[kind],
          largest_difference(f, g, 3 * nodes) / largest(g, 3 * nodes));
   tap_ok(memcmp(g, h, 3 * (size_t)nodes * sizeof *g) == 0,
          "%s strip: the same bits from three threads", KIND[kind]);
@@ -354,7 +354,7 @@ static void open_jaws(ct_brick_kind kind)
   }
   tap_ok(energy == 0.0, "%s jaws that open do not touch: energy %g", KIND[skin.kind], energy);
   jaws(m, -0.16, x);
-  tap_ok(energy_at(contact, x) > 0.0, "%s jaws that close do", KIND[skin.kind]);
+  tap_ok(energy_at(contact, x) > 0.0, "%s jaws that close are in contact", KIND[skin.kind]);
   ct_contact_free(contact);
   free(outer);
   free(reference);
@@ -517,7 +517,7 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
   // A motion of 1e-5 at most, relative to a point, three times that with quadratic faces, on an
   // area below 100.
   tap_ok(at_rest == 0.0 && shaken <= 100.0 * EPSILON * 1e-8,
-         "%s, concave shape %d, rule %d: energy %g at rest, %g when its nodes are shaken",
+         "%s, concave shape %d, rule %d: energy %g at rest, %g with nodes moved at random",
          KIND[ct_brick_face_kind(kind)], shape, (int)points, at_rest, shaken);
 }
 
@@ -540,7 +540,8 @@ static void made_in_each_other(ct_face_kind kind)
     after = fmax(after, energy_at(contact, p.x));
   }
   tap_ok(before == 0.0 && parted == 0.0 && after > 0.01,
-         "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together "
+         "%s strip created with an overlap: energy %g, apart %g, and up to %g when its layers come "
+         "together "
          "again",
          KIND[kind], before, parted, after);
   ct_contact_free(contact);

@@ -29,16 +29,16 @@ static const form FORMS[] = {
     {.name = "general kernel", .kernel = CT_KERNEL_GENERAL, .v = {1000, -1000}},
     {.name = "reduced kernel", .kernel = CT_KERNEL_REDUCED, .v = {1000, 0}},
     {.name = "distorted", .distort = 0.1, .v = {1000, -700}, .held = 300.0},
-    {.name = "turned elements", .turned = 1, .v = {1000, -1000}},
+    {.name = "rotated elements", .turned = 1, .v = {1000, -1000}},
     {.name = "hex20", .kind = CT_HEX20, .v = {1000, -1000}},
     {.name = "hex20, distorted", .kind = CT_HEX20, .distort = 0.02, .v = {1000, 0}},
     {.name = "St. Venant-Kirchhoff", .law = CT_ST_VENANT_KIRCHHOFF, .v = {1000, -1000}},
     {.name = "neo-Hookean", .law = CT_NEO_HOOKEAN, .distort = 0.1, .v = {1000, 0}},
     {.name = "neo-Hookean hex20", .kind = CT_HEX20, .law = CT_NEO_HOOKEAN, .v = {1000, 0}},
     {.name = "a push", .gap = 1.0, .pushed = 1},
-    {.name = "a push along y", .gap = 1.0, .pushed = 1, .along = 1},
+    {.name = "a force along y", .gap = 1.0, .pushed = 1, .along = 1},
     {.name = "a push later", .gap = 1.0, .pushed = 2, .along = 2},
-    {.name = "a push on all nodes", .v = {0, -1000}, .pushed = 3},
+    {.name = "a force on all nodes", .v = {0, -1000}, .pushed = 3},
     {.name = "minus zero", .v = {-0.0, -0.0}, .held = -0.0, .pushed = 1},
     {.name = "Chung and Lee", .scheme = CT_CHUNG_LEE, .v = {1000, 0}, .pushed = 2},
     {.name = "Noh and Bathe", .scheme = CT_NOH_BATHE, .v = {1000, 0}, .pushed = 2},
@@ -197,7 +197,7 @@ static void forms(void)
       close_bars(&some);
     }
     tap_ok(same && energies && left_out > 0 && all_out == 0,
-           "%s: equal values, %lld forces of elements were left out", FORMS[i].name,
+           "%s: equal values, %lld element forces were skipped", FORMS[i].name,
            (long long)left_out);
   }
 }
@@ -238,7 +238,7 @@ static void failure(void)
              state->element_updates[0] == 0;
     ct_state_free(state);
   }
-  tap_ok(right == 5, "a flight ends with an error: all nodes are where they fly to, %d of 5",
+  tap_ok(right == 5, "a flight ends with an error: all nodes are at their last positions, %d of 5",
          right);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -275,7 +275,7 @@ static void front(ct_solid_kernel kernel)
     expected += 32 * ((k + 7) / 8);
     ct_state_free(state);
   }
-  tap_ok(right == 39, "kernel %d: the front passes one element a step, %d of 39 series",
+  tap_ok(right == 39, "kernel %d: the front passes one element per step, %d of 39 series",
          (int)kernel, right);
   ct_scene_free(scene);
   ct_mesh_free(m);

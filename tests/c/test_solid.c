@@ -56,7 +56,7 @@ static void patch_test(ct_brick_kind kind)
     }
   tap_ok(inner < 1e-12 * top, "%s patch: no force at inner nodes, at most %.2g of the largest",
          KIND[kind], inner / top);
-  tap_ok(largest(resultant, 3) < 1e-12 * top, "%s patch: the forces add up to nothing, %.2g",
+  tap_ok(largest(resultant, 3) < 1e-12 * top, "%s patch: the sum of the forces is zero, %.2g",
          KIND[kind], largest(resultant, 3) / top);
   // Energy is half stress times strain times the volume (mass at density 1).
   double *mass = numbers(m->node_count);
@@ -217,8 +217,8 @@ static void kernels(void)
     distort(m, 0.05);
     turn_elements(m);
     kernel_against_reference(m, CT_KERNEL_GENERAL,
-                             kind == 0 ? "hex8 kernel, turned elements"
-                                       : "hex20 kernel, turned elements");
+                             kind == 0 ? "hex8 kernel, rotated elements"
+                                       : "hex20 kernel, rotated elements");
   }
   ct_mesh *three = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 5, 4, 3);
   kernel_against_reference(three, CT_KERNEL_BOX, "box kernel, a block of cells");
@@ -339,7 +339,7 @@ static void refusals(void)
              e.point >= 0,
          "the force of a folded element is refused: %s", e.text);
   tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY,
-         "so is its frequency");
+         "its frequency is refused, too");
   take_element(m, 0, m->nodes, x);
   mass[4] = 0.0;
   tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &STEEL, mass, &w, &e) ==
@@ -535,14 +535,14 @@ static void definite(ct_brick_kind kind)
       }
       top = fmax(top, w);
     }
-    tap_ok(wrong == 0, "%s: elements are told to be below their frequency %d times wrongly",
+    tap_ok(wrong == 0, "%s: elements are reported below their frequency %d times wrongly",
            KIND[kind], wrong);
     block solid = open_body((ct_solid_body){.mesh = m,
                                             .material = STEEL,
                                             .optimisations = &NONE,
                                             .held = {HELD[k][0], HELD[k][1], HELD[k][2]}});
     tap_close(block_frequency(&solid) / top, 1.0, 1e-11,
-              "%s: the bound of unlike elements, %d held", KIND[kind],
+              "%s: the bound of different elements, %d fixed", KIND[kind],
               HELD[k][0] + HELD[k][1] + HELD[k][2]);
     close_block(&solid);
     ct_mesh_free(m);

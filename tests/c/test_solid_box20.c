@@ -52,7 +52,7 @@ static void translations(void)
   for (int i = 0; i < n; i++) u[i] += (double[]){-6e9, 5e9, 8e9}[i % 3];
   block_force(&box, u, g);
   tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && largest(f, n) > 0.0,
-         "far from home the forces of a deformation have the same bits");
+         "far from the origin the forces of a deformation have the same bits");
   for (int trial = 0; trial < 6; trial++) {
     double t[3] = {pow(10.0, 60 * trial), -0.0, uniform(1.0)};
     for (int i = 0; i < n; i++) u[i] = t[i % 3];
@@ -116,12 +116,12 @@ static void choice(void)
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_BOX,
          "equal boxes get the box kernel");
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 1, &e) == CT_KERNEL_BOX,
-         "one layer that is held, too: the plane kernel is for hex8");
+         "one layer that is fixed, too: the plane kernel is for hex8");
   tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex8") != NULL,
-         "who asks for that is refused: %s", e.text);
+         "a request for that kernel is refused: %s", e.text);
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, 0, &e) == CT_KERNEL_GENERAL &&
              kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1,
-         "large deformation has the general one");
+         "large deformation gets the general one");
   int missed = 0, refused = 0, taken = 0;
   for (int a = 0; a < 20; a++)
     for (int c = 0; c < 3; c++) {
@@ -134,13 +134,13 @@ static void choice(void)
       *x = keep;
     }
   tap_ok(missed == 0 && refused == 60 && taken == 60,
-         "a node that is moved by 1e-9 is seen, corner or not, and one that is rounded is not: %s",
+         "a node that is moved by 1e-9 is detected, corner or not, and a rounded one is not: %s",
          e.text);
   ct_ring ring = {{0, 0, 0}, {1.0, 2.0}, 1.0, {1, 8, 1}};
   ct_mesh *round;
   need(ct_mesh_create_ring(CT_HEX20, &ring, &round, &e), &e);
   tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL,
-         "a ring has the general one");
+         "a ring gets the general one");
   ct_mesh_free(round);
   ct_mesh_free(m);
 }

@@ -155,8 +155,8 @@ static void turned(ct_brick_kind kind, ct_law law)
       }
   }
   tap_ok(off[0] < 1e-12 && off[1] < 1e-12,
-         "%s, %s: turned twelve ways, energy changes by %.2g, force by %.2g", KIND[kind], LAW[law],
-         off[0], off[1]);
+         "%s, %s: rotated twelve times, energy changes by %.2g, force by %.2g", KIND[kind],
+         LAW[law], off[0], off[1]);
   close_block(&solid);
   free(u);
   free(v);
@@ -229,7 +229,7 @@ static void small_strain(ct_brick_kind kind, ct_law law)
     close_block(&small);
   }
   tap_ok(off[0] / off[1] > 8.0 && off[0] / off[1] < 12.0 && off[1] > 1e-7,
-         "%s, %s: ten times smaller, ten times nearer to the linear force (%.3g)", KIND[kind],
+         "%s, %s: ten times smaller, ten times closer to the linear force (%.3g)", KIND[kind],
          LAW[law], off[0] / off[1]);
   tap_ok(off[2] < 1e-7 && energy_off[2] < 1e-7 && off[3] < 5e-11 && energy_off[3] < 5e-11,
          "%s, %s: tiny displacements, force off by %.2g, energy by %.2g", KIND[kind], LAW[law],
@@ -535,10 +535,10 @@ static void inside_out(ct_brick_kind kind, ct_law law)
     ct_status status = ct_step_many(problem, state, 2, &e);
     if (bad == 0)
       tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 20,
-             "%s, %s: an element inside out is named: %s", KIND[kind], LAW[law], e.text);
+             "%s, %s: the error names an inverted element: %s", KIND[kind], LAW[law], e.text);
     else
       tap_ok(status == CT_ERROR_BLOWUP || status == CT_INVALID,
-             "%s, %s: no number in, no number out: %s", KIND[kind], LAW[law], e.text);
+             "%s, %s: NaN in the displacement is an error: %s", KIND[kind], LAW[law], e.text);
     ct_state_free(state);
   }
   ct_scene_free(scene);
@@ -564,12 +564,12 @@ static void refusals(void)
   for (int i = 0; i < 24; i++) u[i] = -2.0 * x[i], flipped[i] = -2.0 * m->nodes[i];
   tap_ok(ct_solid_element_force(CT_HEX8, x, u, &b.material, f, NULL, &e) == CT_ERROR_GEOMETRY &&
              e.point == 0,
-         "a point mirrored through the origin is inside out: %s", e.text);
+         "a point mirrored through the origin is inverted: %s", e.text);
   tap_ok(ct_solid_stress(m, &b.material, flipped, f, &e) == CT_ERROR_GEOMETRY && e.element == 0,
          "and has no stress: %s", e.text);
   tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, u, &b.material, mass, &w, &e) ==
              CT_ERROR_GEOMETRY,
-         "nor a tangent: %s", e.text);
+         "it has no tangent: %s", e.text);
   double linear[2];
   b.material.law = CT_LINEAR;
   need(ct_solid_element_omega2_bound(CT_HEX8, x, u, &b.material, mass, &linear[0], &e), &e);
@@ -589,7 +589,7 @@ static void velocities(void)
   for (int i = 0; i < 24; i++) v[i] = i;
   v[16] = NAN;
   tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_INVALID && e.body == 0 && e.point == 5,
-         "a velocity that is no number is refused: %s", e.text);
+         "a velocity that is NaN is refused: %s", e.text);
   v[16] = 16;
   need(ct_scene_add_body(scene, &block, NULL, &e), &e);
   const ct_problem *problem;

@@ -52,7 +52,7 @@ static void kernel(void)
     readable(m, &STEEL, u, g, want);
     double off = largest_difference(f, g, n) / largest(g, n);
     tap_ok(off < 1e-13, "kernel against the readable form%s: force off by %.2g",
-           turned ? ", turned elements" : "", off);
+           turned ? ", rotated elements" : "", off);
     tap_ok(fabs(strain / want[0] - 1.0) < 1e-13 && fabs(hourglass / want[1] - 1.0) < 1e-13,
            "its energies: off by %.2g and %.2g", strain / want[0] - 1.0, hourglass / want[1] - 1.0);
     // The force is linear: energy is half its work.
@@ -387,7 +387,7 @@ static void ledger(void)
   }
   tap_ok(p->effect_count == 2 && strcmp(p->effects[1]->label, "hourglass") == 0 &&
              most > 0.01 * total,
-         "the ledger has an hourglass energy, up to %.2g of the whole", most / total);
+         "the energy balance has an hourglass energy, up to %.2g of the whole", most / total);
   tap_ok(spread < 1e-12 && balance < 1e-12,
          "energy is conserved to %.2g and the work balance closes to %.2g over %d steps", spread,
          balance, (int)steps);
@@ -413,13 +413,13 @@ static void refusals(void)
   double x[60], u[24] = {0}, f[24];
   take_element(m, 0, m->nodes, x);
   tap_ok(ct_solid_reduced_force(x, u, &b.material, 0.3, f, NULL, &e) == CT_ERROR_UNSUPPORTED,
-         "of one element, too");
+         "of one element: refused");
   b.material = STEEL;
   b.hourglass = -0.1;
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "a negative coefficient is refused: %s", e.text);
   tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.0, f, NULL, &e) == CT_ERROR_ARGUMENT,
-         "no control at all is refused: %s", e.text);
+         "a zero coefficient is refused: %s", e.text);
   b.hourglass = 0.0;
   b.kernel = CT_KERNEL_AUTO;
   need(create_solid(&b, 1, &effect, &e), &e);

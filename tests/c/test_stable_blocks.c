@@ -93,22 +93,22 @@ static void held_components(void)
   block solid = open_held(m, &material, CT_KERNEL_AUTO, bar);
   ct_material_speeds(&material, &c1, &c2);
   double got = sqrt(block_frequency(&solid)) / (2.0 * c1);
-  tap_ok(got >= 1.0 && got < 1.2, "a bar held on its sides: omega h / 2 c1 = %.4f", got);
+  tap_ok(got >= 1.0 && got < 1.2, "a bar fixed on its sides: omega h / 2 c1 = %.4f", got);
   close_block(&solid);
   solid = open_held(m, &material, CT_KERNEL_AUTO, all);
-  tap_ok(block_frequency(&solid) == 0.0, "what is held altogether bounds nothing");
+  tap_ok(block_frequency(&solid) == 0.0, "a body with all nodes fixed has no bound");
   close_block(&solid);
   // The same for a mesh that is no box.
   distort(m, 0.1);
   solid = open_held(m, &material, CT_KERNEL_AUTO, all);
-  tap_ok(block_frequency(&solid) == 0.0, "nor if it is no box");
+  tap_ok(block_frequency(&solid) == 0.0, "also if it is not a box");
   close_block(&solid);
   int none[3] = {0, 0, 0};
   block unheld = open_held(m, &material, CT_KERNEL_AUTO, none);
   solid = open_held(m, &material, CT_KERNEL_AUTO, bar);
   double share = sqrt(whole(m, &material, &solid, bar) / block_frequency(&solid));
   tap_ok(block_frequency(&solid) < 0.9 * block_frequency(&unheld) && share <= 1.0,
-         "a distorted one, by its elements, held on its sides: %.4f", share);
+         "a distorted one, by its elements, fixed on its sides: %.4f", share);
   close_block(&unheld);
   close_block(&solid);
   ct_mesh_free(m);
@@ -155,7 +155,7 @@ static void looks(void)
   m = box_mesh(CT_HEX8, 0, 0, 0, 4, 4, 4, 4, 4, 4);
   m->element_count--;
   solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_close(block_frequency(&solid) / one, 1.0, 1e-13, "so has a box without one corner");
+  tap_close(block_frequency(&solid) / one, 1.0, 1e-13, "a box without one corner has it, too");
   close_block(&solid);
   m->element_count++;
   ct_mesh_free(m);
@@ -184,7 +184,7 @@ static void turned(void)
     close_block(&solid);
     ct_mesh_free(t);
   }
-  tap_ok(worst_off < 2e-9, "20 turned boxes: off by %.2g", worst_off);
+  tap_ok(worst_off < 2e-9, "20 rotated boxes: off by %.2g", worst_off);
   double lean = 0.0, x[60], mass[20], one;
   ct_error e;
   for (int n = 0; n < m->node_count; n++) m->nodes[3 * n] += 1e-3 * m->nodes[3 * n + 1];
@@ -194,7 +194,7 @@ static void turned(void)
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(CT_HEX8, x, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
   need(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &SOFT, mass, &one, &e), &e);
-  tap_close(lean / one, 1.0, 1e-13, "bricks that lean have the bound of their elements");
+  tap_close(lean / one, 1.0, 1e-13, "sheared bricks have the bound of their elements");
   ct_mesh_free(m);
 }
 

@@ -28,7 +28,7 @@ static void lengthy_text(void)
                   memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
     }
   tap_ok(placed, "no place is -1");
-  tap_ok(whole, "a text that fits is whole, written at once or in two parts");
+  tap_ok(whole, "a text that fits is complete, written at once or in two parts");
   tap_ok(marked, "a longer one is cut between two characters and ends with three dots");
 }
 
@@ -62,14 +62,14 @@ int main(void)
              error.element == 2 && error.point == 3 && strcmp(error.text, "number 4") == 0,
          "an error carries code, place and text");
   lengthy_text();
-  tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY,
-         "an error without a reader still has its code");
+  tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "this text is not read") == CT_ERROR_MEMORY,
+         "an error without a struct still has its code");
 
   ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
   memset(&error, 7, sizeof error);
   ct_error before = error;
   ct_status good = ct_material_check(&steel, &error);
   tap_ok(good == CT_OK && memcmp(&before, &error, sizeof error) == 0,
-         "a call that succeeds leaves the error alone");
+         "a call that succeeds does not change the error");
   return tap_done();
 }

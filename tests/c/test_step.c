@@ -46,7 +46,8 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   }
   ct_energy e = energy_of(&q, state);
   tap_ok(wrong == 0 && state->step == 1000 && state->time == 1000 * 0x1p-9,
-         "%s, free flight: 1000 steps with the exact velocity and path (%d off)", name, wrong);
+         "%s, free flight: 1000 steps with the exact velocity and displacement (%d off)", name,
+         wrong);
   tap_ok(e.strain == 0.0 && e.contact == 0.0 && e.external == 0.0 && e.balance == 0.0,
          "%s, free flight: no strain energy, no contact, balance exactly 0", name);
   close_run(state, scene, m);
@@ -355,9 +356,11 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
   tap_ok(pressed > 1e-3 * start,
          "%s: the bodies press on each other (contact energy up to %.3f of the kinetic)", name,
          pressed / start);
-  tap_ok(same_state(whole, rest),
-         "%s: a run that was copied and continued has the same bits, ledger asked or not", name);
-  tap_ok(same_ledger(&one.own, whole, &one.own, rest), "%s: and so has its ledger", name);
+  tap_ok(
+      same_state(whole, rest),
+      "%s: a run that was copied and continued has the same bits, with and without energy balance",
+      name);
+  tap_ok(same_ledger(&one.own, whole, &one.own, rest), "%s: its energy balance, too", name);
   tap_ok(alike, "%s: two threads have the same bits", name);
   for (int axis = 0; axis < 3; axis++) {
     collision image = collide(kind, kernel, axis, 1);
@@ -448,11 +451,12 @@ static void loaded_start(void)
   }
   tap_close(sum, -0.125, 1e-14, "bodies that overlap at the start press with eps g A");
   tap_ok(kick < 1e-15 && mean < 1e-15,
-         "half a step before the start the velocity lacks half a kick (%.2g), at the start it is "
+         "half a step before the start half a kick is missing in the velocity (%.2g), at the start "
+         "it is "
          "the given one (%.2g)",
          kick, mean);
   ct_energy first = energy_of(p, state), now;
-  tap_close(first.contact, 0.5 * 4.0 * 0.03125 * 0.03125, 1e-16, "and hold eps g^2 A / 2");
+  tap_close(first.contact, 0.5 * 4.0 * 0.03125 * 0.03125, 1e-16, "and store eps g^2 A / 2");
   advance(p, state, steps);
   now = energy_of(p, state);
   ct_momentum a = momentum_of(p, state, 0);
@@ -508,7 +512,7 @@ static void blowup(int with_contact)
              strstr(e.text, "step") != NULL,
          "%s: %s (body %d, node %d)", with_contact ? "blow-up with contact" : "blow-up", e.text,
          (int)e.body, (int)e.point);
-  if (!with_contact) tap_ok(e.body == 1, "the body that moved is named");
+  if (!with_contact) tap_ok(e.body == 1, "the error names the body that moved");
   ct_state_free(state);
   ct_scene_free(scene);
   free(v);
@@ -551,7 +555,7 @@ static void refusals(void)
          "effects for another number of nodes are refused: %s", e.text);
   bad = *p, bad.threads = 0;
   tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT && none == NULL,
-         "no threads are refused: %s", e.text);
+         "0 threads are refused: %s", e.text);
 
   ct_stable_step at_start, later;
   need(ct_stable(p, NULL, &at_start, &e), &e);

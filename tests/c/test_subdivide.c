@@ -106,7 +106,7 @@ static void order(ct_scheme scheme)
                    log(error[1][0] / error[1][1]) / log(2.0)},
          least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
   tap_ok(got[0] > least && got[1] > least,
-         "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f",
+         "%s: a third of the step in the second half keeps the order, %.3f and %.3f",
          SCHEME[scheme], got[0], got[1]);
   double *all[] = {v0, u[0], u[1], v[0], v[1]};
   for (int i = 0; i < 5; i++) free(all[i]);
@@ -180,7 +180,8 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
         worst(closes, (end.momentum[c] - end.impulse[c]) - (start.momentum[c] - start.impulse[c]));
   tap_ok(change < 1e-13 * size && closes < 1e-12 * size &&
              fabs(after.work - before.work) < 2e-3 * size,
-         "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); "
+         "%s, %s: balance and momentum do not change at the new step (%.2g) and close after it "
+         "(%.2g); "
          "the work of all effects moves by %.2g",
          SCHEME[scheme], ENFORCEMENT[enforcement], change / size, closes / size,
          (after.work - before.work) / size);

@@ -221,7 +221,7 @@ static void special_cases(void)
          "a NaN gives NaN, among numbers, among zeros, alone");
   tap_ok(isnan(ct_sum(endless, 3)), "infinities give NaN");
   tap_ok(isnan(ct_sum(huge, 2)), "overflow gives NaN");
-  tap_ok(ct_sum(NULL, 0) == 0.0 && ct_sum(cancel, 0) == 0.0, "nothing adds up to 0");
+  tap_ok(ct_sum(NULL, 0) == 0.0 && ct_sum(cancel, 0) == 0.0, "an empty sum is 0");
   tap_ok(ct_sum(zeros, 3) == 0.0, "zeros add up to 0");
   tap_ok(same(ct_sum(&one, 1), -0.1), "one number is its own sum");
   for (int i = 0; i < 100; i++) tiny[i] = ldexp(1.0, -1074);

@@ -41,7 +41,7 @@ static void moving_base(ct_brick_kind kind)
     // All held velocities are 0 or 0.7 along z, so the work is 0.7 times the impulse along z.
     work = worst(work, (energy.external - 0.7 * now.support_impulse[2]) / first.kinetic);
   }
-  tap_ok(wrong == 0, "kind %d: held nodes keep their velocity to the last bit (%d do not)", kind,
+  tap_ok(wrong == 0, "kind %d: fixed nodes keep their velocity to the last bit (%d do not)", kind,
          wrong);
   tap_ok(path < 1e-12, "kind %d: and go v t, off by %.2g", kind, path);
   tap_ok(impulse < 1e-12 * size,
@@ -60,7 +60,8 @@ static void moving_base(ct_brick_kind kind)
   need(ct_state_force(p, state, 1, force, &e), &e);
   for (int i = 0; i < 3 * p->node_count; i++)
     off = worst(off, p->inverse_mass[i] == 0.0 ? force[i] + solid[i] : force[i]);
-  tap_ok(off == 0.0, "kind %d: the reaction is minus the force on what is held, and nothing else",
+  tap_ok(off == 0.0,
+         "kind %d: the reaction is minus the force on the fixed components, and zero elsewhere",
          kind);
   free(force);
   free(solid);
@@ -97,7 +98,9 @@ static void refusals(void)
     int held = i == 6 || i == 15 || i == 18 || i == 27;
     right &= inverse[i] == (held ? 0.0 : 4.0) && velocity[i] == (held ? 1.0 : 3.0);
   }
-  tap_ok(right, "held degrees of freedom get inverse mass 0 and their velocity, the others stay");
+  tap_ok(
+      right,
+      "fixed degrees of freedom get inverse mass 0 and their velocity, the others do not change");
   tap_ok(ct_support_apply(NULL, inverse, velocity) == CT_ERROR_ARGUMENT &&
              ct_support_apply(effect, NULL, velocity) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
@@ -155,7 +158,7 @@ static void holds(void)
                                                                                 : c == 2 ? 7.0
                                                                                          : n / 3);
       }
-    tap_ok(right, "and holds each node as it was told");
+    tap_ok(right, "and fixes the requested components of each node");
     ct_effect_free(effect);
   }
 }
@@ -189,7 +192,7 @@ static void any_order(void)
   for (int k = 0; k < 7; k++) right &= inverse[0][3 * (27 + lists[0][k])] == 0.0;
   int alike = memcmp(inverse[0], inverse[1], sizeof inverse[0]) == 0 &&
               memcmp(inverse[0], inverse[2], sizeof inverse[0]) == 0;
-  tap_ok(right && held == 7 && alike, "nodes in any order, some twice, are held alike");
+  tap_ok(right && held == 7 && alike, "nodes in any order, some twice, are fixed alike");
   ct_mesh_free(m);
 }
 

@@ -68,17 +68,18 @@ static void uniform_compression(void)
       if (x[0] > 0 && x[0] < 2 && x[1] > 0 && x[1] < 2 && x[2] > 0 && x[2] < 2)
         inner = worst(inner, f[3 * k + c]);
   }
-  tap_close(end / (4.0 * q), 1.0, 1e-12,
-            "cubes compressed at one rate push on their face with rho l D (Q1 c1 + Q2^2 l D)");
-  tap_ok(inner < 1e-13 * largest(f, n), "and on no inner node: %.2g of the largest",
+  tap_close(
+      end / (4.0 * q), 1.0, 1e-12,
+      "cubes compressed at one rate have the pressure rho l D (Q1 c1 + Q2^2 l D) on their faces");
+  tap_ok(inner < 1e-13 * largest(f, n), "and no force on inner nodes: %.2g of the largest",
          inner / largest(f, n));
   for (int i = 0; i < n; i++) v[i] = -v[i];
   forces(effect, v, f);
-  tap_ok(largest(f, n) == 0.0, "expansion is free");
+  tap_ok(largest(f, n) == 0.0, "expansion causes no force");
   for (int k = 0; k < m->node_count; k++)
     for (int c = 0; c < 3; c++) v[3 * k + c] = 1e3 + c;
   forces(effect, v, f);
-  tap_ok(largest(f, n) == 0.0, "so is a translation, exactly");
+  tap_ok(largest(f, n) == 0.0, "a translation causes none, exactly");
   for (int k = 0; k < m->node_count; k++) {
     const double *x = &m->nodes[3 * k];
     double spin[3] = {-3 * x[1] + 7 * x[2], 3 * x[0] - 5 * x[2], 5 * x[1] - 7 * x[0]};
@@ -86,7 +87,7 @@ static void uniform_compression(void)
   }
   forces(effect, v, f);
   tap_ok(largest(f, n) < 1e-13 * q,
-         "a rotation makes no force but of rounding, %.2g of the pressure", largest(f, n) / q);
+         "a rotation causes no force except rounding, %.2g of the pressure", largest(f, n) / q);
   ct_effect_free(effect);
   ct_scene_free(scene);
   free(v);
@@ -131,7 +132,7 @@ static void kernel(void)
          "beyond the parabola",
          largest_difference(f, g, n) / largest(g, n), pressed, m->element_count, steep);
   tap_ok(work < 0.0 && largest(resultant, 3) < 1e-13 * largest(f, n),
-         "it takes energy out, %.3g, and no momentum, %.2g", work, largest(resultant, 3));
+         "it removes energy, %.3g, and no momentum, %.2g", work, largest(resultant, 3));
   ct_effect_free(effect);
   ct_scene_free(scene);
   for (int axis = 0; axis < 3; axis++) {
@@ -303,7 +304,7 @@ static void shock(double linear, double quadratic, double v0, double *overshoot,
   tap_ok(largest_difference(stress, other, CELLS) < 1e-13 * v0,
          "Q1 = %g, Q2 = %g, v0 = %g: the rod is the chain of springs and dashpots, off by %.2g",
          linear, quadratic, v0, largest_difference(stress, other, CELLS) / v0);
-  tap_close(work, same, 1e-11 * v0 * v0, "and its viscosity does the work of theirs");
+  tap_close(work, same, 1e-11 * v0 * v0, "and its viscosity does the same work");
   for (int i = 0; i < CELLS; i++) lowest = fmin(lowest, stress[i]);
   for (int i = 1; i < CELLS; i++) {
     if (stress[i - 1] < -0.9 * v0 && stress[i] >= -0.9 * v0)
@@ -331,9 +332,9 @@ static void shocks(void)
              overshoot[3] > overshoot[4] && width[4] > width[3] && width[3] > width[0],
          "more linear viscosity: less overshoot, a wider front");
   tap_ok(overshoot[6] < overshoot[5] && overshoot[5] < overshoot[0],
-         "so of the quadratic part, where the speed is not small");
+         "likewise for the quadratic part, if the speed is not small");
   tap_close(overshoot[7], overshoot[0], 0.02 * overshoot[0],
-            "which does nothing at a thousandth of the speed of sound");
+            "which has no effect at a thousandth of the speed of sound");
 }
 
 /* At the whole stable step a hard impact stays bounded: viscosity removes energy and never adds
@@ -366,7 +367,7 @@ static void stability(void)
     need(ct_energy_work(p, state, 1, &work, &e), &e);
     tap_ok(most < 1.001 * first && work < 0.0 && balance < 1e-12,
            "Q1 = %g, Q2 = %g at the whole stable step (Courant number %.3f): energy at most %.6f "
-           "of the first, %.3f taken out, balance %.1g",
+           "of the first, %.3f removed, balance %.1g",
            options.linear, options.quadratic, stable.dt / stable.dt_courant, most / first,
            -work / first, balance);
     close_run(state, scene, m);
@@ -390,7 +391,7 @@ static void refusals(void)
          "hex20 is refused: %s", e.text);
   options.bodies = none, options.body_count = 1;
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
-         "a body that is not there: %s", e.text);
+         "an unknown body: %s", e.text);
   options.bodies = twice, options.body_count = 2;
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "a body twice: %s", e.text);
@@ -401,12 +402,12 @@ static void refusals(void)
   options.linear = options.quadratic = 0.0;
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
              effect == NULL,
-         "nothing at all: %s", e.text);
+         "no coefficient: %s", e.text);
   tap_ok(ct_viscosity_create_effect(NULL, joined, &effect, NULL) == CT_ERROR_ARGUMENT, "null");
   options.linear = 0.06;
   need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
   tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->energy == NULL,
-         "of one body only: its nodes, and nothing stored");
+         "of one body only: its nodes, and no stored energy");
   ct_effect_free(effect);
   ct_scene_free(scene);
   ct_mesh_free(m);

@@ -1,4 +1,4 @@
-"""The book builds with warnings as errors, tutorials not run (they are tests of their own), and needs nothing from outside."""
+"""The book builds with warnings as errors, without running the tutorials (which have their own test), and needs no network."""
 
 import os
 import re
@@ -60,7 +60,7 @@ def test_nothing_is_fetched_from_outside(book):
 
 
 def test_downloads_are_the_tutorials(book):
-    """What the gallery offers to download is what tests/python/test_tutorials.py runs alone in an empty folder."""
+    """The gallery's downloads are the files that tests/python/test_tutorials.py runs alone in an empty folder."""
     for script in sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py")):
         found = list((book / "_downloads").rglob(script.name))
         assert len(found) == 1 and found[0].read_bytes() == script.read_bytes()
@@ -70,8 +70,8 @@ def test_downloads_are_the_tutorials(book):
 
 # Every page as a browser lays it out.
 
-WIDTHS = {390: 844, 1400: 900}  # a telephone and a desk: width and height in pixels
-COURSE = ("week/", "theory/")  # pages of which nothing may be hidden on a desk
+WIDTHS = {390: 844, 1400: 900}  # a telephone and a desktop: width and height in pixels
+COURSE = ("week/", "theory/")  # pages that must be fully visible on a desktop
 
 # `over`: numbers of equations that cut the visible part of their formula, or lie outside of the window. `lost`: what leaves the window and stands in
 # no box that scrolls. `hidden`: formulas and listings of which a part must be scrolled to. `errors`: formulas that could not be set.
@@ -109,7 +109,7 @@ LOOK = """
 
 @pytest.fixture(scope="module")
 def looks(book):
-    """What LOOK finds on each page, by width, and the requests that left the machine; skipped where there is no browser."""
+    """Results of LOOK on each page, by width, and requests that left the machine; skipped without a browser."""
     pytest.importorskip("playwright", reason="no playwright (make build/venv/.browser)")
     own = browser.find()
     if own is None:

@@ -1,4 +1,4 @@
-"""What the book says of itself and of the code, and the files that it names."""
+"""Statements of the book about itself and the code, and the files that it names."""
 
 import re
 import sys
@@ -81,7 +81,7 @@ def members_that_show_others():
     ]
 
 
-# A claim that was found false, and what shows it. Where the second is empty, the claim may come back.
+# A claim that was false, and its counterexample. If the second is empty, the claim may return.
 FALSE = {
     r"every equation beside": equations_without_code,
     r"needs only those before": references_ahead,

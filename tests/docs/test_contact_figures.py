@@ -1,4 +1,4 @@
-"""The programs of the pictures of the chapters on contact, against closed forms."""
+"""The programs of the pictures of the chapters on contact, compared with closed forms."""
 
 import runpy
 import sys

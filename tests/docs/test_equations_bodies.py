@@ -28,7 +28,7 @@ def scene(nodes=BENT, law="linear", elements=(tuple(range(8)),), **body):
 
 
 class Model:
-    """The effects of a scene, each asked for its force and energy at a displacement and a velocity."""
+    """The effects of a scene, with force and energy of each at a displacement and a velocity."""
 
     def __init__(self, made):
         self.problem = made._built(1)
@@ -81,7 +81,7 @@ def slopes(xi):
 
 
 def points(nodes, n=2):
-    """Of the Gauss points of a brick: shape functions, their gradients in space, weight times det J."""
+    """At the Gauss points of a brick: shape functions, their gradients in space, weight times det J."""
     x, w = gauss(n)
     for i in range(n):
         for j in range(n):
@@ -302,7 +302,7 @@ def test_weight_and_dampers():
 @pytest.mark.parametrize("speed", [0.05, 8.0, -1.0])
 @executes("volume-rate", "element-length", "bulk-viscosity", "viscous-force")
 def test_bulk_viscosity(speed):
-    """In slow and in fast compression, where the quadratic part goes on as a line, and none where the body grows."""
+    """In slow and in fast compression, where the quadratic part continues as a line, and none in expansion."""
     Q1, Q2, S = 0.1, 1.2, 0.06
     v = -speed * (BENT - BENT.mean(axis=0)) + 0.1 * speed * V
     volume = sum(weight for _, _, weight in points(BENT))
@@ -334,7 +334,7 @@ def around(model):
 
 
 def face_points(x):
-    """Of the Gauss points of a Q4: shape functions, their slopes, weight, and the vector y,1 × y,2."""
+    """At the Gauss points of a Q4: shape functions, their slopes, weight, and the vector y,1 × y,2."""
     s, w = gauss(2)
     for i in range(2):
         for j in range(2):

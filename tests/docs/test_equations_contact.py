@@ -11,7 +11,7 @@ import libcontact as ct
 
 RNG = np.random.default_rng(20)
 EPSILON = 50.0
-# Two bent faces, the upper one turned over and a little inside the lower one.
+# Two bent faces, the upper one turned over and slightly inside the lower one.
 LOWER = np.array([[-2.0, -2, 0], [2, -2, 0.1], [2, 2, 0], [-2, 2, 0.15]])
 UPPER = np.array([[-1.0, -1, -0.05], [-1.1, 1, 0.02], [1, 1.2, 0.2], [1.2, -1, 0.03]])
 REFERENCE = (UPPER + [0, 0, 0.5], LOWER)
@@ -73,7 +73,7 @@ def test_forces_are_the_gradient_of_the_potential():
         close(forces[side][a, c], -(energies[0] - energies[1]) / 2e-5, 1e-7)
 
 
-# -- Laws: a flat plate of mass 2 falls on one that is held
+# -- Laws: a flat plate of mass 2 falls on a fixed one
 
 SQUARE = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], float)
 MASS, DT, ZETA = 2.0, 0.02, 0.15
@@ -149,7 +149,7 @@ def test_energy_of_the_controlled_law():
     kick[0] = DT / 2
     whole = np.cumsum(kick * force * (before + after) / 2) - kick * force * (before + after) / 2
     close(work, whole + kick * force * before / 2, 1e-10)
-    # In one step λ (g_{n+1} - g_{n-1}) / 2, no more than what the store loses less the dashpot's part.
+    # In one step λ (g_{n+1} - g_{n-1}) / 2, at most the decrease of the stored energy minus the dashpot's part.
     a = ZETA * np.sqrt(1 + 4 / (STIFFNESS / MASS * DT**2))
     done = force[inner] * (g[2:] - g[:-2]) / 2
     close(done, (DT * force * (before + after) / 2)[inner], 1e-10)
@@ -166,7 +166,7 @@ def test_penalties():
 
 @executes("contact-bound", "contact-stiffness")
 def test_bound_of_the_contact():
-    """The plate's nodes against a floor that is too heavy to move."""
+    """The plate's nodes in contact with a floor that is too heavy to move."""
     contact = ct.Contact(
         ct.Surface("Q4", SQUARE + [0, 0, 0.1], [[0, 3, 2, 1]]),
         ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]]),
@@ -246,7 +246,7 @@ def test_obstacles(shape):
     "friction-law", "friction-return", "friction-trial", "friction-force", "friction-dissipation"
 )
 def test_friction_of_a_plate_that_is_moved():
-    """A plate is pressed on another by 0.01, moved to and fro: trial slip, return, traction and what is dissipated."""
+    """A plate is pressed on another by 0.01 and moved back and forth: trial slip, return, traction and dissipation."""
     mu, rho, depth, dt = 0.3, 0.6, 0.01, 0.01
     wide = SQUARE * [20, 20, 1] - [20, 10, 0]
     contact = ct.Contact(

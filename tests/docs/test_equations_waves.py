@@ -108,7 +108,7 @@ class Steps:
         return self.model.problem.rows(getattr(self.state, name)).copy()
 
     def start(self, u, v):
-        """Put the state at a displacement and a velocity half a step back."""
+        """Set the state to a displacement and a velocity half a step earlier."""
         self.model.problem.rows(self.state.displacement)[:] = u
         self.model.problem.rows(self.state.velocity)[:] = v
 
@@ -215,7 +215,7 @@ def test_waves_along_an_axis(k):
 
 @executes("dispersion-long", "dispersion-diagonal")
 def test_long_waves():
-    """What is missing to c k, over k³h²: C of the pages, up to terms in k²."""
+    """The difference from c k, over k³h²: C of the pages, up to terms in k²."""
     nu, k = 0.3, 0.02
     c2 = (1 - 2 * nu) / (2 * (1 - nu))  # (c2 / c1)²
     for Co in (0.0, 0.6):
@@ -270,7 +270,7 @@ def test_speeds_of_waves(nu):
 
 @executes("exact-units", "exact-plane")
 def test_plane_wave():
-    """Far from the faces, before anything comes from them: behind the front, and before it."""
+    """Far from the faces, before their waves arrive: behind the front, and ahead of it."""
     nu = 0.3
     (sx, sz, txz), (vx, vz) = ct.exact.plates([0.5, 0.7], 0.0, 0.6, nu=nu)
     close([sx[0], sz[0], txz[0], vx[0], vz[0]], [-(1 - nu) / nu, -1, 0, 0, 0])

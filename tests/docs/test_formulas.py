@@ -1,4 +1,4 @@
-"""Formulas as the pages print them, against the library and against shape functions."""
+"""Formulas as printed on the pages, compared with the library and with shape functions."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ def first_step(nodes, point, start):
 
 @pytest.mark.parametrize("height, opens_upwards", [(0.3, True), (6.0, False)])
 def test_first_step_of_steepest_descent(height, opens_upwards):
-    """eq:steepest-length: to the lowest point of the parabola where it has one, else a half-width of the face; downhill in both cases."""
+    """eq:steepest-length: to the lowest point of the parabola if it has one, else by a half-width of the face; downhill in both cases."""
     nodes = SQUARE + [[0, 0, 0.5], [0, 0, -0.5], [0, 0, 0.5], [0, 0, -0.5]]
     start = np.array([0.3, 0.25])
     f, g, H, step = first_step(nodes, np.array([0.0, 0.0, height]), start)

@@ -1,4 +1,4 @@
-"""The gallery, with the book's own settings, on two scripts: their order, and nothing of the machine or of Python on their pages."""
+"""The gallery, with the book's settings, on two scripts: their order, and no traces of the machine or of Python on their pages."""
 
 import os
 import re

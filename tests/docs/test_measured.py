@@ -1,4 +1,4 @@
-"""Numbers in the text: the role reads them from a file and fails the build for unknown ones; the file holds what the library computes today."""
+"""Numbers in the text: the role reads them from a file and fails the build for unknown ones; the file has the present results of the library."""
 
 import json
 import math
@@ -45,7 +45,7 @@ def test_the_file_holds_what_is_computed(name, monkeypatch):
 
 
 def test_closed_forms():
-    """Measured numbers beside the formulas that their pages derive."""
+    """Measured numbers compared with the formulas that their pages derive."""
     courant = {Q1: 1 / (3 * Q1 + math.sqrt(9 * Q1**2 + 1)) for Q1 in (0.0, 0.06, 0.12, 0.5)}
     assert [
         FILE["viscosity"][name]

@@ -1,4 +1,4 @@
-"""The campaign of accuracy: its errors by another way, its table after a kill, its Pareto front, and the tables of the book."""
+"""The accuracy campaign: its errors computed independently, its table after a kill, its Pareto front, and the tables of the book."""
 
 import csv
 import re
@@ -25,13 +25,13 @@ try:
 finally:
     sys.path.remove(str(FOLDER))
 
-# What depends on the clock.
+# Columns that depend on the clock.
 CLOCK = ("seconds", "times_paper")
 N, NU = 10, 0.3
 
 
 def stress_at(example, step, end):
-    """Places, σx* next to z = 0 and σz* at x/d = 0.4 on N elements, from a run to the time ``end``; by loops, with E, ν and ρ of the scene file."""
+    """Places, σx* next to z = 0 and σz* at x/d = 0.4 on N elements, from a run to the time ``end``, computed by loops with E, ν and ρ of the scene file."""
     data = ct.Scene.load(ct.example(example)).data
     for body in data["body"]:
         body["box"]["cells"], body["box"]["size"][1] = [N, 1, N], 2.5 / N
@@ -56,7 +56,7 @@ def c1():
 
 
 def by_hand(x, sx, sz, t):
-    """L1 and L2 of both lines; Fig. 4's exact curve is a bare step."""
+    """L1 and L2 on both lines; the exact curve of Fig. 4 is a single step."""
     off = {
         "fig4": sx + 7 / 3 * (x <= t),
         "fig5": sz - ct.exact.plates(0.4, x, t, NU).stress.sigma_z,
@@ -77,7 +77,7 @@ def test_errors_and_cost_by_hand(scene, example, monkeypatch):
     x, sx, sz, run = stress_at(example, {"fraction": 0.7}, 0.56 * 2.5 / c1())
     hand = by_hand(x, sx, sz, 0.56)
     assert {name: row[f"{name}_at_056"] for name in hand} == pytest.approx(hand, rel=1e-9)
-    # A step is an evaluation. More are made at the start, where a contact's law needs the step that
+    # Each step has one evaluation. There are more at the start, where a contact law needs the step that
     # follows from the first ones, and at the end.
     plates = 2 if scene == "contact" else 1
     assert 0 <= row["evaluations"] - run.steps[-1] <= 3
@@ -98,7 +98,7 @@ def test_errors_and_cost_by_hand(scene, example, monkeypatch):
 
 @pytest.mark.parametrize("nu", [0.3, 0.2])
 def test_fields_and_variation_by_hand(nu):
-    """By loops over the elements of the last state; 12 elements, each of which is compared."""
+    """Computed by loops over the elements of the last state: 12 elements, all of which are compared."""
     n, t = 12, 0.56
     keys = {"time.fraction": 0.7, "material.poisson": nu}
     run = price.run(price.scene_of(campaign.case("reference", n, keys), t))
@@ -135,7 +135,7 @@ def test_fields_and_variation_by_hand(nu):
 
 
 def test_places_of_a_fine_field_are_those_of_its_elements():
-    """On finer meshes every third element, say: the closed form is taken at the centres of just these."""
+    """On finer meshes for example each third element: the closed form is evaluated at the centres of these."""
     part, _ = price.exact_fields(280, 0.56, 0.3)
     assert len(range(280)[part]) <= price.FIELD and part.step == 3
     place = (np.arange(280) + 0.5) / 280
@@ -165,7 +165,7 @@ table.collect("short", Path(sys.argv[1]))
 
 
 def test_a_killed_campaign_goes_on(tmp_path):
-    """SIGKILL after two rows, the next row cut short by three letters: the same command gives the rows of a run left alone, and repeats none that was whole."""
+    """SIGKILL after two rows, the next row cut by three characters: the same command gives the rows of an undisturbed run, and repeats no complete one."""
     script, cut, whole = tmp_path / "few.py", tmp_path / "cut.csv", tmp_path / "whole.csv"
     script.write_text(FEW.format(folder=str(FOLDER)))
     running = subprocess.Popen(
@@ -179,7 +179,7 @@ def test_a_killed_campaign_goes_on(tmp_path):
     cut.write_text("\n".join([*kept, kept[1].replace(",10,", ",14,")[:-3]]))
     for path in (cut, whole):
         subprocess.run([sys.executable, script, path], check=True, capture_output=True)
-    assert cut.read_text().splitlines()[:3] == kept  # clocks and all: not run again
+    assert cut.read_text().splitlines()[:3] == kept  # with the clocks: not run again
     rows = [table.read(path) for path in (cut, whole)]
     for row in (*rows[0], *rows[1]):
         for name in CLOCK:
@@ -220,7 +220,7 @@ def test_cases_are_unique_and_a_wall_has_no_contact():
 
 
 def test_tables_of_the_book():
-    """They belong together, are complete, and have the errors of the paper's setting that others found with a program of their own: 0.0874 and 0.0159 at 0.56."""
+    """They are consistent and complete, and have the errors of the paper's setting from an independent program: 0.0874 and 0.0159 at 0.56."""
     rows = drawings.load()
     paper = rows[campaign.case("reference", 100, campaign.PAPER).name]
     assert paper["l1_fig4_at_056"] == pytest.approx(0.0874, abs=5e-5)
@@ -244,7 +244,7 @@ def test_tables_of_the_book():
         row["updates"] <= row["evaluations"] * row["cells"] ** 2 * (1 + (row["scene"] == "contact"))
         for row in rows.values()
     )
-    # What the page calls the best buy is the best buy.
+    # The page names the best buy of the table.
     page = (table.BOOK / "accuracy.rst").read_text(encoding="utf-8")
     name = " and ".join(drawings.best_buy(rows)[0].split(" ")[0].split("–"))
     assert re.search(rf"\*\*The best buy\*\*[^.]*{name}", page)
@@ -269,7 +269,7 @@ def test_counted_instructions_of_the_book_are_of_these_methods():
 
 
 def test_bargains_of_the_book():
-    """Line 1 of what the campaign must show, from the rows themselves: at most 1/80 of the paper's updates as good as the paper, and with its updates 6 and 4 times better."""
+    """Goal 1 of the campaign, from its rows: the paper's accuracy with at most 1/80 of its updates, and with its updates 6 and 4 times smaller errors."""
     rows, found = drawings.load(), {}
     each = drawings.counts()
     for nu in (0.3, *campaign.POISSON):
@@ -298,17 +298,17 @@ def test_bargains_of_the_book():
 
 
 def test_a_sharp_front_without_overshoot():
-    """Line 2, as means: at d/100 a front of at most 3 elements, overshoot at most 1 %, total variation behind the circular fronts at most 1.1 times the exact one."""
+    """Goal 2, as means: at d/100 a front of at most 3 elements, overshoot at most 1 %, total variation behind the circular fronts at most 1.1 times the exact one."""
     row = drawings.load()[campaign.case("reference", 100, campaign.SHARP).name]
     assert row["width"] <= 3 and row["overshoot"] <= 0.01
     assert row["variation_fig5"] <= 1.1 and row["variation_along"] <= 1.1
 
 
-# -- the scenes of the defaults
+# -- Scenes of the defaults
 
 
 def test_the_ball_is_a_ball():
-    """Its surface is on the sphere, its volume and moments those of a ball but for the facets, each node is there once, and a mirror image is the same ball."""
+    """Its surface is on the sphere, its volume and moments are those of a ball except for the facets, each node occurs once, and a mirror image is the same ball."""
     nodes, elements = defaults.ball()
     data = {
         "units": {"length": "m", "mass": "kg", "time": "s"},
@@ -317,7 +317,7 @@ def test_the_ball_is_a_ball():
         "time": {"end": 0.1},
     }
     data["body"][0]["velocity"] = [1.0, 0.0, 0.0]
-    run = ct.Scene(data).run(progress=False, output=False)  # refuses a brick turned inside out
+    run = ct.Scene(data).run(progress=False, output=False)  # refuses an inverted brick
     mass = run.momentum["p"][0, 0]
     assert 0.97 * 4 / 3 * np.pi < mass < 4 / 3 * np.pi
     radius = np.linalg.norm(nodes, axis=1)
@@ -386,7 +386,7 @@ def test_distance_from_the_front_by_its_definition():
 
 
 def test_what_chooses_nothing_is_near_the_front():
-    """Line 5, with the book's table: within 1.3 times of the front on all four scenes, no energy appears and the ledger closes. A row of it is made again."""
+    """Goal 5, with the book's table: within 1.3 times of the front on all four scenes, without spurious energy, and the energy balance closes. One row is computed again."""
     rows = table.read(table.BOOK / "accuracy_defaults.csv")
     settings = [campaign.Case("", 0, keys).setting for keys in defaults.settings()]
     for scene in defaults.SCENES:

@@ -1,4 +1,4 @@
-"""The averaged mass from a scene: the plates against their closed form, energy, refusals."""
+"""The averaged mass from a scene: the plates compared with their closed form, energy, refusals."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def plates(cells, averaged, contact=False, **time):
 
 
 def along_x(run):
-    """Places and stresses over the one behind the front, in the row next to z = 0, and the error in L1."""
+    """Places and stresses over that behind the front, in the row next to z = 0, and the error in L1."""
     x, _, z = run.state["right"].centres.T
     row = np.flatnonzero(z < 1.5 * z.min())
     row = row[np.argsort(x[row])]

@@ -1,4 +1,4 @@
-"""The bench of Hertz's contact on its coarsest mesh, and its closed form against numbers of its own."""
+"""The bench of Hertz's contact on its coarsest mesh, and its closed form compared with independent numbers."""
 
 import math
 import sys
@@ -13,7 +13,7 @@ import hertz  # noqa: E402
 
 def test_the_surface_of_the_closed_form_is_that_of_its_pressure():
     # eq:hertz
-    # u(r) = 1 / (pi E*) times the integral of p / distance over the disc: at its middle and at the rim that the bench looks at
+    # u(r) = 1 / (pi E*) times the integral of p / distance over the disc: at its middle and at the rim, which the bench uses
     force = 9.0
     a, deep = hertz.exact(force)
     p0 = 1.5 * force / (math.pi * a**2)
@@ -41,4 +41,4 @@ def test_two_elements_over_the_radius_are_within_what_the_book_says():
     )
     assert (
         1.032 < row["force"] / whole < 1.09
-    )  # the far ends of the block are held, which alone gives 3.2 %
+    )  # the far ends of the block are fixed, which alone causes 3.2 %

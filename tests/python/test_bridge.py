@@ -1,4 +1,4 @@
-"""What Python takes from the C headers: the layout of structs as the compiler has it, and the constants of enums."""
+"""Data that Python takes from the C headers: the compiler's layout of structs, and the constants of enums."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def test_rows_lie_in_memory_as_the_compiler_lays_them(struct):
     assert row.itemsize == ffi.sizeof(struct)
     for name, (dtype, offset) in row.fields.items():
         assert offset == ffi.offsetof(struct, name)
-        # A number that Python writes is the one that C reads.
+        # C reads the number that Python writes.
         rows = np.zeros(1, row)
         rows[name] = np.arange(1, dtype.shape[0] + 1) if dtype.shape else 1
         read = getattr(ffi.from_buffer(f"{struct}[]", rows)[0], name)
@@ -24,7 +24,7 @@ def test_rows_lie_in_memory_as_the_compiler_lays_them(struct):
 
 
 def test_statuses_have_the_names_of_the_library():
-    """They are the first of ct_status, those that are no errors and that of invalid input."""
+    """They are the first values of ct_status: those without an error and that of invalid input."""
     constants = sorted(ffi.typeof("ct_status").elements.items())[: len(ct.Status)]
     assert [(status.value, f"CT_{status.name}") for status in ct.Status] == constants
     assert [status.value for status in ct.Status] == [0, 1, 2, 3, 4]

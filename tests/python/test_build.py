@@ -58,7 +58,7 @@ def test_the_umbrella_includes_every_core_header():
 
 @pytest.mark.skipif(shutil.which(CC[0]) is None, reason="no C compiler")
 def test_every_header_compiles_alone(tmp_path):
-    """In any order and without others before it, as C99 with all warnings."""
+    """Each header alone, as C99 with all warnings."""
     for header in sorted((INCLUDE / "libcontact").glob("*.h")):
         source = tmp_path / "alone.c"
         source.write_text(f"#include <libcontact/{header.name}>\nint main(void) {{ return 0; }}\n")
@@ -123,7 +123,7 @@ def test_every_header_alone_links_from_cxx(tmp_path):
     assert subprocess.run([str(tmp_path / "all")]).returncode == 0
 
 
-# What a system's own headers may bring in behind the standard ones: on macOS <stdlib.h> includes <sys/wait.h>.
+# System headers that the standard ones may include: on macOS <stdlib.h> includes <sys/wait.h>.
 SYSTEM = (
     "sys/wait",
     "sys/stat",
@@ -217,7 +217,7 @@ def test_an_installed_addon_is_found_by_pkg_config(part, tmp_path):
 )
 @pytest.mark.parametrize("part", ADDON)
 def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
-    """Whatever this build has: the source that stands in for the add-on, and each prototype of its header called with zeros."""
+    """For any build: the source that replaces a missing add-on, with each prototype of its header called with zeros."""
     text = (INCLUDE / "libcontact" / ADDON[part]).read_text()
     calls = re.findall(r"^CT_API ct_status (ct_\w+)\(([^;]*)\);", text, re.M)
     assert len(calls) == text.count("CT_API ")
@@ -241,7 +241,7 @@ def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
 
 @pytest.mark.skipif(shutil.which(CC[0]) is None, reason="no C compiler")
 def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
-    """What `pip install .` does, through an sdist: no Makefile, no add-on, so GSL's licence stays out."""
+    """`pip install .` from an sdist: without Makefile and add-ons, so GSL's licence does not apply."""
     pytest.importorskip("setuptools")
     tree = tmp_path / "tree"
     tree.mkdir()
@@ -253,7 +253,7 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
         )
     for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)
-    fast = tmp_path / "cc"  # what is tested is which files are there, not how fast they run
+    fast = tmp_path / "cc"  # this tests the list of files, not their speed
     fast.write_text(f'#!/bin/sh\nexec {shlex.join(CC)} "$@" -O0 -g0\n')
     fast.chmod(0o755)
     environment = {
@@ -336,7 +336,7 @@ def test_static_libraries_define_ct_only(library):
     shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
 )
 def test_all_memory_of_the_core_goes_through_one_source():
-    """Where a host may give its own allocator; other objects of the core call nothing of malloc's."""
+    """Only memory.o, where a host may set its allocator, calls malloc and its relatives."""
     callers, member = set(), ""
     for line in nm("-u", str(LIBRARIES / "libcontact.a")).splitlines():
         if line.endswith(".o:"):
@@ -350,7 +350,7 @@ def test_all_memory_of_the_core_goes_through_one_source():
     shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
 )
 def test_either_all_kernels_or_none_are_compiled_for_several_machines():
-    """A source that meets lanes.h before any header of libc would lose its fast versions without a word."""
+    """A source that includes lanes.h before any header of libc would lose its fast versions without a warning."""
     names = {
         line.split()[-1]
         for line in nm(str(LIBRARIES / "libcontact.a")).splitlines()

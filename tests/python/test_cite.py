@@ -1,4 +1,4 @@
-"""CITATION.cff, the page "How to cite" and the changelog tell of the version that base.h has."""
+"""CITATION.cff, the page "How to cite" and the changelog have the version of base.h."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The command line: exit codes, what goes to stdout and what to stderr, and no traceback for what a user can do wrong."""
+"""The command line: exit codes, output on stdout and stderr, and no traceback after a mistake of the user."""
 
 import json
 import os
@@ -104,7 +104,7 @@ def test_plot_draws_a_picture(scene, capsys):
 
 @pytest.mark.parametrize("file", ["out.vtkhdf", None])
 def test_run_with_plot_gives_a_picture_in_one_command(file, scene, capsys):
-    """Beside the results file, or, where a scene writes none, named after the scene in this folder."""
+    """Beside the results file, or, if a scene writes none, named after the scene in this folder."""
     image = pytest.importorskip("matplotlib.image")
     if file is None:
         text = Path(scene).read_text()
@@ -121,7 +121,7 @@ def test_run_with_plot_gives_a_picture_in_one_command(file, scene, capsys):
 
 
 def test_a_view_shows_the_side_that_it_names():
-    """Of the scene Hertz: the pressed side is at z_max, the cut through its middle at y_min; the opposite sides show nothing of the stress peak."""
+    """In the scene Hertz the loaded side is z_max and the cut through its middle y_min; the opposite sides do not show the stress peak."""
     pyplot = pytest.importorskip("matplotlib.pyplot")
     from libcontact.plot import draw_field
 
@@ -179,7 +179,7 @@ def test_bad_input_is_one_line_and_exit_code_2(scene, arguments, words, capsys):
 
 
 def test_what_may_never_end_is_not_read(scene, capsys):
-    """Devices, pipes and files that are too large, as scenes and as meshes: an error that names them, before anything is read (4 GB would be there for it)."""
+    """Devices, pipes and files that are too large, as scenes and as meshes: an error that names them, before anything is read (4 GB are available)."""
     resource = pytest.importorskip("resource")
     os.mkfifo("pipe.toml")
     with open("large.toml", "wb") as file:
@@ -219,7 +219,7 @@ def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):
 
 
 def test_a_warning_that_python_makes_an_error_is_one_line_and_exit_code_3(scene):
-    """Before the first step, as with units that are not meant, and so without a file."""
+    """Before the first step, as with wrong units, and so without a file."""
     Path(scene).write_text(Path(scene).read_text().replace("young = 2.1e5", "young = 1e-9"))
     for flag, code in (("error", 3), ("default", 0)):
         done = subprocess.run(
@@ -250,7 +250,7 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
         .read_text()
         .replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0")
     )
-    # A shell starts background jobs with Ctrl-C switched off, and children inherit that: switch it on again.
+    # A shell starts background jobs that ignore Ctrl-C, and children inherit this: handle it again.
     process = subprocess.Popen(
         [sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"],
         stderr=subprocess.PIPE,
@@ -277,7 +277,7 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
 
 
 def test_ctrl_c_among_the_imports_has_exit_code_130_and_says_one_word(tmp_path):
-    """A numpy that is interrupted at its first line stands for the moment."""
+    """A numpy whose first line is interrupted simulates the moment."""
     (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt")
     place = {**os.environ, "PYTHONPATH": str(tmp_path)}
     for arguments in (["run", "scene.toml"], ["explain", "scene.toml"]):
@@ -312,7 +312,7 @@ def test_every_name_of_the_package_is_there():
 
 @needs_hdf5
 def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
-    """A limit on the size of files stands for the full disk: the system refuses the bytes in the same way."""
+    """A limit on the size of files simulates a full disk: the system refuses the bytes in the same way."""
     import resource
 
     Path(scene).write_text(Path(scene).read_text().replace("every = 20", "every = 1"))
@@ -329,7 +329,7 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
 
 @needs_hdf5
 def test_a_disk_with_room_for_the_file_and_a_margin_takes_all_of_it(scene):
-    """A step asks for the room of the chunks that it begins, not for a chunk of every table."""
+    """A step reserves space for the chunks that it begins, not for one chunk of each table."""
     import resource
 
     Path(scene).write_text(Path(scene).read_text().replace("every = 20", "every = 1"))

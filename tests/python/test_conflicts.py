@@ -1,4 +1,4 @@
-"""Parts of a scene that contradict each other are refused with file, key and reason; what is assumed is what the scene has."""
+"""Parts of a scene that contradict each other are refused with file, key and reason; ``explain`` lists the assumptions of the scene."""
 
 import tomllib
 

@@ -1,4 +1,4 @@
-"""The contact of a host with its own time loop: a step by hand, rods against their closed form, what is refused; scikit-fem as a host."""
+"""The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals; scikit-fem as a host."""
 
 import numpy as np
 import pytest
@@ -37,14 +37,14 @@ def test_first_step_by_hand():
     points = contact.points
     assert len(points) == 8 and (points["gap"] == pytest.approx(-0.02))
     assert (points["pressure"] * points["weight"]).sum() / 2 == pytest.approx(want, rel=1e-12)
-    # Nothing has been done yet, and an overlap holds ½ K g².
+    # There is no work yet, and an overlap stores ½ K g².
     held = pytest.approx(0.5 * K * 0.02**2, rel=1e-12)
     assert contact.balance == ct.Balance(held, 0.0, 0.0, 0, 0.0, 0.0)
     assert contact.energy == contact.balance.energy
 
 
 class Rods:
-    """Two rods of square layers with springs between them, E = ρ = A = 1, L = 10, that fly at each other with ±0.1."""
+    """Two rods of square layers with springs between them, E = ρ = A = 1, L = 10, that approach each other with ±0.1."""
 
     def __init__(self, one_array, layers=51):
         self.h = 10 / (layers - 1)
@@ -143,7 +143,7 @@ def test_one_array_or_two_give_the_same_bits():
 
 
 def test_arrays_are_read_and_written_where_they_stand():
-    """Strided or whole numbers are read by a copy, but never written: the sums would be lost."""
+    """Strided or integer arrays are read by a copy, but never written: the sums would be lost."""
     a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]])
     contact = ct.Contact(a, b, epsilon=1.0, initial_penetration="push")
     low = np.asfortranarray(SQUARE - [0, 0, 0.01])
@@ -214,7 +214,7 @@ def plane_faces(mesh, value, outwards):
 
 
 def test_scikit_fem_as_the_host():
-    """Two unlike blocks of scikit-fem meet: energy never grows and momentum stays."""
+    """Two different blocks of scikit-fem meet: energy never grows and momentum is constant."""
     skfem = pytest.importorskip("skfem")
     halves = [
         fem_block(skfem, (-2, 0, 0), (0, 1, 1), (8, 3, 3)),
@@ -226,7 +226,7 @@ def test_scikit_fem_as_the_host():
         surfaces.append(ct.Surface("Q4", X[-1], plane_faces(mesh, 0.0, way)))
         V.append(np.zeros_like(X[-1]))
         V[-1][:, 0] = 0.05 * way
-        # Degrees of freedom of a node follow each other in nodal_dofs.
+        # The degrees of freedom of a node are consecutive in nodal_dofs.
         inverse.append(np.ascontiguousarray(m[basis.nodal_dofs.T]))
     dt = 0.9 * 2 / np.sqrt(max(half[-1] for half in halves))
     contact = ct.Contact(*surfaces, epsilon=ct.Contact.penalty(1.346, 0.25))
@@ -310,7 +310,7 @@ def test_nonsense_is_refused_by_name(wrong):
             continue
         with pytest.raises((TypeError, ValueError), match=f"{name} must"):
             contact.add_obstacle(**given)
-    # Nothing of what was refused is there.
+    # No refused part was added.
     with pytest.raises(ValueError, match="friction must be positive and finite, not -1"):
         contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0, friction=-1.0)
     with pytest.raises(ValueError, match="tangent must be positive and finite, not 0"):
@@ -321,14 +321,14 @@ def test_nonsense_is_refused_by_name(wrong):
 
 
 def slider(**plane):
-    """A plate of mass 2 that lies on a plane, pressed by its weight; v along x."""
+    """A plate of mass 2 on a plane, under its weight; v along x."""
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
     wall = contact.add_obstacle("plane", [0, 0, 0], epsilon=2e5, **plane)
     return contact, wall
 
 
 def slide(contact, steps, state=None, dt=1e-3):
-    low = SQUARE - [0, 0, 10 / (2e5 * 2)]  # where the plane bears the weight
+    low = SQUARE - [0, 0, 10 / (2e5 * 2)]  # in equilibrium with the weight
     x, v, first = state or (low, np.tile([0.5, 0, 0], (4, 1)).astype(float), 0)
     free, weight = np.full((4, 3), 2.0), np.tile([0, 0, -2.5], (4, 1))
     for n in range(first, first + steps):
@@ -356,7 +356,7 @@ def test_a_plate_slides_to_rest_on_a_plane():
 
 
 def test_a_plane_that_moves_drags_the_plate_and_does_work():
-    """What the bodies gain and friction loses is what the plane's motion puts in."""
+    """The energy of the bodies plus that dissipated by friction is the work of the plane's motion."""
     contact, wall = slider(friction=0.4, velocity=[-1.0, 0, 0])
     slide(contact, 300)
     # It slides with 1.5 ... against the plane: -μ m g along x, so the plane does μ m g · 1 · t.

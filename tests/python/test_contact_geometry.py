@@ -1,4 +1,4 @@
-"""Hard cases of contact in scenes: overlap at the start, surfaces that would pass through each other, points on edges and corners."""
+"""Hard cases of contact in scenes: overlap at the start, tunnelling, points on edges and corners."""
 
 import re
 
@@ -22,7 +22,7 @@ def blocks(
     fraction=0.5,
     **contact,
 ):
-    """Two blocks end to end along x that overlap by a length; the right one comes with a speed."""
+    """Two blocks end to end along x that overlap by a length; the right one has a speed."""
     scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=E, poisson=0.0, density=RHO)
     scene.add_body(
@@ -51,7 +51,7 @@ def test_overlap_is_refused():
 
 @pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_overlap_is_kept(enforcement):
-    """Nothing moves as long as nothing else pushes; pressed together, the blocks have the gaps of two that only touch."""
+    """Without other forces nothing moves; pressed together, the blocks have the gaps of two that only touch."""
     run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run(progress=False)
     assert np.all(run.energy["total"] == 0.0)
     assert not run.state["right"].displacement.any()
@@ -66,7 +66,7 @@ def test_overlap_is_kept(enforcement):
 
 
 def test_a_kept_overlap_is_over_once_it_has_opened():
-    """The blocks part and come together again: they meet where their faces touch, not where they began."""
+    """The blocks separate and come together again: they meet where their faces touch, not at the initial overlap."""
     run = blocks(0.05, -0.5, end=0.3, enforcement="penalty", initial_penetration="keep").run(
         progress=False
     )
@@ -76,7 +76,7 @@ def test_a_kept_overlap_is_over_once_it_has_opened():
 
 @pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
 def test_overlap_is_removed_gently(enforcement):
-    """The start gap fades; its work is in the ledger, which closes; slow removal leaves almost no energy in the bodies."""
+    """The start gap fades; the energy balance has its work and closes; slow removal leaves almost no energy in the bodies."""
     fast, slow = (
         blocks(
             0.01,
@@ -94,7 +94,7 @@ def test_overlap_is_removed_gently(enforcement):
         .energy["contact"][0]
     )
     for run in (fast, slow):
-        # The total is what is stored less the work from outside: it must not rise above its start, 0, and with the plain penalty it keeps to it.
+        # The total is the stored energy minus external work: it must not rise above its start, 0, and with the plain penalty it is constant.
         scale = run.energy["external"].max()
         assert run.energy["external"][-1] > 0.0
         assert run.energy["total"].max() < 1e-3 * scale
@@ -112,7 +112,7 @@ def test_removal_needs_a_time():
 
 def test_a_step_through_a_body_is_refused():
     # eq:tunnelling
-    """A thin plate flies at another one by more than the thickness in a step."""
+    """A thin plate approaches another one by more than the thickness in a step."""
     scene = blocks(
         -0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9
     )
@@ -124,7 +124,7 @@ def test_a_step_through_a_body_is_refused():
 
 
 def test_the_text_of_a_fault_between_two_records_is_whole():
-    """The same plate, which is sped up until it would go through: time and step come before the sentence, and how to go on behind it."""
+    """The same plate, accelerated until it would pass through: time and step precede the message, and advice follows."""
     scene = blocks(
         -0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9
     ).set_output(every=10**6)
@@ -152,7 +152,7 @@ def test_a_fast_body_that_is_far_away_is_not_refused():
 
 
 def test_penetration_is_reported_at_corners_and_edges():
-    """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not see it, Lobatto's do."""
+    """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not detect it, Lobatto's do."""
     for rule in ("gauss", "lobatto"):
         scene = ct.Scene(title="corner", units={"length": "m", "mass": "kg", "time": "s"})
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
@@ -181,7 +181,7 @@ def test_penetration_is_reported_at_corners_and_edges():
 
 @pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
 def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
-    """An open border makes energy of the points that come in over it, up to that of all of them (eq:border-jump); closed surfaces make none."""
+    """At an open border, points that come in create energy, up to that of all of them (eq:border-jump); closed surfaces create none."""
     depth, side, h, beta, speed = 0.02, 0.4, 0.1, 1.0, 0.5
     rise = {}
     for faces in (("z_max", "z_min"), ("outer", "outer")):
@@ -216,7 +216,7 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
 
 
 def test_restart_continues_with_the_same_bits(tmp_path):
-    """History and start gaps are in the restart: kept overlap, removal half done, thin plates pressed past half their thickness."""
+    """History and start gaps are in the restart: a kept overlap, a removal in progress, thin plates pressed past half their thickness."""
     pytest.importorskip("h5py")
     for key in (
         {"initial_penetration": "keep"},

@@ -1,4 +1,4 @@
-"""Pressure at the nodes of contact surfaces, recovered from forces: blocks of unlike meshes, Hertz's profile, force and moment of the points, tables."""
+"""Pressure at the nodes of contact surfaces, recovered from forces: blocks with different meshes, Hertz's profile, force and moment of the points, tables."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def blocks(n, m, element="hex8", **contact):
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
 @pytest.mark.parametrize("n, m, most", [(8, 11, 0.02), (2, 14, 0.09)])
 def test_patch_test_on_unlike_meshes(n, m, most, element):
-    """Within 2 % (9 % where 2 elements meet 14), on both surfaces; points of Gauss are off by ten times as much."""
+    """Within 2 % (9 % where 2 elements meet 14), on both surfaces; the errors at Gauss points are ten times larger."""
     run = blocks(n, m, element)
     (nodes,) = run.pressure["contact"]
     for side in (0, 1):
@@ -38,7 +38,7 @@ def test_patch_test_on_unlike_meshes(n, m, most, element):
 
 
 def test_force_and_moment_are_those_of_the_points():
-    """Areas times tractions against the forces of both passes, each at its place; to 1e-12 of the force."""
+    """Areas times tractions compared with the forces of both passes, each at its place; to 1e-12 of the force."""
     run = blocks(3, 4)
     (nodes,), (points,) = run.pressure["contact"], run.contact
     normal = (points["closest"] - points["position"]) / -points["gap"][:, None]
@@ -56,7 +56,7 @@ def test_force_and_moment_are_those_of_the_points():
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
 def test_hertz_is_smooth(element):
-    """Within 0.85 of the radius p² is a straight line over r², and the pressure is off it by less than 3 % rms of the peak; the force is Hertz's."""
+    """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 3 % rms of the peak; the force is Hertz's."""
     data = ct.Scene.load(ct.example("hertz")).data
     box = {"origin": [0, 0, -2], "size": [2, 2, 2], "cells": [10, 10, 10]}
     data["body"][0] |= {"element": element, "box": box}
@@ -95,7 +95,7 @@ def test_rows_name_body_and_node():
 
 
 def test_nothing_where_nothing_touches():
-    """Bodies apart have no tractions and no areas."""
+    """Separated bodies have no tractions and no areas."""
     scene = ct.Scene(title="apart", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
     for name, z in (("lower", -1.0), ("upper", 0.1)):
@@ -108,7 +108,7 @@ def test_nothing_where_nothing_touches():
 
 
 def wall(gap=0.0):
-    """A bar of 10 cubes flies against a wall with the speed 1."""
+    """A bar of 10 cubes hits a wall with the speed 1."""
     scene = ct.Scene(title="wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
     box = {"origin": [gap, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
@@ -119,7 +119,7 @@ def wall(gap=0.0):
 
 @needs_hdf5
 def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
-    """In memory and in the file: the change of momentum; NaN in a file of before."""
+    """In memory and in the file: the change of momentum; NaN in an older file."""
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "wall.vtkhdf"
     momentum = wall().run(progress=False, output=path).momentum
@@ -138,7 +138,7 @@ def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
 
 @needs_hdf5
 def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
-    """At the nodes of the wall's surface what `run.pressure` has, 0 elsewhere; nothing where it is not asked for."""
+    """The values of `run.pressure` at the nodes of the wall's surface, 0 elsewhere; no field if it is not requested."""
     scene = wall(0.01).set_output(
         tmp_path / "asked.vtkhdf", fields=["displacement", "contact_pressure"]
     )

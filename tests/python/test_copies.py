@@ -1,4 +1,4 @@
-"""Copies and pickles of scenes, runs and what they raise."""
+"""Copies and pickles of scenes, runs and their exceptions."""
 
 import copy
 import functools
@@ -207,7 +207,7 @@ def test_the_package_says_that_it_is_typed():
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
 def test_fields_that_nobody_has_asked_for_are_those_of_the_last_step(way):
-    """Made late, by the run or by its copy, after other runs: v_n = (u_{n+1} - u_{n-1}) / 2 Δt."""
+    """Computed later, by the run or by its copy, after other runs: v_n = (u_{n+1} - u_{n-1}) / 2 Δt."""
     one, dt = scene(own=False), scene(own=False)._built(None).dt
     run, before, after = (
         one.run(progress=False, output=False, until=(n - 0.5) * dt) for n in (10, 9, 11)

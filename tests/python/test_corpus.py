@@ -1,4 +1,4 @@
-"""Every method on the hard-case corpus, against truths that were computed without the library."""
+"""Each method on the corpus of hard cases, compared with results that were computed without the library."""
 
 import sys
 from pathlib import Path
@@ -17,12 +17,12 @@ CASES = corpus.load()
 RIGHT = 1e-6  # of the distance or the face size, whichever is larger
 INSIDE = np.array([case["margin"] for case in CASES]) > 1e-6
 CATEGORY = np.array([case["category"] for case in CASES])
-# What issue 3 allows robust to miss; a T6 at its centre of curvature is a curved T6 as well.
+# Misses that robust may have; a T6 at its centre of curvature is a curved T6 as well.
 MAY_MISS = {"collapsed_q4", "quarter_point_q8", "aspect_1e6", "curved_t6"}
 
 
 def run(method):
-    """Errors of the distance, relative as above; evaluations, statuses, wheres and certificates of every case."""
+    """Errors of the distance, relative as above; evaluations, statuses, places and certificates of each case."""
     found = []
     for case in CASES:
         try:
@@ -66,7 +66,7 @@ def test_truths_of_a_random_sample_come_out_again():
 
 def test_robust_finds_the_closest_point():
     error, evaluations, _, _, _ = run("robust")
-    assert np.min(error) > -1e-12  # nothing is closer than the truth
+    assert np.min(error) > -1e-12  # no point is closer than the true one
     wrong = ~(np.abs(error) <= RIGHT)
     print(
         f"robust: {100 * np.mean(~wrong):.2f} % right, misses {by_category(wrong)}, median {np.median(evaluations):.0f} evaluations"
@@ -87,7 +87,7 @@ def test_certified_is_always_right_and_never_claims_too_much():
         f"certified: {100 * np.mean(~wrong):.2f} % right, {100 * np.mean(~certified):.2f} % without a certificate {by_category(~certified)}, "
         f"{100 * np.mean(np.abs(error) <= 1e-10):.2f} % at 1e-10"
     )
-    assert not np.any(certified & ~(np.abs(error) <= 1e-10))  # what a certificate says
+    assert not np.any(certified & ~(np.abs(error) <= 1e-10))  # the statement of a certificate
     assert not np.any(wrong), by_category(wrong)
     assert np.mean(np.abs(error) <= 1e-10) >= 0.999
     assert np.mean(~certified) <= 0.01, by_category(~certified)
@@ -101,7 +101,7 @@ def test_the_simplex_of_the_paper_is_right_or_says_outside():
     )
     assert np.mean(right) >= 0.95
     assert np.median(evaluations) <= 300
-    # It stops early in long narrow valleys, and nearly nowhere else.
+    # It stops early in long narrow valleys, and almost nowhere else.
     narrow = np.isin(CATEGORY, ["aspect_1e3", "aspect_1e6", "needle_triangle"])
     assert np.mean(right[~narrow]) >= 0.985
 

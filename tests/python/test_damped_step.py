@@ -1,4 +1,4 @@
-"""The stable step with damping, against the amplification matrix of small meshes: elements, masses and dashpots are assembled here, and the library is asked for its step only."""
+"""The stable step with damping, compared with the amplification matrix of small meshes: elements, masses and dashpots are assembled here; only the step comes from the library."""
 
 import itertools
 
@@ -20,7 +20,7 @@ STEEPEST = 0.06
 
 
 def mesh(cells, shaken=0.0):
-    """Nodes and elements of unit cubes; shaken: each node moved by up to this."""
+    """Nodes and elements of unit cubes; ``shaken``: each node is moved by up to this."""
     grid = [np.arange(n + 1) for n in cells]
     nodes = np.stack(np.meshgrid(*grid, indexing="ij"), -1).reshape(-1, 3).astype(float)
     at = np.arange(len(nodes)).reshape([n + 1 for n in cells])
@@ -72,8 +72,8 @@ class Body:
         self.damping += np.diag(np.outer(areas, (self.c1, self.c2, self.c2)).ravel())
 
     def grows(self, dt, inverse=None, r=1.0, l=0.0, push=1.0):  # noqa: E741
-        """Whether the largest root of a step with the velocity half a step back is above 1; `inverse`: of the mass; `r`, `l`, `push`: the drift of :eq:`stage`, where the
-        change of the acceleration is that over a push of so many steps."""
+        """Whether the largest root of a step with the velocity half a step earlier is above 1; `inverse`: of the mass; `r`, `l`, `push`: the drift of :eq:`stage`, where the
+        change of the acceleration is that over a pushforward of ``push`` steps."""
         inverse = np.diag(1 / self.mass) if inverse is None else inverse
         one, zero = np.eye(len(self.mass)), np.zeros_like(self.damping)
         velocity, displacement = np.hstack([one, zero]), np.hstack([zero, one])
@@ -115,7 +115,7 @@ def damped(nu, cells, linear, quadratic, rate):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_bars_with_dashpots_of_each_kind(cells, nu):
-    """The reported step is stable (eq:damped-step-bound): viscosity weak, usual with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. A little larger one is not: by 5 %, and with strong viscosity by 7 %."""
+    """The reported step is stable (eq:damped-step-bound): viscosity weak, default with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. A slightly larger one is not: by 5 %, and with strong viscosity by 7 %."""
     viscosities = [(0.0, 0.0), (0.03, 0.0), (0.06, 1.2), (0.5, 0.0)]
     for (linear, quadratic), rate, absorbs in itertools.product(viscosities, (0.0, 0.7), (0, 1)):
         made, body = damped(nu, cells, linear, quadratic, rate)
@@ -132,7 +132,7 @@ def test_bars_with_dashpots_of_each_kind(cells, nu):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_dashpots_with_other_integrators(cells, nu):
-    """Tchamwa and Wielgosz at their reported step, the pushforward at every fraction of it: its push is as long as the reported step."""
+    """Tchamwa and Wielgosz at their reported step, the pushforward at each fraction of it: its pushforward is as long as the reported step."""
     for (linear, quadratic), rate in itertools.product(
         [(0.0, 0.0), (0.06, 1.2), (0.5, 0.0)], (0.0, 0.7)
     ):
@@ -151,7 +151,7 @@ def test_dashpots_with_other_integrators(cells, nu):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", [(5, 1, 5), (4, 4, 4), (6, 1, 6)])
 def test_viscosity_in_layers_and_cubes(cells, nu):
-    """:eq:`joint-bound` and :eq:`joint-step` against the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
+    """:eq:`joint-bound` and :eq:`joint-step` compared with the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
     body = Body(*mesh(cells), nu)
     for linear in (0.03, 0.06, 0.12):
 
@@ -210,7 +210,7 @@ def test_averaged_mass_enlarges_the_dashpots_too(cells, nu):
 @pytest.mark.parametrize("cells", [(50, 1, 1), (50, 2, 2)])
 @pytest.mark.parametrize("speed", [0.1, 0.3])
 def test_a_front_that_the_start_does_not_show(cells, speed):
-    """A bar flies as a whole, so at the start nothing is compressed, and meets a wall as fast as a front runs; quadratic viscosity at the whole step. Energy must not grow."""
+    """A bar in free flight, not compressed at the start, hits a wall with the speed of a wave; quadratic viscosity at the whole step. Energy must not grow."""
     made = scene(0.0, **box(cells), velocity=[-speed, 0, 0]).add("viscosity", linear=0.03)
     made.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
     run = made.set_time(end=150.0, fraction=1.0).set_output(every=1).run(progress=False)

@@ -1,4 +1,4 @@
-"""Waves of a mesh: against meshes that numpy assembles, against runs of scenes, and the arrays of the Python face."""
+"""Waves of a mesh: compared with meshes that numpy assembles and with runs of scenes; and the arrays of the Python interface."""
 
 import contextlib
 import importlib.util
@@ -29,12 +29,12 @@ def places(element):
 
 
 def monomials(element, xi):
-    """The polynomials that the element holds, and their gradients, at points (n, 3)."""
+    """The polynomials of the element, and their gradients, at points (n, 3)."""
     degree = 1 if element == "hex8" else 2
     powers = [
         p
         for p in itertools.product(range(degree + 1), repeat=3)
-        # Serendipity: degree 3 at most, that in which an exponent 1 counts nothing.
+        # Serendipity: superlinear degree at most 2, in which exponents of 1 do not count.
         if element == "hex8" or sum(e for e in p if e > 1) <= 2
     ]
     value = np.array([np.prod(xi ** np.array(p), axis=-1) for p in powers])
@@ -108,7 +108,7 @@ def test_all_waves_of_a_periodic_mesh(element, cells, mass):
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
 @pytest.mark.parametrize("branch, direction", [(2, (1, 0, 0)), (2, (1, 1, 0)), (0, (1, 0, 0))])
 def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
-    """ω ≈ c k (1 - ½ c² k² d·K₀⁺d / m): what the masses have wrong moves the families against each other (eq:hrz-phase)."""
+    """ω ≈ c k (1 - ½ c² k² d·K₀⁺d / m): the errors of the masses move the families against each other (eq:hrz-phase)."""
     K, M = element_matrices("hex20", (1, 1, 1), poisson, "lumped")
     consistent = element_matrices("hex20", (1, 1, 1), poisson, "consistent")[1]
     family = np.array([0 if 0 not in p else 1 + p.index(0) for p in places("hex20").tolist()])
@@ -134,7 +134,7 @@ def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
 
 
 def column(element, integrator, courant, steps):
-    """Stress of a row of cubes that flies against a wall, c₁ = ρ = v₀ = 1."""
+    """Stress of a row of cubes that hits a wall, c₁ = ρ = v₀ = 1."""
     nu, cells = 0.3, 80
     scene = ct.Scene(title="column", units={"length": "m", "mass": "kg", "time": "s"})
     young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
@@ -200,7 +200,7 @@ def test_the_front_of_long_waves():
     place = np.linspace(1980.0, 2010.0, 301)
     for steps, courant in ((4000, 0.5), (2500, 0.8)):
         row = chapter.row_front(place, steps, courant)
-        # Terms of higher order in k shift the ripples; they fall with the cube root of the distance.
+        # Terms of higher order in k shift the oscillations; they decrease with the cube root of the distance.
         assert np.allclose(chapter.long_front(place, courant, 2000.0), row, rtol=0, atol=0.02)
 
 
@@ -235,7 +235,7 @@ def test_parameter_of_the_integrator():
 def test_places_of_a_front():
     front = ct.dispersion_front(20.03, (2, 2, 0), size=(1.0, 1.0, 2.0), courant=0.5)
     assert np.allclose(np.diff(front.distance), 0.5**0.5) and front.distance[0] == 0.0
-    # 20 steps of a half: the nearest whole number.
+    # 20 steps of one half: the nearest whole number.
     same = ct.dispersion_front(20.0, (1, 1, 0), front.distance, size=(1.0, 1.0, 2.0), courant=0.5)
     assert np.allclose(front.stress, same.stress, rtol=0, atol=1e-12)
     line = ct.Front(np.array([0.0, 1.0, 2.0, 4.0]), np.array([1.0, 1.25, 0.75, 0.25]))

@@ -1,4 +1,4 @@
-"""The docstrings of the public names: their examples run, and they describe each parameter and what comes out."""
+"""The docstrings of the public names: their examples run, and they describe each parameter and the result."""
 
 import doctest
 import importlib
@@ -65,6 +65,6 @@ def test_each_parameter_and_what_comes_out_is_described(function):
 
 
 def test_every_public_module_is_described():
-    """A name of the package that takes arguments is in a module that is checked above."""
+    """Each name of the package with arguments is in a module that is checked above."""
     homes = {getattr(ct, name).__module__ for name in ct.__all__ if name not in ("exact", "has")}
     assert homes - set(DESCRIBED) <= {"libcontact.errors", "libcontact.scene", "libcontact.schema"}

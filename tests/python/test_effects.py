@@ -1,4 +1,4 @@
-"""Effects that a scene adds from its tables: results against closed forms, refusals with file, key and reason, columns of the ledger."""
+"""Effects that a scene adds from its tables: results compared with closed forms, refusals with file, key and reason, columns of the energy balance."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_gravity_of_some_bodies_leaves_the_others():
 
 
 def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
-    """The stress at x is the traction at the end, delayed by the way over c = 30."""
+    """The stress at x is the traction at the end, delayed by the distance over c = 30."""
     scene = bar(cells=200).add(
         "load",
         surface="bar.x_max",
@@ -81,7 +81,7 @@ def test_an_absorbing_end_takes_the_wave():
 
 
 def test_damping_ends_in_the_static_solution():
-    """A bar under its own weight, hung up at one end, comes to rest with the end lower by rho g L^2 / (2 E)."""
+    """A bar that hangs from one end under its own weight comes to rest with the other end lower by rho g L^2 / (2 E)."""
     scene = (
         bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
     )
@@ -178,11 +178,11 @@ def test_a_step_above_the_damped_limit_is_refused():
         scene.explain()
 
 
-# An effect of one's own.
+# Effects of the user.
 
 
 def spring(scene, k=2.0, **more):
-    """A spring from each node of the end to where it began."""
+    """A spring from each node of the end to its initial position."""
     return scene.add_effect(
         "spring",
         "bar",
@@ -195,7 +195,7 @@ def spring(scene, k=2.0, **more):
 
 
 def test_a_spring_written_in_python_turns_a_body_back():
-    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, but for the bar's own stiffness E A / L = 0.9."""
+    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, except for the bar's own stiffness E A / L = 0.9."""
     scene = (
         spring(bar(velocity=[0.01, 0, 0]), k=2e-3)
         .set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9)
@@ -275,7 +275,7 @@ def test_an_impossible_energy_is_refused(answer, words):
 
 @pytest.mark.parametrize("kind", [np.float32, np.int8, np.uint64, np.longdouble])
 def test_a_force_may_be_of_any_real_numbers(kind):
-    """The same numbers, which each of the types can hold, give the same bits."""
+    """The same numbers in different types, each without loss, give the same bits."""
 
     def pushed(kind):
         force = np.array([[1, 2, 3], [4, 0, 64]], kind)
@@ -301,7 +301,7 @@ def test_a_force_may_be_of_any_real_numbers(kind):
 def test_what_ends_a_program_ends_it_from_within_a_function(
     reason, when, function, tmp_path, capfd
 ):
-    """At the first call and in the middle of a run; the file stays as it was recorded."""
+    """At the first call and during a run; the file keeps its records."""
 
     def leave(view):
         if view.time > when:
@@ -331,7 +331,7 @@ def test_what_ends_a_program_ends_it_from_within_a_function(
     if ct.has("hdf5") and when > 0:
         pytest.importorskip("h5py")
         assert 0 < ct.Run.load(path).time[-1] <= 0.06
-    # Nothing of it is left for the next run.
+    # No trace of it remains for the next run.
     with pytest.raises(ct.SceneError, match="output.file"):
         bar().set_time(end=0.01, fraction=0.9).run(
             progress=False, output=tmp_path / "none" / "run.vtkhdf"

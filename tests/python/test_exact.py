@@ -1,4 +1,4 @@
-"""The Python face of the exact solutions: arrays, refusals, fronts, the series."""
+"""The Python interface of the exact solutions: arrays, refusals, fronts, the series."""
 
 import math
 
@@ -97,7 +97,7 @@ def test_series_refuses_what_it_does_not_know():
 
 
 def test_fronts_are_where_the_fields_change():
-    """eq:plates-head. Just outside the outermost fronts nothing has happened; curves touch where theory says."""
+    """eq:plates-head. Just outside the outermost fronts all fields are zero; curves touch where theory predicts it."""
     t, nu = 0.56, 0.3
     curves = ct.exact.fronts(t, nu)
     for side, z_face in ((0, 1.0), (1, -1.0)):

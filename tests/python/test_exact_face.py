@@ -1,4 +1,4 @@
-"""The readable form of the exact solution (docs/theory/face.py) against the library and against Laplace transforms that it has not seen."""
+"""The readable form of the exact solution (docs/theory/face.py) compared with the library and with independent Laplace transforms."""
 
 import importlib.util
 from pathlib import Path
@@ -74,7 +74,7 @@ def test_transform_of_the_closed_form(x, y, nu):
         dt = (b - a) * 6 * u * (1 - u) * 0.5 * weight
         own = ct.exact.plates(x, 1 - y, t, nu).stress.sigma_z + (t >= x)
         total += np.sum(own * np.exp(-s * t) * dt)
-    # The other face answers from t = 2 - y on: e^(-20 · 1.7).
+    # Waves of the other face arrive from t = 2 - y on: e^(-20 · 1.7).
     assert total == pytest.approx(transform(x, y, s, nu).real, rel=0, abs=1e-11)
     assert abs(total) > 1e-7
 

@@ -1,4 +1,4 @@
-"""Faults in mid-run: each is an exception of its own that names time, body and place; the last good state is kept, on disk if there is a file, and goes on."""
+"""Faults during a run: each is an exception of its own class that names time, body and place; the last good state is kept, on disk if there is a file, and can be continued."""
 
 import math
 import tomllib
@@ -21,7 +21,7 @@ with_and_without_file = pytest.mark.parametrize(
 
 
 def bars(law="linear", **time):
-    """A bar that is held at x = 0 and pulled at x = 10, and one beside it at rest; ν = 0, c = 1."""
+    """A bar that is fixed at x = 0 and pulled at x = 10, and another one at rest; ν = 0, c = 1."""
     scene = ct.Scene(title="bars", units=UNITS)
     scene.add_material("rubber", young=2.0, poisson=0.0, density=2.0, law=law)
     for name, y in (("other", 5.0), ("bar", 0.0)):
@@ -37,7 +37,7 @@ def bars(law="linear", **time):
 
 
 class Twisted:
-    """The C library, with something done to the motion before the steps that begin at step 40."""
+    """The C library, with the motion disturbed before the steps that begin at step 40."""
 
     def __init__(self, twist):
         self.twist, self.done = twist, False
@@ -77,7 +77,7 @@ def faster(state):
 
 
 def failing(scene, kind, tmp_path, with_file, **how):
-    """The error of a run, which names its file exactly if it has one."""
+    """The error of a run, which names its file if and only if it has one."""
     path = tmp_path / "run.vtkhdf"
     with pytest.raises(kind) as caught:
         scene.run(progress=False, output=path if with_file else False, **how)
@@ -97,7 +97,7 @@ def failing(scene, kind, tmp_path, with_file, **how):
 
 
 def goes_on(scene, error, tmp_path, until):
-    """The file of a fault opens, holds the last good state, and goes on to the same bits as a run in which nothing happened."""
+    """The file of a fault opens, contains the last good state, and continues to the same bits as an undisturbed run."""
     loaded = Run.load(error.checkpoint)
     assert loaded.state.step == error.run.state.step == loaded.steps[-1] == error.run.steps[-1]
     rest = scene.run(
@@ -160,7 +160,7 @@ def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
 
 @needs_hdf5
 def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
-    """Beyond the stretch that ended it, with a third of the step; and it agrees with a run that had this step from the start, by the error of the larger step."""
+    """With a third of the step the run continues beyond the stretch that ended it; it agrees with a run with this step from the start, within the error of the larger step."""
     error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
     finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
     rest = finer.run(
@@ -174,7 +174,7 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
     scale = rest.energy["kinetic"].max()
     assert np.abs(rest.energy["balance"]).max() < 1e-10 * scale
     assert abs(rest.energy["strain"][0] - error.run.energy["strain"][-1]) < 1e-12 * scale
-    # The file has the new step, and a second run that only goes on has the same bits.
+    # The file has the new step, and a second run that only continues has the same bits.
     loaded = Run.load(tmp_path / "rest.vtkhdf")
     assert loaded.dt == rest.dt and tomllib.loads(loaded.scene)["time"]["courant"] == 0.31
     part = finer.run(
@@ -193,7 +193,7 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
         / np.abs(straight.state["bar"].displacement).max()
     )
     assert off < 0.03
-    # A larger step is no part of the file's, and everything else must be the same.
+    # A larger step is refused, and everything else must be the same.
     with pytest.raises(ct.SceneError, match="only a smaller step is possible"):
         bars("st_venant_kirchhoff", courant=0.5).run(
             progress=False, restart=tmp_path / "rest.vtkhdf", output=False
@@ -232,11 +232,11 @@ def test_bad_keys_of_the_watch_are_refused(key, value):
         bars(**{key: value})
 
 
-# Growth that is no fault.
+# Growth below the limit of a fault.
 
 
 def flying(force, stores=True):
-    """A block that flies freely, and a force of the user's own on all its nodes."""
+    """A block in free flight, and a force of the user on all its nodes."""
     scene = ct.Scene(title="flying", units=UNITS)
     scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
     scene.add_body(
@@ -252,12 +252,12 @@ def flying(force, stores=True):
 
 
 def pump(view):
-    """A force c m v, which lets the kinetic energy grow as exp(2 c t), and from t = 5 on takes more than it gave."""
+    """A force c m v, by which the kinetic energy grows as exp(2 c t), and which from t = 5 on removes more than it gave."""
     return (0.01 if view.time < 5.0 else -0.05) * 1.5 / 8.0 * view.velocity
 
 
 def grown(scene, **how):
-    """The warnings of growth of a run, which ends well."""
+    """The warnings of growth in a run that completes."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         scene.run(progress=False, output=False, **how)
@@ -280,7 +280,7 @@ def test_growth_is_told_once_though_it_is_gone_at_the_end():
 
 @pytest.mark.parametrize("where", ["obstacle", "contact"])
 def test_growth_names_the_contact_that_makes_it(where):
-    """An explicit penalty, stiff for its step, feeds energy into a bar that flies against a wall or against its twin."""
+    """An explicit penalty, too stiff for its step, feeds energy into a bar that hits a wall or an equal bar."""
     bar = lambda x: {"origin": [x, 0, 0], "size": [10, 0.2, 0.2], "cells": [50, 1, 1]}
     scene = ct.Scene(title="bars", units=UNITS)
     scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body(
@@ -356,7 +356,7 @@ def test_what_comes_in_from_outside_is_no_growth():
     assert not grown(scene.set_time(end=1.0, fraction=0.8, look_every=1))
 
 
-# Rest.
+# Bodies at rest.
 
 
 def turned(seed):
@@ -368,7 +368,7 @@ def turned(seed):
 
 @pytest.mark.parametrize("what", ["later load", "plane", "fixed body"])
 def test_rest_is_no_fault_whatever_its_orientation(what):
-    """Two blocks whose faces touch, or one on an inclined plane or on a block that is held, with next to no weight: what round-off leaves is no energy. Each alarm is an error."""
+    """Two blocks whose faces touch, or one on an inclined plane or on a fixed block, with almost no weight: round-off must not count as energy. Each report is an error."""
     for seed in range(8):
         axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
         scene = ct.Scene(title="rest", units=UNITS)
@@ -483,7 +483,7 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
         )
 
 
-# Going on beyond the end.
+# Continuing beyond the end.
 
 
 @needs_hdf5
@@ -499,7 +499,7 @@ def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path
     whole = longer.run(progress=False, restart=tmp_path / "b.vtkhdf", output=tmp_path / "c.vtkhdf")
     assert first.dt == half.dt == whole.dt != longer.run(progress=False, output=False, until=0.1).dt
     assert 33.7 <= whole.state.time < 33.7 + first.dt
-    # The same step, given as a number that a whole number of steps hits, without a stop.
+    # The same step, given as a number that divides the end, in a run without interruption.
     straight = bars("neo_hookean", end=whole.state.step * first.dt, courant=None, dt=first.dt)
     if straight._built(None).dt == first.dt:
         end = straight.run(progress=False, output=False)

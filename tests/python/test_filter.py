@@ -1,4 +1,4 @@
-"""The filter of what is recorded: from a scene to the file and back, and the plates against their closed form."""
+"""The filter of recorded fields: from a scene to the file and back, and the plates compared with their closed form."""
 
 import copy
 import pickle

@@ -1,4 +1,4 @@
-"""When a run has threads, and a process that is forked off after one with several: OpenMP's threads are not there, and its runs end all the same."""
+"""When a run uses threads; and a process that is forked after a run with several: OpenMP's threads do not exist in it, and its runs must still end."""
 
 import os
 import subprocess
@@ -68,7 +68,7 @@ def scene(cells=24):
 
 
 def nearest(threads):
-    """Distances of many points from a face, sought by several threads."""
+    """Distances of many points from a face, computed by several threads."""
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.2]], float)
     points = np.random.default_rng(1).uniform(-1, 1, (3000, 3))
     return ct.nearest("Q4", nodes, [[0, 1, 2, 3]], points, threads=threads).distance
@@ -78,7 +78,7 @@ def nearest(threads):
 def test_a_forked_child_runs(tmp_path):
     program = tmp_path / "forks.py"
     program.write_text(PROGRAM.format(folder=os.path.dirname(__file__)))
-    # A child that waits for threads which are not there waits for ever; the limit is far above what is needed.
+    # A child that waits for missing threads would wait forever; the limit is far above the time needed.
     done = subprocess.run(
         [sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60
     )
@@ -90,7 +90,7 @@ def test_a_forked_child_runs(tmp_path):
     reason="built without OpenMP, or a system that does not list threads",
 )
 def test_short_loops_start_no_threads(tmp_path):
-    """To wake a thread takes longer than a step of a small scene; a larger one has the threads that it asks for."""
+    """Starting a thread takes longer than a step of a small scene; a larger one uses the requested threads."""
     program = tmp_path / "short.py"
     program.write_text(SHORT.format(folder=os.path.dirname(__file__)))
     done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)

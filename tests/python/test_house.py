@@ -1,4 +1,4 @@
-"""What docs/develop says of the house: rooms that look down only, one prefix, and the same headers for everybody."""
+"""Rules of docs/develop: rooms include only lower ones, one prefix, and the same headers for all users."""
 
 import re
 import shutil
@@ -47,7 +47,7 @@ def test_every_symbol_has_the_prefix():
 
 
 def test_every_public_function_has_a_user():
-    """Beside the library and its tests: the wrapper, a host, a page, or an add-on, which sees only what is public."""
+    """Outside the library and its tests: the wrapper, a host, a page, or an add-on, which uses only public functions."""
     headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
     public = set(re.findall(r"^CT_API [^;(]*?\b(ct_\w+)\(", headers, re.M))
     folders = "wrapper bench docs stability tutorials tests/embed libcontact/fortran".split()

@@ -1,4 +1,4 @@
-"""Integrators in scenes: keys and their refusals, what explain says, energies of the bar on a wall, restarts, savings, and the stable step from both sides."""
+"""Integrators in scenes: keys and their refusals, ``explain``, energies of the bar on a wall, restarts, optimisations, and the stable step from both sides."""
 
 import importlib
 import sys
@@ -23,7 +23,7 @@ UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 
 def imported(folder: str, name: str):
-    """A module of a folder that is no package."""
+    """A module of a folder that is not a package."""
     sys.path.insert(0, str(Path(__file__).parents[2] / folder))
     try:
         return importlib.import_module(name)
@@ -32,7 +32,7 @@ def imported(folder: str, name: str):
 
 
 def plates(integrator: str, **keys) -> ct.Scene:
-    """Two thick plates that meet, in plane strain, with quiet regions for a while; the right one is pushed at its far end too."""
+    """Two thick plates that meet, in plane strain, with regions that sleep for a time; the right one is also loaded at its far end."""
     made = ct.Scene(title="plates", units=UNITS)
     made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
     for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
@@ -73,7 +73,7 @@ def test_explain_tells_limit_and_evaluations(integrator):
 
 @pytest.mark.parametrize("integrator, stages", [("central_difference", 1), ("noh_bathe", 2)])
 def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
-    """So the trial steps of a plan hold both calls. Counted, by an effect of our own."""
+    """So the trial steps of a plan include both calls. A host's effect counts them."""
     made, times = plates(integrator), []
     count = made.explain().data["time"]["steps"]
     made.add_effect(

@@ -1,4 +1,4 @@
-"""A few of the runs that ``make kill`` kills by the hundred."""
+"""A few of the runs of ``make kill``."""
 
 import sys
 from pathlib import Path

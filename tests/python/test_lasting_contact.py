@@ -1,4 +1,4 @@
-"""Contact that lasts: a bar that a load presses on a wall, more and more slowly, and then jolts. What it loses, and the mode at its surface (chapter "Enforcement")."""
+"""Lasting contact: a load presses a bar on a wall, at first smoothly, then with a jump. Its energy loss, and the mode at its surface (chapter "Enforcement")."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LOAD = 1e-4
 def pressed(
     cells: int, element: str, jolt: float, periods: float, fraction: float, **law
 ) -> ct.Run:
-    """A bar of unit elements (E = ρ = 1, ν = 0) on a wall. The load rises through 20 periods without a corner; then it jumps by a part of itself."""
+    """A bar of unit elements (E = ρ = 1, ν = 0) on a wall. The load rises smoothly over 20 periods; then it jumps by a fraction of itself."""
     rise = 80.0 * cells
     s = np.linspace(0.0, 1.0, 300)
     history = {
@@ -32,7 +32,7 @@ def pressed(
 
 
 def lost(run: ct.Run, cells: int, jolt: float, beta: float, periods: float) -> float:
-    """Part of the energy of the oscillation after the jolt that is lost in a period."""
+    """Fraction of the energy of the oscillation after the jump that is lost per period."""
     start = int(np.searchsorted(run.time, 80.0 * cells + 0.2 * cells))
     swing = 0.5 * (jolt * LOAD) ** 2 * (cells + 1 / beta)
     total = run.energy["total"]

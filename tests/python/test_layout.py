@@ -11,7 +11,7 @@ TOOLS = Path(sys.executable).parent  # those of wrapper/requirements/test.txt, w
 
 
 def tracked(*patterns):
-    """Files of the repository, as it stands in the working tree."""
+    """Files of the repository in the working tree."""
     try:
         done = subprocess.run(
             ["git", "ls-files", "-z", *patterns], cwd=ROOT, capture_output=True, text=True

@@ -1,4 +1,4 @@
-"""Programs that the README, the book and ``tutorials/c`` show: each compiles against an installed copy and does what stands beside it."""
+"""Programs in the README, the book and ``tutorials/c``: each compiles against an installed copy and prints the quoted output."""
 
 import os
 import re
@@ -65,7 +65,7 @@ def test_the_same_effect_in_python_prints_the_same():
 
 
 def test_the_number_of_the_reader_in_a_hurry(tmp_path):
-    """``docs/start/ball.py`` prints what the page shows; the page's statements on it hold."""
+    """``docs/start/ball.py`` prints the output on the page, and the page's statements about it are true."""
     script = ROOT / "docs" / "start" / "ball.py"
     command = [sys.executable, str(script)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)

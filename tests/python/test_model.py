@@ -1,4 +1,4 @@
-"""The model of the scene's keys: its defaults are C's, its JSON Schema accepts what the reader accepts, and what is read, saved and read is the same."""
+"""The model of the scene's keys: its defaults are those of C, its JSON Schema accepts the same scenes as the reader, and a saved scene is read back unchanged."""
 
 import copy
 import inspect
@@ -37,7 +37,7 @@ def whole(checker, value):
     return finite(checker, value) and isinstance(value, int)
 
 
-# TOML tells 2 from 2.0, and has infinities; JSON does not.
+# TOML distinguishes 2 and 2.0, and has infinities; JSON does not.
 Validator = jsonschema.validators.extend(
     jsonschema.Draft202012Validator,
     type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine_many(
@@ -51,16 +51,16 @@ def by_schema(scene):
 
 
 def by_reader(scene):
-    """Whether each key is right alone; what keys say of each other is not in the schema."""
+    """Whether each key is valid alone; the schema does not contain conditions between keys."""
     try:
         Parts.read(scene, Place())
-        # That a scene has bodies and a time is seen when the whole of it is there.
+        # Missing bodies or time are detected when the whole scene is read.
         return "time" in scene and bool(scene.get("body"))
     except SceneError:
         return False
 
 
-# A scene with every table and nearly every key, so that each can be mutated.
+# A scene with all tables and almost all keys, so that each can be mutated.
 FULL = tomllib.loads("""
 title = "all keys"
 units = { length = "m", mass = "kg", time = "s" }
@@ -141,7 +141,7 @@ sphere = { centre = [9, 0, 5.5], radius = 1 }
 
 
 def test_the_full_scene_is_one():
-    """Else its mutations would prove nothing."""
+    """Otherwise its mutations would prove nothing."""
     assert by_schema(FULL) and by_reader(FULL)
     read(FULL)
     tables = {**MANY, **ONCE}
@@ -152,7 +152,7 @@ def test_the_full_scene_is_one():
     missing = {
         f"{key}.{name}" for key, table in tables.items() for name in set(table.keys()) - there[key]
     }
-    # They stand in the place of others.
+    # They replace other keys.
     assert missing == {
         "body.mesh",
         "contact.beta",
@@ -178,7 +178,7 @@ def test_scenes_of_the_tutorials_are_valid(path):
     Validator(json.loads(json.dumps(SCHEMA))).validate(scene)
 
 
-# Mutations: the schema accepts exactly what the reader accepts.
+# Mutations: the schema and the reader accept the same scenes.
 
 values = st.one_of(
     st.booleans(),
@@ -315,7 +315,7 @@ def c_of(name):
 
 
 def test_defaults_of_a_contact_are_those_of_c():
-    """An empty table leaves each member of the C options as the library's own default has it."""
+    """An empty table gives each member of the C options the library's default."""
     contact = model.Contact.read({"surfaces": ["a.x_max", "b.x_min"]}, Place())
     options = c_of("contact_options")
     members = contact.c("ct_contact_options")
@@ -328,7 +328,7 @@ def test_defaults_of_a_contact_are_those_of_c():
 
 
 def test_other_defaults_are_what_zero_means_in_c():
-    """Members that C takes for their defaults when they are zero, and enums whose first word is the default."""
+    """Members whose zero means the default in C, and enums whose first word is the default."""
     material = model.Material(name="m", young=1.0, poisson=0.0, density=1.0)
     assert material.c("ct_material")["law"] == ffi.new("ct_material *").law
     time = model.Time(end=1.0, dt=0.1)
@@ -379,7 +379,7 @@ def test_the_words_are_those_of_the_header(enum):
         )
 
 
-# What is made from the model.
+# Derived from the model.
 
 
 def tables():
@@ -440,7 +440,7 @@ def test_the_book_has_a_table_of_every_key():
 
 
 def test_an_effect_of_ones_own_declaration_is_read():
-    """A new table needs nothing but its class."""
+    """A new table needs only its class."""
 
     class Wind(Effect):
         """
@@ -449,7 +449,7 @@ def test_an_effect_of_ones_own_declaration_is_read():
         Attributes
         ----------
         speed
-            How fast it blows.
+            Its speed.
         """
 
         speed: float = ct.schema.key(ct.schema.Number(above=0.0), unit="length / time")
@@ -459,5 +459,5 @@ def test_an_effect_of_ones_own_declaration_is_read():
         SceneError, match=r'wind.sped: unknown key; did you mean "speed"|speed: is missing'
     ):
         Wind.read({"sped": 2}, Place("wind"))
-    assert Wind.schema()["properties"]["speed"]["description"] == "How fast it blows."
+    assert Wind.schema()["properties"]["speed"]["description"] == "Its speed."
     assert issubclass(Wind, Table)

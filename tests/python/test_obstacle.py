@@ -1,4 +1,4 @@
-"""Scenes with obstacles and friction: closed forms, ledgers, restart, and what is refused."""
+"""Scenes with obstacles and friction: closed forms, energy balances, restart, and refusals."""
 
 import tomllib
 import warnings
@@ -44,10 +44,10 @@ def test_bar_on_a_wall():
 def test_block_on_an_incline(enforcement, lost):
     run = enforced("block_on_an_incline", enforcement)
     last, p = run.energy[-1], run.momentum[-1]["p"]
-    # Friction is 0.3 of the normal force but for the first moment of stick.
+    # Friction is 0.3 of the normal force except while it sticks at the start.
     assert p[0] == pytest.approx(300 * 3.6 - 0.3 * p[2], rel=5e-3)
     assert last["friction"] < 0 and abs(last["balance"]) < 1e-12 * last["kinetic"]
-    # The penalty keeps energy, the others may lose some when the block drops.
+    # The penalty conserves energy, the others may dissipate some when the block drops.
     assert -(2e-3 + lost) * last["kinetic"] < last["total"] < 2e-3 * last["kinetic"]
 
 
@@ -104,7 +104,7 @@ def test_contact_with_friction_has_its_own_column_and_line():
     assert "friction 0.4" in scene.explain()
     rough = scene.run(progress=False)
     assert rough.energy["friction"][-1] < 0
-    # What one body loses along x the other gains.
+    # The momentum along x that one body loses is gained by the other.
     p = rough.momentum["p"].reshape(-1, 2, 3)
     assert p[-1, 0, 0] > 1e-3 and np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-13
     del data["contact"][0]["friction"]
@@ -160,7 +160,7 @@ def test_refusals(change, key, reason):
     ],
 )
 def test_chatter_is_foretold(enforcement, beta, fraction, told):
-    """What is warned of gains more than 1 % of energy, what is not gains less."""
+    """Scenes with a warning gain more than 1 % of energy, those without gain less."""
     data = changed(
         "bar_on_a_wall",
         time={"end": 1.5, "fraction": fraction, "energy_limit": 1e6},

@@ -17,7 +17,7 @@ STEPS = 4
 
 
 def writer_program(folder):
-    """The C test program: the one that make has built (LIBCONTACT_BUILD names the folder), or one compiled here."""
+    """The C test program: that of make's build (LIBCONTACT_BUILD names the folder), or one compiled here."""
     folder_of_make = os.environ.get("LIBCONTACT_BUILD")
     if folder_of_make and (ROOT / folder_of_make / "tests/test_output").exists():
         return ROOT / folder_of_make / "tests/test_output"
@@ -70,7 +70,7 @@ def results(tmp_path_factory):
 
 
 def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
-    """While the first one runs, also when its file is read in between; the first ends with all its records, and the next may write."""
+    """While the first one runs, also if its file is read in between; the first ends with all its records, and the next may write."""
 
     def scene():
         made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material(

@@ -43,7 +43,7 @@ def test_numbers_of_a_step(reader, step):
         rtol=0,
         atol=1e-15,
     )
-    # The recorded velocity is that of t_n: half a step of the forces, which are small here, away from the one that was set
+    # The recorded velocity is that of t_n: it differs from the given one by half a step of the forces, which are small here
     half_step = np.abs(
         vtk_to_numpy(grid.GetPointData().GetArray("velocity")) - velocity(step)
     ).max()
@@ -68,7 +68,7 @@ def test_times(reader):
 
 
 def test_node_order_of_curved_hex20(reader):
-    """VTK's shape functions on our nodes give the map x = a + y² / 10 that bent the box, inside and on every edge."""
+    """VTK's shape functions on our nodes give the map x = a + y² / 10 that bent the box, inside and on each edge."""
     grid = grid_of_step(reader, 0)
     corner_values = [0, 0.25, 0.5, 1]
     for cell, start in ((6, 0.0), (7, 1.0)):
@@ -79,7 +79,7 @@ def test_node_order_of_curved_hex20(reader):
                 for t in corner_values:
                     brick.EvaluateLocation(number, [r, s, t], point, weights)
                     assert np.allclose(point, [start + r + 0.1 * s * s, s, t], rtol=0, atol=1e-14)
-    # ... and an edge along y is bent: its middle is off the chord
+    # an edge along y is bent: its middle is not on the chord
     ends, middle = (
         [grid.GetPoint(grid.GetCell(6).GetPointId(i)) for i in (1, 2)],
         grid.GetPoint(grid.GetCell(6).GetPointId(9)),

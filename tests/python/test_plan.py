@@ -1,4 +1,4 @@
-"""The plan of a scene: what is predicted, and that a run counts and measures the same things."""
+"""The plan of a scene: its predictions, and the corresponding counts and measurements of a run."""
 
 import math
 
@@ -62,13 +62,13 @@ def test_before_the_touch_nothing_is_active():
 def test_a_cost_of_a_fixed_part_and_one_for_each_piece_is_known_from_two_sizes():
     """eq:plan-size, a line through two sizes."""
     assert planned._at_size(1000.0, [(100.0, 3.0 + 0.5 * 100), (25.0, 3.0 + 0.5 * 25)]) == 503.0
-    # one size: in proportion; a larger size that costs less: no smaller cost for a still larger one
+    # one size: proportional; a larger size that costs less: no smaller cost for an even larger one
     assert planned._at_size(1000.0, [(100.0, 2.0)]) == 20.0
     assert planned._at_size(1000.0, [(100.0, 2.0), (50.0, 3.0)]) == 2.0
 
 
 def pressed_block(cells=16, **entries):
-    """A block that falls on a floor and presses with its whole lower face."""
+    """A block that falls on a floor, in contact with its whole lower face."""
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", young=1e5, poisson=0.0, density=1000.0)
     box = {"origin": [0, 0, 0], "size": [1, 1, 2], "cells": [cells, cells, 2 * cells]}
@@ -79,7 +79,7 @@ def pressed_block(cells=16, **entries):
 
 
 def counted(problem):
-    """Rounds per step and the share of computed elements of a whole run, from the counters of its state."""
+    """Rounds per step and the fraction of computed elements of a whole run, from the counters of its state."""
     state = new_state(problem)
     check(lib.ct_step_many(problem.pointer, state, problem.step_count, new_error()))
     return state.constraint_rounds / state.step, planned.computed_fraction(state)
@@ -94,7 +94,7 @@ def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(mo
     elements = [len(one.coarse.bodies["block"].mesh.elements) for one in (first, second)]
     assert 16 * 16 * 32 > 3 * elements[0] > 12 * elements[1]
     costs = {cost.name: cost for cost in scene.costs()}
-    # 40 + 18 n operations a round and constraint, n = 4 nodes; the rest is the listing of the points.
+    # 40 + 18 n operations per round and constraint, n = 4 nodes; the rest is the listing of the points.
     points = 16 * 16 * 4
     told = (costs["obstacle"].flops - problem.pointer.effects[1].flops) / (40 + 18 * 4)
     assert rounds > 0.2 * points and told == pytest.approx(rounds, rel=0.16)
@@ -158,9 +158,9 @@ def test_each_effect_has_its_costs_and_its_share_of_the_bound():
 
 def test_a_run_counts_which_share_of_its_elements_it_has_computed():
     assert two_bars(gap=10.0, end=1.0, savings=[]).run(progress=False).computed == 1.0
-    # Nothing strains bars that fly: no element is ever computed.
+    # Bars in free flight have no strain: no element is ever computed.
     assert two_bars(gap=10.0, end=1.0).run(progress=False).computed == 0.0
-    # A front that goes one element a step from the contact into bars of 200 elements, in batches of 8: eq. sleep-share.
+    # A front that advances one element per step from the contact into bars of 200 elements, in batches of 8: eq. sleep-share.
     met = two_bars(gap=0.0, cells=200, end=0.3)
     run = met.run(progress=False)
     solid = met.costs(run)[0]
@@ -190,7 +190,7 @@ def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_the
     explicit, controlled = contact(enforcement="penalty"), contact()
     assert explicit.flops == 800 * 8
     rounds = (controlled.flops - 1200 * 8) / (40 + 18 * 8)
-    # of 8 points, in the steps in which they press; the iteration ends after 2000
+    # of 8 points, in the steps in which they have forces; the iteration ends after 2000
     assert 0.0 < controlled.active < 1.0 and 0.1 * 8 < rounds / controlled.active < 8 * 2000
     assert controlled.bytes > explicit.bytes > 8 * 8
     apart = next(
@@ -208,7 +208,7 @@ def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_the
     ],
 )
 def test_what_limits_the_step(effect, limit):
-    """Dashpots on a cube of 4 elements' edge have 2 c1 / (h/2) at their nodes and bound the step; a stiff penalty does, too."""
+    """Dashpots on a cube with 4 elements along an edge have 2 c1 / (h/2) at their nodes and bound the step; so does a stiff penalty."""
     scene = ct.Scene(title="limit", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
         "m", young=1e4, poisson=0.3, density=1.0
     )

@@ -1,4 +1,4 @@
-"""The planner: its extrapolation on sequences that are known, its errors by another way, what it promises of the plates and of a bar on a wall, and its refusals."""
+"""The planner: its extrapolation on known sequences, its errors computed independently, its predictions for the plates and a bar on a wall, and its refusals."""
 
 import csv
 from dataclasses import replace
@@ -46,7 +46,7 @@ def plates(nu=0.3, end=0.56, axes=(0, 1, 2), names=("left", "right"), both_free=
 
 
 def l1_by_hand(run, nu, d=2.5, name="right"):
-    """L1 on Fig. 4's line over the plateau, element by element; for c1 t < d the exact curve is a bare step."""
+    """L1 on Fig. 4's line over the plateau, element by element; for c1 t < d the exact curve is a single step."""
     c1 = np.sqrt(2.1e5 * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * 7.8e-9))
     plateau = -7.8e-9 * c1 * 1000.0  # sigma_x behind the front: rho c1 v0
     body = run.state[name]
@@ -75,7 +75,7 @@ def test_a_power_law_is_found(order, limit, change):
     assert found.value == pytest.approx(limit, abs=1e-9 * abs(change))
     assert found.order == pytest.approx(order, abs=1e-9)
     assert found.orders == (found.order, found.order)
-    # What remains doubted is a share of the way that is left.
+    # The remaining uncertainty is a fraction of the extrapolated difference.
     assert found.uncertainty == pytest.approx(0.25 * abs(change) * h[-1] ** order, rel=1e-6)
 
 
@@ -94,7 +94,7 @@ def test_the_uncertainty_of_a_line(monkeypatch):
 
 
 def test_the_uncertainty_holds_the_truth():
-    """Orders between those that are tried, a second term, and noise of a hundredth of the change: in nine of ten sequences the truth is within it."""
+    """Orders between the fitted ones, a second term, and noise of a hundredth of the change: in nine of ten sequences the true limit is within the uncertainty."""
     random, h, inside = np.random.default_rng(5), 2.0 ** (-0.5 * np.arange(6)), []
     for _ in range(300):
         p = random.uniform(0.6, 2.0)
@@ -113,7 +113,7 @@ def test_a_common_limit_trusts_the_surer_and_no_one_alone():
     )
     value, uncertainty = planner.together([sure, vague])
     assert abs(value - 1.0) < 0.001 and 0.01 < uncertainty < 0.02
-    # Settings that agree share the meshes and their errors: many of them are not surer than one.
+    # Settings that agree share the meshes and their errors: many of them are not more certain than one.
     assert planner.together([sure] * 9)[1] == pytest.approx(0.01)
     apart = planner.Limit(1.2, 0.01, 1.0, (1.0, 1.0))
     assert planner.together([sure, apart])[1] == pytest.approx(np.hypot(0.1, 0.01))
@@ -136,7 +136,7 @@ def test_the_mesh_for_an_error():
     assert tried.error_at(10.0) == pytest.approx(0.05)
     assert tried.seconds_at(4.0) == pytest.approx(64.0)
     assert tried.scale_in(27.0) == pytest.approx(3.0, rel=0.02)
-    # A coarse mesh that is right by chance does not count: all finer ones must be as good.
+    # A coarse mesh that is accurate by chance does not count: all finer ones must be as accurate.
     assert tried_on((*scales, 4.0), (0.4, 0.1, 0.4, 0.2, 0.1)).scale_for(0.2) == pytest.approx(2.0)
 
 
@@ -200,7 +200,7 @@ def test_a_plan_of_plates_keeps_its_word(nu, end, tmp_path):
     assert scene.toml() == before
     plan.scene.save(tmp_path / "new.toml")
     run = run_of(ct.Scene.load(tmp_path / "new.toml"))
-    # Half of the fit's uncertainty is in the error that is promised, and trials end after seconds.
+    # The predicted error includes half of the fit's uncertainty, and trials end after seconds.
     assert 0.7 * plan.choice.error <= l1_by_hand(run, nu) <= 1.2 * plan.choice.error
     assert l1_by_hand(run, nu) <= 1.2 * 0.06
     assert plan.choice.error <= 0.06 and plan.value is None
@@ -220,7 +220,7 @@ def bar(**change):
 
 
 def test_a_plan_of_a_bar_keeps_its_word():
-    """The bar turns round: its momentum at the end is m v = 2.5 * 10."""
+    """The bar rebounds: its momentum at the end is m v = 2.5 * 10."""
     plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0, progress=False)
     assert abs(run_of(plan.scene).momentum["p"][-1, 0] / 25.0 - 1.0) <= 1.2 * 0.05
     assert abs(plan.value - 25.0) <= 2.0 * plan.uncertainty < 25.0
@@ -228,7 +228,7 @@ def test_a_plan_of_a_bar_keeps_its_word():
 
 
 def test_a_time_is_kept(monkeypatch):
-    """With a price of 1 us for each element and step, the choice takes no longer than was asked for."""
+    """With a cost of 1 us per element and step, the choice takes at most the requested time."""
 
     def price(problem, records):
         elements = sum(len(body.mesh.elements) for body in problem.bodies.values())
@@ -276,7 +276,7 @@ def test_a_mesh_of_its_own_stays():
     assert "its own error is not included" in plan.sure and plan.choice.mesh == "mesh of its own"
 
 
-# What is refused, and what is kept.
+# Refusals and interruptions.
 
 
 @pytest.mark.parametrize(
@@ -315,7 +315,7 @@ def test_python_functions_are_not_planned():
 
 @pytest.mark.parametrize("enough", (False, True))
 def test_ctrl_c_loses_no_trial(enough, monkeypatch):
-    """The signal comes within a trial: what was tried before makes the plan, or there is none."""
+    """The signal arrives during a trial: the plan is made from earlier trials, or there is none."""
     true_try, count = planner.Planner._try, []
     after = planner.FEWEST * len(planner.settings(True)) + 1 if enough else 5
 
@@ -335,7 +335,7 @@ def test_ctrl_c_loses_no_trial(enough, monkeypatch):
 
 
 def test_what_ran_has_the_price_of_its_runs(monkeypatch):
-    """However long the prediction says; of some runs the shortest counts."""
+    """For any prediction; of several runs the shortest counts."""
     tried = planner.Tried({}, 2.0)
     for seconds in (0.3, 0.2, 0.4):
         tried.add(1.0, 5.0, seconds)
@@ -372,7 +372,7 @@ def test_the_command(tmp_path, monkeypatch, capsys):
 
 
 def test_the_list_is_that_of_the_book():
-    """prices.csv holds the campaign's rows of one material without the filter: cost, error over the plateau 7/3, growth."""
+    """prices.csv has the campaign's rows of one material without the filter: cost, error over the plateau 7/3, growth."""
     with (ROOT / "docs" / "theory" / "accuracy.csv").open(encoding="utf-8") as file:
         table = [row for row in csv.DictReader(file) if row["status"] == "done"]
     table = [
@@ -404,7 +404,7 @@ contact,12,contact.beta=2.0; contact.enforcement=penalty; time.fraction=0.98,1,0
 
 
 def test_settings_that_are_tried(tmp_path, monkeypatch):
-    """Of a list by hand: what costs over twice as much for the same is left out, and so are other keys, laws whose energy grows, and all but two laws."""
+    """From a list by hand: settings with over twice the cost for the same error are left out, and so are other keys, laws whose energy grows, and all but two laws."""
     monkeypatch.setattr(planner, "PRICES", tmp_path / "prices.csv")
     (tmp_path / "prices.csv").write_text(ROWS)
     step = {"time.fraction": 0.98}
@@ -416,7 +416,7 @@ def test_settings_that_are_tried(tmp_path, monkeypatch):
 
 
 def test_what_a_setting_changes():
-    """Keys of the scene that belong to the choice give way, all others stay; meshes and the thickness of plane strain are scaled, or the steps."""
+    """Keys of the choice replace those of the scene, all others stay; meshes and the thickness of plane strain are scaled, or the steps."""
     data = plates() | {"viscosity": {"linear": 0.2}}
     data["time"] |= {"integrator": "noh_bathe", "integrator_parameter": 0.55}
     data["contact"][0] |= {"points": "lobatto"}

@@ -1,4 +1,4 @@
-"""Probes: histories against the momentum that they must explain, against records and watches bit by bit, and kept through files, restarts, Ctrl-C and faults."""
+"""Probes: histories compared with the change of momentum, and bit by bit with records and watched runs; kept through files, restarts, Ctrl-C and faults."""
 
 import os
 import signal
@@ -25,7 +25,7 @@ def bar_on_a_wall(cells=(40, 1, 1), end=1.0, **time):
 
 
 def two_blocks(**contact):
-    """A block falls askew on another one that is held below, of an unlike mesh."""
+    """A block falls askew on another one with a different mesh that is fixed below."""
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", **{**MATERIAL, "poisson": 0.3})
     low = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 2, 2]}
@@ -38,7 +38,7 @@ def two_blocks(**contact):
 
 
 def everywhere(scene):
-    """Probes of all that a point has, at a point that stress waves come to late, and of the near face."""
+    """Probes of all quantities of a point that stress waves reach late, and of the near face."""
     every = ["displacement", "velocity", "acceleration", "stress", "pressure"]
     scene.add_probe("tip", body="bar", point=[10, 1, 1], quantities=every)
     scene.add_probe("middle", body="bar", point=[4.9, 0, 1], quantities=every)
@@ -61,12 +61,12 @@ def test_the_force_of_a_wall_is_the_rate_of_momentum_and_that_of_a_plane_wave():
     scale = np.abs(p).max()
     for i, step in enumerate(run.steps):
         assert np.abs(impulse(wall[: step + 1]) - (p[i] - p[0])).max() <= 1e-12 * scale
-    # ρ c v A until the wave is back; the first element's own oscillation is not the wave's.
+    # ρ c v A until the wave returns; the oscillation of the first element is excluded.
     lasting = (wall["time"] > 0.05) & (wall["time"] < 0.6)
     force = wall["force"][:, 0]
     assert np.sqrt(np.mean((force[lasting] / 300.0 - 1.0) ** 2)) <= 2e-3
     assert force[lasting].max() <= 1.01 * 300.0 and force[wall["time"] > 0.72].max() == 0.0
-    # Pressure is uniform, so the force acts at the middle of the face, y = z = 1/2.
+    # The pressure is uniform, so the force acts at the middle of the face, y = z = 1/2.
     moment = np.stack([0.0 * force, 0.5 * force, -0.5 * force], axis=1)
     assert np.abs(wall["moment"] - moment).max() <= 1e-12 * 300.0
 
@@ -141,10 +141,10 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
     reaction = impulse(floor) + impulse(side)
     assert np.abs(reaction - low["support_impulse"][-1]).max() <= 1e-13 * scale
     assert np.abs(impulse(down) + reaction - low["p"][-1]).max() <= 1e-13 * scale
-    # Each holds its own directions, also at the nodes that both have.
+    # Each fixes its own directions, also at shared nodes.
     assert not floor["force"][:, :2].any() and not side["force"][:, 2].any()
     assert (np.abs(impulse(side)[:2]) > 1e-4).all()
-    # The faces are level but for the strain.
+    # The faces are plane except for the strain.
     tangential = np.hypot(*up["force"][:, :2].T).max() / size
     assert 0.3 * friction < tangential < friction + 0.1
 
@@ -182,7 +182,7 @@ def equal(one, other):
 
 
 def test_the_numbering_of_nodes_changes_no_bit_of_a_resultant():
-    """Sums have no order: the nodes of a mesh in layers along another axis are those of the same motion."""
+    """Sums do not depend on the order: a mesh in layers along another axis has the same motion."""
     found = []
     for layers in "xyz":
         data = everything().data
@@ -221,7 +221,7 @@ def test_the_file_has_them_and_a_restart_goes_on_with_them(tmp_path):
     assert 0 < len(half["up"]) < len(straight.probes["up"])
     equal(straight.probes, scene.run(progress=False, output=rest, restart=part).probes)
     equal(straight.probes, ct.Run.load(rest).probes)
-    # From memory, with other probes: theirs begin with the restart.
+    # From memory, with other probes: their histories begin with the restart.
     memory = scene.run(progress=False)
     equal(memory.probes, ct.Run.load(memory.save(tmp_path / "d.vtkhdf")).probes)
     other = two_blocks(friction=0.3).add_probe("up", resultant="contact", body="high")
@@ -252,7 +252,7 @@ def test_a_killed_run_loads_up_to_its_last_record(tmp_path):
     path = tmp_path / "killed.vtkhdf"
     run = everything().run(progress=False, output=path)
     with h5py.File(path, "r+") as file:
-        # As if the rows of the last record had come to the disk, and its number had not.
+        # As if the rows of the last record had been written, but not its number.
         file["VTKHDF/Steps"].attrs["NSteps"] -= 1
     loaded = ct.Run.load(path)
     last = loaded.time[-1]
@@ -264,7 +264,7 @@ def test_ctrl_c_keeps_them():
     data = everything().data
     data["time"]["end"] = 10.0
     scene = ct.Scene(data)
-    # A shell starts background jobs with Ctrl-C switched off, and the tests inherit that.
+    # A shell starts background jobs that ignore Ctrl-C, and the tests inherit this.
     inherited = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         run = scene.run(

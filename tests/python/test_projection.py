@@ -1,4 +1,4 @@
-"""Projections through Python, against closed forms and VTK."""
+"""Projections through Python, compared with closed forms and VTK."""
 
 import numpy as np
 import pytest
@@ -180,7 +180,7 @@ def faces_of(cell, count):
     return sides
 
 
-# The way to the foot, and points of a face.
+# The vector to the closest point, and points of a face.
 
 
 def test_points_of_a_face_are_those_of_the_polynomial_through_its_nodes():

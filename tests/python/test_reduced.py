@@ -1,4 +1,4 @@
-"""Kernels and effects of elements that a scene asks for or that are chosen for it: reduced integration, plane strain, bulk viscosity."""
+"""Kernels and effects of elements, requested or chosen by default: reduced integration, plane strain, bulk viscosity."""
 
 import numpy as np
 import pytest

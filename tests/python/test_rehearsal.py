@@ -1,4 +1,4 @@
-"""The rehearsal of a run with larger elements: what it counts, against closed forms and against the run itself."""
+"""The rehearsal of a run with larger elements: its counts compared with closed forms and with the run itself."""
 
 import tomllib
 from pathlib import Path
@@ -37,7 +37,7 @@ def block(element="hex8", cells=(8, 8, 8), **entries):
 
 @pytest.fixture
 def cheap(monkeypatch):
-    """Rehearsals that may cost next to nothing, so that small scenes have larger elements in them."""
+    """Rehearsals with a very low cost limit, so that they use larger elements also for small scenes."""
     monkeypatch.setattr(plan, "MOST_UPDATES", 1e3)
 
 
@@ -74,7 +74,7 @@ def test_a_bouncing_bar_is_seen_to_come_back(cheap):
     np.testing.assert_allclose(pressed[(time > 3.75) & (time < 4.25)], True)
     # after it has left, ringing may touch once more
     assert pressed[(time < 0.95) | ((time > 1.8) & (time < 3.6)) | (time > 4.5)].mean() < 0.03
-    # The elements have no impulse; gravity acts always.
+    # The elements record no impulse; gravity always acts.
     assert not seen.acted[:, 0].any() and seen.pressed[:, problem.effects.index("gravity")].all()
 
 

@@ -1,4 +1,4 @@
-"""States of rest by dynamic relaxation, against beam theory, and other ways to the same end; supports on a path."""
+"""Equilibrium by dynamic relaxation, compared with beam theory; other loadings with the same result; supports with a prescribed displacement."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
     assert run.time[-1] < 0.04
     assert tip == pytest.approx(
         -(bending + shear), rel=0.015
-    )  # the clamped end, which cannot widen, makes the beam 1 % stiffer
+    )  # the clamped end cannot expand laterally, which makes the beam 1 % stiffer
 
 
 def pressed(history, **time):
@@ -51,7 +51,7 @@ def pressed(history, **time):
 
 
 def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
-    """Elastic bodies remember nothing: 5 elements into contact at once, or in 50 jumps with time to settle between them."""
+    """Elastic bodies have no memory: 5 elements into contact at once, or in 50 jumps with time to come to rest between them."""
     steps = np.linspace(0, 1, 51)[1:]
     small = {
         "time": np.repeat(np.arange(50) * 1e-4, 2),
@@ -62,7 +62,7 @@ def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
         np.testing.assert_allclose(
             one.state[body].displacement, many.state[body].displacement, atol=1e-6
         )
-    # 5 mm go into 20 mm that cannot widen, and a little into the penalty beta E / h
+    # 5 mm compress 20 mm that cannot expand laterally, and slightly the penalty beta E / h
     stiff = 1000 * 0.7 / (1.3 * 0.4)
     for run in (one, many):
         np.testing.assert_allclose(

@@ -129,7 +129,7 @@ def test_a_pulled_end_goes_where_it_is_pulled():
     run = ct.Scene(scene).run()
     end = run.state["bar"].nodes[:, 0] == 2.0
     assert run.state["bar"].displacement[end, 0] == pytest.approx(250.0 * run.state.time, rel=1e-12)
-    # Everything that is stored or moves came from the pull.
+    # The stored and kinetic energy is the work of the pull.
     last = run.energy[-1]
     assert last["external"] == pytest.approx(
         last["kinetic"] - run.energy["kinetic"][0] + last["strain"], rel=1e-9
@@ -155,7 +155,7 @@ def test_plates_that_meet_are_mirror_images_and_keep_momentum():
 
 
 def test_memory_of_a_run_is_given_back():
-    """A state that outlives its problem would leave its workspace behind: 2 MB a run here."""
+    """A state that outlives its problem would leak its workspace: 2 MB per run here."""
     if not os.path.exists("/proc/self/statm"):
         pytest.skip("needs /proc")
 
@@ -443,7 +443,7 @@ def test_files_that_are_no_runs_are_refused(tmp_path):
 
 
 class Poisoned:
-    """The C library, with a NaN put into the motion at the third chunk of steps."""
+    """The C library, with a NaN in the motion from the third chunk of steps on."""
 
     def __init__(self):
         self.calls = 0
@@ -511,7 +511,7 @@ def test_contact_points_are_seen():
             rtol=1e-9,
         )
         pressures.append(np.average(points["pressure"], weights=points["weight"]))
-    # Two equal bars press with rho c v = 0.1 until the waves come back at t = 4; the penalty swings about it.
+    # Two equal bars have the pressure rho c v = 0.1 until the waves return at t = 4; the penalty oscillates about it.
     assert abs(np.mean(pressures) - 0.1) < 0.01
 
 

@@ -1,4 +1,4 @@
-"""Savings of a scene: the same bits with and without each, in tables, states and files, and after a restart; refusals."""
+"""Optimisations of a scene: the same bits with and without each, in tables, states and files, and after a restart; refusals."""
 
 import ctypes
 import gc
@@ -17,7 +17,7 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 
 def scene(savings=None, threads=1, **changes):
-    """Two unlike plates that fly toward each other over a gap, held and pushed here and there."""
+    """Two different plates that approach each other over a gap, with supports and loads at some places."""
     plate = lambda x, cells: {"origin": [x, 0, 0], "size": [2.0, 0.25, 1.5], "cells": cells}
     data = {
         "units": {"length": "mm", "mass": "t", "time": "s"},
@@ -112,7 +112,7 @@ def test_files_and_restarts_have_the_same_bits(tmp_path):
         and any("velocity" in key for key in off)
         and not any("stress" in key for key in off)
     )
-    # Only the text of the scene, which names the savings, may differ, and bytes that nobody has written.
+    # Only the text of the scene, which names the optimisations, may differ, and bytes that were never written.
     assert [key for key in off if off[key] != on[key] and "scene" not in key.lower()] == []
 
 
@@ -148,7 +148,7 @@ def numbered(cells, layers=None, **changes):
             [40, 1, 40],
             {"load": [{"surface": "left.z_max", "pressure": 1.0}]},
             "z",
-        ),  # pressed across two axes
+        ),  # surfaces along two axes
         ([40, 1, 40], {"contact": [], "load": [{"surface": "left.y_max", "pressure": 1.0}]}, "y"),
         (
             [40, 1, 40],
@@ -192,7 +192,7 @@ def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit
 
 
 class Held(ctypes.Structure):
-    """What glibc tells of its memory."""
+    """glibc's report of its memory."""
 
     _fields_ = [
         (name, ctypes.c_size_t)
@@ -214,7 +214,7 @@ class Held(ctypes.Structure):
 def held_bytes():
     libc = ctypes.CDLL(None)
     if not hasattr(libc, "mallinfo2"):
-        pytest.skip("this libc does not tell what it has given out")
+        pytest.skip("this libc does not report its allocated memory")
     libc.mallinfo2.restype = Held
     gc.collect()
     told = libc.mallinfo2()

@@ -1,4 +1,4 @@
-"""Scenes: reading, refusing, building, explaining. Nothing here looks at results of a run (see test_run.py)."""
+"""Scenes: reading, refusing, building, explaining. test_run.py tests the results of runs."""
 
 import copy
 import dataclasses
@@ -172,7 +172,7 @@ def test_arrays_survive_saving_bit_for_bit(tmp_path):
     assert table["elements"].tolist() == [list(range(8))]
 
 
-# Refusals: what is read.
+# Refusals while reading.
 
 REFUSED = [
     (("bodi",), [], "bodi", 'did you mean "body"'),
@@ -553,7 +553,7 @@ def test_views_of_a_mesh_are_read_only_and_outlive_it():
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
 def test_points_are_found_in_distorted_elements(element):
-    # Bend a box by a smooth map; the images of the element's own points must be found where they were put.
+    # Bend a box by a smooth map; the images of points of an element must be found in it.
     box = Mesh.box(element, (-1, -1, -1), (2, 2, 2), (2, 2, 2))
     x, y, z = box.nodes.T
     mesh = Mesh.copy(
@@ -600,7 +600,7 @@ def test_the_penalty_is_beta_young_over_the_shortest_edge():
 
 
 def test_time_needs_only_an_end():
-    """The step is then at most 0.9 of the stable one, in as few steps as that allows; the scene has no key for it."""
+    """By default the step is at most 0.9 of the stable one, in as few steps as possible."""
     made = ct.Scene(small(time={"end": 2e-7}))
     chosen, stable = (
         made.explain().data["time"],
@@ -706,7 +706,7 @@ def test_the_error_of_the_page_is_the_error_that_comes(tmp_path, monkeypatch):
 
 
 def test_an_overlap_at_the_start_is_told():
-    """The right block begins 0.1 inside the left one: explain says so."""
+    """The right block begins 0.1 inside the left one: explain warns of it."""
     scene = ct.Scene(title="overlap", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin in (("left", -1.0), ("right", -0.1)):

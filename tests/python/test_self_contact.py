@@ -1,4 +1,4 @@
-"""Scenes in which a body meets itself: a hairpin that a falling block closes, thin and neighbouring surfaces that must not touch."""
+"""Scenes with a body in contact with itself: a hairpin that a falling block closes, thin bodies and neighbouring faces without contact."""
 
 import math
 
@@ -25,7 +25,7 @@ def hairpin(element="hex8"):
 
 
 def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
-    """A block falls on the upper leg; the lower leg is not held, so that nothing from outside acts."""
+    """A block falls on the upper leg; the lower leg is free, so that no external force acts."""
     nodes, elements = hairpin(element)
     top = GAP / 2 + THICK
     block = {"origin": [0, -0.05, top + 0.005], "size": [0.2, 0.3, 0.2], "cells": [2, 3, 2]}
@@ -58,7 +58,7 @@ def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
 
 
 def overlap(run):
-    """How far the end of the upper leg has gone through the lower one: both undersides and tops, where they face each other."""
+    """Penetration of the end of the upper leg into the lower one: the surfaces that face each other."""
     state = run.state["u"]
     inner = {
         sign: np.isclose(state.nodes[:, 2], sign * GAP / 2) & (state.nodes[:, 0] < 0.5 * LEG)
@@ -73,7 +73,7 @@ def overlap(run):
 
 @pytest.fixture(scope="module", params=["hex8", "hex20"])
 def pressed(request):
-    """The deepest moment of the collision: the run that is stopped there, with and without contact of the hairpin with itself."""
+    """The time of deepest penetration: a run that is stopped then, with and without contact of the hairpin with itself."""
     element = request.param
     changes = {"time": {"end": 0.12, "fraction": 0.5}}
     return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(
@@ -106,7 +106,7 @@ def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, 
 
 
 def test_two_faces_of_one_body_meet_as_the_faces_of_two_bodies_do():
-    """The fold is only touched where its inner sides look at each other: leaving out all else changes nothing; nor do threads and the order."""
+    """Contact acts only where inner sides of the fold face each other: without all other faces nothing changes, and threads and order have no influence."""
     whole = press(["u.outer", "u.outer"]).run(progress=False, until=0.12)
     for surfaces in (["u.z_min", "u.outer"], ["u.outer", "u.y_min"]):
         part = press(surfaces).run(progress=False, until=0.12, threads=2)
@@ -125,7 +125,7 @@ def test_a_run_that_is_stopped_in_self_contact_goes_on_with_the_same_bits(tmp_pa
 
 
 def plate(surfaces):
-    """A thin plate that flies and spins nowhere: it must stay as it is, whatever of it may meet itself."""
+    """A thin plate in free flight without spin: it must not deform, for any surface in contact with itself."""
     return ct.Scene(
         {
             "units": {"length": "m", "mass": "kg", "time": "s"},

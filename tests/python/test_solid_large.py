@@ -1,4 +1,4 @@
-"""Large strain in scenes: laws, rings, spins, against the thin ring's closed form; refusals with key and reason."""
+"""Large strain in scenes: laws, rings, spins, compared with the thin ring's closed form; refusals with key and reason."""
 
 import math
 from pathlib import Path
@@ -24,7 +24,7 @@ def uniaxial_energy(stretch, young, poisson):
 
 
 def turning_point(young, poisson, rho_v2):
-    """Largest stretch s of a thin ring let go at rim speed v: W(s) = rho v^2 / 2 (1 - 1 / s^2), by bisection."""
+    """Largest stretch s of a thin ring released with the rim speed v: W(s) = rho v^2 / 2 (1 - 1 / s^2), by bisection."""
     low, high = 1 + 1e-6, 3.0
     for _ in range(100):
         middle = 0.5 * (low + high)
@@ -48,7 +48,7 @@ def test_the_spinning_ring_turns_back_where_the_closed_form_says(tmp_path):
     assert len(SCENE.read_text().splitlines()) <= 40
     run = scene.run(progress=False, output=tmp_path / "ring.vtkhdf" if ct.has("hdf5") else False)
     kinetic, total = run.energy["kinetic"], run.energy["total"]
-    # Where the radius turns back all motion is rotation, K = L^2 / (2 m r^2): the kinetic energies tell the stretch.
+    # At the largest radius all motion is rotation, K = L^2 / (2 m r^2): the kinetic energies give the stretch.
     peak = np.argmin(kinetic)
     L, v = run.momentum["L"][0, 2], 100.0
     stretch = math.sqrt(kinetic[0] / kinetic[peak])

@@ -21,7 +21,7 @@ finally:
     sys.path.remove(str(LABORATORY))
 
 
-# Of what a case does on purpose, runs warn; and of a penalty that chatters.
+# Runs warn of intended features of the cases, and of a penalty that chatters.
 MEANT = {
     "thin_plates": {ct.ThinWarning},
     "sizes": {ct.UnitsWarning},
@@ -44,7 +44,7 @@ def test_case(case, monkeypatch):
 
 
 def test_the_judge_sees_what_is_wrong():
-    """Rows that are wrong in one thing each."""
+    """Rows with one fault each."""
     good = dict(
         case="",
         enforcement=lab.DEFAULT,
@@ -71,7 +71,7 @@ def test_the_judge_sees_what_is_wrong():
 
 
 def test_solid_angles_tell_who_is_inside():
-    """Points about a hollow of a concave body, and a hairpin whose legs are moved into each other by three quarters of their thickness, or only until they touch."""
+    """Points around a re-entrant corner of a concave body, and a hairpin whose legs are moved into each other by three quarters of their thickness, or only until they touch."""
     for bricks in (
         shapes.cubes(shapes.CONCAVE["U"]),
         shapes.with_edges(shapes.cubes(shapes.CONCAVE["U"], 2)),

@@ -97,5 +97,5 @@ def test_averaged_mass(shape, element, nu):
     own = ffi.cast("ct_problem *", problem.pointer)
     assert 0.95 <= problem.stable.dt / low <= 1 + 1e-6
     for dt, grows in ((0.999 * problem.stable.dt, False), (1.02 * low, True)):
-        own.dt = dt  # the averaging takes its share from the step of its problem
+        own.dt = dt  # the averaging takes its coefficient from the step of its problem
         assert (steps.growth(problem, dt, 2000) > BLOWN) == grows

@@ -1,4 +1,4 @@
-"""Surfaces that overlap and gape at the start: unlike meshes of one curved surface, blocks apart, folds; with every enforcement, friction, restarts and threads."""
+"""Surfaces with overlaps and gaps at the start: different meshes of one curved surface, separated blocks, folds; with each enforcement, friction, restarts and threads."""
 
 import itertools
 import warnings
@@ -28,7 +28,7 @@ INNER, MIDDLE, OUTER, WIDTH = 0.8, 1.0, 1.2, 0.2
 
 
 def quarter(inner, outer, facets, quadratic):
-    """Nodes, elements and the nodes at the inner radius with their shares of an even pressure, of a quarter of a cylindrical shell with one element over its thickness."""
+    """Nodes, elements and the nodes at the inner radius with their forces of a uniform pressure, of a quarter of a cylindrical shell with one element over its thickness."""
     step = 2 if quadratic else 1
     number, nodes = {}, []
     for i, j, k in itertools.product(range(facets * step + 1), range(step + 1), range(step + 1)):
@@ -45,7 +45,7 @@ def quarter(inner, outer, facets, quadratic):
             [tuple((np.array(corners[p]) + corners[q]) // 2) for p, q in EDGES] if quadratic else []
         )
         elements.append([number[place] for place in corners + middles])
-        # A face with mid-sides carries -1/12 of an even pressure at each corner and 1/3 at each mid-side.
+        # A face with mid-sides has -1/12 of the force of a uniform pressure at each corner and 1/3 at each mid-side.
         for place in corners + middles:
             if place[1] == 0:
                 on_corner = all(index % step == 0 for index in place)
@@ -64,7 +64,7 @@ def scene_of(name, contact, **bodies):
 
 
 def shells(facets_a, facets_b, quadratic=False, turn=None, velocity=(0, 0, 0), **contact):
-    """Two nested quarter shells that are meant to touch at the radius 1; the inner one flies."""
+    """Two nested quarter shells that should touch at the radius 1; the inner one moves."""
     bodies = {}
     for body, facets, inner, outer in (
         ("a", facets_a, INNER, MIDDLE),
@@ -77,7 +77,7 @@ def shells(facets_a, facets_b, quadratic=False, turn=None, velocity=(0, 0, 0), *
 
 
 def mean_pressure(facets_a, facets_b, quadratic, **contact):
-    """Mean of the pressure between the shells, at rest under an even pressure of 0.1 from within; and the contact's energy at the start."""
+    """Mean of the pressure between the shells, at rest under a uniform inner pressure of 0.1; and the contact's energy at the start."""
     scene = shells(facets_a, facets_b, quadratic, **contact)
     for body in "ab":
         for face, axis in (("x_min", "x"), ("y_min", "y"), ("z_min", "z"), ("z_max", "z")):
@@ -100,7 +100,7 @@ def mean_pressure(facets_a, facets_b, quadratic, **contact):
     "facets_a, facets_b, quadratic", [(4, 5, False), (8, 11, False), (3, 4, True)]
 )
 def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quadratic):
-    """Adjusted, they start without energy and have the mean pressure of shells with the coarser mesh on both sides; without, the gaps of the facets stay."""
+    """Adjusted, they start without energy and have the mean pressure of shells with the coarser mesh on both sides; otherwise the gaps of the facets stay."""
     matching, _ = mean_pressure(facets_a, facets_a, quadratic)
     adjusted, begin = mean_pressure(facets_a, facets_b, quadratic, adjust=0.08)
     assert begin == 0.0
@@ -115,7 +115,7 @@ def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quad
     "facets_a, facets_b, quadratic", [(16, 12, False), (12, 16, False), (3, 4, True), (7, 6, True)]
 )
 def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
-    """Whatever the orientation: no energy, not even of rounding, whether gaps are closed or overlaps alone are kept."""
+    """For any orientation: exactly no energy, whether gaps are closed or only overlaps are kept."""
     chance = np.random.default_rng(facets_a)
     for adjust in (None, 0.1):
         turn, _ = np.linalg.qr(chance.normal(size=(3, 3)))
@@ -135,7 +135,7 @@ def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
 
 
 def test_an_overlap_is_told():
-    """Once, with what to do; not where surfaces touch to rounding, nor where the scene says what the overlap means."""
+    """Once, with advice; not if surfaces touch to rounding, nor if the scene covers the overlap."""
 
     def told(run):
         with warnings.catch_warnings(record=True) as caught:
@@ -161,7 +161,7 @@ def test_an_overlap_is_told():
     for quiet in ({"adjust": 0.1}, {"initial_penetration": "remove", "removal_time": 1.0}):
         assert told(lambda how=quiet: rings(**how).run(progress=False)) == []
     assert "adjust 0.1" in str(rings(adjust=0.1).explain())
-    # Two cubes that share a face, far from the origin and turned, so that its coordinates are rounded.
+    # Two cubes that share a face, far from the origin and rotated, so that its coordinates are rounded.
     angle = 0.3
     turn = np.array(
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
@@ -183,7 +183,7 @@ def test_an_overlap_is_told():
 
 
 def blocks(gap, speed=0.0, pull=0.0, **contact):
-    """A block that stands over a slab with a gap, comes down at a speed and is pulled along it."""
+    """A block over a slab with a gap, which moves down with a speed and is pulled along it."""
     scene = scene_of(
         "blocks",
         contact,
@@ -203,25 +203,25 @@ def blocks(gap, speed=0.0, pull=0.0, **contact):
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_a_closed_gap_is_as_good_as_touching(enforcement):
-    """A gap or an overlap that is adjusted has the motion of blocks that touch, whatever makes forces of gaps."""
+    """With an adjusted gap or overlap the motion is that of touching blocks, for each enforcement."""
     touching = blocks(0.0, 0.1, enforcement=enforcement).run(progress=False)
     for gap in (0.02, -0.02):
         run = blocks(gap, 0.1, enforcement=enforcement, adjust=0.03).run(progress=False)
         assert run.energy["contact"][0] == pytest.approx(touching.energy["contact"][0], rel=1e-9)
-        # The faces tilt a little, which moves closest points by the gap times the tilt.
+        # The faces tilt slightly, which moves closest points by the gap times the tilt.
         assert run.state["b"].displacement == pytest.approx(
             touching.state["b"].displacement,
             abs=1e-3 * np.abs(touching.state["b"].displacement).max(),
         )
         points = run.contact[0]
         bottom = points[points["start_gap"] != 0.0]
-        # The gap that the law sees and the start gap add up to the true distance.
+        # The gap of the law and the start gap add up to the true distance.
         distance = np.linalg.norm(bottom["closest"] - bottom["position"], axis=1)
         assert np.abs(bottom["gap"] + bottom["start_gap"]) == pytest.approx(distance, abs=1e-14)
 
 
 def test_friction_takes_the_pressure_of_closed_gaps():
-    """A block slides over a closed gap or overlap: friction has given it mu times the impulse of the pressure, and no momentum to both together."""
+    """A block slides over a closed gap or overlap: the impulse of friction is mu times that of the pressure, and the total momentum does not change."""
     for gap in (0.0, 0.02, -0.02):
         run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run(
             progress=False
@@ -253,7 +253,7 @@ def test_only_surfaces_that_face_each_other_are_adjusted():
 
 
 def test_a_fold_that_gapes_is_closed():
-    """The legs of a hairpin, apart by less than the distance, press as soon as they come nearer; and nothing else of it does."""
+    """The legs of a hairpin, with a gap below the distance, are in contact as soon as they approach; no other part is."""
     for adjust in (0.0, 0.15):
         boxes = [(x, 0) for x in range(6)] + [(5, 1)] + [(x, 2) for x in range(6)]
         corners = np.array([[x + a, y + b, c] for x, y in boxes for a, b, c in CORNERS], float)
@@ -278,7 +278,7 @@ def test_a_fold_that_gapes_is_closed():
 
 
 def test_start_gaps_are_in_a_restart_and_do_not_depend_on_threads(tmp_path):
-    """Shells on unlike meshes that fly against each other: the same bits after a restart, and with two threads."""
+    """Shells with different meshes that collide: the same bits after a restart, and with two threads."""
     pytest.importorskip("h5py")
 
     def crossing():
@@ -304,7 +304,7 @@ def test_start_gaps_are_in_a_restart_and_do_not_depend_on_threads(tmp_path):
 
 
 def test_moving_shells_keep_their_energy():
-    """They slide, part and close again with start gaps of both signs: with the plain penalty and small steps the total stays."""
+    """They slide, separate and close again with start gaps of both signs: with the plain penalty and small steps the total is constant."""
     scene = shells(6, 7, velocity=(0.3, 0.1, 0.0), adjust=0.05, enforcement="penalty", beta=1.0)
     run = scene.set_time(end=1.5, fraction=0.1).set_output(every=5, fields=[]).run(progress=False)
     total = run.energy["total"]

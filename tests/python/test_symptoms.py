@@ -17,7 +17,7 @@ ENTRIES = dict(re.findall(r"^(\w+)\n~+\n\n((?:.+\n|\n(?=[: ]))*)", PAGE, re.M))
 
 
 def family(kind):
-    """The class and those that come from it."""
+    """The class and its subclasses."""
     return {kind}.union(*(family(other) for other in kind.__subclasses__()))
 
 

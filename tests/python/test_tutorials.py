@@ -1,4 +1,4 @@
-"""Every tutorial runs as it is downloaded: a script alone in an empty folder. Each asserts what it claims. The first one also writes the files of the contract."""
+"""Each tutorial runs as downloaded: a script alone in an empty folder. Each asserts its claims. The first one also writes the files of the contract."""
 
 import ast
 import os
@@ -16,7 +16,7 @@ import libcontact as ct
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py"))
-# What a tutorial writes for the book to show.
+# Files of a tutorial for the book.
 FILES = {
     "02_closest_point.py": [
         f"closest_point_{name}.png" for name in ("face", "starts", "paths", "work", "floor")
@@ -41,7 +41,7 @@ def run(script, folder):
 
 
 def test_what_tutorials_import_comes_with_the_extra():
-    """``pip install libcontact[tutorials]`` brings every package that a tutorial imports."""
+    """``pip install libcontact[tutorials]`` installs each package that a tutorial imports."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     wanted = project["dependencies"] + project["optional-dependencies"]["tutorials"]
     brought = {
@@ -59,7 +59,7 @@ def test_what_tutorials_import_comes_with_the_extra():
 
 
 def drawing(script):
-    """Lines that draw: statements that use matplotlib, ``libcontact.plot`` or what came from these."""
+    """Lines that draw: statements with matplotlib, ``libcontact.plot`` or objects from these."""
     tree = ast.parse(script.read_text())
     drawn, lines = {"plt", "pyplot", "matplotlib"}, set()
 
@@ -71,7 +71,7 @@ def drawing(script):
         if isinstance(node, ast.ImportFrom) and "plot" in node.module:
             drawn.update(alias.asname or alias.name for alias in node.names)
         if any(x.id in drawn for x in names) and not isinstance(node, ast.Assert):
-            # What a drawing statement gives a name to is a part of the drawing, unless it is a number.
+            # A name that a drawing statement assigns is part of the drawing, unless it is a number.
             if isinstance(node, (ast.Assign, ast.For)) and "share" not in ast.dump(node):
                 drawn.update(x.id for x in names if isinstance(x.ctx, ast.Store) and x.id in AXES)
             last = inside[0].lineno if inside else node.end_lineno + 1
@@ -84,13 +84,13 @@ def drawing(script):
     return lines
 
 
-# Names of what is drawn into, in all tutorials.
+# Names of axes and figures in all tutorials.
 AXES = {"fig", "ax", "axes", "left", "right", "above", "below", "upper", "lower", "centre", "image"}
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
 def test_at_most_a_fifth_draws(script):
-    """Of all lines that are not blank. And no line is longer than a page is wide."""
+    """As a fraction of all lines that are not blank. No line is wider than a page."""
     lines = script.read_text().splitlines()
     assert max(map(len, lines)) <= 100
     assert len(drawing(script)) <= sum(map(bool, lines)) / 5
@@ -98,7 +98,7 @@ def test_at_most_a_fifth_draws(script):
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
 def test_each_sends_the_reader_on(script):
-    """The last section names two or three changes and what to expect; the program has tried each."""
+    """The last section names two or three changes and their results; the program has tried each."""
     section = script.read_text().partition("# Change this, expect that\n")[2]
     text, code = re.split(r"^(?!#)", section, maxsplit=1, flags=re.M)
     assert 2 <= len(re.findall(r"^# \d\. ", text, re.M)) <= 3
@@ -211,7 +211,7 @@ def test_fig5_table(figures):
 
 
 def test_best_buy_tables(figures):
-    """On half as many elements along an edge, with its own places; nowhere near the paper's ringing, and as good as its curves."""
+    """With half as many elements along an edge, at its own places; far below the paper's oscillation, and as accurate as its curves."""
     names, rows = read(figures / "fig4_best.csv")
     assert names == ["x_over_d", "best", "exact"] and rows.shape == (100, 3)
     x, best, exact = rows.T

@@ -11,7 +11,7 @@ pytest.importorskip("mypy")
 
 
 def check(*arguments):
-    """What mypy prints of these files, with the settings of pyproject.toml."""
+    """The output of mypy for these files, with the settings of pyproject.toml."""
     command = [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml", *arguments]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     return done.stdout + done.stderr

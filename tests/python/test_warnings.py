@@ -1,4 +1,4 @@
-"""What a scene is warned of: each condition fires where it should, once, and not beside it; explain, run and the command line say the same."""
+"""Warnings of scenes: each condition warns where it should, once, and not otherwise; explain, run and the command line agree."""
 
 import math
 import warnings
@@ -23,7 +23,7 @@ def empty(law="linear", young=1e4, units=("m", "kg", "s")):
 
 
 def pair(a="a.x_max", b="b.x_min", gap=0.02, speed=5.0, cells=3, end=0.02, aside=0.0, **contact):
-    """Two cubes that fly at each other along x."""
+    """Two cubes that approach each other along x."""
     scene = empty()
     for k, name in enumerate("ab"):
         scene.add_body(
@@ -70,7 +70,7 @@ def told(scene, **more):
 
 
 def kinds(scene):
-    """Classes and keys that explain knows; a run issues the same, once each, and nothing else."""
+    """Classes and keys of the warnings of explain; a run issues the same, once each, and no others."""
     known = scene.explain()
     assert known.data["warnings"] == [str(one) for one in known.warnings]
     assert ("Warnings" in known) == bool(known.warnings) and all(
@@ -131,14 +131,14 @@ def test_a_body_in_a_sphere(radius, inside):
     "shift, one_place", [(0.02, True), (0.4, True), (0.6, False), (1.0, False)]
 )
 def test_two_boxes_in_one_place(shift, one_place):
-    """Cubes share the part 1 - shift of their volume."""
+    """Cubes share the fraction 1 - shift of their volume."""
     scene = pair(gap=shift - 1.0)
     assert (ct.SamePlaceWarning in [type(one) for one in scene.explain().warnings]) == one_place
 
 
 @pytest.mark.parametrize("radius, one_place", [((0.5, 0.89), False), ((0.85, 1.05), True)])
 def test_rings_in_one_place(radius, one_place):
-    """Nested rings have boxes in one place; what counts is what is inside."""
+    """Nested rings have overlapping boxes; only material inside the other body counts."""
     scene = empty()
     for name, r in (("a", (0.9, 1.0)), ("b", radius)):
         scene.add_body(
@@ -189,7 +189,7 @@ def test_bodies_that_never_meet():
     "moved", ["load", "support", "path", "gravity", "effect", "hit", "damping"]
 )
 def test_bodies_that_something_moves_may_meet(moved):
-    """What acts on one of the bodies may bring it to the other; we do not guess where it goes."""
+    """An effect on one of the bodies may bring it to the other one; the motion is not predicted."""
     scene = pair(speed=0.0)
     if moved == "load":
         scene.add("load", surface="a.x_min", pressure=1.0)
@@ -231,7 +231,7 @@ def test_one_element_behind_the_surface(made, cells, thin):
 
 
 def test_what_a_thin_body_is_said_to_lose_it_loses():
-    """With a stiff penalty n elements lose 1/(2 n), plus what is left of the vibration's phase; the warning says 50 % for one (eq:thin-loss)."""
+    """With a stiff penalty n elements lose 1/(2 n), plus a part that depends on the phase of the vibration; the warning states 50 % for one (eq:thin-loss)."""
     for cells in (1, 2, 4):
         energy = (
             drop(cells=cells, beta=1e4)
@@ -252,7 +252,7 @@ def test_without_a_lossy_impact_a_thin_body_is_fine(more):
 
 
 def test_thickness_counts_along_the_impact():
-    """One element across it, as in plane strain, or a slab that is held: nothing is lost there."""
+    """One element across, as in plane strain, or a fixed slab: no energy is lost there."""
     scene = empty()
     scene.add_body(
         "a",
@@ -289,7 +289,7 @@ def test_thickness_counts_along_the_impact():
 
 @pytest.mark.parametrize("width, thin", [(3.0, False), (1.0, True)])
 def test_only_the_nodes_before_the_other_surface_hit(width, thin):
-    """A cube of one layer hits a free plate of one layer: of a wide plate few nodes are hit, and they are light."""
+    """A cube of one layer hits a free plate of one layer: few nodes of a wide plate are hit, with a small mass."""
     scene = empty()
     scene.add_body(
         "a",
@@ -323,7 +323,7 @@ def test_the_angle_of_a_rotation(angle):
 
 @pytest.mark.parametrize("cells", [(501, 9, 9), (9, 501, 9), (100, 100, 1), (1, 1, 5000)])
 def test_few_nodes_tell_the_rotation_of_many(cells):
-    """Nodes that are taken at equal distances may stand in one line of a lattice, about which no rotation is known."""
+    """Nodes with equally spaced numbers may lie on one line of a regular mesh, and a rotation about it is then not detected."""
     X = np.array(Mesh.box("hex8", (0, 0, 0), (1, 1, 1), cells).nodes)
     some = warned._spread(len(X))
     assert len(some) == warned.TURN_NODES and np.linalg.svd(X[some] - X[some].mean(axis=0))[1][
@@ -333,7 +333,7 @@ def test_few_nodes_tell_the_rotation_of_many(cells):
 
 @pytest.mark.parametrize("size", [(1, 1, 1), (40, 1, 1), (9, 6, 0.1)])
 def test_no_body_has_turned_where_the_bound_says_so(size):
-    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is passed over; those by 0.3 about the longest axis are, all (eq:turned-bound)."""
+    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is skipped; all those by 0.3 about the longest axis are (eq:turned-bound)."""
     X = np.array(Mesh.box("hex8", (3, 1, 0), size, (6, 5, 4)).nodes)
     some, least = warned._spread_of(X)
     rng, above, asked = np.random.default_rng(7), 0, 0
@@ -354,7 +354,7 @@ def test_no_body_has_turned_where_the_bound_says_so(size):
 
 
 def swung(law, rate):
-    """A cube that a pair of tractions turns about z."""
+    """A cube that a pair of tractions rotates about z."""
     scene = empty(law)
     scene.add_body(
         "b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}
@@ -365,7 +365,7 @@ def swung(law, rate):
 
 
 def test_a_linear_body_that_turns():
-    """A couple t A L turns a cube of inertia m L² / 6 by 3 t τ² in the time τ: 0.03 t."""
+    """A couple t A L rotates a cube of inertia m L² / 6 by 3 t τ² in the time τ: 0.03 t."""
     few, much = told(swung("linear", 1.0)), told(swung("linear", 2.0))
     assert few == [] and [(type(one), one.key) for one in much] == [(ct.RotationWarning, "body[0]")]
     angle = float(str(much[0]).split(" turned by ")[1].split()[0])
@@ -420,7 +420,7 @@ def write(tmp_path, scene, **output):
 
 
 def test_a_results_file_that_is_not_written_is_no_success(tmp_path, monkeypatch, capsys):
-    """A build without HDF5 computes, says that the file is not there, and the command fails; without a file it does not."""
+    """A build without HDF5 computes and reports the missing file, and the command fails; without a file it succeeds."""
     leave_out_hdf5(monkeypatch)
     assert (
         command.main(["run", write(tmp_path, pair(), file=str(tmp_path / "run.vtkhdf")), "--quiet"])

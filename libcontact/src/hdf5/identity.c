@@ -184,7 +184,7 @@ static void compare_points(ct_task *task, const ct_problem *problem, double *poi
     const ct_place where = {-1, -1, i / 3};
     if (points[i] != problem->reference[i])
       ct_task_fail(task, CT_ERROR_FILE, where,
-                   "the file belongs to another problem: node %ld stands at another place",
+                   "the file belongs to another problem: node %ld has another position",
                    (long)(i / 3));
   }
 }
