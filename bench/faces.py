@@ -41,12 +41,12 @@ def ordinary(count: int, seed: int = 7):
     )
     for i in range(count):
         nodes[i] = corpus.curved(rng, "Q8", 0.4, 0.05)
-        y, n = foot(nodes[i], xi[i])
+        y, n = point_and_normal(nodes[i], xi[i])
         points[i] = y + gaps[i] * n
     return nodes, points, xi, np.abs(gaps)
 
 
-def foot(nodes, xi):
+def point_and_normal(nodes, xi):
     """Point and unit normal of a Q8 face, from polynomials of its own."""
     powers = np.array(corpus.POWERS["Q8"])
     A = np.array([[x**i * y**j for i, j in powers] for x, y in corpus.QUADRILATERAL])

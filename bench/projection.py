@@ -68,13 +68,13 @@ class Pairs(ctypes.Structure):
         self.table = np.zeros(m, FACE)
         self.table["kind"], self.table["node"] = kinds, nodes
         self.points = np.ascontiguousarray(points)
-        self.feet, self.distances = np.full((m, 2), np.nan), np.full(m, np.nan)
+        self.closest, self.distances = np.full((m, 2), np.nan), np.full(m, np.nan)
         self.calls, self.states = np.zeros(m, np.int32), np.zeros(m, np.int32)
         super().__init__(
             m,
             *(a.ctypes.data for a in (self.table, self.points)),
             1e-10,
-            *(a.ctypes.data for a in (self.feet, self.distances, self.calls, self.states)),
+            *(a.ctypes.data for a in (self.closest, self.distances, self.calls, self.states)),
         )
 
 
@@ -167,7 +167,7 @@ def scipy_run(nodes, points, tolerance, method):
     inverse = np.linalg.inv(
         np.array([[x**a * y**b for a, b in powers] for x, y in corpus.QUADRILATERAL])
     )
-    feet, calls = np.empty((len(points), 2)), np.empty(len(points))
+    closest, calls = np.empty((len(points), 2)), np.empty(len(points))
     start = time.perf_counter()
     for k, (own, point) in enumerate(zip(nodes, points)):
         c = inverse @ (own - point)
@@ -188,8 +188,8 @@ def scipy_run(nodes, points, tolerance, method):
             bounds=[(-1, 1), (-1, 1)],
             options={"maxiter": 2000, **options},
         )
-        feet[k], calls[k] = end.x, end.nfev
-    return time.perf_counter() - start, feet, calls
+        closest[k], calls[k] = end.x, end.nfev
+    return time.perf_counter() - start, closest, calls
 
 
 # -- What is measured ---------------------------------------------------------------------------------------------------
@@ -209,13 +209,13 @@ def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
             "wrong": float(np.mean(error > RIGHT)),
         }
         if xi is not None:
-            row["xi_error"] = float(np.median(np.max(np.abs(pairs.feet - xi), axis=1)))
+            row["xi_error"] = float(np.median(np.max(np.abs(pairs.closest - xi), axis=1)))
         rows.append(row)
     return rows
 
 
 def is_outside(pairs, tolerance):
-    x, y = pairs.feet.T
+    x, y = pairs.closest.T
     quadrilateral = np.maximum(np.abs(x), np.abs(y)) > 1 + tolerance
     return np.where(
         pairs.table["kind"] < 2,
@@ -254,7 +254,7 @@ def speeds(loops, run) -> dict:
             "batch warm",
         ]
     }
-    lanes, point_lanes, feet, arrays = batch_of(nodes, points)
+    lanes, point_lanes, closest, arrays = batch_of(nodes, points)
     start = None
     for _ in range(ROUNDS):
         for name in times:
@@ -266,11 +266,11 @@ def speeds(loops, run) -> dict:
                     point_lanes,
                     None,
                     ctypes.c_double(1e-10),
-                    feet,
+                    closest,
                 )
                 start = arrays[0] + 0.01
             elif name == "robust warm":
-                pairs.feet[:] = start.transpose(0, 2, 1).reshape(-1, 2)
+                pairs.closest[:] = start.transpose(0, 2, 1).reshape(-1, 2)
                 own = loops.bench_warm(ctypes.byref(pairs))
             elif name == "batch warm":
                 own = loops.bench_batch(
@@ -280,7 +280,7 @@ def speeds(loops, run) -> dict:
                     point_lanes,
                     ctypes.c_void_p(start.ctypes.data),
                     ctypes.c_double(1e-10),
-                    feet,
+                    closest,
                 )
             else:
                 own = run[name](pairs, tolerances.get(name, 1e-10))
@@ -314,12 +314,12 @@ def batch_of(nodes, points):
         np.zeros((blocks, 3, 8)),
         *(np.zeros((blocks, 8), np.int32) for _ in range(2)),
     ]
-    feet = (ctypes.c_void_p * 6)(*(a.ctypes.data for a in arrays))
+    closest = (ctypes.c_void_p * 6)(*(a.ctypes.data for a in arrays))
     arrays += [lanes, point_lanes]
     return (
         ctypes.c_void_p(lanes.ctypes.data),
         ctypes.c_void_p(point_lanes.ctypes.data),
-        feet,
+        closest,
         arrays,
     )
 
@@ -383,13 +383,13 @@ def scipy_rows(nodes, points, xi) -> dict:
     for name, method in SCIPY.items():
         rows[name] = []
         for tolerance in TOLERANCES[::4]:
-            seconds, feet, calls = scipy_run(nodes, points, tolerance, method)
+            seconds, closest, calls = scipy_run(nodes, points, tolerance, method)
             rows[name].append(
                 {
                     "tolerance": tolerance,
                     "evaluations": float(np.mean(calls)),
                     "ns": 1e9 * seconds / len(points),
-                    "xi_error": float(np.median(np.max(np.abs(feet - xi), axis=1))),
+                    "xi_error": float(np.median(np.max(np.abs(closest - xi), axis=1))),
                 }
             )
     return rows

@@ -38,7 +38,7 @@ GROWTH = {22: (200, 5), 46: (100, 5), 100: (20, 3), 215: (20, 1)}
 PARTS = ("start", "set-up", "solid", "contact and obstacle", "time loop", "records", "file", "rest")
 
 
-def awake(scene: Any) -> Any:
+def all_active(scene: Any) -> Any:
     """The scene with all elements active from its start."""
     from libcontact.model import SAVINGS
 
@@ -92,7 +92,7 @@ def one(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
     start = time.perf_counter() - STARTED
     began = time.perf_counter()
     scene = scene_of(name, cells, steps)
-    run = (awake(scene) if threads else scene).run(
+    run = (all_active(scene) if threads else scene).run(
         progress=False, output=False, threads=threads or 1
     )
     whole = time.perf_counter() - began

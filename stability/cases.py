@@ -16,7 +16,7 @@ import numpy as np
 import pairs
 import rest
 from dissipation import bar as measured_bar
-from lab import DEFAULT, Row, enforced, judge, material, scene
+from lab import DEFAULT, Row, classify, enforced, material, scene
 from libcontact.mesh import Mesh
 from libcontact.model import INTEGRATORS
 from shapes import random_rotation
@@ -77,7 +77,7 @@ def wall(
     made.add("obstacle", surface="bar.z_min", plane=FLOOR, **enforced(enforcement, beta))
     made.set_time(end=1.4, fraction=fraction, integrator=integrator).set_output(every=1, fields=[])
     name = "bar on a wall" if integrator is None else "bar on a wall, other integrators"
-    return judge(name, made, enforcement=enforcement, beta=beta, depth=lowest("bar"), **more)
+    return classify(name, made, enforcement=enforcement, beta=beta, depth=lowest("bar"), **more)
 
 
 def bar_on_a_wall(short: bool) -> Iterator[Row]:
@@ -155,7 +155,7 @@ def bouncing(
         times.append(run.state.time)
         return {}
 
-    row = judge(
+    row = classify(
         "bouncing bar, 30 impacts" if impacts == 30 else f"bouncing bar, {impacts} impacts",
         made,
         enforcement=enforcement,
@@ -183,9 +183,9 @@ def _before(pushed: np.ndarray, time: np.ndarray, contact: float) -> np.ndarray:
     """Whether there was a contact force within the duration of one contact before."""
     out = np.zeros(len(pushed), bool)
     last = -math.inf
-    for i, (now, is_pushed) in enumerate(zip(time, pushed)):
+    for i, (now, has_force) in enumerate(zip(time, pushed)):
         out[i] = now - last < contact
-        last = now if is_pushed else last
+        last = now if has_force else last
     return out
 
 
@@ -244,7 +244,7 @@ def two_bars(short: bool) -> Iterator[Row]:
                 )
             made.add_contact("a.x_max", "b.x_min", **enforced(enforcement, beta))
             made.set_time(end=24 if stiff == 1 else 3, fraction=0.9).set_output(every=4, fields=[])
-            yield judge(
+            yield classify(
                 f"two bars, {name}",
                 made,
                 enforcement=enforcement,
@@ -293,7 +293,7 @@ def plates(
     name = "plates" if right is None else f"plates, {cells} to {right[1]} faces"
     if integrator or averaged:
         name = "plates, averaged mass" if averaged else "plates, other integrators"
-    return judge(
+    return classify(
         name,
         made,
         enforcement=enforcement,
@@ -364,7 +364,7 @@ def contact_and_reference(short: bool) -> Iterator[Row]:
         _, reference = run("plates_reference.toml", time)
         made, stress = run("plates.toml", time, **enforced(enforcement, beta))
         found[enforcement] = float(np.abs(stress - reference).mean() / np.abs(reference).max())
-        row = judge("plates, contact and reference", made, enforcement=enforcement, beta=beta)
+        row = classify("plates, contact and reference", made, enforcement=enforcement, beta=beta)
         row.note = f"mean difference of stress {100 * found[enforcement]:.2g} % of its largest"
         if (
             row.good
@@ -419,7 +419,7 @@ def dropped_cube(short: bool) -> Iterator[Row]:
         made.add("obstacle", surface="cube.outer", plane=FLOOR, **enforced(DEFAULT, None))
         made.set_time(end=0.08, fraction=0.7).set_output(every=2, fields=[])
         # Gauss points sit 0.21 h inside their face: a corner enters by up to that before any of them does.
-        yield judge(
+        yield classify(
             f"cube dropped on its {name}"
             if not name.startswith("way")
             else f"cube dropped, {name}",
@@ -460,7 +460,7 @@ def spinning_ring(short: bool) -> Iterator[Row]:
             **enforced(enforcement, beta),
         )
         made.set_time(end=0.1 if short else 0.3, fraction=0.7).set_output(every=4, fields=[])
-        yield judge(
+        yield classify(
             "spinning ring against a wall",
             made,
             enforcement=enforcement,
@@ -479,7 +479,7 @@ def crossing_rings(short: bool) -> Iterator[Row]:
         ring(made, "b", [1.05, 0.3, 0], cells, [-10, 0, 0])
         made.add_contact("a.outer", "b.outer", **enforced(enforcement, beta))
         made.set_time(end=0.08 if short else 0.2, fraction=0.6).set_output(every=4, fields=[])
-        yield judge(
+        yield classify(
             "two rings that cross",
             made,
             enforcement=enforcement,
@@ -526,7 +526,7 @@ def sliding_block(short: bool) -> Iterator[Row]:
                 else f"slid {way:.3f} of {0.1 * borders:.1f}"
             )
 
-        yield judge(
+        yield classify(
             f"block slides over {borders} borders",
             made,
             enforcement=enforcement,
@@ -566,7 +566,7 @@ def thin_plates(short: bool) -> Iterator[Row]:
                 else f"the plates are {b - a:.3g} apart: one has passed through the other"
             )
 
-        yield judge(
+        yield classify(
             "thin plate on thin plate",
             made,
             enforcement=enforcement,
@@ -621,7 +621,7 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
             inner = ((x > x.min(0) + 1e-9) & (x < x.max(0) - 1e-9)).all(1)
             x[inner] += random.uniform(-amount / 6, amount / 6, (inner.sum(), 3))
         try:
-            row = judge(
+            row = classify(
                 f"mesh distorted by {amount} h",
                 two_blocks(nodes, elements, DEFAULT, None),
                 enforcement=DEFAULT,
@@ -648,7 +648,7 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
 
 def aspect_ratio(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair(3, 1e3)
-    yield judge(
+    yield classify(
         "aspect ratio 1000",
         two_blocks(nodes, elements, DEFAULT, None),
         enforcement=DEFAULT,
@@ -662,7 +662,7 @@ def sizes(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair()
     first = None
     for length in (1.0, 1e-9, 1e6) if short else (1.0, 1e-9, 1e-6, 1e-3, 1e3, 1e6):
-        row = judge(
+        row = classify(
             f"length {length:g} m",
             two_blocks(nodes, elements, DEFAULT, None, length),
             enforcement=DEFAULT,
@@ -692,7 +692,7 @@ def last_bit(short: bool) -> Iterator[Row]:
             else np.nextafter(x, np.where(random.random(x.shape) < 0.5, -np.inf, np.inf))
             for x in nodes
         ]
-        row = judge(
+        row = classify(
             "last bit of the input changed" if k else "last bit as given",
             two_blocks(changed, elements, DEFAULT, None),
             enforcement=DEFAULT,
@@ -718,7 +718,7 @@ def rounding_modes(short: bool) -> Iterator[Row]:
         if libm.fesetround(mode) != 0:
             return
         try:
-            row = judge(
+            row = classify(
                 f"rounding {name}",
                 made,
                 enforcement=DEFAULT,
@@ -747,7 +747,7 @@ def vibration(short: bool) -> Iterator[Row]:
     )
     dt = 0.9 * made.set_time(end=1.0, fraction=0.9).explain().data["time"]["stable"]
     made.set_time(end=steps * dt, dt=dt).set_output(every=steps // 100, fields=[])
-    yield judge(f"{steps} steps of one vibrating body", made, enforcement="none", beta=None)
+    yield classify(f"{steps} steps of one vibrating body", made, enforcement="none", beta=None)
 
 
 def resting(short: bool) -> Iterator[Row]:
@@ -767,7 +767,7 @@ def resting(short: bool) -> Iterator[Row]:
         made.set_time(end=1.0, fraction=0.9)
         dt = made.explain().data["time"]["dt"]
         made.set_time(end=steps * dt, dt=dt).set_output(every=steps // 100, fields=[])
-        yield judge(
+        yield classify(
             f"{steps} steps of resting contact",
             made,
             enforcement=enforcement,

@@ -9,7 +9,7 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, judge, material, scene
+from lab import DEFAULT, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -78,7 +78,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     (body,) = made._built(None).bodies.values()
     fold = Fold(body.name)
     mass = DENSITY * float(np.prod(np.ptp(body.mesh.nodes, axis=0)))
-    row = judge(
+    row = classify(
         case,
         made,
         enforcement=DEFAULT,

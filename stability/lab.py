@@ -109,7 +109,7 @@ def set_steps(made: ct.Scene, steps: int, fraction: float, records: int) -> ct.S
     )
 
 
-def judge(
+def classify(
     case: str,
     made: ct.Scene,
     *,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, judge, material, scene
+from lab import DEFAULT, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -131,7 +131,7 @@ def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
             else f"mean pressure {pressure / wanted:.4f} of that of matching meshes"
         )
 
-    row = judge(
+    row = classify(
         case,
         made,
         enforcement=DEFAULT,

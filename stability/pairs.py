@@ -10,7 +10,7 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, judge, material, scene
+from lab import DEFAULT, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -179,7 +179,7 @@ def body_pairs(short: bool) -> Iterator[Row]:
     for seed in (0, 1, 2, 4, 125, 134) if short else range(200):
         name, made = pair(seed)
         gaps = Gaps()
-        row = judge(
+        row = classify(
             f"pair of bodies, {seed}",
             made,
             enforcement=DEFAULT,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, judge, material, scene, set_steps, shortest_edge
+from lab import DEFAULT, Row, classify, material, scene, set_steps, shortest_edge
 
 import libcontact as ct
 
@@ -44,7 +44,7 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
             else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
         )
 
-    row = judge(
+    row = classify(
         case,
         made,
         enforcement=DEFAULT,
@@ -238,7 +238,7 @@ def anyhow_at_rest(short: bool) -> Iterator[Row]:
             for body in made._built(None).bodies.values()
         )
         speed = math.sqrt(made._data["material"][0]["young"] / 1000)
-        yield judge(
+        yield classify(
             f"at rest, {case}",
             made.set_output(every=1, fields=[]),
             enforcement=DEFAULT,

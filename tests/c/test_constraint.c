@@ -33,7 +33,7 @@ static void fill(rows *r)
       r->A[3 * i + c] = 1.0 + 0.5 * uniform(1.0);
       r->s->mobility[WIDE * i + c] = r->A[3 * i + c];
       r->s->increment[WIDE * i + c] = 0.2 * uniform(1.0);
-      r->s->past[WIDE * i + c] = 0.2 * uniform(1.0);
+      r->s->last_increment[WIDE * i + c] = 0.2 * uniform(1.0);
     }
   for (int j = 0; j < ROWS; j++) {
     ct_constraint *c = &r->row[j];
@@ -123,12 +123,12 @@ static void slopes(void)
     for (int64_t j = 0; j < s->count; j++) {
       double gap = s->free[j], force[ROWS];
       for (int64_t k = 0; k < s->count; k++) gap += r.W[j][k] * s->force[k];
-      off_gap = worst(off_gap, s->rest[j] - s->b[j] - s->C[j] * s->force[j] - gap);
+      off_gap = worst(off_gap, s->gradient[j] - s->b[j] - s->C[j] * s->force[j] - gap);
       memcpy(force, s->force, sizeof force);
       force[j] += 1e-3;
       double up = function_of(&r, force);
       force[j] -= 2e-3;
-      off_slope = worst(off_slope, (up - function_of(&r, force)) / 2e-3 - s->rest[j]);
+      off_slope = worst(off_slope, (up - function_of(&r, force)) / 2e-3 - s->gradient[j]);
     }
     release(&r);
   }
@@ -165,7 +165,7 @@ static void step(void)
     (void)find_rest(s);
     memcpy(before, s->force, sizeof before);
     double start = function_of(&r, before), taken[ROWS];
-    for (int64_t j = 0; j < s->count; j++) taken[j] = fmin(s->rest[j] * s->scale[j], before[j]);
+    for (int64_t j = 0; j < s->count; j++) taken[j] = fmin(s->gradient[j] * s->scale[j], before[j]);
     (void)step_down(s);
     for (int64_t j = 0; j < s->count; j++)
       off_step = worst(off_step, before[j] - taken[j] - s->force[j]);
@@ -191,8 +191,8 @@ static void release_of_rows(void)
     for (int64_t j = 0; j < s->count; j++) s->force[j] *= small;
     (void)find_rest(s);
     for (int64_t j = 0; j < s->count; j++)
-      gain[s->force[j] > 0.0] += s->rest[j] * fmin(s->rest[j] * s->scale[j], s->force[j]);
-    (void)descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
+      gain[s->force[j] > 0.0] += s->gradient[j] * fmin(s->gradient[j] * s->scale[j], s->force[j]);
+    (void)descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);
     wrong += releases(s) != (gain[0] > gain[1]);
     taken += gain[0] > gain[1];
     release(&r);
@@ -250,10 +250,10 @@ static void solution(void)
     if (!ct_solver_solve(r.s)) off = 1.0;
     fill_dense(&r);
     for (int64_t j = 0; j < r.s->count; j++) {
-      double rest = r.s->free[j] + r.s->b[j] + r.s->C[j] * r.s->force[j];
-      for (int64_t k = 0; k < r.s->count; k++) rest += r.W[j][k] * r.s->force[k];
-      if (r.s->force[j] > 0.0) off = worst(off, rest);
-      else below = fmax(below, -rest);
+      double gradient = r.s->free[j] + r.s->b[j] + r.s->C[j] * r.s->force[j];
+      for (int64_t k = 0; k < r.s->count; k++) gradient += r.W[j][k] * r.s->force[k];
+      if (r.s->force[j] > 0.0) off = worst(off, gradient);
+      else below = fmax(below, -gradient);
       below = fmax(below, -r.s->force[j]);
     }
     rounds = r.s->iterations > rounds ? r.s->iterations : rounds;

@@ -33,11 +33,11 @@ MEANT = {
 def test_case(case, monkeypatch):
     found = set()
 
-    def judge(name, made, **more):
+    def classify(name, made, **more):
         found.update(type(one) for one in warned.known(made._built(None), None))
-        return lab.judge(name, made, **more)
+        return lab.classify(name, made, **more)
 
-    monkeypatch.setattr(cases, "judge", judge)
+    monkeypatch.setattr(cases, "classify", classify)
     odd = laboratory.surprises(list(case(True)))
     assert not odd, "\n".join(lab.line(row) for row in odd)
     assert found - {ct.ChatterWarning} == MEANT.get(case.__name__, set())

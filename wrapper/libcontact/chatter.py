@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ._core import lib
 from .errors import ChatterWarning
 from .problem import Problem, speeds
-from .surfaces import pressing
+from .surfaces import contact_tables
 
 # Pairs (β, largest fraction of the stable step), measured on the bar on a wall for different initial
 # gaps: within these limits its energy grows by less than 1 %. Dissipative integrators allow a stiffer
@@ -33,7 +33,7 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
         One for each contact and obstacle whose enforcement, penalty and step are known to add
         energy.
     """
-    for key, who, given in pressing(problem.parts):
+    for key, who, given in contact_tables(problem.parts):
         surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces
         bodies = [problem.bodies[name] for name, _ in surfaces]
         young = min(body.material.young for body in bodies)

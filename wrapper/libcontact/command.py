@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     plan.set_defaults(command=_plan)
     plan.add_argument("scene", metavar="SCENE.toml")
     goal = plan.add_mutually_exclusive_group(required=True)
-    goal.add_argument("--error", metavar="5%", type=_share, help="relative error to meet")
+    goal.add_argument("--error", metavar="5%", type=_fraction, help="relative error to meet")
     goal.add_argument("--seconds", metavar="S", type=float, help="longest run time")
     plan.add_argument(
         "--functional", metavar="NAME", help="number whose error is meant, such as wall.force_x.max"
@@ -161,7 +161,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _report(run: Run) -> None:
-    """Energy balance and size of a run, to judge its quality."""
+    """Energy balance and size of a run, to check its quality."""
     energy, steps = run.energy, run.steps
     last, size = energy[-1], max(abs(energy[name]).max() for name in ("kinetic", "strain")) or 1.0
     change, balance = last["total"] - energy["total"][0], abs(energy["balance"]).max()
@@ -185,7 +185,7 @@ def _explain(options: argparse.Namespace) -> int:
     return OK
 
 
-def _share(text: str) -> float:
+def _fraction(text: str) -> float:
     """5% or 0.05."""
     return float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
 

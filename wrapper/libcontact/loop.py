@@ -29,7 +29,7 @@ from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
-from .surfaces import pressing
+from .surfaces import contact_tables
 from .warned import Turning
 
 # Defaults of the recording interval: the number of records, the least number of steps between them in
@@ -269,7 +269,7 @@ class Loop:
         if state.step > last:
             reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
-        self.start_guard()
+        self.start_monitor()
         with _bar(progress, last, state.step) as advanced:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
@@ -292,7 +292,7 @@ class Loop:
             text = f"the contact forces did not converge to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
             issue(errors.NotSettled(text + "choose a smaller step or a smaller beta"))
 
-    def start_guard(self) -> None:
+    def start_monitor(self) -> None:
         """Start the monitor of the state; an error at this point is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
@@ -328,7 +328,7 @@ class Loop:
             advice = f"{step}, and compare its stored energy with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
         name, nth = words[kind].split()[0], before.count(kind)
-        alike = [each for each in pressing(self.problem.parts) if each[0].startswith(name)]
+        alike = [each for each in contact_tables(self.problem.parts) if each[0].startswith(name)]
         key, who, given = alike[nth]
         advice = f"points penetrate that did not pass the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:

@@ -330,7 +330,7 @@ class History(Table):
                 yield f"time[{i + 1}]", f"is {after:g}, before {before:g}"
 
 
-class Pressing(Table):
+class ContactLaw(Table):
     """Keys that a contact and an obstacle have in common: penalty, enforcement and friction.
 
     Attributes
@@ -374,7 +374,7 @@ class Pressing(Table):
             yield "tangent", 'belongs to friction; give "friction" too'
 
 
-class ContactKeys(Pressing):
+class ContactKeys(ContactLaw):
     """All keys of a contact except its surfaces.
 
     Attributes
@@ -407,7 +407,7 @@ class ContactKeys(Pressing):
         Time in which ``"remove"`` separates the surfaces.
     """
 
-    belongs = {**Pressing.belongs, "removal_time": ("initial_penetration", "remove")}
+    belongs = {**ContactLaw.belongs, "removal_time": ("initial_penetration", "remove")}
 
     method: str = key(Choice(METHODS), default=word(METHODS, CONTACT.method))
     tolerance: float | None = key(POSITIVE, default=None, says="the library's")

@@ -143,7 +143,9 @@ def predict(problem: Problem, records: int) -> Prediction:
     interval = max(1, steps // max(1, records - 1))
     try:
         tried = _try(problem, interval, together=not seen)
-        seconds = _foreseen(problem, seen, tried.seconds, interval) if seen else tried.seconds
+        seconds = (
+            _predicted_seconds(problem, seen, tried.seconds, interval) if seen else tried.seconds
+        )
     except (Error, OSError):
         return Prediction(tuple(_known(problem)), steps, memory_of(problem), rehearsed=False)
     steps, active = (seen[0].steps, _active(seen[0])) if seen else (steps, {})
@@ -230,7 +232,7 @@ def _active(rehearsal: Rehearsal) -> dict[str, float]:
     return out
 
 
-def _foreseen(
+def _predicted_seconds(
     problem: Problem, seen: list[Rehearsal], tried: dict[str, float], interval: int
 ) -> dict[str, float]:
     """
@@ -299,7 +301,7 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
         if problem.parts.output.file is not None and has("hdf5"):
             loop.open(file)
         try:
-            loop.start_guard()
+            loop.start_monitor()
             # The first step fills the caches, and its time gives the number of steps in a round.
             there_is_time = TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1).sum(), 1e-9)
             count = max(1, min(interval, MOST_STEPS, int(there_is_time)))

@@ -436,17 +436,17 @@ class Planner:
         """The scene with the keys of a setting, and with elements that are ``scale`` times smaller. A
         scene with meshes of its own gets smaller steps instead."""
         data = self.scene.data
-        time, pressing = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
+        time, tables = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
         for name in (*Time.rivals[0], "integrator", "integrator_parameter"):
             time.pop(name, None)
-        for table in pressing:
+        for table in tables:
             for name in ("beta", "epsilon", "enforcement", "dissipation"):
                 table.pop(name, None)
         for name in NUMERICAL:
             data.pop(name, None)
         for name, value in keys.items():
             where, _, key = name.partition(".")
-            for table in pressing if where == "contact" else [data.setdefault(where, {})]:
+            for table in tables if where == "contact" else [data.setdefault(where, {})]:
                 table |= {key: value} if key else {}
         if self.own_mesh:
             time["fraction"] /= scale
@@ -513,7 +513,7 @@ class Planner:
         tried.add(true, self.functional.value(run) if self.functional else exact, min(seconds))
         return True
 
-    def judge(self, goal: Goal) -> None:
+    def set_errors(self, goal: Goal) -> None:
         """Set the errors of all trials: measured ones for the plates, otherwise the distance from the
         common limit of all settings plus half the limit's uncertainty."""
         if self.functional:
@@ -549,7 +549,7 @@ class Planner:
             if len(live[0].scales) < FEWEST:
                 live = live if self.spent < self.trials else live[:FINALISTS]
             else:
-                self.judge(goal)
+                self.set_errors(goal)
                 live.sort(key=goal.merit)
                 sure = self.uncertainty <= SURE * goal.error_of(live[0])
                 beyond = goal.scale(live[0]) * (FINER if self.functional else 1.0)
@@ -582,7 +582,7 @@ class Planner:
             late = tried.seconds_at(scale) > max(SETTLE * self.trials, self.trials - self.spent)
             if scale == before or late or not self._try(tried, scale, SETTLE * self.trials):
                 return
-            self.judge(goal)
+            self.set_errors(goal)
 
     def price(self, tried: Tried, scale: float) -> float:
         """Time of a setting on a mesh with the scene's output [s]: measured if this mesh was tried,
@@ -606,7 +606,7 @@ class Planner:
         scene, mesh = self.changed(tried.keys, scale), ", ".join(dict.fromkeys(cells))
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
-    def judged(self, goal: Goal) -> list[Tried]:
+    def ranked(self, goal: Goal) -> list[Tried]:
         """The settings with enough trials, best first."""
         enough = [each for each in self.tried if len(each.scales) >= FEWEST]
         return sorted(enough, key=goal.merit)
@@ -617,14 +617,14 @@ class Planner:
             self.climb(goal, bar)
             settled = list[Tried]()
             # Settling a finalist may make another setting the best one.
-            while new := [t for t in self.judged(goal)[:FINALISTS] if t not in settled]:
+            while new := [t for t in self.ranked(goal)[:FINALISTS] if t not in settled]:
                 self.settle(new[0], goal)
                 settled.append(new[0])
         except KeyboardInterrupt:
             if all(len(each.scales) < FEWEST for each in self.tried):
                 raise
             self.interrupted = True
-        self.judge(goal)
+        self.set_errors(goal)
         if self.functional and not (self.value and self.uncertainty < 1.0):
             much = f"{self.value:.3g}, uncertain by {self.uncertainty * abs(self.value):.2g}"
             raise SceneError(
@@ -643,9 +643,9 @@ class Planner:
             why += f"; the runner-up ({offer.setting}) takes {many}"
         plan = Plan(
             replace(choice, why=why),
-            *self._beside(choice, tried, scale, goal),
+            *self._neighbours(choice, tried, scale, goal),
             measure=Plates.words,
-            sure=self._sure(goal, tried, scale),
+            sure=self._certainty(goal, tried, scale),
             interrupted=self.interrupted,
         )
         if self.functional is None:
@@ -658,7 +658,7 @@ class Planner:
         """The best settings with meshes and prices, best first. A SceneError if no feasible mesh meets
         the request."""
         found, far = list[tuple[Offer, Tried, float]](), 0.0
-        for each in self.judged(goal)[:FINALISTS]:
+        for each in self.ranked(goal)[:FINALISTS]:
             scale = self.mesh(each, goal)
             far = scale / each.scales[-1]
             if far <= FARTHEST:
@@ -678,14 +678,14 @@ class Planner:
             f"{asked} {reason}", "seconds" if goal.seconds else "error", self.scene.file
         )
 
-    def _beside(
+    def _neighbours(
         self, choice: Offer, tried: Tried, scale: float, goal: Goal
     ) -> tuple[Offer | None, Offer | None]:
         """The most accurate offer that costs less than the choice, and the cheapest one that is more
         accurate. Both have meshes from the sequence of the trials."""
         ratio = choice.seconds / tried.seconds_at(scale)
         grid = [
-            (each, each.scales[-1] * FINER**k) for each in self.judged(goal) for k in range(-12, 3)
+            (each, each.scales[-1] * FINER**k) for each in self.ranked(goal) for k in range(-12, 3)
         ]
         points = [
             (each.error_at(at), ratio * each.seconds_at(at), at, each)
@@ -706,7 +706,7 @@ class Planner:
         cheaper = min(less, key=lambda one: one[0], default=None)
         return told(cheaper), told(min(more, key=lambda one: one[1], default=None))
 
-    def _sure(self, goal: Goal, tried: Tried, scale: float) -> str:
+    def _certainty(self, goal: Goal, tried: Tried, scale: float) -> str:
         """How certain the expected error is, in a sentence."""
         slope, spread = tried.line(tried.errors, 0)
         order = f"observed order {-slope:.2f} +- {2.0 * spread:.2f}"

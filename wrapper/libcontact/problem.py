@@ -142,8 +142,10 @@ def memory_of(problem: Problem) -> int:
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
         # The solver stores the entries of a row, their nodes, and 10 numbers for its force.
-        pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
-        total += pressing * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
+        constrained = effect.phase == lib.CT_PHASE_CONSTRAINT
+        total += (
+            constrained * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
+        )
         # Points of an obstacle: one per row; without rows about four per node.
         if effect.kind == lib.CT_EFFECT_OBSTACLE:
             total += OBSTACLE_POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)

@@ -552,11 +552,11 @@ class Scene:
             return None, 1
         except (ValueError, TypeError) as error:
             raise at.error(str(error)) from None
-        now, asked_step = _fixed(self.toml(arrays=False))
+        now, requested_step = _fixed(self.toml(arrays=False))
         for key in {**before, **now}:
             if before.get(key) != now.get(key):
                 raise at.error(f'"{path}" comes from another scene: [{key}] differs')
-        if step == asked_step:
+        if step == requested_step:
             return dt, 1
         asked = self._built(threads).dt
         if asked > dt * (1.0 + 1e-9):

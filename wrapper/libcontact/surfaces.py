@@ -19,7 +19,7 @@ def obstacle_name(obstacle: Any) -> str:
     return str(".".join(obstacle.given.surface))
 
 
-def pressing(parts: Any) -> Iterator[tuple[str, str, Any]]:
+def contact_tables(parts: Any) -> Iterator[tuple[str, str, Any]]:
     """The contacts and then the obstacles of a scene: key, surfaces as text, and table of each."""
     for i, contact in enumerate(parts.contact):
         yield f"contact[{i}]", pair_name(contact.surfaces), contact

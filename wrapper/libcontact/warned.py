@@ -29,7 +29,7 @@ Points = dict[str, NDArray[np.int32]]
 SLOW, FAST = 1.0, 30000.0
 # Two bodies are in the same place if this fraction of the smaller one is inside the other; number of
 # its element centres that are checked.
-SHARED, TRIED = 0.5, 64
+COMMON, TRIED = 0.5, 64
 # Largest rotation θ [rad] for the small-strain law, which sees a strain of θ²/2 (eq:turned); number of
 # nodes from which it is computed.
 TURNED, TURN_NODES = 0.04, 2000
@@ -243,19 +243,19 @@ def _surface(problem: Problem, surface: tuple[str, str]) -> NDArray[Any]:
 
 def _same_place(problem: Problem) -> Iterator[SceneWarning]:
     for (_, a), (i, b) in combinations(enumerate(problem.bodies.values()), 2):
-        share = _shared(problem, a, b)
-        if share >= SHARED:
+        share = _common_fraction(problem, a, b)
+        if share >= COMMON:
             text = f'bodies "{a.name}" and "{b.name}" occupy the same space: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
             yield errors.SamePlaceWarning(text, f"body[{i}]")
 
 
-def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
+def _common_fraction(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
     """Fraction of the smaller body that is inside the other: 0 if their boxes overlap little, otherwise
     the fraction of its element centres."""
     small, large = sorted((a, b), key=lambda body: float(np.prod(np.ptp(body.mesh.bounds, axis=0))))
     (low, high), (low_b, high_b) = small.mesh.bounds, large.mesh.bounds
     sides = np.maximum(np.minimum(high, high_b) - np.maximum(low, low_b), 0.0)
-    if not sides.all() or np.prod(sides) < SHARED * np.prod(high - low):
+    if not sides.all() or np.prod(sides) < COMMON * np.prod(high - low):
         return 0.0
     some = np.linspace(0, len(small.mesh.elements) - 1, TRIED).astype(int)
     centres = small.mesh.nodes[small.mesh.elements[some]].mean(axis=1)
@@ -268,7 +268,9 @@ def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
 def _twice(problem: Problem) -> Iterator[SceneWarning]:
     for (i, a), (j, b) in combinations(enumerate(problem.parts.contact), 2):
         for one, two in (b.surfaces, b.surfaces[::-1]):
-            if _share(problem, a.surfaces[0], one) and _share(problem, a.surfaces[1], two):
+            if _have_common_face(problem, a.surfaces[0], one) and _have_common_face(
+                problem, a.surfaces[1], two
+            ):
                 text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, also has faces of both surfaces, so the contact force acts twice, at twice the cost and stiffness; "
                 text += (
                     "leave one of the contacts out, or name surfaces that have no faces in common"
@@ -277,7 +279,7 @@ def _twice(problem: Problem) -> Iterator[SceneWarning]:
                 break
 
 
-def _share(problem: Problem, a: tuple[str, str], b: tuple[str, str]) -> bool:
+def _have_common_face(problem: Problem, a: tuple[str, str], b: tuple[str, str]) -> bool:
     """Whether two surfaces have a face in common."""
     if a[0] != b[0] or a[1] == b[1]:
         return a == b

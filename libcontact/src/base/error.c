@@ -8,10 +8,10 @@
  * with three dots. */
 static void write_text(ct_error *error, size_t start, const char *format, va_list arguments)
 {
-  size_t room = sizeof error->text - start, end = sizeof error->text - sizeof "...";
-  int length = vsnprintf(error->text + start, room, format, arguments);
+  size_t capacity = sizeof error->text - start, end = sizeof error->text - sizeof "...";
+  int length = vsnprintf(error->text + start, capacity, format, arguments);
   if (length < 0) error->text[start] = 0;
-  if (length < 0 || (size_t)length < room) return;
+  if (length < 0 || (size_t)length < capacity) return;
   while (end > 0 && ((unsigned char)error->text[end] & 0xC0) == 0x80) end--;
   memcpy(error->text + end, "...", sizeof "...");
 }

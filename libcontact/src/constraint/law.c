@@ -71,7 +71,7 @@ ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 
 int ct_law_has_rows(const ct_constraint *c) { return LAWS[c->enforcement].ramp != NULL; }
 
-int ct_law_presses(const ct_constraint *c)
+int ct_law_may_act(const ct_constraint *c)
 {
   return c->gap < 0.0 || !LAWS[c->enforcement].only_inside;
 }

@@ -17,7 +17,7 @@ typedef struct ct_ramp {
 int ct_law_has_rows(const ct_constraint *law);
 
 /* Whether a row can have a force in the next step, judging by its gap g_n. */
-int ct_law_presses(const ct_constraint *row);
+int ct_law_may_act(const ct_constraint *row);
 
 /* The law of a row in the next step, after all its values at t_n are set. */
 ct_ramp ct_law_ramp(const ct_constraint *row);

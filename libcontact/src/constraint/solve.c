@@ -52,18 +52,18 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->first_node = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first_node);
   s->nodes = ct_pool_take(pool, nodes, sizeof *s->nodes);
   s->place = ct_pool_take(pool, nodes, sizeof *s->place);
-  s->crowd = ct_pool_take(pool, nodes, sizeof *s->crowd);
+  s->row_counts = ct_pool_take(pool, nodes, sizeof *s->row_counts);
   s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
-  s->touched = ct_pool_take(pool, nodes, sizeof *s->touched);
+  s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, entries, WIDE * sizeof *s->G);
-  double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->sums, &s->moved};
+  double **vectors[] = {&s->increment, &s->mobility, &s->last_increment, &s->sums, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  double **numbers[] = {&s->C,     &s->b,   &s->free,   &s->force, &s->rest,
-                        &s->scale, &s->way, &s->answer, &s->terms, &s->guide};
+  double **numbers[] = {&s->C,     &s->b,         &s->free,  &s->force, &s->gradient,
+                        &s->scale, &s->direction, &s->image, &s->terms, &s->guide};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   if (pool->failed) return CT_ERROR_MEMORY;
@@ -227,8 +227,8 @@ static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int6
 
 /* `moved` = A times the sums at the nodes of active rows; the sums are then cleared. */
 CT_CLONES
-static void move_touched(int32_t count, const int32_t *place, const double *mobility,
-                         double *restrict sums, double *restrict moved)
+static void move_active_nodes(int32_t count, const int32_t *place, const double *mobility,
+                              double *restrict sums, double *restrict moved)
 {
   const ct_quad none = {0.0};
   for (int32_t k = 0; k < count; k++)
@@ -245,9 +245,9 @@ static int move_nodes(ct_solver *s, const double *force)
 {
   ct_grid grid;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
-  if (!ct_grid_init(&grid, 2.0 * ct_largest(force, s->count), s->most_crowd)) return 0;
+  if (!ct_grid_init(&grid, 2.0 * ct_largest(force, s->count), s->most_row_count)) return 0;
   times_G_transposed(&grid, s->entries, s->count, s->entry_place, s->G, force, s->sums);
-  move_touched(s->touched_count, s->touched, s->mobility, s->sums, s->moved);
+  move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
   return 1;
 }
 
@@ -285,7 +285,7 @@ static double predict_gaps(ct_solver *s)
 {
   double most = 0.0;
   int64_t count = s->first[s->set_count];
-  times_G(0, s->entries, count, s->entry_place, s->G, s->past, s->terms);
+  times_G(0, s->entries, count, s->entry_place, s->G, s->last_increment, s->terms);
   times_G(0, s->entries, count, s->entry_place, s->G, s->increment, s->free);
   for (int64_t j = 0; j < count; j++) {
     ct_constraint *c = s->rows[j];
@@ -307,7 +307,7 @@ static void choose_active(ct_solver *s)
     double force = c->force;
     c->force = 0.0;
     // -- Neither touched now nor without the force of the step (eq:near-constraints)
-    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_presses(c)) continue;
+    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_may_act(c)) continue;
     s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
     s->force[s->count] = force;
@@ -317,17 +317,17 @@ static void choose_active(ct_solver *s)
 }
 
 /* List the nodes on which active rows act, and count the rows at each. */
-static void list_touched(ct_solver *s)
+static void list_active_nodes(ct_solver *s)
 {
-  for (int32_t k = 0; k < s->touched_count; k++) s->crowd[s->touched[k] / WIDE] = 0;
-  s->touched_count = s->most_crowd = 0;
+  for (int32_t k = 0; k < s->active_node_count; k++) s->row_counts[s->active_nodes[k] / WIDE] = 0;
+  s->active_node_count = s->most_row_count = 0;
   for (int64_t r = 0; r < s->count; r += s->entries[r].alike) {
     ct_entries e = s->entries[r];
     for (int64_t i = e.place; i < e.place + e.own + e.other; i++) {
-      int32_t place = s->entry_place[i], *crowd = &s->crowd[place / WIDE];
-      if (*crowd == 0) s->touched[s->touched_count++] = place;
-      *crowd += e.alike;
-      s->most_crowd = *crowd > s->most_crowd ? *crowd : s->most_crowd;
+      int32_t place = s->entry_place[i], *row_counts = &s->row_counts[place / WIDE];
+      if (*row_counts == 0) s->active_nodes[s->active_node_count++] = place;
+      *row_counts += e.alike;
+      s->most_row_count = *row_counts > s->most_row_count ? *row_counts : s->most_row_count;
     }
   }
 }
@@ -335,12 +335,12 @@ static void list_touched(ct_solver *s)
 /* An upper bound of Σ_k |W_jk| of each row, into `scale` (eq:constraint-bound). */
 static int bound_rows(ct_solver *s)
 {
-  for (int32_t k = 0; k < s->touched_count; k++) {
-    double *A = &s->mobility[s->touched[k]];
+  for (int32_t k = 0; k < s->active_node_count; k++) {
+    double *A = &s->mobility[s->active_nodes[k]];
     A[3] = fmax(fmax(A[0], A[1]), A[2]);
   }
-  for (int64_t r = 0; r < s->count; r++) s->way[r] = 1.0;
-  if (!move_nodes(s, s->way)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->direction[r] = 1.0;
+  if (!move_nodes(s, s->direction)) return 0;
   times_G(1, s->entries, s->count, s->entry_place, s->G, s->moved, s->scale);
   return 1;
 }
@@ -363,11 +363,11 @@ static int fix_laws(ct_solver *s)
 }
 
 /* The gradient at the present forces. */
-static int find_rest(ct_solver *s)
+static int find_gradient(ct_solver *s)
 {
-  if (!apply(s, s->force, s->rest)) return 0;
+  if (!apply(s, s->force, s->gradient)) return 0;
   // -- r = (W + C) λ + g_free + b (eq:constraint-function)
-  for (int64_t r = 0; r < s->count; r++) s->rest[r] += s->free[r] + s->b[r];
+  for (int64_t r = 0; r < s->count; r++) s->gradient[r] += s->free[r] + s->b[r];
   return 1;
 }
 
@@ -386,15 +386,15 @@ typedef struct descent {
 
 /* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force. */
 CT_CLONES
-static descent descend(int64_t count, const double *rest, const double *scale, const double *force,
-                       double *restrict steps, double *restrict guide)
+static descent descend(int64_t count, const double *gradient, const double *scale,
+                       const double *force, double *restrict steps, double *restrict guide)
 {
   double most = 0.0, top = 0.0, lift = 0.0;
 #pragma omp simd reduction(max : most, top, lift)
   for (int64_t r = 0; r < count; r++) {
     // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration)
-    double down = rest[r] * scale[r], step = down < force[r] ? down : force[r], size = fabs(step),
-           up = force[r] > 0.0 ? 0.0 : size;
+    double down = gradient[r] * scale[r], step = down < force[r] ? down : force[r],
+           size = fabs(step), up = force[r] > 0.0 ? 0.0 : size;
     guide[r] = force[r] > 0.0 ? down : 0.0;
     steps[r] = step;
     most = size > most ? size : most;
@@ -406,12 +406,12 @@ static descent descend(int64_t count, const double *rest, const double *scale, c
 
 /* Largest step along the direction until the first force becomes 0. */
 CT_CLONES
-static double room_ahead(int64_t count, const double *force, const double *way)
+static double longest_step(int64_t count, const double *force, const double *direction)
 {
   double fastest = 0.0;
 #pragma omp simd reduction(max : fastest)
   for (int64_t r = 0; r < count; r++) {
-    double part = way[r] / force[r]; // NaN if both are 0
+    double part = direction[r] / force[r]; // NaN if both are 0
     fastest = part > fastest ? part : fastest;
   }
   return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
@@ -419,33 +419,34 @@ static double room_ahead(int64_t count, const double *force, const double *way)
 
 /* Step along the direction, and update the gradient. */
 CT_CLONES
-static void go(int64_t count, double length, const double *way, const double *answer,
-               double *restrict force, double *restrict rest)
+static void step_along(int64_t count, double length, const double *direction, const double *image,
+                       double *restrict force, double *restrict gradient)
 {
 #pragma omp simd
   for (int64_t r = 0; r < count; r++) {
-    double next = force[r] - length * way[r];
+    double next = force[r] - length * direction[r];
     force[r] = next > 0.0 ? next : 0.0;
-    rest[r] -= length * answer[r];
+    gradient[r] -= length * image[r];
   }
 }
 
 /* The next direction: the guide, plus a multiple of the last direction that makes both conjugate,
  * unless it is the first. */
 CT_CLONES
-static void turn(int64_t count, double share, const double *guide, double *restrict way)
+static void next_direction(int64_t count, double share, const double *guide,
+                           double *restrict direction)
 {
 #pragma omp simd
-  for (int64_t r = 0; r < count; r++) way[r] = guide[r] + share * way[r];
+  for (int64_t r = 0; r < count; r++) direction[r] = guide[r] + share * direction[r];
 }
 
 /* Step all forces down the gradient without making one negative: this always decreases the function
  * (eq:constraint-iteration). */
 static int step_down(ct_solver *s)
 {
-  descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
-  for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->answer[r];
-  return find_rest(s);
+  descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);
+  for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->image[r];
+  return find_gradient(s);
 }
 
 /* Step along the direction, whose product with the gradient is given, to the minimum or the first
@@ -453,12 +454,13 @@ static int step_down(ct_solver *s)
  * are not finite. */
 static int improve(ct_solver *s, double slope)
 {
-  if (!apply(s, s->way, s->answer)) return -1;
-  double curvature = product(s, s->way, s->answer), room = room_ahead(s->count, s->force, s->way),
-         best = slope / curvature;
+  if (!apply(s, s->direction, s->image)) return -1;
+  double curvature = product(s, s->direction, s->image),
+         longest = longest_step(s->count, s->force, s->direction), best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
-    go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
-    if (best < room) return 0;
+    step_along(s->count, best < longest ? best : longest, s->direction, s->image, s->force,
+               s->gradient);
+    if (best < longest) return 0;
   }
   // -- Beyond this length a force would be tensile
   return step_down(s) ? 1 : -1;
@@ -469,14 +471,14 @@ static int improve(ct_solver *s, double slope)
 static int releases(ct_solver *s)
 {
   double gain[2];
-  for (int pressed = 0; pressed < 2; pressed++) {
+  for (int with_force = 0; with_force < 2; with_force++) {
     // -- Σ r_j δ_j of the rows without a force, and of those with one
     for (int64_t r = 0; r < s->count; r++)
-      s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * s->answer[r] : 0.0;
-    gain[pressed] = ct_sum(s->terms, s->count);
+      s->terms[r] = (s->force[r] > 0.0) == with_force ? s->gradient[r] * s->image[r] : 0.0;
+    gain[with_force] = ct_sum(s->terms, s->count);
   }
   if (!(gain[0] > gain[1])) return 0; // (eq:proportioning)
-  for (int64_t r = 0; r < s->count; r++) s->way[r] = s->force[r] > 0.0 ? 0.0 : s->answer[r];
+  for (int64_t r = 0; r < s->count; r++) s->direction[r] = s->force[r] > 0.0 ? 0.0 : s->image[r];
   return 1;
 }
 
@@ -486,14 +488,15 @@ static int iterate(ct_solver *s)
 {
   double last = 0.0, tolerance = 10.0 * TOLERANCE;
   int first = 1;
-  if (!find_rest(s) || !isfinite(ct_sum(s->rest, s->count))) return 0;
+  if (!find_gradient(s) || !isfinite(ct_sum(s->gradient, s->count))) return 0;
   for (;; tolerance = TOLERANCE) {
-    descent d = descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
+    descent d = descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);
     s->converged = d.most <= tolerance * d.top;
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     int release = d.lift > 0.0 && releases(s);
-    double slope = product(s, release ? s->way : s->guide, s->rest);
-    if (!release) turn(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->way);
+    double slope = product(s, release ? s->direction : s->guide, s->gradient);
+    if (!release)
+      next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
     first = improve(s, slope);
     if (first < 0) return 0;
     first = first || release;
@@ -502,12 +505,12 @@ static int iterate(ct_solver *s)
 }
 
 /* Store forces and gaps of the solution in the rows. */
-static void hand_out(ct_solver *s)
+static void store_solution(ct_solver *s)
 {
   for (int64_t r = 0; r < s->count; r++) {
     s->active[r]->force = s->force[r];
     // -- g_{n+1}, of the slope g_{n+1} + b + C λ
-    s->active[r]->after = s->rest[r] - s->b[r] - s->C[r] * s->force[r];
+    s->active[r]->after = s->gradient[r] - s->b[r] - s->C[r] * s->force[r];
   }
 }
 
@@ -516,10 +519,10 @@ int ct_solver_solve(ct_solver *s)
   fill_entries(s);
   find_alike(s->first[s->set_count], s->entries);
   choose_active(s);
-  list_touched(s);
+  list_active_nodes(s);
   s->iterations = 0;
   s->converged = 1;
   if (!fix_laws(s) || !iterate(s)) return 0;
-  hand_out(s);
+  store_solution(s);
   return 1;
 }

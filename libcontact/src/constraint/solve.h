@@ -39,15 +39,15 @@ typedef struct ct_solver {
   int32_t *place;      /* of the nodes of each set, set after set, among the solver's */
   double *increment;   /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
   double
-      *mobility;  /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
-  double share;   /* of the mobility in a step that does not begin at t = 0 */
-  double *past;   /* u_n - u_{n-1}, likewise */
-  double *sums;   /* of forces, likewise; 0 between two calls */
-  double *moved;  /* displacement by these forces, likewise */
-  int32_t *crowd; /* number of rows that act on each node */
-  int32_t most_crowd; /* the largest of these numbers */
-  int32_t touched_count;
-  int32_t *touched;       /* the nodes on which active rows act, as `entry_place` */
+      *mobility; /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
+  double share;  /* of the mobility in a step that does not begin at t = 0 */
+  double *last_increment; /* u_n - u_{n-1}, likewise */
+  double *sums;           /* of forces, likewise; 0 between two calls */
+  double *moved;          /* displacement by these forces, likewise */
+  int32_t *row_counts;    /* number of rows that act on each node */
+  int32_t most_row_count; /* the largest of these numbers */
+  int32_t active_node_count;
+  int32_t *active_nodes;  /* the nodes on which active rows act, as `entry_place` */
   ct_entries *entries;    /* of the listed rows, and then of those that may be active */
   double *G;              /* the entries, shape (any number, 4) */
   int32_t *entry_place;   /* begin of the places of their nodes in vectors at nodes */
@@ -56,11 +56,11 @@ typedef struct ct_solver {
   double *C, *b;          /* their laws: compliance, and offset of the next gap (eq:ramp) */
   double *free;           /* gaps at t_{n+1} without the constraints */
   double *force;          /* λ */
-  double *rest;           /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
+  double *gradient;       /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
   double *scale;          /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
   double *guide;          /* gradient over D in rows with a force */
-  double *way;            /* direction of the search */
-  double *answer;         /* (W + C) times it */
+  double *direction;      /* direction of the search */
+  double *image;          /* (W + C) times it */
   double *terms;          /* of a sum */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */
@@ -72,7 +72,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
                            int32_t *place, ct_solver **out);
 
 /* Solve for the forces of the listed rows together (eq:constraint-problem), given `increment`,
- * `mobility` and `past`. Returns 0 if they are not finite. */
+ * `mobility` and `last_increment`. Returns 0 if they are not finite. */
 int ct_solver_solve(ct_solver *solver);
 
 #endif

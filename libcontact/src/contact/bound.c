@@ -78,7 +78,7 @@ static ct_status find_rows(const ct_contact *contact, const double *const mass[2
   for (int s = 0; s < sides; s++) {
     const ct_search *search = contact->side[s].search;
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
-    if (rows[s] == NULL || ct_search_look(search, &now[s]) != CT_OK) return CT_ERROR_MEMORY;
+    if (rows[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK) return CT_ERROR_MEMORY;
   }
   for (int s = 0, t = sides - 1; !contact->fixed->alone && s < sides; s++, t--)
     add_rows(&contact->side[s], &contact->side[t], now[t], contact->fixed->options.epsilon, rows[s],

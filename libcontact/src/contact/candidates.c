@@ -48,16 +48,17 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
   for (int32_t f = 0; f < side->search->face_count; f++) {
     ct_bounds box = grown(&side->search->boxes[f], side->listed[f] + skin);
     side->candidate_first[f] = count;
-    int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box,
-                                         side->candidates + count, side->candidate_room - count);
-    if (found > side->candidate_room - count) {
-      int32_t room = 2 * (count + found) + 8 * side->search->face_count;
-      int32_t *larger = ct_allocate((size_t)room, sizeof *larger);
+    int32_t found =
+        ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box,
+                             side->candidates + count, side->candidate_capacity - count);
+    if (found > side->candidate_capacity - count) {
+      int32_t capacity = 2 * (count + found) + 8 * side->search->face_count;
+      int32_t *larger = ct_allocate((size_t)capacity, sizeof *larger);
       if (larger == NULL) return CT_NO_MEMORY(error, "contact candidates");
       if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
       ct_release(side->candidates);
       side->candidates = larger;
-      side->candidate_room = room;
+      side->candidate_capacity = capacity;
       f--; // once more, with more memory
       continue;
     }
@@ -71,13 +72,14 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
  * node do not count. */
 static int anything_within(const ct_side *side, const ct_side *other, double reach)
 {
-  enum { ROOM = 64 };
-  int32_t list[ROOM];
+  enum { CAPACITY = 64 };
+  int32_t list[CAPACITY];
   for (int32_t f = 0; f < side->search->face_count; f++) {
     ct_bounds box = grown(&side->search->boxes[f], reach);
     int32_t found =
-        ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, list, ROOM);
-    if (found > ROOM || (side == other ? drop_adjacent(side, f, list, found) : found) > 0) return 1;
+        ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, list, CAPACITY);
+    if (found > CAPACITY || (side == other ? drop_adjacent(side, f, list, found) : found) > 0)
+      return 1;
   }
   return 0;
 }

@@ -228,7 +228,7 @@ static void forget(ct_contact *contact)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       p->other = -1;
       p->status = CT_POINT_NEW;
-      p->xi[0] = p->xi[1] = p->row.force = p->pressed = 0.0;
+      p->xi[0] = p->xi[1] = p->row.force = p->force_size = 0.0;
       p->known = NAN;
     }
   }

@@ -140,13 +140,13 @@ ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error);
 
 /* Memory of a point of a contact effect from step to step, as doubles of a restart. */
 typedef struct ct_point_record {
-  double other;   /* face of the other side plus one, or 0 */
-  double status;  /* a ct_point_status */
-  double xi[2];   /* parameters of the closest point on it */
-  double known;   /* signed distance, NaN if unknown */
-  double force;   /* of the row, if it depends on the next gap */
-  double start;   /* start gap */
-  double pressed; /* size of the point's force, if start gaps fade */
+  double other;      /* face of the other side plus one, or 0 */
+  double status;     /* a ct_point_status */
+  double xi[2];      /* parameters of the closest point on it */
+  double known;      /* signed distance, NaN if unknown */
+  double force;      /* of the row, if it depends on the next gap */
+  double start;      /* start gap */
+  double force_size; /* size of the point's force, if start gaps fade */
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
 

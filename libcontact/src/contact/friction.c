@@ -252,8 +252,8 @@ static double largest(const friction_scratch *s, int64_t count)
 }
 
 /* Add the tractions and couples of the points of side `k` to the sums at the nodes. */
-CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, const slip_point *p,
-                         friction_scratch *s)
+CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid,
+                        const slip_point *p, friction_scratch *s)
 {
   const ct_side_fixed *side = now->data->side[k],
                       *other = now->data->side[now->data->sides - 1 - k];
@@ -264,14 +264,14 @@ CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, 
     const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
     if (!(p->k > 0.0)) continue;
     // -- N_a T on the own face; -N̄_b T and the couple on the other (eq:friction-force)
-    ct_heap_add(room, grid, point->row.own, point->row.own_shape, p->force, &own);
+    ct_heap_add(stride, grid, point->row.own, point->row.own_shape, p->force, &own);
     if (now->data->rigid) continue;
     const int32_t *node = ct_side_row_nodes(other, point->other);
-    ct_heap_add(room, grid, node, point->N, back, &theirs);
-    ct_heap_add(room, grid, node, p->q, p->couple, &theirs);
+    ct_heap_add(stride, grid, node, point->N, back, &theirs);
+    ct_heap_add(stride, grid, node, p->q, p->couple, &theirs);
   }
-  ct_heap_bring(room, &own, NULL);
-  ct_heap_bring(room, &theirs, NULL);
+  ct_heap_bring(stride, &own, NULL);
+  ct_heap_bring(stride, &theirs, NULL);
 }
 
 /* Tractions and couples of the points of side `k`, of faces with at most four nodes or with more.
@@ -282,8 +282,8 @@ static void push(const call *now, int k, const ct_grid *grid, const slip_point *
 {
   if (now->data->side[0]->search->per <= 4 &&
       now->data->side[now->data->sides - 1]->search->per <= 4)
-    push_side(4, now, k, grid, p, s);
-  else push_side(8, now, k, grid, p, s);
+    add_side(4, now, k, grid, p, s);
+  else add_side(8, now, k, grid, p, s);
 }
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order

@@ -180,7 +180,7 @@ static void predict(const ct_contact_fixed *fixed, const ct_contact_prediction *
       // -- Motion without the contact, that of a unit force, and the last one (eq:host-step)
       solver->increment[own] = increment_of(p, from, dof);
       solver->mobility[own] = p->dt * p->kick * from->inverse_mass[dof];
-      solver->past[own] = before * from->velocity[dof];
+      solver->last_increment[own] = before * from->velocity[dof];
     }
   }
 }

@@ -50,7 +50,7 @@ static void load_points(ct_contact *contact, const double *memory)
       point->known = record.known;
       point->row.force = record.force;
       point->start = record.start;
-      point->pressed = record.pressed;
+      point->force_size = record.force_size;
     }
   }
 }
@@ -85,7 +85,7 @@ void ct_contact_store(const ct_contact *contact, double *memory)
                                       .known = point->known,
                                       .force = point->row.force,
                                       .start = point->start,
-                                      .pressed = point->pressed};
+                                      .force_size = point->force_size};
       memcpy(memory, &record, sizeof record);
     }
   const tail_record tail = {1.0, contact->stored, contact->time, contact->work};

@@ -122,13 +122,13 @@ static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const
   double normal[3], d[3];
   (void)outward_at(p, target, closest, normal);
   for (int c = 0; c < 3; c++) d[c] = closest->point[c] - y[c];
-  if (!ct_pass_looks_across(own, normal)) return 0;
+  if (!ct_pass_faces_across(own, normal)) return 0;
   if (!ct_search_is_minimum(p->other->search, target, closest->where, closest->index, closest->xi,
                             d))
     return 0;
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_point *point = &p->side->points[i];
-  if (!looks_at(p, point, own, normal)) return 0;
+  if (!faces_point(p, point, own, normal)) return 0;
   // -- No deeper than its last depth plus the motion since (eq:self-status)
   double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, i, target);
   return closest->distance <= fmin(came, deepest(p, i, target, closest));
@@ -163,7 +163,7 @@ static int is_far(const double own[3], const double last[3], const double normal
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
   // -- Opposite to the last place, or not beside it and as the point's own face (eq:far-side)
-  return along < -half || (along < half && !ct_pass_looks_across(own, normal));
+  return along < -half || (along < half && !ct_pass_faces_across(own, normal));
 }
 
 /* Try one face of the other side and keep the result if it is the nearest. */
@@ -267,7 +267,7 @@ static point_class measure(const ct_pass *p, int64_t i, const nearest *best, ct_
       !is_handed_over(p, i, best->face, own, last, point))
     return FAR;
   if (held) return point->row.gap >= 0.0 ? OUTSIDE : INSIDE;
-  return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
+  return ct_pass_faces_across(own, normal) ? INSIDE : FAR;
 }
 
 /* The gap for the next update. Beyond a border there are no sides, so a point of a surface in
@@ -343,7 +343,7 @@ static int came_in(const ct_pass *p, int64_t i, const ct_point *point)
   double own[3], last[3];
   if (point->status == CT_POINT_INSIDE) return 1;
   return last_normal(p, point, last) && ct_pass_own_normal(p, i, own) &&
-         ct_pass_looks_across(own, last);
+         ct_pass_faces_across(own, last);
 }
 
 /* The nearest place is on a far side. A point that came in through another side still belongs to

@@ -35,7 +35,7 @@ static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
 
 /* Whether a surface with the normal `normal` (of any length) faces one with the unit normal `own`,
  * or is perpendicular to it (eq:far-side). */
-static inline int ct_pass_looks_across(const double own[3], const double normal[3])
+static inline int ct_pass_faces_across(const double own[3], const double normal[3])
 {
   // (eq:self-adjacent)
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));

@@ -15,7 +15,7 @@ typedef struct seeker {
 } seeker;
 
 /* Faces that point in the same direction as the place are far sides (eq:far-side). */
-static int looks_away(void *user, int32_t face)
+static int points_away(void *user, int32_t face)
 {
   const seeker *s = user;
   ct_face nodes;
@@ -40,7 +40,7 @@ static double depth_at(const ct_side *side, const ct_search *other, int32_t face
   // The nearest face tells whether the place is inside; if it is a far side, the nearest other face
   // gives the depth.
   for (int k = 0; k < 2; k++) {
-    ct_search_point(other, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, k == 0 ? NULL : looks_away, &s,
+    ct_search_point(other, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, k == 0 ? NULL : points_away, &s,
                     &nearest);
     if (nearest.face < 0 || !(nearest.signed_distance < 0.0)) return NAN;
     if (ct_vector_dot(s.own, nearest.normal) < 0.5) break;
@@ -141,7 +141,7 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
-    status = ct_search_look(contact->side[s].search, &now[s]);
+    status = ct_search_snapshot(contact->side[s].search, &now[s]);
   if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
   ct_search_free(now[0]);
   ct_search_free(now[1]);

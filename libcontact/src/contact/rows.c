@@ -119,7 +119,7 @@ static const int32_t *nodes_of(const ct_search *search, int32_t face)
   return &search->faces[(int64_t)face * search->per];
 }
 
-CT_INLINE void spread_faces(int room, const ct_grid *grid, ct_side *side, ct_side *other)
+CT_INLINE void spread_faces(int stride, const ct_grid *grid, ct_side *side, ct_side *other)
 {
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
   const ct_point *point = side->points;
@@ -128,12 +128,13 @@ CT_INLINE void spread_faces(int room, const ct_grid *grid, ct_side *side, ct_sid
       if (!ct_point_has_force(point)) continue;
       // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
       const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-      ct_heap_add(room, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, &own);
+      ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], point->force,
+                  &own);
       if (other != NULL)
-        ct_heap_add(room, grid, nodes_of(other->search, point->other), point->N, back, &theirs);
+        ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, back, &theirs);
     }
-  ct_heap_bring(room, &own, NULL);
-  ct_heap_bring(room, &theirs, NULL);
+  ct_heap_bring(stride, &own, NULL);
+  ct_heap_bring(stride, &theirs, NULL);
 }
 
 /* Add the forces of one side's points to its nodes and, unless it is null, to those of the other

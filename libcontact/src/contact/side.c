@@ -104,7 +104,7 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_const
 ct_status ct_side_equip(ct_side *side)
 {
   size_t faces = (size_t)side->search->face_count, nodes = (size_t)side->search->node_count;
-  side->candidate_room = side->search->face_count;
+  side->candidate_capacity = side->search->face_count;
   side->listed = ct_allocate(faces, sizeof *side->listed);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
   side->candidates = ct_allocate(faces, sizeof *side->candidates);

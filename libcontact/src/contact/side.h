@@ -38,7 +38,7 @@ typedef struct ct_point {
   double closed;  /* growth of the shift since the last step */
   double closing; /* its growth until the next step */
   double last_known, last_start; /* the same in the last step */
-  double pressed;                /* size of the force then, if start gaps fade */
+  double force_size;             /* size of the force then, if start gaps fade */
   double force[3];               /* on the point's own face */
 } ct_point;
 
@@ -81,7 +81,7 @@ typedef struct ct_side {
                     since the last update, shape (node_count, 3) */
   int32_t *candidate_first,
       *candidates; /* candidate faces of the other side for each face, until the next listing */
-  int32_t candidate_room;
+  int32_t candidate_capacity;
 } ct_side;
 
 /* Points by the Gauss rule, or with `on_edges` by a rule with points at corners and on edges. */

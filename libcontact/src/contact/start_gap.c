@@ -142,10 +142,10 @@ double ct_start_gap_work(ct_contact *contact, double time, double last)
   for (int s = 0; s < contact->fixed->sides; s++)
     for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) {
       ct_point *p = &contact->side[s].points[i];
-      double pressed = sqrt(ct_vector_dot(p->force, p->force));
+      double force_size = sqrt(ct_vector_dot(p->force, p->force));
       // -- Work of the start gap that fades (eq:initial-work)
-      contact->terms[count++] = 0.5 * (p->pressed + pressed) * (p->last_start * change);
-      p->pressed = pressed;
+      contact->terms[count++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
+      p->force_size = force_size;
     }
   return ct_sum(contact->terms, count);
 }

@@ -14,7 +14,7 @@
 /* One surface for the recovery of tractions. */
 typedef struct recovery {
   const ct_side *side;
-  char *carries;   /* whether a face carries forces, shape (face_count) */
+  char *is_loaded; /* whether a face is_loaded forces, shape (face_count) */
   double N[27][8]; /* at the points: shape functions of the linear face with the same corners */
 } recovery;
 
@@ -24,9 +24,9 @@ static void mark_faces(const recovery *r, const ct_side *other)
 {
   const ct_side *side = r->side;
   for (int64_t i = 0; i < side->fixed->point_count; i++)
-    if (ct_point_has_force(&side->points[i])) r->carries[i / side->fixed->rule.count] = 1;
+    if (ct_point_has_force(&side->points[i])) r->is_loaded[i / side->fixed->rule.count] = 1;
   for (int64_t i = 0; other != NULL && i < other->fixed->point_count; i++)
-    if (ct_point_has_force(&other->points[i])) r->carries[other->points[i].other] = 1;
+    if (ct_point_has_force(&other->points[i])) r->is_loaded[other->points[i].other] = 1;
 }
 
 /* Add a fraction of a node's force to three sums. */
@@ -129,13 +129,13 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
 {
   const ct_side_fixed *fixed = side->fixed;
   recovery r = {.side = side,
-                .carries = ct_allocate((size_t)side->search->face_count, sizeof *r.carries)};
-  if (r.carries == NULL) return CT_NO_MEMORY(error, "tractions");
+                .is_loaded = ct_allocate((size_t)side->search->face_count, sizeof *r.is_loaded)};
+  if (r.is_loaded == NULL) return CT_NO_MEMORY(error, "tractions");
   for (int q = 0; q < fixed->rule.count; q++)
     ct_segment_shape(side->search->edges == 4 ? CT_Q4 : CT_T3, fixed->rule.xi[q], r.N[q]);
   mark_faces(&r, other);
   recover(&r, traction, area);
-  ct_release(r.carries);
+  ct_release(r.is_loaded);
   return CT_OK;
 }
 
@@ -171,15 +171,15 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
                           traction, area, error);
 }
 
-/* Add the pressures of one surface at its nodes; `room` is memory for the tractions and areas of
+/* Add the pressures of one surface at its nodes; `buffer` is memory for the tractions and areas of
  * all nodes of the problem. */
 static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t count,
-                              double *room, double *pressure, ct_error *error)
+                              double *buffer, double *pressure, ct_error *error)
 {
-  ct_status status = ct_side_traction(side, other, room, &room[3 * (int64_t)count], error);
+  ct_status status = ct_side_traction(side, other, buffer, &buffer[3 * (int64_t)count], error);
   for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
     const int64_t node = side->search->nodes[n];
-    pressure[node] += sqrt(ct_vector_dot(&room[3 * node], &room[3 * node]));
+    pressure[node] += sqrt(ct_vector_dot(&buffer[3 * node], &buffer[3 * node]));
   }
   return status;
 }
@@ -204,8 +204,8 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const int32_t nodes = problem->node_count;
-  double *room = ct_allocate(4 * (size_t)nodes, sizeof *room);
-  if (room == NULL) return CT_NO_MEMORY(error, "tractions");
+  double *buffer = ct_allocate(4 * (size_t)nodes, sizeof *buffer);
+  if (buffer == NULL) return CT_NO_MEMORY(error, "tractions");
   memset(pressure, 0, (size_t)nodes * sizeof *pressure);
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
@@ -214,8 +214,8 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
     for (int s = 0; status == CT_OK && s < count; s++)
       status =
           add_pressure(&sides[s], effect->kind == CT_EFFECT_CONTACT ? &sides[count - 1 - s] : NULL,
-                       nodes, room, pressure, error);
+                       nodes, buffer, pressure, error);
   }
-  ct_release(room);
+  ct_release(buffer);
   return status;
 }

@@ -38,7 +38,7 @@ static int is_no_far_side(void *user, int32_t face)
 static ct_status find_thickness(const ct_search *reference, double *thin)
 {
   ct_search *search = NULL;
-  ct_status status = ct_search_look(reference, &search);
+  ct_status status = ct_search_snapshot(reference, &search);
   for (int32_t f = 0; status == CT_OK && f < search->face_count; f++) {
     skin s = {.search = search};
     ct_nearest nearest;

@@ -164,7 +164,7 @@ static int is_settled(const ct_pass *p, const block *b, int l)
   const int64_t i = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
   const ct_point *point = &p->side->points[i];
   if (!(b->gap[l] < 0.0) || point->status == CT_POINT_INSIDE) return 1;
-  return ct_pass_own_normal(p, i, own) && ct_pass_looks_across(own, normal);
+  return ct_pass_own_normal(p, i, own) && ct_pass_faces_across(own, normal);
 }
 
 /* Store the result of the point of a lane. */

@@ -80,7 +80,7 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_erro
   if (ct_effect_body_of(problem, facets->nodes[facets->node_count - 1]) != body)
     return CT_REFUSE(error, "absorb: the faces belong to several bodies; give each body its own");
   const ct_material *material = &problem->bodies[body].material;
-  double c1, c2, *C = ct_allocate(ct_facets_room(facets, 6), sizeof *C);
+  double c1, c2, *C = ct_allocate(ct_facets_value_count(facets, 6), sizeof *C);
   absorb->dashpot =
       ct_pool_take(&absorb->pool, (size_t)facets->node_count, sizeof *absorb->dashpot);
   absorb->pool.failed |= C == NULL;

@@ -1,5 +1,5 @@
-#ifndef CT_SRC_HISTORY_H
-#define CT_SRC_HISTORY_H
+#ifndef CT_SRC_AMPLITUDE_H
+#define CT_SRC_AMPLITUDE_H
 
 #include <libcontact/effect.h>
 

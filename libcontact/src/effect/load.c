@@ -25,7 +25,7 @@ typedef struct load_data {
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const load_data *load = effect->data;
-  *scratch = ct_allocate(ct_facets_room(&load->facets, 3), sizeof(double));
+  *scratch = ct_allocate(ct_facets_value_count(&load->facets, 3), sizeof(double));
   return *scratch != NULL ? CT_OK : CT_NO_MEMORY(error, "the effect load");
 }
 
@@ -128,7 +128,7 @@ static ct_status prepare(load_data *load, const ct_problem *problem, ct_error *e
     status = ct_facets_create(given->kind, given->face_count, given->faces, problem->node_count,
                               problem->reference, "load", &load->pool, &load->facets, error);
   if (status != CT_OK) return status;
-  double *values = ct_allocate(ct_facets_room(&load->facets, 3), sizeof *values);
+  double *values = ct_allocate(ct_facets_value_count(&load->facets, 3), sizeof *values);
   load->dead = ct_pool_take(&load->pool, (size_t)load->facets.node_count, 3 * sizeof(double));
   load->pool.failed |= values == NULL;
   if (!load->pool.failed)

@@ -22,8 +22,8 @@ enum { LEAST_FLOPS = 2000000 };
 typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
-  int64_t value_count, ring_room; /* of all, and of one thread's ring */
-  int64_t flops;                  /* of a step in which nothing sleeps */
+  int64_t value_count, ring_stride; /* of all, and of one thread's ring */
+  int64_t flops;                    /* of a step in which nothing sleeps */
   int64_t batch_count;
   int sleeps; /* whether elements of some part may sleep */
 } solid_data;
@@ -64,9 +64,9 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 }
 
 /* Memory for the displacements of a part in its own order; else null. */
-static double *room_of(const ct_solid_part *part, const ct_solid_scratch *scratch)
+static double *ordered_of(const ct_solid_part *part, const ct_solid_scratch *scratch)
 {
-  return part->order != NULL ? scratch->values + part->first_room : NULL;
+  return part->order != NULL ? scratch->values + part->first_ordered : NULL;
 }
 
 /* The task of part `i`: elements, kernel, input and output. */
@@ -76,11 +76,11 @@ static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *v
   const ct_solid_scratch *scratch = view->scratch;
   ct_part_call call = {.part = part,
                        .given = view->displacement + 3 * (int64_t)part->first_node,
-                       .room = room_of(part, scratch),
+                       .ordered = ordered_of(part, scratch),
                        .f = force + 3 * (int64_t)part->first_node,
-                       .ring_room = solid->ring_room,
+                       .ring_stride = solid->ring_stride,
                        .batch = ct_sleep_batches(scratch->sleep, i)};
-  call.displacement = call.room != NULL ? call.room : call.given;
+  call.displacement = call.ordered != NULL ? call.ordered : call.given;
   if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
   int plane = part->plane != NULL && ct_plane_holds(&call);
   call.ring = plane ? part->plane : part->ring;
@@ -174,9 +174,9 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
         ct_stream_add(&sum, &scratch->half_work[i], 1);
         continue;
       }
-      ct_part_call call = {.part = part, .given = u, .room = room_of(part, scratch)};
+      ct_part_call call = {.part = part, .given = u, .ordered = ordered_of(part, scratch)};
       ct_part_arrange(&call, 1, 1);
-      if (call.room != NULL) u = call.room;
+      if (call.ordered != NULL) u = call.ordered;
       if (sum.round == 1) begin_energies(part, u, values);
       for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
         int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
@@ -253,10 +253,10 @@ static void place_values(solid_data *solid)
     for (int plane = 0; plane < 2; plane++) {
       const ct_force_ring *ring = plane ? solid->parts[i].plane : solid->parts[i].ring;
       if (ring == NULL) continue;
-      if (ring->value_count > solid->ring_room) solid->ring_room = ring->value_count;
+      if (ring->value_count > solid->ring_stride) solid->ring_stride = ring->value_count;
       rings = ring->threads;
     }
-  solid->value_count = solid->ring_room * rings;
+  solid->value_count = solid->ring_stride * rings;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
     if (part->ring != NULL) continue;
@@ -265,7 +265,7 @@ static void place_values(solid_data *solid)
   }
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    part->first_room = solid->value_count;
+    part->first_ordered = solid->value_count;
     if (part->order != NULL) solid->value_count += 3 * (int64_t)part->mesh->node_count;
   }
 }

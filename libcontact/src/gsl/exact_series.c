@@ -38,7 +38,7 @@ typedef struct ct_mode_block {
 /* The modes of one Poisson's ratio and number of branches on a grid of wave numbers. */
 typedef struct ct_series {
   double ell, kappa2;
-  size_t count, blocks, room; /* modes; blocks in use and allocated */
+  size_t count, blocks, capacity; /* modes; blocks in use and allocated */
   ct_mode_block *block;
 } ct_series;
 
@@ -130,12 +130,12 @@ static ct_status keep(ct_series *s, const ct_mode *mode)
 {
   const size_t place = s->count % BLOCK;
   if (place == 0) {
-    if (s->blocks == s->room) {
-      const size_t room = 2 * s->room + 16;
-      ct_mode_block *grown = realloc(s->block, room * sizeof *grown);
+    if (s->blocks == s->capacity) {
+      const size_t capacity = 2 * s->capacity + 16;
+      ct_mode_block *grown = realloc(s->block, capacity * sizeof *grown);
       if (grown == NULL) return CT_ERROR_MEMORY;
       s->block = grown;
-      s->room = room;
+      s->capacity = capacity;
     }
     s->block[s->blocks++] = (ct_mode_block){{0.0}, {0.0}, {0.0}, {0.0}, {0.0}, {0.0}};
     for (int i = 0; i < BLOCK; i++) s->block[s->blocks - 1].omega[i] = 1.0;

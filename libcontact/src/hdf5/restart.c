@@ -182,19 +182,19 @@ static void read_newest(ct_task *task, ct_state *into)
 }
 
 /* A state of arrays alone, in one block like those of `like`; free its first array. */
-static ct_state room_like(ct_task *task, const ct_state *like)
+static ct_state allocate_like(ct_task *task, const ct_state *like)
 {
-  ct_state room = *like;
-  double **array[] = {&room.displacement, &room.velocity, &room.work,
-                      &room.impulse,      &room.memory,   &room.effect_seconds};
+  ct_state copy = *like;
+  double **array[] = {&copy.displacement, &copy.velocity, &copy.work,
+                      &copy.impulse,      &copy.memory,   &copy.effect_seconds};
   double *block = calloc((size_t)(like->effect_seconds - like->displacement) + 1, sizeof *block);
   if (block == NULL && task->status == CT_OK)
     ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the state that it holds");
   for (size_t i = 0; block != NULL && i < sizeof array / sizeof array[0]; i++)
     *array[i] = block + (*array[i] - like->displacement);
-  room.displacement = block;
-  room.workspace = NULL;
-  return room;
+  copy.displacement = block;
+  copy.workspace = NULL;
+  return copy;
 }
 
 /* Read into separate memory: the state changes only if everything succeeds. */
@@ -203,7 +203,7 @@ static void read_file(ct_task *task, const ct_problem *problem, ct_state *state)
   if (task->status == CT_OK && H5Lexists(task->file, "libcontact", H5P_DEFAULT) <= 0)
     ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file was not written by libcontact");
   // -- The coordinates are compared where the displacements will stand
-  ct_state read = room_like(task, state);
+  ct_state read = allocate_like(task, state);
   ct_identity_compare(task, problem, read.displacement);
   read_newest(task, &read);
   if (task->status == CT_OK) task->status = ct_state_copy(problem, &read, state, task->error);

@@ -12,15 +12,15 @@
 #include <string.h>
 
 /* Node numbers of the 8 elements of batch `b`, shape (8, per); the last batch repeats its last
- * element, in the memory `room`. */
+ * element, in the memory `buffer`. */
 CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
-                                        int32_t room[8 * 20])
+                                        int32_t buffer[8 * 20])
 {
   int32_t left = mesh->element_count - 8 * b;
   const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
   for (int32_t i = 0; left < 8 && i < 8 * per; i++)
-    room[i] = nodes[i < per * left ? i : per * (left - 1) + i % per];
-  return left < 8 ? room : nodes;
+    buffer[i] = nodes[i < per * left ? i : per * (left - 1) + i % per];
+  return left < 8 ? buffer : nodes;
 }
 
 /* x, y, z of the nodes n[0], n[per], ... of 8 elements. */
@@ -43,13 +43,13 @@ CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_
 CT_INLINE void ct_load_lanes(const ct_mesh *mesh, const uint8_t *rows, int32_t b, int per,
                              const double *array, int lane, ct_lanes *v)
 {
-  int32_t room[8 * 20];
+  int32_t buffer[8 * 20];
   const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
   if (CT_ROWS && rows != NULL && rows[b]) {
     for (int a = 0; a < per; a++) ct_load_row(array + 3 * (int64_t)nodes[a], &v[a], per);
     return;
   }
-  nodes = ct_batch_nodes(mesh, b, per, room);
+  nodes = ct_batch_nodes(mesh, b, per, buffer);
   for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
 }
 

@@ -62,15 +62,16 @@ static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, s
  */
 static ct_status mark_inner(side *sides, size_t count)
 {
-  size_t room = 1;
-  while (room < count) room *= 2;
-  int32_t *latest = ct_allocate(room, sizeof *latest); // number + 1 of the latest side of a hash
+  size_t capacity = 1;
+  while (capacity < count) capacity *= 2;
+  int32_t *latest =
+      ct_allocate(capacity, sizeof *latest); // number + 1 of the latest side of a hash
   if (latest == NULL) return CT_ERROR_MEMORY;
   for (size_t i = 0; i < count; i++) {
     uint64_t hash = 0;
     for (int k = 0; k < 4; k++)
       hash = (hash + (uint64_t)sides[i].corner[k]) * UINT64_C(0x9e3779b97f4a7c15);
-    int32_t *head = &latest[(hash >> 32) & (room - 1)], k = *head - 1;
+    int32_t *head = &latest[(hash >> 32) & (capacity - 1)], k = *head - 1;
     while (k >= 0 && memcmp(sides[k].corner, sides[i].corner, sizeof sides[i].corner) != 0)
       k = sides[k].next;
     sides[i].next = *head - 1;

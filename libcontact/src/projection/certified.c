@@ -24,8 +24,8 @@ ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *
                                ct_closest *closest)
 {
   ct_project_options own = *options;
-  ct_patch room;
-  const ct_patch *shown = in_range(patch, &room);
+  ct_patch copy;
+  const ct_patch *shown = in_range(patch, &copy);
   int budget = FIRST;
   own.tolerance = fmin(own.tolerance, 1e-7);
   ct_project_robust(patch, &own, closest);

@@ -11,16 +11,16 @@ double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *c
   return value(patch, xi, d);
 }
 
-void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_closest *closest)
+void ct_iterate_evaluate(const ct_patch *patch, ct_iterate *at, ct_closest *closest)
 {
-  look(patch, at);
+  evaluate(patch, at);
   closest->evaluations++;
 }
 
 void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
                       ct_closest *closest)
 {
-  ct_iterate_look(patch, at, closest);
+  ct_iterate_evaluate(patch, at, closest);
   if (options->trace != NULL) options->trace(at->xi, at->f, options->user);
 }
 
@@ -74,7 +74,7 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
   for (int trial = 0; trial < 40; trial++) {
     next->xi[0] = at->xi[0] + alpha * s[0];
     next->xi[1] = at->xi[1] + alpha * s[1];
-    ct_iterate_look(patch, next, closest);
+    ct_iterate_evaluate(patch, next, closest);
     double rise = next->f - at->f;
     // -- Enough of the predicted decrease (eq:projection-armijo)
     if (rise <= 1e-4 * alpha * slope) return 1;
@@ -95,7 +95,7 @@ static int full_step(const ct_patch *patch, const ct_iterate *at, const double s
 {
   for (int a = 0; a < 2; a++) next->xi[a] = at->xi[a] + s[a];
   if (!(fabs(next->xi[0]) < CT_FAR && fabs(next->xi[1]) < CT_FAR)) return 0;
-  ct_iterate_look(patch, next, closest);
+  ct_iterate_evaluate(patch, next, closest);
   return 1;
 }
 

@@ -135,7 +135,7 @@ PART void curves(const patches *patch, const real xi[2], real t11[3], real t22[3
 }
 
 /* f and its derivatives at at->xi. */
-PART void look(const patches *patch, iterates *at)
+PART void evaluate(const patches *patch, iterates *at)
 {
   real *d = at->d, t1[3], t2[3], t11[3], t22[3], t12[3];
   at->f = value(patch, at->xi, d);

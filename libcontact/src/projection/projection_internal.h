@@ -68,7 +68,7 @@ static inline double ct_patch_centre(ct_face_kind kind)
 
 /* f alone, and f with its derivatives at at->xi; each counts one evaluation. */
 double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest);
-void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_closest *closest);
+void ct_iterate_evaluate(const ct_patch *patch, ct_iterate *at, ct_closest *closest);
 
 /* The same for an unconstrained method, which is also traced. */
 void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
@@ -142,7 +142,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
 /* Point where the line through the given point meets the face, nearest to the given point; and its
  * distance along the direction. CT_NO_CONVERGENCE if the line misses the face. */
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
-                       double xi[2], double *distance, int *looks);
+                       double xi[2], double *distance, int *evaluations);
 
 /* Compilers and machines with vectors of four and eight; others search for one pair at a time. */
 #if defined(__GNUC__) && defined(__x86_64__)

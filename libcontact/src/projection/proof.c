@@ -2,7 +2,7 @@
 
 /* The same within half-widths w, for a form that is positive across a valley and almost zero along
  * it. */
-static int holds_in_valley(const form *m, const double g[2], const double w[2], double room)
+static int holds_in_valley(const form *m, const double g[2], const double w[2], double allowance)
 {
   double M[3] = {m->m11, m->m22, 0.5 * (m->low + m->high)}, q[2], unused[2];
   ct_principal(M, q, unused);
@@ -14,32 +14,34 @@ static int holds_in_valley(const form *m, const double g[2], const double w[2], 
          along = (M[0] * (q[1] * q[1]) + M[1] * (q[0] * q[0])) - 2 * M[2] * (q[0] * q[1]) - lost;
   double steep = g[0] * q[0] + g[1] * q[1], slope = fabs(g[1] * q[0] - g[0] * q[1]),
          far = fabs(q[1]) * w[0] + fabs(q[0]) * w[1];
-  room -= 16 * DBL_EPSILON * (fabs(g[0]) + fabs(g[1])) * (w[0] + w[1]);
-  if (!(across > 0 && room * across > SMALLEST)) return 0;
+  allowance -= 16 * DBL_EPSILON * (fabs(g[0]) + fabs(g[1])) * (w[0] + w[1]);
+  if (!(across > 0 && allowance * across > SMALLEST)) return 0;
   // -- Lowest value along the valley and across it (eq:certified-valley)
   double fall = along > 0 && slope <= 2 * along * far ? 0.25 * slope * slope / along
                                                       : far * (slope - along * far);
-  return (most(fall, 0) + 0.25 * steep * steep / across) * (1 + 1e-6) <= room;
+  return (most(fall, 0) + 0.25 * steep * steep / across) * (1 + 1e-6) <= allowance;
 }
 
-/* Does the slope at the centre of the cell, with the form m, decrease f by at most `room` anywhere
- * in the cell? */
-static int holds_in_cell(const proof *p, const base *b, const cell *c, const form *m, double room)
+/* Does the slope at the centre of the cell, with the form m, decrease f by at most `allowance`
+ * anywhere in the cell? */
+static int holds_in_cell(const proof *p, const base *b, const cell *c, const form *m,
+                         double allowance)
 {
   double low, high, w[2], twist = worst_twist(m);
-  if (room < 0) return 0;
+  if (allowance < 0) return 0;
   reach(c, p->triangular, w);
   linear_range(p, c, b->g, 0, &low, &high);
   double g[2] = {w[0] > 0 ? b->g[0] : 0, w[1] > 0 ? b->g[1] : 0};
   if (is_positive(m, twist)) {
-    if (room + low >= 0 || holds_parabola(m, twist, g, room)) return 1;
+    if (allowance + low >= 0 || holds_parabola(m, twist, g, allowance)) return 1;
   } else {
     // -- The form at its worst (eq:certified-worst)
     double half = 0.5 * (m->m11 - m->m22),
            lowest = 0.5 * (m->m11 + m->m22) - sqrt(half * half + twist * twist);
-    if (room + low + (w[0] * w[0] + w[1] * w[1]) * (lowest * (1 + 16 * DBL_EPSILON)) >= 0) return 1;
+    if (allowance + low + (w[0] * w[0] + w[1] * w[1]) * (lowest * (1 + 16 * DBL_EPSILON)) >= 0)
+      return 1;
   }
-  return holds_in_valley(m, g, w, room);
+  return holds_in_valley(m, g, w, allowance);
 }
 
 /* Is no point of the cell closer than the target, by an expansion about its centre? */
@@ -236,7 +238,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
   proof about, *p = &about;
   narrow thin;
   base at, b, *closest = &at;
-  int size = 1, looks_narrow = 0;
+  int size = 1, is_narrow = 0;
   base_at(patch, xi, closest);
   count->evaluations++;
   b = *closest;
@@ -258,12 +260,12 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       if (proven_from_centre(p, &b, &c) || (sloping = slope_in_cell(p, &b, &c)) == EMPTY) continue;
     }
     // -- Many cells: look along and across the face as well (eq:certified-narrow)
-    if (cells >= NARROW && !looks_narrow) {
+    if (cells >= NARROW && !is_narrow) {
       narrow_about(p, closest, &thin);
-      looks_narrow = 1;
+      is_narrow = 1;
     }
     // A reduced cell is no longer the one about the base b, and is examined again.
-    if (looks_narrow &&
+    if (is_narrow &&
         ((sloping == OPEN && proven_by_series(p, &b, &c)) || proven_narrow(p, &thin, &c)))
       continue;
     if (cells >= budget || size + 4 > 3 * DEPTH + 4) return CT_GAVE_UP;

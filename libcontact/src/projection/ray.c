@@ -20,7 +20,7 @@ typedef struct square {
 } square;
 
 /* The components across the line at xi, and their Jacobian. */
-static void look_across(const sight *s, const double xi[2], double G[2], double dG[2][2])
+static void components_across(const sight *s, const double xi[2], double G[2], double dG[2][2])
 {
   double d[3], t1[3], t2[3];
   value(s->patch, xi, d);
@@ -58,12 +58,12 @@ static int sight_along(sight *s, const double direction[3])
 }
 
 /* Result of one test of a square for roots. */
-typedef enum verdict { NONE, ONE_AT_MOST, UNKNOWN } verdict;
+typedef enum square_class { NONE, ONE_AT_MOST, UNKNOWN } square_class;
 
-static verdict judge(const sight *s, const square *q, double G[2], double dG[2][2])
+static square_class classify(const sight *s, const square *q, double G[2], double dG[2][2])
 {
   double w = q->half, spread[2];
-  look_across(s, q->centre, G, dG);
+  components_across(s, q->centre, G, dG);
   for (int i = 0; i < 2; i++) {
     const double *b = s->bend[i];
     // -- No root where a component cannot vanish (eq:ray-empty)
@@ -86,13 +86,13 @@ static verdict judge(const sight *s, const square *q, double G[2], double dG[2][
 }
 
 /* Newton's method for the root that the square may contain; returns whether it does. */
-static int polish(const sight *s, const square *q, double xi[2], int *looks)
+static int polish(const sight *s, const square *q, double xi[2], int *evaluations)
 {
   double G[2], dG[2][2], beyond = q->half * (1 + 1e-9) + s->slack;
   xi[0] = q->centre[0], xi[1] = q->centre[1];
   for (int i = 0; i < 20; i++) {
-    look_across(s, xi, G, dG);
-    ++*looks;
+    components_across(s, xi, G, dG);
+    ++*evaluations;
     double determinant = dG[0][0] * dG[1][1] - dG[0][1] * dG[1][0];
     // -- Newton's step across the line (eq:ray-newton)
     double x = (dG[0][1] * G[1] - dG[1][1] * G[0]) / determinant,
@@ -117,7 +117,7 @@ static void keep(const sight *s, const double xi[2], double *best, double at[2])
 }
 
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
-                       double xi[2], double *distance, int *looks)
+                       double xi[2], double *distance, int *evaluations)
 {
   enum { BUDGET = 4000, DEPTH = 30 };
   static const double QUARTER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -129,13 +129,13 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
   stack[0].half = (triangular ? 0.5 : 1) + s.slack;
   double smallest = ldexp(stack[0].half, -DEPTH), G[2], dG[2][2], root[2];
   *distance = HUGE_VAL;
-  for (; size > 0 && *looks < BUDGET; ++*looks) {
+  for (; size > 0 && *evaluations < BUDGET; ++*evaluations) {
     square q = stack[--size];
     if (triangular && q.centre[0] + q.centre[1] - 2 * q.half > 1 + s.slack) continue;
-    verdict found = judge(&s, &q, G, dG);
+    square_class found = classify(&s, &q, G, dG);
     if (found == NONE) continue;
     if (found == ONE_AT_MOST) {
-      if (polish(&s, &q, root, looks)) keep(&s, root, distance, xi);
+      if (polish(&s, &q, root, evaluations)) keep(&s, root, distance, xi);
       continue;
     }
     if (q.half <= smallest) {

@@ -185,19 +185,19 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
   // -- How far rounding moves the closest point (eq:robust-resolved)
   real twist = absolute(H[2]), first = H[1] * length[0] + twist * length[1],
        second = H[0] * length[1] + twist * length[0];
-  real move = most(first, second), room = H[0] * H[1] - H[2] * H[2];
+  real move = most(first, second), divisor = H[0] * H[1] - H[2] * H[2];
   if (triangular) {
     mask slant = xi[0] + xi[1] >= 1;
     move = pick(slant, length[0] + length[1], move);
-    room = pick(slant, (H[0] + H[1]) - 2 * H[2], room);
+    divisor = pick(slant, (H[0] + H[1]) - 2 * H[2], divisor);
   }
   mask bound[2];
   for (int a = 0; a < 2; a++) bound[a] = (xi[a] <= low) | (xi[a] >= 1);
   for (int a = 1; a >= 0; a--) {
     move = pick(bound[1 - a], length[a], move);
-    room = pick(bound[1 - a], H[a], room);
+    divisor = pick(bound[1 - a], H[a], divisor);
   }
-  return (bound[0] & bound[1]) | (rounding * move <= tolerance * room);
+  return (bound[0] & bound[1]) | (rounding * move <= tolerance * divisor);
 }
 
 /* Is the face so nearly plane, relative to an iterate near its closest point, that f has only one
@@ -243,7 +243,8 @@ typedef struct region {
 /* Treat the steps without the predicted decrease of f; returns the lanes that take them all the
  * same. A step whose decrease rounding hides is taken if steps become shorter; otherwise the
  * descent ends. */
-PART mask judge(const patches *patch, real f, real fall, real length, mask refused, region *r)
+PART mask accept_hidden(const patches *patch, real f, real fall, real length, mask refused,
+                        region *r)
 {
   // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter
   // (eq:robust-accept)
@@ -271,7 +272,7 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
   mask rough = r.settled;
   iterates at, trial;
   at.xi[0] = xi[0], at.xi[1] = xi[1];
-  look(patch, &at);
+  evaluate(patch, &at);
   count->evaluations += masked(active, 1);
   for (int i = 0; i < limit; i++) {
     if (WIDTH == 1 && options->trace != NULL) show(options, at.xi[0], at.xi[1], at.f);
@@ -297,11 +298,11 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
       if (!any(r.active)) break;
     }
     trial.xi[0] = to.xi[0], trial.xi[1] = to.xi[1];
-    look(patch, &trial);
+    evaluate(patch, &trial);
     count->evaluations += masked(r.active, 1);
     // -- Take the step if f falls, and widen the trust region, or narrow it (eq:robust-accept)
     mask taken = r.active & (at.f - trial.f >= 0.1 * to.fall), refused = r.active & not(taken);
-    if (any(refused)) taken |= judge(patch, at.f, to.fall, length, refused, &r);
+    if (any(refused)) taken |= accept_hidden(patch, at.f, to.fall, length, refused, &r);
     r.radius = pick(taken & (length >= r.radius), least(2 * r.radius, 2 * wide), r.radius);
     r.before = pick(taken, length, r.before);
     take(&at, &trial, sizeof at, taken);

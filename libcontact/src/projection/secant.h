@@ -200,8 +200,8 @@ PART real base_rounding(const proof *p, const base *b)
 }
 
 /* Does a parabola with the positive form m and the gradient g fall below its value at the base by
- * at most `room`? */
-PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
+ * at most `allowance`? */
+PART mask holds_parabola(const form *m, real twist, const real g[2], real allowance)
 {
   real g1 = absolute(g[0]), g2 = absolute(g[1]), product = m->m11 * m->m22;
   // -- The lowest value of a parabola that lies below f
@@ -220,8 +220,8 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
   slack rest = {every(0), {every(0), every(0)}};
   double w[2];
   real x = c->centre[0] - closest->xi[0], y = c->centre[1] - closest->xi[1], zero = every(0);
-  real room = closest->f - base_rounding(p, closest) - p->target;
-  mask open = not(room < 0);
+  real allowance = closest->f - base_rounding(p, closest) - p->target;
+  mask open = not(allowance < 0);
   if (!any(open)) return open;
   reach(c, p->triangular, w);
   secant_form(p, closest, c, &m);
@@ -240,7 +240,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
        small = rest.loss <= room, proven = small & (plane | positive);
   // -- Remaining slope at the closest point, compared with the form
   mask left = positive & not(small);
-  if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, room);
+  if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, allowance);
   return proven & open;
 }
 

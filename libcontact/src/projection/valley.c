@@ -48,7 +48,7 @@ static void to_the_floor(const ct_patch *patch, int triangular, ct_iterate *at, 
     double across = -(at->g[0] * q[0] + at->g[1] * q[1]) / curvature[0],
            s[2] = {across * q[0], across * q[1]};
     walk(triangular, at, s);
-    ct_iterate_look(patch, at, closest);
+    ct_iterate_evaluate(patch, at, closest);
   }
 }
 
@@ -57,7 +57,7 @@ int ct_follow_valley(const ct_patch *patch, double xi[2], ct_closest *closest)
   int triangular = ct_is_triangular(patch->kind);
   double half_width = ct_patch_half_width(patch->kind), radius = 0.5 * half_width;
   ct_iterate at = {.xi = {xi[0], xi[1]}};
-  ct_iterate_look(patch, &at, closest);
+  ct_iterate_evaluate(patch, &at, closest);
   double start = at.f;
   for (int i = 0; i < 200 && radius > 1e-12 * half_width; i++) {
     double q[2], curvature[2];
@@ -68,7 +68,7 @@ int ct_follow_valley(const ct_patch *patch, double xi[2], ct_closest *closest)
     double s[2] = {-along * q[1], along * q[0]};
     ct_iterate trial = at;
     walk(triangular, &trial, s);
-    ct_iterate_look(patch, &trial, closest);
+    ct_iterate_evaluate(patch, &trial, closest);
     to_the_floor(patch, triangular, &trial, closest);
     if (!(trial.f < at.f)) {
       radius = 0.25 * fmin(radius, fabs(along));

@@ -36,8 +36,8 @@ struct ct_scene {
   ct_support *supports;
   ct_effect **added; /* in addition to solid, contacts and supports */
   ct_optimisations optimisations;
-  int joined; /* the nodes are numbered, no body can be added */
-  int fresh;  /* no build has changed the results of `start_body` */
+  int joined;    /* the nodes are numbered, no body can be added */
+  int unchanged; /* no build has changed the results of `start_body` */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
@@ -55,7 +55,7 @@ static void *grow(ct_scene *scene, void *table, int32_t count, size_t size)
 }
 
 /* Whether all allocations succeeded; if not, the next call may try again. */
-static ct_status check_room(ct_scene *scene, const char *what, ct_error *error)
+static ct_status check_memory(ct_scene *scene, const char *what, ct_error *error)
 {
   if (!scene->pool.failed) return CT_OK;
   scene->pool.failed = 0;
@@ -160,7 +160,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
                                       3 * (size_t)part->mesh->node_count * sizeof(double));
     scene->bodies = grow(scene, scene->bodies, scene->body_count, sizeof *scene->bodies);
     scene->parts = grow(scene, scene->parts, scene->body_count, sizeof *scene->parts);
-    status = check_room(scene, "a body", error);
+    status = check_memory(scene, "a body", error);
   }
   if (status != CT_OK) ct_mesh_free(part->mesh);
   return status;
@@ -227,7 +227,7 @@ static ct_status side_faces(ct_scene *scene, const ct_mesh *mesh, ct_box_side si
   if (*count > 0) *faces = ct_pool_take(&scene->pool, (size_t)*count * per, sizeof **faces);
   if (*faces != NULL) *count = ct_mesh_plane_faces(mesh, axis, bound[top][axis], *faces, NULL);
   scene->pool.failed |= *count < 0;
-  return check_room(scene, "a contact", error);
+  return check_memory(scene, "a contact", error);
 }
 
 /* Copy surface `s` of a contact: the listed faces, or a side. */
@@ -250,7 +250,7 @@ static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, cons
     entry->faces[s] = ct_pool_copy(&scene->pool, listed, entries * sizeof *listed);
   for (size_t i = 0; entry->faces[s] != NULL && i < entries; i++)
     entry->faces[s][i] += scene->bodies[body].first_node;
-  return check_room(scene, "a contact", error);
+  return check_memory(scene, "a contact", error);
 }
 
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
@@ -269,7 +269,7 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
     status = copy_surface(scene, &entry, 1, contact->faces_b, contact->side_b, error);
   if (status != CT_OK) return status;
   scene->contacts = grow(scene, scene->contacts, scene->contact_count, sizeof *scene->contacts);
-  status = check_room(scene, "a contact", error);
+  status = check_memory(scene, "a contact", error);
   if (status == CT_OK) scene->contacts[scene->contact_count++] = entry;
   return status;
 }
@@ -285,7 +285,7 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   if (status != CT_OK) return status;
   scene->supports = grow(scene, scene->supports, scene->support_count, sizeof *scene->supports);
   int32_t *nodes = ct_pool_copy(&scene->pool, support->nodes, (size_t)count * sizeof *nodes);
-  status = check_room(scene, "a support", error);
+  status = check_memory(scene, "a support", error);
   if (status != CT_OK) return status;
   for (int32_t i = 0; i < count; i++) nodes[i] += scene->bodies[body].first_node;
   ct_support *entry = &scene->supports[scene->support_count++];
@@ -334,7 +334,7 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   }
   double **arrays[] = {&scene->reference, &scene->inverse_mass, &scene->velocity};
   for (int i = 0; i < 3; i++) *arrays[i] = ct_pool_take(&scene->pool, n, 3 * sizeof(double));
-  if (status == CT_OK) status = check_room(scene, "the nodes", error);
+  if (status == CT_OK) status = check_memory(scene, "the nodes", error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
     status = start_body(scene, i, error);
   if (status != CT_OK) return status;
@@ -364,7 +364,7 @@ ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *e
   ct_status status = CT_OK;
   if (!scene->joined) {
     status = join_bodies(scene, error);
-    scene->joined = scene->fresh = status == CT_OK;
+    scene->joined = scene->unchanged = status == CT_OK;
   }
   *problem = &scene->problem;
   return status;
@@ -383,7 +383,7 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   else status = ct_effect_check_nodes(effect, scene->problem.node_count, error);
   if (status == CT_OK) {
     scene->added = grow(scene, scene->added, scene->added_count, sizeof effect);
-    status = check_room(scene, "an effect", error);
+    status = check_memory(scene, "an effect", error);
   }
   if (status == CT_OK) scene->added[scene->added_count++] = effect;
   else ct_effect_free(effect);
@@ -534,8 +534,8 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 }
 
 /* The requested time step, before it is fitted to the end. */
-static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt,
-                            ct_error *error)
+static ct_status requested_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt,
+                                ct_error *error)
 {
   int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
   if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1 ||
@@ -571,9 +571,9 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   ct_problem *p = &scene->problem;
   const ct_problem *joined;
   ct_status status = ct_scene_join(scene, &joined, error);
-  for (int32_t i = 0; status == CT_OK && !scene->fresh && i < scene->body_count; i++)
+  for (int32_t i = 0; status == CT_OK && !scene->unchanged && i < scene->body_count; i++)
     status = start_body(scene, i, error);
-  scene->fresh = 0;
+  scene->unchanged = 0;
   if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
@@ -583,7 +583,7 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   p->dt = DBL_MIN; // unknown yet, and any value will do
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
   if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
-  return status == CT_OK ? ct_blame(error, asked_step(time, stable, dt, error), CT_PART_TIME, 0)
+  return status == CT_OK ? ct_blame(error, requested_step(time, stable, dt, error), CT_PART_TIME, 0)
                          : status;
 }
 

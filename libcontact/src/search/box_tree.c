@@ -307,7 +307,7 @@ static float scaled(const ct_box_tree *tree, double x, int c)
 }
 
 int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box,
-                             int32_t *items, int32_t room)
+                             int32_t *items, int32_t capacity)
 {
   int32_t stack[STACK], found = 0;
   int depth = 0;
@@ -327,12 +327,12 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
       if (n->child[k] >= 0) {
         stack[depth++] = n->child[k];
       } else if (overlap(&boxes[~n->child[k]], box)) {
-        if (found < room) items[found] = ~n->child[k];
+        if (found < capacity) items[found] = ~n->child[k];
         found++;
       }
     }
   }
-  if (found > 1 && found <= room) qsort(items, (size_t)found, sizeof *items, compare_items);
+  if (found > 1 && found <= capacity) qsort(items, (size_t)found, sizeof *items, compare_items);
   return found;
 }
 

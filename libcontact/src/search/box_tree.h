@@ -24,10 +24,10 @@ void ct_box_tree_refit(ct_box_tree *tree, const ct_bounds *boxes);
 double ct_box_tree_cost(const ct_box_tree *tree);
 int64_t ct_box_tree_builds(const ct_box_tree *tree);
 
-/* Write the items whose boxes overlap `box`, ascending, to `items` (capacity `room`); returns the
- * number of overlaps. `boxes` are those of the last build or refit. */
+/* Write the items whose boxes overlap `box`, ascending, to `items` (capacity `capacity`); returns
+ * the number of overlaps. `boxes` are those of the last build or refit. */
 int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box,
-                             int32_t *items, int32_t room);
+                             int32_t *items, int32_t capacity);
 
 /* Examine one item; returns the square of the smallest known distance. Or: a lower bound of the
  * square of its distance. */

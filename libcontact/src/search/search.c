@@ -185,7 +185,7 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
   return CT_OK;
 }
 
-ct_status ct_search_look(const ct_search *search, ct_search **out)
+ct_status ct_search_snapshot(const ct_search *search, ct_search **out)
 {
   ct_status status = ct_search_share(search, out);
   if (status == CT_OK) status = ct_search_equip(*out);

@@ -60,7 +60,7 @@ ct_status ct_search_equip(ct_search *search);
 
 /* Both, with the tree, so that a call may search a surface that is const to it. Free `*out` also if
  * this fails. */
-ct_status ct_search_look(const ct_search *search, ct_search **out);
+ct_status ct_search_snapshot(const ct_search *search, ct_search **out);
 
 /* Parameters of the middle of a face. */
 static inline const double *ct_search_middle(const ct_search *search)

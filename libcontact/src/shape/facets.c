@@ -73,7 +73,7 @@ void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[2
   }
 }
 
-size_t ct_facets_room(const ct_facets *facets, int components)
+size_t ct_facets_value_count(const ct_facets *facets, int components)
 {
   return (size_t)facets->face_count * (size_t)(facets->per * components) +
          (size_t)facets->incidence.most;

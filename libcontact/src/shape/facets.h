@@ -35,7 +35,7 @@ void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[2
                      double length[25]);
 
 /* Number of doubles for ct_facets_sum: one set for each node of each face, and temporary ones. */
-size_t ct_facets_room(const ct_facets *facets, int components);
+size_t ct_facets_value_count(const ct_facets *facets, int components);
 
 /* Sum values, shape (face_count, per, components), at the nodes: sums, shape (node_count,
  * components), independent of their order. */

@@ -116,7 +116,7 @@ static void ring_share(const ct_part_call *call, int share, int shares)
   if (shares > call->ring->threads) shares = call->ring->threads;
   if (share < shares)
     sum_runs(call, ct_share(runs, share, shares), ct_share(runs, share + 1, shares),
-             call->values + call->ring_room * share);
+             call->values + call->ring_stride * share);
 }
 
 /* One thread's part of the elements. */
@@ -147,21 +147,21 @@ static void arrange_share(const ct_part_call *call, int share, int shares)
                 last = ct_share(nodes, share + 1, shares);
   for (int32_t n = ct_share(nodes, share, shares); n < last; n++)
     if (is_summed(call, n))
-      memcpy(&call->room[3 * (int64_t)n], &call->given[3 * (int64_t)user[n]],
-             3 * sizeof *call->room);
+      memcpy(&call->ordered[3 * (int64_t)n], &call->given[3 * (int64_t)user[n]],
+             3 * sizeof *call->ordered);
 }
 
 void ct_part_arrange(const ct_part_call *calls, int32_t count, int threads)
 {
   int ordered = 0;
-  for (int32_t i = 0; i < count; i++) ordered |= calls[i].room != NULL;
+  for (int32_t i = 0; i < count; i++) ordered |= calls[i].ordered != NULL;
   if (!ordered) return;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif
   for (int share = 0; share < threads; share++)
     for (int32_t i = 0; i < count; i++)
-      if (calls[i].room != NULL) arrange_share(&calls[i], share, threads);
+      if (calls[i].ordered != NULL) arrange_share(&calls[i], share, threads);
 }
 
 void ct_part_forces(const ct_part_call *calls, int32_t count, int threads)

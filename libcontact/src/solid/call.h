@@ -11,10 +11,10 @@ typedef struct ct_part_call {
   ct_solid_batches *batches;
   const double *displacement; /* of the body, in the order of the part */
   const double *given;        /* the same in the order of the user */
-  double *room;               /* memory for the former of a part with its own order, else null */
+  double *ordered;            /* memory for the former of a part with its own order, else null */
   double *values;
   double *f;              /* of the body, in the order of the user */
-  int64_t ring_room;      /* numbers between the rings of two threads */
+  int64_t ring_stride;    /* numbers between the rings of two threads */
   const uint8_t *batch;   /* state of its batches, CT_ASLEEP and so on; null: all are active */
   const uint64_t *summed; /* one bit per node of the problem: whether it is summed; null: all are */
   int examined; /* whether the states of batches are new, so that forces of sleeping batches may not

@@ -76,7 +76,7 @@ typedef struct ct_solid_part {
   /* Begin of this part's values, and of its batches, in the scratch of the effect; number of its
    * values; and number of values before the energies. */
   int64_t first_value, first_batch, value_count, energy_value;
-  int64_t first_room; /* begin of the displacements in `order` there */
+  int64_t first_ordered; /* begin of the displacements in `order` there */
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
    * - 1]; null if no element sleeps, or if the ring has them. */
   int32_t *batch_begin, *batches_at;

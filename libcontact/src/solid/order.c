@@ -14,7 +14,7 @@ typedef struct walk {
   const ct_mesh *mesh;
   /* The neighbours at the negative and the positive side along each direction, numbered in the same
    * way; -1: none. */
-  int32_t *next[3], *past[3];
+  int32_t *next[3], *previous[3];
   int row, sheet; /* the directions along which a body is longest, and shortest */
   /* Elements of node n, at[begin[n]] ... at[begin[n + 1] - 1]. */
   int32_t *begin, *at;
@@ -53,7 +53,7 @@ static int32_t behind(const walk *w, int32_t e, int d)
     const int32_t *other = nodes_of(w, w->at[k]);
     int same = 1;
     for (int i = 0; i < 4; i++) same = same && other[LOW[d][i]] == own[HIGH[d][i]];
-    if (same && w->past[d][w->at[k]] < 0) return w->at[k];
+    if (same && w->previous[d][w->at[k]] < 0) return w->at[k];
   }
   return -1;
 }
@@ -65,15 +65,15 @@ static void find_neighbours(walk *w)
 {
   int32_t count = w->mesh->element_count, found[3] = {0, 0, 0};
   for (int d = 0; d < 3; d++) {
-    memset(w->past[d], -1, (size_t)count * sizeof(int32_t));
+    memset(w->previous[d], -1, (size_t)count * sizeof(int32_t));
     for (int32_t e = 0; e < count; e++) {
       int32_t next = w->next[d][e] = behind(w, e, d);
-      if (next >= 0) w->past[d][next] = e;
+      if (next >= 0) w->previous[d][next] = e;
       found[d] += next >= 0;
     }
     if (2 * found[d] < count) {
       memset(w->next[d], -1, (size_t)count * sizeof(int32_t));
-      memset(w->past[d], -1, (size_t)count * sizeof(int32_t));
+      memset(w->previous[d], -1, (size_t)count * sizeof(int32_t));
     }
     if (found[d] > found[w->row]) w->row = d;
   }
@@ -83,10 +83,10 @@ static void find_neighbours(walk *w)
 }
 
 /* The first element that can be reached backwards from one that is not in the order yet. */
-static int32_t go_back(const walk *w, const int32_t *past, int32_t e)
+static int32_t go_back(const walk *w, const int32_t *previous, int32_t e)
 {
   int32_t at = e;
-  while (past[at] >= 0 && past[at] != e && !w->taken[past[at]]) at = past[at];
+  while (previous[at] >= 0 && previous[at] != e && !w->taken[previous[at]]) at = previous[at];
   return at;
 }
 
@@ -94,8 +94,8 @@ static int32_t go_back(const walk *w, const int32_t *past, int32_t e)
 static void take_sheet(walk *w, int32_t e)
 {
   const int32_t *beside = w->next[w->sheet], *along = w->next[w->row];
-  for (e = go_back(w, w->past[w->sheet], e); e >= 0 && !w->taken[e]; e = beside[e])
-    for (int32_t i = go_back(w, w->past[w->row], e); i >= 0 && !w->taken[i]; i = along[i]) {
+  for (e = go_back(w, w->previous[w->sheet], e); e >= 0 && !w->taken[e]; e = beside[e])
+    for (int32_t i = go_back(w, w->previous[w->row], e); i >= 0 && !w->taken[i]; i = along[i]) {
       w->order[w->count++] = i;
       w->taken[i] = 1;
     }
@@ -127,7 +127,8 @@ static void number_nodes(const walk *w, ct_order *order)
   int32_t next = w->mesh->node_count;
   for (int32_t n = 0; n < w->mesh->node_count; n++) order->inside[n] = -1;
   for (int32_t last = w->count, first; last > 0; last = first) {
-    for (first = last - 1; first > 0 && w->past[w->row][w->order[first]] == w->order[first - 1];)
+    for (first = last - 1;
+         first > 0 && w->previous[w->row][w->order[first]] == w->order[first - 1];)
       first--;
     for (int k = 0; k < 8; k++)
       for (int32_t i = last; i-- > first;) {
@@ -178,7 +179,7 @@ ct_status ct_order_create(const ct_mesh *mesh, ct_order **out)
   walk w = {.mesh = mesh};
   for (int d = 0; d < 3; d++) {
     w.next[d] = ct_pool_take(&w.pool, elements, sizeof(int32_t));
-    w.past[d] = ct_pool_take(&w.pool, elements, sizeof(int32_t));
+    w.previous[d] = ct_pool_take(&w.pool, elements, sizeof(int32_t));
   }
   w.begin = ct_pool_take(&w.pool, nodes + 2, sizeof *w.begin);
   w.at = ct_pool_take(&w.pool, 8 * elements, sizeof *w.at);

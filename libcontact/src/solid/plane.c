@@ -96,8 +96,8 @@ CT_INLINE void load(const ct_solid_part *part, int32_t b, const double *array, i
                     ct_lanes u[2][4])
 {
   const ct_force_ring *plane = part->plane;
-  int32_t room[8 * 20];
-  const int32_t *nodes = ct_batch_nodes(part->mesh, b, 8, room);
+  int32_t buffer[8 * 20];
+  const int32_t *nodes = ct_batch_nodes(part->mesh, b, 8, buffer);
   for (int k = 0; k < 4; k++) {
     const int32_t *n = &nodes[8 * lane + plane->local[k]];
     const double *at[8];

@@ -88,7 +88,7 @@ static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
 }
 
 /* Allocate `count` runs, more than there are; returns whether this succeeded. */
-static int make_room(ct_force_ring *ring, size_t count)
+static int allocate_runs(ct_force_ring *ring, size_t count)
 {
   ct_run *larger = ct_allocate(count, sizeof *larger);
   if (larger == NULL) return 0;
@@ -109,7 +109,7 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int3
     if (run == NULL || !goes_on(ring->corners, run, n, twin[n], around[n])) {
       // The capacity doubles at powers of two.
       int32_t count = ring->run_count++;
-      if ((count & (count - 1)) == 0 && !make_room(ring, 2 * (size_t)count + 1))
+      if ((count & (count - 1)) == 0 && !allocate_runs(ring, 2 * (size_t)count + 1))
         return CT_ERROR_MEMORY;
       run = &ring->runs[count];
       *run = (ct_run){.low = n, .high = twin[n]};

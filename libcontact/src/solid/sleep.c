@@ -151,17 +151,17 @@ static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
 }
 
 /* Whether a node moves differently from the sleeping part. */
-static inline int stirs(const body *own, const double *u, const double *v, const double *past,
-                        int64_t n)
+static inline int stirs(const body *own, const double *u, const double *v,
+                        const double *last_acceleration, int64_t n)
 {
   static const double rest[3] = {0.0, 0.0, 0.0};
   return differ(&u[3 * n], own->displacement) || differ(&v[3 * n], own->velocity) ||
-         (past != NULL && differ(&past[3 * n], rest));
+         (last_acceleration != NULL && differ(&last_acceleration[3 * n], rest));
 }
 
 /* Take the motion of the first batch whose nodes move alike; returns whether there is one. */
 static int choose_motion(const ct_solid_part *part, const double *u, const double *v,
-                         const double *past, body *own)
+                         const double *last_acceleration, body *own)
 {
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
@@ -169,7 +169,7 @@ static int choose_motion(const ct_solid_part *part, const double *u, const doubl
     int64_t node = node_at(part, i);
     memcpy(own->displacement, &u[3 * node], sizeof own->displacement);
     memcpy(own->velocity, &v[3 * node], sizeof own->velocity);
-    while (i < last && !stirs(own, u, v, past, node_at(part, i))) i++;
+    while (i < last && !stirs(own, u, v, last_acceleration, node_at(part, i))) i++;
     if (i == last) return 1;
   }
   return 0;
@@ -177,7 +177,8 @@ static int choose_motion(const ct_solid_part *part, const double *u, const doubl
 
 /* Let those batches of a part sleep that move like the first possible one; returns whether there
  * are any. */
-static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, const double *past)
+static int examine(ct_sleep *s, int32_t p, const double *u, const double *v,
+                   const double *last_acceleration)
 {
   const ct_solid_part *part = &s->parts[p];
   body *own = &s->bodies[p];
@@ -188,7 +189,8 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
   for (int32_t n = begin, last; n < end; n = last) {
     uint64_t word = 0;
     last = ct_bits_word_end(n, end);
-    for (int32_t i = n; i < last; i++) word |= (uint64_t)stirs(own, u, v, past, i) << (i % 64);
+    for (int32_t i = n; i < last; i++)
+      word |= (uint64_t)stirs(own, u, v, last_acceleration, i) << (i % 64);
     ct_bits_write(s->front, n, last, word);
   }
   // -- A batch without such a node sleeps
@@ -211,7 +213,7 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
 }
 
 void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *velocity,
-                      const double *past)
+                      const double *last_acceleration)
 {
   if (s == NULL) return;
   s->examined = 1;
@@ -219,7 +221,7 @@ void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *vel
     const ct_solid_part *part = &s->parts[p];
     int32_t begin = part->first_node, end = begin + part->mesh->node_count;
     s->bodies[p] = (body){.computed = 0};
-    s->bodies[p].sleeps = examine(s, p, displacement, velocity, past);
+    s->bodies[p].sleeps = examine(s, p, displacement, velocity, last_acceleration);
     if (s->bodies[p].sleeps) continue;
     s->bodies[p].computed = part->mesh->element_count;
     memset(&s->batch[part->first_batch], CT_ACTIVE, (size_t)part->batch_count);

@@ -34,10 +34,10 @@ void ct_sleep_free(ct_sleep *sleep);
 /* Nodes on which further effects act, so that they are always active. */
 void ct_sleep_share(ct_sleep *sleep, int32_t count, const int32_t *nodes);
 
-/* Find the batches that may sleep in a new state; `past` are the accelerations of the last
- * evaluation, or null. All arrays are those of the problem. */
+/* Find the batches that may sleep in a new state; `last_acceleration` are the accelerations of the
+ * last evaluation, or null. All arrays are those of the problem. */
 void ct_sleep_examine(ct_sleep *sleep, const double *displacement, const double *velocity,
-                      const double *past);
+                      const double *last_acceleration);
 
 /* After a step: wake the batches reached by a difference of motion. */
 void ct_sleep_wake(ct_sleep *sleep, double *displacement);

@@ -125,14 +125,14 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   double before = stages[count - 1 - state->workspace->stage].tau * problem->dt, push = stage.r;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
-  const double *past = ct_stage_past(problem, state);
+  const double *last_acceleration = ct_stage_last_acceleration(problem, state);
   // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
   // part of it (eq:stage-start)
   if (state->workspace->starting) {
     int pulled = problem->integrator.scheme == CT_PUSHFORWARD_PULLBACK;
     push = stage.r + (pulled ? 0.0 : stage.l) -
            ct_integrator_share(&problem->integrator) * problem->dt;
-    past = NULL;
+    last_acceleration = NULL;
   }
   s->share = push / stage.r;
   for (int32_t i = 0; i < s->node_count; i++)
@@ -140,10 +140,10 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
       int64_t own = CT_SOLVER_WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
       double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
                                 state->workspace->total[dof]);
-      if (past != NULL) velocity += stage.l * past[dof];
+      if (last_acceleration != NULL) velocity += stage.l * last_acceleration[dof];
       s->increment[own] = stage.tau * velocity;
       s->mobility[own] = stage.tau * push * problem->inverse_mass[dof];
-      s->past[own] = before * state->velocity[dof];
+      s->last_increment[own] = before * state->velocity[dof];
     }
 }
 

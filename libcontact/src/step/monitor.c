@@ -140,8 +140,8 @@ static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
   w->growth = found;
 }
 
-static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const energies *e,
-                                ct_error *error)
+static ct_status check_energy(ct_monitor *w, const ct_state *state, const energies *e,
+                              ct_error *error)
 {
   // -- What motion and strain should have at most, and what they have too much
   double limit = w->options.energy_limit, expected = e->most_expected;
@@ -212,7 +212,7 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   return CT_OK;
 }
 
-static ct_status look_at_step(ct_monitor *w, ct_state *state, ct_error *error)
+static ct_status check_stiffness(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   if (w->mode == NULL) return CT_OK;
@@ -250,8 +250,8 @@ static ct_status check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
   ct_status status = measure(monitor, state, &e, error);
-  if (status == CT_OK) status = look_at_energy(monitor, state, &e, error);
-  if (status == CT_OK) status = look_at_step(monitor, state, error);
+  if (status == CT_OK) status = check_energy(monitor, state, &e, error);
+  if (status == CT_OK) status = check_stiffness(monitor, state, error);
   if (status == CT_OK) status = ct_state_copy(monitor->problem, state, monitor->good, error);
   if (status != CT_OK) return status;
   note_growth(monitor, state, &e);
@@ -306,12 +306,12 @@ static ct_status steps(ct_monitor *monitor, ct_state *state, int64_t count, int 
   ct_status status = CT_OK;
   ct_series_begin(state, is_unchanged(monitor, state));
   while (status == CT_OK && count > 0) {
-    int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
+    int64_t to_check = every - state->step % every, now = count < to_check ? count : to_check;
     status = monitor->options.probes == NULL
                  ? ct_series_steps(monitor->problem, state, now, NULL, error)
                  : ct_probes_steps(monitor->options.probes, state, now, error);
     count -= now;
-    if (status == CT_OK && (now == to_look || (at_end && count == 0)))
+    if (status == CT_OK && (now == to_check || (at_end && count == 0)))
       status = check(monitor, state, error);
   }
   ct_series_end(state);

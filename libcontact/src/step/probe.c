@@ -28,7 +28,7 @@ typedef struct probe {
   int32_t place_count;
   double mass; /* of its nodes */
   double *rows;
-  int64_t row_count, room;
+  int64_t row_count, capacity;
 } probe;
 
 struct ct_probes {
@@ -303,14 +303,15 @@ static void take_rows(void *data, const ct_state *state)
 /* Enlarge the capacity for some more rows. */
 static ct_status grow(probe *p, int64_t more, ct_error *error)
 {
-  if (p->row_count + more <= p->room) return CT_OK;
-  int64_t room = 2 * p->room > p->row_count + more ? 2 * p->room : p->row_count + more;
-  double *rows = ct_allocate((size_t)room, (size_t)p->width * sizeof *rows);
-  if (rows == NULL) return CT_NO_MEMORY(error, "%lld rows of probe %s", (long long)room, p->name);
+  if (p->row_count + more <= p->capacity) return CT_OK;
+  int64_t capacity = 2 * p->capacity > p->row_count + more ? 2 * p->capacity : p->row_count + more;
+  double *rows = ct_allocate((size_t)capacity, (size_t)p->width * sizeof *rows);
+  if (rows == NULL)
+    return CT_NO_MEMORY(error, "%lld rows of probe %s", (long long)capacity, p->name);
   if (p->row_count > 0) memcpy(rows, p->rows, (size_t)(p->row_count * p->width) * sizeof *rows);
   ct_release(p->rows);
   p->rows = rows;
-  p->room = room;
+  p->capacity = capacity;
   return CT_OK;
 }
 

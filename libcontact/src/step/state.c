@@ -30,11 +30,11 @@ ct_starts ct_state_starts(const ct_problem *problem, int32_t k)
   return start;
 }
 
-double *ct_stage_past(const ct_problem *problem, const ct_state *state)
+double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *state)
 {
   return problem->integrator.scheme == CT_CHUNG_LEE
              ? state->memory + ct_state_starts(problem, problem->effect_count).memory
-             : state->workspace->past;
+             : state->workspace->last_acceleration;
 }
 
 ct_status ct_stage_check(const ct_state *state, ct_error *error)
@@ -157,7 +157,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   w->grids = ct_pool_take(&w->pool, ct_sum_grids(problem), sizeof *w->grids);
   w->addends = ct_pool_take(&w->pool, (size_t)problem->body_count, 3 * sizeof *w->addends);
   if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ || scheme == CT_PUSHFORWARD_PULLBACK)
-    w->past = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+    w->last_acceleration = ct_pool_take(&w->pool, n, 3 * sizeof(double));
   if (scheme == CT_PUSHFORWARD_PULLBACK) {
     w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
@@ -236,7 +236,7 @@ enum { LEAST_DOFS = 65536 };
 static void step_back(const ct_problem *problem, ct_state *state)
 {
   double back = -ct_integrator_share(&problem->integrator) * problem->dt,
-         *past = ct_stage_past(problem, state);
+         *last_acceleration = ct_stage_last_acceleration(problem, state);
   int64_t dofs = 3 * (int64_t)problem->node_count;
 #ifdef _OPENMP
   int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
@@ -248,8 +248,8 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = // (eq:leapfrog-start)
         ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                 state->workspace->total[d]);
-    if (past != NULL && state->workspace->pushed == NULL)
-      past[d] = problem->inverse_mass[d] * state->workspace->total[d];
+    if (last_acceleration != NULL && state->workspace->pushed == NULL)
+      last_acceleration[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
   // A force that depends on velocity was computed with another one; a restart would use this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
@@ -428,8 +428,8 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->workspace->forces_at = -1;
   to->workspace->stage = 0;
   // Between two steps the last acceleration has no influence; it is cleared because 0 · inf is NaN.
-  if (to->workspace->past != NULL)
-    memset(to->workspace->past, 0, 3 * (size_t)problem->node_count * sizeof(double));
+  if (to->workspace->last_acceleration != NULL)
+    memset(to->workspace->last_acceleration, 0, 3 * (size_t)problem->node_count * sizeof(double));
   return CT_OK;
 }
 
@@ -452,7 +452,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .c_dt = stage.c,
                    .r_dt = stage.r,
                    .l_dt = stage.l,
-                   .acceleration_before = ct_stage_past(problem, state),
+                   .acceleration_before = ct_stage_last_acceleration(problem, state),
                    .total = state->workspace->total};
 }
 
@@ -532,7 +532,8 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
     for (int32_t i = 0; i < w->shared_count; i++)
       memset(&w->total[3 * (int64_t)w->shared[i]], 0, 3 * sizeof(double));
   } else {
-    ct_sleep_examine(w->sleep, state->displacement, state->velocity, ct_stage_past(problem, state));
+    ct_sleep_examine(w->sleep, state->displacement, state->velocity,
+                     ct_stage_last_acceleration(problem, state));
     memset(w->total, 0, 3 * (size_t)problem->node_count * sizeof(double));
   }
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
@@ -562,7 +563,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   ct_status status = solid->force(solid, &view, w->pushed_force, error);
   // -- In the place of the acceleration before: a_n - a* (eq:pullback-drift)
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->past[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
+    w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
   count_updates(problem, state);
   if (problem->clock != NULL) state->effect_seconds[0] += problem->clock() - begin;
   return status;

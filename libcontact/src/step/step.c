@@ -38,7 +38,7 @@ static void advance(int64_t first, int64_t last, double dt, const double *restri
 CT_CLONES
 static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, double share,
                           const double *restrict inverse_mass, const double *restrict force,
-                          double *restrict past, double *restrict displacement,
+                          double *restrict last_acceleration, double *restrict displacement,
                           double *restrict velocity, double *restrict work)
 {
   const double tau = stage->tau, c = stage->c, r = stage->r, l = stage->l;
@@ -47,8 +47,9 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
     // -- v⁺ = v + c Δt a, u⁺ = u + τ Δt (v + r Δt a + l Δt a⁻) with a = f / m (eq:stage)
     double before = velocity[d], after = ct_kick(before, c, inverse_mass[d], force[d]);
     velocity[d] = after;
-    displacement[d] += tau * (ct_kick(before, r, inverse_mass[d], force[d]) + l * past[d]);
-    past[d] = inverse_mass[d] * force[d];
+    displacement[d] +=
+        tau * (ct_kick(before, r, inverse_mass[d], force[d]) + l * last_acceleration[d]);
+    last_acceleration[d] = inverse_mass[d] * force[d];
     // Half of this is the work of the stage (eq:stage-work).
     work[d] += share * force[d] * (before + after);
   }
@@ -60,13 +61,13 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
 {
   int64_t begin = 3 * (int64_t)first, end = 3 * (int64_t)last;
   const double *total = state->workspace->total;
-  double *past = ct_stage_past(problem, state);
-  if (past == NULL)
+  double *last_acceleration = ct_stage_last_acceleration(problem, state);
+  if (last_acceleration == NULL)
     advance(begin, end, problem->dt, problem->inverse_mass, total, state->displacement,
             state->velocity, state->work);
   else
-    advance_stage(begin, end, stage, share, problem->inverse_mass, total, past, state->displacement,
-                  state->velocity, state->work);
+    advance_stage(begin, end, stage, share, problem->inverse_mass, total, last_acceleration,
+                  state->displacement, state->velocity, state->work);
   ct_ledger_reactions(problem, state, share, first, last);
 }
 

@@ -56,8 +56,8 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
 }
 
 /* The sums of the smaller step; at t = 0 they begin with its own first kick (eq:work-start). */
-static ct_status carry_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
-                               int64_t parts, ct_error *error)
+static ct_status convert_sums(const ct_problem *problem, const ct_state *from, ct_state *to,
+                              int64_t parts, ct_error *error)
 {
   if (from->step > 0) {
     move_ledgers(problem, from, to, parts);
@@ -87,7 +87,7 @@ ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_
   // -- The kinetic energy of the scheme depends on the step; the balance continues from its last
   // value (eq:step-change)
   to->kinetic_start = 0.0;
-  status = carry_ledgers(problem, from, to, parts, error);
+  status = convert_sums(problem, from, to, parts, error);
   if (status == CT_OK) status = ct_energy_of(problem, to, &after, error);
   if (status == CT_OK) to->kinetic_start = after.balance - before.balance;
   return status;

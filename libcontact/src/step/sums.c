@@ -136,7 +136,7 @@ static void body_terms(const piece *of)
 /* The terms of a piece; the remaining nodes are copied to memory for AT_ONCE of them. */
 static void make_body_terms(const piece *of)
 {
-  double mass[AT_ONCE] = {0.0}, room[ARRAYS][3 * AT_ONCE] = {{0.0}};
+  double mass[AT_ONCE] = {0.0}, buffer[ARRAYS][3 * AT_ONCE] = {{0.0}};
   piece whole = *of, rest = *of;
   rest.count = of->count % AT_ONCE;
   whole.count -= rest.count;
@@ -145,8 +145,8 @@ static void make_body_terms(const piece *of)
   memcpy(mass, &of->mass[whole.count], (size_t)rest.count * sizeof *mass);
   rest.mass = mass;
   for (int k = 0; k < ARRAYS; k++) {
-    memcpy(room[k], &of->array[k][3 * whole.count], 3 * (size_t)rest.count * sizeof *room[k]);
-    rest.array[k] = room[k];
+    memcpy(buffer[k], &of->array[k][3 * whole.count], 3 * (size_t)rest.count * sizeof *buffer[k]);
+    rest.array[k] = buffer[k];
   }
   double term[BODY_SUMS][CT_PIECE];
   rest.term = term;
@@ -186,21 +186,22 @@ static double middle_of(int64_t count, const double *u, double middle[3])
 
 /* The first effect's force at the nodes first ... first + count - 1: `total` except at nodes where
  * others were added. */
-static const double *first_force(const ct_workspace *w, int32_t first, int32_t count, double *room)
+static const double *first_force(const ct_workspace *w, int32_t first, int32_t count,
+                                 double *buffer)
 {
   const double *total = &w->total[3 * (int64_t)first];
   int32_t i = ct_lower_bound(w->shared, w->shared_count, first);
   if (i == w->shared_count || w->shared[i] >= first + count) return total;
-  memcpy(room, total, 3 * (size_t)count * sizeof *room);
+  memcpy(buffer, total, 3 * (size_t)count * sizeof *buffer);
   for (; i < w->shared_count && w->shared[i] < first + count; i++)
-    memcpy(&room[3 * (int64_t)(w->shared[i] - first)], &w->shared_first[3 * (int64_t)i],
-           3 * sizeof *room);
-  return room;
+    memcpy(&buffer[3 * (int64_t)(w->shared[i] - first)], &w->shared_first[3 * (int64_t)i],
+           3 * sizeof *buffer);
+  return buffer;
 }
 
 /* Set the pointers of a piece to its nodes. */
 static void place(piece *p, const ct_problem *problem, const ct_state *state, int32_t first,
-                  int32_t count, double *room)
+                  int32_t count, double *buffer)
 {
   int64_t d = 3 * (int64_t)first;
   const double *array[ARRAYS] = {[INVERSE_MASS] = &problem->inverse_mass[d],
@@ -209,7 +210,7 @@ static void place(piece *p, const ct_problem *problem, const ct_state *state, in
                                  [VELOCITY] = &state->velocity[d],
                                  [TOTAL] = &state->workspace->total[d],
                                  [WORK_DONE] = &state->work[d],
-                                 [OWN] = first_force(state->workspace, first, count, room)};
+                                 [OWN] = first_force(state->workspace, first, count, buffer)};
   p->count = count;
   p->mass = &problem->mass[first];
   memcpy(p->array, array, sizeof array);
@@ -247,13 +248,14 @@ void ct_sum_body(const ct_problem *problem, const ct_state *state, int32_t body,
 /* Values of an array (node_count, 3) at the nodes i ... end - 1 of an effect: in place, or
  * gathered. */
 static const double *at_nodes(const double *array, const ct_effect *effect, int32_t i, int32_t end,
-                              double *room)
+                              double *buffer)
 {
   int32_t first = ct_effect_node(effect, i);
   if (ct_effect_node(effect, end - 1) - first == end - 1 - i) return &array[3 * (int64_t)first];
   for (int32_t n = i; n < end; n++)
-    memcpy(&room[3 * (int64_t)(n - i)], &array[3 * (int64_t)effect->nodes[n]], 3 * sizeof *room);
-  return room;
+    memcpy(&buffer[3 * (int64_t)(n - i)], &array[3 * (int64_t)effect->nodes[n]],
+           3 * sizeof *buffer);
+  return buffer;
 }
 
 /* Forces of a reaction: minus all others on its degrees of freedom (eq:reaction). */
@@ -307,7 +309,7 @@ static int make_effect_terms(const ct_problem *problem, const ct_state *state, i
 {
   const ct_effect *effect = problem->effects[k];
   const ct_workspace *w = state->workspace;
-  double rooms[3][3 * CT_PIECE], made[3 * CT_PIECE], impulse[3 * CT_PIECE], done[3 * CT_PIECE];
+  double buffers[3][3 * CT_PIECE], made[3 * CT_PIECE], impulse[3 * CT_PIECE], done[3 * CT_PIECE];
   ct_starts start = ct_state_starts(problem, k);
   int64_t d = 3 * (int64_t)i, count = 3 * (int64_t)(end - i);
   int is_reaction = effect->phase == CT_PHASE_REACTION;
@@ -315,16 +317,17 @@ static int make_effect_terms(const ct_problem *problem, const ct_state *state, i
                *before = since + state->impulse_count / 2,
                *work = is_reaction ? NULL : state->work + start.work + d,
                *force =
-                   is_reaction ? at_nodes(w->total, effect, i, end, rooms[2]) : w->force[k] + d;
+                   is_reaction ? at_nodes(w->total, effect, i, end, buffers[2]) : w->force[k] + d;
   if (ct_is_zero(since, count) && ct_is_zero(before, count) && ct_is_zero(force, count) &&
       (is_reaction || ct_is_zero(work, count)))
     return 0;
   if (is_reaction) {
-    reaction_forces(count, at_nodes(problem->inverse_mass, effect, i, end, rooms[1]), force, made);
+    reaction_forces(count, at_nodes(problem->inverse_mass, effect, i, end, buffers[1]), force,
+                    made);
     force = made;
   }
   effect_terms(count, ct_integrator_share(&problem->integrator), force,
-               at_nodes(state->velocity, effect, i, end, rooms[0]), since, before, work, impulse,
+               at_nodes(state->velocity, effect, i, end, buffers[0]), since, before, work, impulse,
                done);
   for (int64_t left = count; left % (3 * AT_ONCE) != 0; left++) impulse[left] = done[left] = 0.0;
   part_terms(end - i, impulse, done, term);

@@ -28,9 +28,9 @@ typedef struct ct_workspace {
   int32_t *shared;
   double *shared_first; /* force of the first effect there, shape (shared_count, 3) */
   double *shared_velocity,
-      *shared_work; /* v_{n-1/2} and the first effect's work there, before the step */
-  double *past; /* acceleration of the last evaluation, shape (node_count, 3), if the state does not
-                   store it; or null */
+      *shared_work;          /* v_{n-1/2} and the first effect's work there, before the step */
+  double *last_acceleration; /* acceleration of the last evaluation, shape (node_count, 3), if the
+                   state does not store it; or null */
   double *pushed, *pushed_force; /* of the pushforward, shape (node_count, 3), or null */
   void *pushed_scratch;
   ct_grid *grids;  /* of the sums for the last row of the energy balance (ct_sum_grids) */
@@ -91,7 +91,7 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
 
 /* Acceleration of the last evaluation, shape (node_count, 3); null for an integrator that does not
  * use it. */
-double *ct_stage_past(const ct_problem *problem, const ct_state *state);
+double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *state);
 
 /* Fails for a state whose last step ended after its first stage. */
 ct_status ct_stage_check(const ct_state *state, ct_error *error);

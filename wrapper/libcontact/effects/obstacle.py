@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .._core import ffi, lib
 from ..bridge import names
-from ..model import ENFORCEMENTS, ORIGIN, POSITIVE, History, Pressing, Vector
+from ..model import ENFORCEMENTS, ORIGIN, POSITIVE, ContactLaw, History, Vector
 from ..schema import VECTOR, Nested, Table, key
 from ..units import Units
 from . import OnSurface
@@ -87,7 +87,7 @@ class Cylinder(Sphere):
             yield "axis", NO_DIRECTION
 
 
-class Obstacle(Pressing, OnSurface):
+class Obstacle(ContactLaw, OnSurface):
     """A rigid obstacle. Its displacement is ``velocity`` times time plus ``travel`` times
     ``history``.
 
