@@ -15,7 +15,7 @@ static inline void function_at(const ct_face *face, const double point[3], const
   ct_closest closest = {.evaluations = 0};
   ct_iterate at = {{xi[0], xi[1]}, NAN, {0}, {NAN, NAN}, {NAN, NAN, NAN}, {0}};
   if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
-    ct_iterate_look(&patch, &at, &closest);
+    ct_iterate_evaluate(&patch, &at, &closest);
   if (f != NULL) *f = at.f;
   for (int a = 0; a < 2 && g != NULL; a++) g[a] = at.g[a];
   for (int i = 0; i < 3 && H != NULL; i++) H[i] = at.H[i];

@@ -83,7 +83,7 @@ static void prepare(rows *r)
   fill_entries(r->s);
   find_alike(r->s->first[1], r->s->entries);
   choose_active(r->s);
-  list_touched(r->s);
+  list_active_nodes(r->s);
   (void)fix_laws(r->s);
   fill_dense(r);
 }
@@ -119,7 +119,7 @@ static void slopes(void)
           dense[3 * (s->entry_place[e.place + a] / WIDE) + c] += s->G[WIDE * (e.first + a) + c];
       off_force = worst(off_force, largest_difference(dense, r.G[j], DOFS));
     }
-    (void)find_rest(r.s);
+    (void)find_gradient(r.s);
     for (int64_t j = 0; j < s->count; j++) {
       double gap = s->free[j], force[ROWS];
       for (int64_t k = 0; k < s->count; k++) gap += r.W[j][k] * s->force[k];
@@ -162,7 +162,7 @@ static void step(void)
         D += fabs(c->other_shape[a]) * largest(&r.A[3 * c->other[a]], 3) * crowd[c->other[a]];
       off_bound = worst(off_bound, s->scale[j] * D - 1.0);
     }
-    (void)find_rest(s);
+    (void)find_gradient(s);
     memcpy(before, s->force, sizeof before);
     double start = function_of(&r, before), taken[ROWS];
     for (int64_t j = 0; j < s->count; j++) taken[j] = fmin(s->gradient[j] * s->scale[j], before[j]);
@@ -189,7 +189,7 @@ static void release_of_rows(void)
     ct_solver *s = r.s;
     double gain[2] = {0.0, 0.0}, small = pow(10.0, uniform(2.0) - 2.0);
     for (int64_t j = 0; j < s->count; j++) s->force[j] *= small;
-    (void)find_rest(s);
+    (void)find_gradient(s);
     for (int64_t j = 0; j < s->count; j++)
       gain[s->force[j] > 0.0] += s->gradient[j] * fmin(s->gradient[j] * s->scale[j], s->force[j]);
     (void)descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);

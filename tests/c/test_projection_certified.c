@@ -12,8 +12,8 @@ typedef struct score {
   int proven, refuted, disagree, evaluations;
 } score;
 
-static void judge(const ct_face *face, const double point[3], int iteration_limit, int cells,
-                  score *s)
+static void check_certificates(const ct_face *face, const double point[3], int iteration_limit,
+                               int cells, score *s)
 {
   ct_project_options options = ct_project_options_default();
   options.method = CT_CERTIFIED;
@@ -46,8 +46,8 @@ static void random_faces(ct_face_kind kind, double amount, double far, const cha
   for (int trial = 0; trial < trials; trial++) {
     ct_face face = random_face(kind, amount);
     double point[3] = {uniform(far), uniform(far), uniform(far)};
-    judge(&face, point, 0, 64, &s);
-    judge(&face, point, 1, 64, &cut);
+    check_certificates(&face, point, 0, 64, &s);
+    check_certificates(&face, point, 1, 64, &cut);
   }
   report(&s, trials, trials - trials / 100, FACE_NAME[kind], what);
   report(&cut, trials, 0, FACE_NAME[kind], "robust stopped after one iteration");
@@ -62,7 +62,7 @@ static void folded_faces(ct_face_kind kind)
     double p = uniform(4), q = uniform(4), point[3] = {uniform(2), uniform(2), uniform(2)};
     ct_face face = parabolic_face(kind, p, q);
     if (trial % 3 == 0 && kind == CT_Q8) point[0] = 0;
-    judge(&face, point, 0, 96, &s);
+    check_certificates(&face, point, 0, 96, &s);
   }
   report(&s, trials, trials - trials / 100, FACE_NAME[kind], "folded");
 }
@@ -82,9 +82,9 @@ static void degenerate_faces(void)
       crack.node[7][k] = 0.75 * crack.node[0][k] + 0.25 * crack.node[3][k];
     }
     for (int i = 0; i < 8; i++) thin.node[i][1] *= 1e-5;
-    judge(&face, point, 0, 64, &collapsed);
-    judge(&crack, point, 0, 64, &quarter);
-    judge(&thin, point, 0, 64, &needle);
+    check_certificates(&face, point, 0, 64, &collapsed);
+    check_certificates(&crack, point, 0, 64, &quarter);
+    check_certificates(&thin, point, 0, 64, &needle);
   }
   report(&collapsed, trials, trials - trials / 60, "Q4", "collapsed");
   report(&quarter, trials, trials - trials / 60, "Q8", "quarter-point");
@@ -200,7 +200,7 @@ static void centres_of_curvature(void)
     double point[3];
     ct_face face = around(trial % 2 ? CT_Q8 : CT_T6, trial % 4 < 2, 1.5 + fabs(uniform(2)),
                           pow(10, -1 - trial % 9), point);
-    judge(&face, point, 0, 64, &s);
+    check_certificates(&face, point, 0, 64, &s);
   }
   report(&s, trials, trials - trials / 100, "Q8 and T6", "at the centre of curvature");
 }
