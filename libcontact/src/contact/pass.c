@@ -102,8 +102,8 @@ static int last_normal(const ct_pass *p, const ct_point *point, double normal[3]
 
 /* Whether a place with the normal `normal` (of any length) faces a point with the normal `own`, or
  * is perpendicular and points in the same direction as the point's place in the last step. */
-static int looks_at(const ct_pass *p, const ct_point *point, const double own[3],
-                    const double normal[3])
+static int faces_point(const ct_pass *p, const ct_point *point, const double own[3],
+                       const double normal[3])
 {
   double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
   // -- It faces the point, or its normal is within 60° of the last one

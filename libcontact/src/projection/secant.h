@@ -205,7 +205,7 @@ PART mask holds_parabola(const form *m, real twist, const real g[2], real allowa
 {
   real g1 = absolute(g[0]), g2 = absolute(g[1]), product = m->m11 * m->m22;
   // -- The lowest value of a parabola that lies below f
-  real divisor = (product - twist * twist) * (1 - 1e-6) - 1e-9 * product, may = room * divisor;
+  real divisor = (product - twist * twist) * (1 - 1e-6) - 1e-9 * product, may = allowance * divisor;
   // (eq:certified-parabola, eq:certified-rest)
   real drop = 0.25 * ((m->m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m->m11 * g2) * g2) * (1 + 1e-6);
   return (divisor > 0) & (may > SMALLEST) & (drop < HUGE_VAL) & (drop <= may);
@@ -237,7 +237,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
        twist = pick(corner, sided, worst_twist(&m));
   // The form of a plane face without curved sides is a sum of squares, also if rounding hides this.
   mask plane = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist),
-       small = rest.loss <= room, proven = small & (plane | positive);
+       small = rest.loss <= allowance, proven = small & (plane | positive);
   // -- Remaining slope at the closest point, compared with the form
   mask left = positive & not(small);
   if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, allowance);

@@ -184,7 +184,7 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v,
   body *own = &s->bodies[p];
   uint8_t *batch = &s->batch[part->first_batch];
   int32_t begin = part->first_node, end = begin + part->mesh->node_count;
-  if (!part->optimisations.sleep || !choose_motion(part, u, v, past, own)) return 0;
+  if (!part->optimisations.sleep || !choose_motion(part, u, v, last_acceleration, own)) return 0;
   // -- Mark the nodes that do not move like the first possible batch
   for (int32_t n = begin, last; n < end; n = last) {
     uint64_t word = 0;
