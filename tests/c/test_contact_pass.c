@@ -72,9 +72,9 @@ static void directions(void)
   for (double degrees = -179.5; degrees < 180.0; degrees += 1.0) {
     double normal[3], cosine = cos(degrees * acos(-1.0) / 180.0);
     turned(degrees, normal);
-    across += ct_pass_looks_across(own, normal) != (fabs(degrees) > 60.0);
-    faces += looks_at(&p, &new, own, normal) != (cosine < -0.25);
-    faces += looks_at(&p, &was, own, normal) !=
+    across += ct_pass_faces_across(own, normal) != (fabs(degrees) > 60.0);
+    faces += faces_point(&p, &new, own, normal) != (cosine < -0.25);
+    faces += faces_point(&p, &was, own, normal) !=
              (cosine < -0.25 || (fabs(degrees) > 60.0 && fabs(degrees - 90.0) < 60.0));
     for (int k = 0; k < 2; k++) {
       double last[3], place = k == 0 ? 150.0 : 60.0, apart = fabs(degrees - place);

@@ -57,8 +57,8 @@ static void squares(void)
       none |= fabs(P[a][0] * g[0] + P[a][1] * g[1]) > q.half + bend;
       one = fmax(one, 2 / q.half * bend);
     }
-    verdict wanted = none ? NONE : one < 0.5 ? ONE_AT_MOST : UNKNOWN;
-    unlike += judge(&s, &q, G, dG) != wanted;
+    square_class wanted = none ? NONE : one < 0.5 ? ONE_AT_MOST : UNKNOWN;
+    unlike += classify(&s, &q, G, dG) != wanted;
     told[wanted]++;
   }
   tap_ok(unlike == 0, "%d squares without a root, %d with one at most, %d to be cut", told[0],

@@ -20,7 +20,7 @@ int main(void)
     ct_patch patch;
     ct_patch_init(&patch, CT_Q8, face.node, point);
     random_xi(CT_Q8, 0.3, at.xi);
-    look(&patch, &at);
+    evaluate(&patch, &at);
     ct_segment_tangents(&face, at.xi, t1, t2);
     for (int j = 3; j < 8; j++) B += (j == 3 ? 0.5 : j < 6 ? 1 : 2) * dot(patch.c[j], patch.c[j]);
     double n[3] = {t1[1] * t2[2] - t1[2] * t2[1], t1[2] * t2[0] - t1[0] * t2[2],
