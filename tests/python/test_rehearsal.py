@@ -75,7 +75,7 @@ def test_a_bouncing_bar_is_seen_to_come_back(cheap):
     # after it has left, ringing may touch once more
     assert pressed[(time < 0.95) | ((time > 1.8) & (time < 3.6)) | (time > 4.5)].mean() < 0.03
     # The elements record no impulse; gravity always acts.
-    assert not seen.acted[:, 0].any() and seen.pressed[:, problem.effects.index("gravity")].all()
+    assert not seen.acted[:, 0].any() and seen.acted[:, problem.effects.index("gravity")].all()
 
 
 def test_what_is_cheap_is_rehearsed_as_it_is():
