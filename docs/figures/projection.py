@@ -16,21 +16,21 @@ def closest():
     xi = np.array([0.25, 0.1])
     step = 1e-5
     near = ct.face_points("Q8", nodes, xi + step * np.array([[0, 0], [1, 0], [0, 1]]))
-    foot, tangents = near[0], (near[1:] - near[0]) / step
+    nearest, tangents = near[0], (near[1:] - near[0]) / step
     normal = np.cross(*tangents)
     normal /= np.linalg.norm(normal)
-    point = foot + 1.1 * normal
+    point = nearest + 1.1 * normal
     found = ct.project("Q8", nodes, [point])
     assert np.allclose(found.xi[0], xi, atol=1e-4)
     draw_face(ax, "Q8", nodes)
-    ax.plot(*np.array([point, foot]).T, "k--", lw=1)
+    ax.plot(*np.array([point, nearest]).T, "k--", lw=1)
     ax.plot(*point, "o", color=ORANGE, ms=7)
-    ax.plot(*foot, "o", color=BLUE, ms=7)
+    ax.plot(*nearest, "o", color=BLUE, ms=7)
     ax.text(*(point + [0.12, 0, 0.05]), r"$\mathbf{y}_s$")
-    ax.text(*(foot + [-0.35, 0, -0.12]), r"$\bar{\mathbf{y}}$")
+    ax.text(*(nearest + [-0.35, 0, -0.12]), r"$\bar{\mathbf{y}}$")
     for tangent, name in zip(tangents, (r"$\mathbf{t}_1$", r"$\mathbf{t}_2$")):
-        arrow_in_space(ax, foot, 0.55 * tangent, name, GREEN)
-    ax.text(*(0.5 * (point + foot) + [-0.28, 0, 0]), r"$g_n$")
+        arrow_in_space(ax, nearest, 0.55 * tangent, name, GREEN)
+    ax.text(*(0.5 * (point + nearest) + [-0.28, 0, 0]), r"$g_n$")
     ax.text(*nodes[3] + [0, 0, 0.15], r"$\gamma_c$")
     ax.set_box_aspect((3, 3, 1.7), zoom=1.1)
     figure.set_layout_engine("none")

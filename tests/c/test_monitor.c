@@ -282,10 +282,10 @@ static void least_energy(void)
     double part = more ? 1.0 + 1e-9 : 1.0 - 1e-9;
     ct_error e;
     energies of = {.appeared = part * 0.1 * 3.0, .most_expected = 3.0};
-    tap_ok((look_at_energy(monitor, state, &of, &e) != CT_OK) == more, "energy from nothing, %s",
+    tap_ok((check_energy(monitor, state, &of, &e) != CT_OK) == more, "energy from nothing, %s",
            more ? "too much" : "not yet");
     of = (energies){.elastic = part * 1.1 * 3.0 / 0.7, .most_expected = 3.0};
-    tap_ok((look_at_energy(monitor, state, &of, &e) != CT_OK) == more, "a growing oscillation, %s",
+    tap_ok((check_energy(monitor, state, &of, &e) != CT_OK) == more, "a growing oscillation, %s",
            more ? "too much" : "not yet");
     of = (energies){.appeared = part * 0.01 * 3.0, .most_expected = 3.0};
     note_growth(monitor, state, &of);

@@ -62,11 +62,11 @@ static void force_of(const recovery *r, int32_t node, double force[3])
 }
 
 /* Fraction of the area at point `i` that takes a force (eq:recovered-fraction): 1 on a face that
- * carries forces, elsewhere the cosine between force and inward normal, where positive. */
+ * is_loaded forces, elsewhere the cosine between force and inward normal, where positive. */
 static double fraction_of(const recovery *r, int64_t i, const double force[3])
 {
   double n[3], square = ct_vector_dot(force, force);
-  if (r->carries[i / r->side->fixed->rule.count]) return 1.0;
+  if (r->is_loaded[i / r->side->fixed->rule.count]) return 1.0;
   if (square == 0.0) return 0.0;
   ct_side_area(r->side, i, n);
   // -- How much the surface faces the force (eq:recovered-fraction)
