@@ -14,7 +14,7 @@
 /* One surface for the recovery of tractions. */
 typedef struct recovery {
   const ct_side *side;
-  char *is_loaded; /* whether a face is_loaded forces, shape (face_count) */
+  char *is_loaded; /* whether a face carries forces, shape (face_count) */
   double N[27][8]; /* at the points: shape functions of the linear face with the same corners */
 } recovery;
 
@@ -62,7 +62,7 @@ static void force_of(const recovery *r, int32_t node, double force[3])
 }
 
 /* Fraction of the area at point `i` that takes a force (eq:recovered-fraction): 1 on a face that
- * is_loaded forces, elsewhere the cosine between force and inward normal, where positive. */
+ * carries forces, elsewhere the cosine between force and inward normal, where positive. */
 static double fraction_of(const recovery *r, int64_t i, const double force[3])
 {
   double n[3], square = ct_vector_dot(force, force);
