@@ -40,7 +40,7 @@ static double distance(const items *all, int32_t item)
   return ct_bounds_distance(&all->boxes[item], all->point) + all->extra[item];
 }
 
-static double visit(void *user, int32_t item)
+static double visit_item(void *user, int32_t item)
 {
   items *all = user;
   double d = distance(all, item);
@@ -72,9 +72,9 @@ static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double 
     double point[3] = {uniform(1.2 * spread), uniform(1.2 * spread), uniform(1.2 * spread)};
     for (int c = 0; lattice && c < 3; c++) point[c] = floor(point[c]);
     items all = {boxes, point, extra, 0, -1, INFINITY}, tried = all;
-    ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &tried);
+    ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &tried);
     asked += tried.asked;
-    for (int i = 0; i < count; i++) visit(&all, i);
+    for (int i = 0; i < count; i++) visit_item(&all, i);
     unlike += tried.first != all.first || tried.best != all.best;
   }
   tap_ok(wrong == 0, "%s: overlaps are those of brute force over all %d boxes, ascending", what,
@@ -140,7 +140,7 @@ static void special_boxes(void)
          "boxes that touch overlap");
   tap_ok(ct_box_tree_overlaps(tree, &one, &apart, found, 8) == 0,
          "boxes apart do not, by a ten-millionth");
-  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &all);
   tap_ok(all.first == 0 && all.best == 2.0, "a tree of one item: distance 2");
   ct_box_tree_free(tree);
 
@@ -149,7 +149,7 @@ static void special_boxes(void)
   need(ct_box_tree_create(8, &tree, &e), &e);
   ct_box_tree_build(tree, same);
   all = (items){same, point, zero, 0, -1, INFINITY};
-  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &all);
   tap_ok(all.first == 0 && all.asked == 8,
          "of eight equal items all are examined and the first is returned");
   found[3] = 77;
@@ -160,7 +160,7 @@ static void special_boxes(void)
   need(ct_box_tree_create(0, &tree, &e), &e);
   ct_box_tree_build(tree, &one);
   all.asked = 0;
-  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &all);
   tap_ok(ct_box_tree_overlaps(tree, &one, &one, found, 8) == 0 && all.asked == 0,
          "an empty tree finds nothing");
   ct_box_tree_free(tree);
