@@ -79,12 +79,8 @@ def _parser() -> argparse.ArgumentParser:
     run.set_defaults(command=_run)
     run.add_argument("scene", metavar="SCENE.toml")
     run.add_argument("-o", "--output", metavar="FILE", help="results file, instead of the scene's")
-    until = {
-        "metavar": "TIME",
-        "type": float,
-        "help": "time at which the run ends; the step stays the same",
-    }
-    run.add_argument("--until", **until)
+    when = "time at which the run ends; the step stays the same"
+    run.add_argument("--until", metavar="TIME", type=float, help=when)
     run.add_argument(
         "--threads", metavar="N", type=int, help="number of threads; results do not depend on it"
     )
@@ -129,8 +125,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _picture_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--field", default="stress_xx", help="stress_xx (default), velocity_z, ...")
-    scale = {"type": float, "default": 1.0, "help": "magnify displacements (default 1)"}
-    parser.add_argument("--scale", **scale)
+    scale = "magnify displacements (default 1)"
+    parser.add_argument("--scale", type=float, default=1.0, help=scale)
     sides = [f"{axis}_{end}" for axis in "xyz" for end in ("min", "max")]
     parser.add_argument("--view", choices=sides, help="look from this side, not the broadest one")
 

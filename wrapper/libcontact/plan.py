@@ -215,7 +215,10 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
     """Rounds of the solver per step and point."""
-    count = lambda one: float(sum(effect.constraint_count for effect in one.made))
+
+    def count(one: Problem) -> float:
+        return float(sum(effect.constraint_count for effect in one.made))
+
     counted = [(count(one.coarse), one.rounds) for one in seen]
     points = count(problem)
     return _at_size(points, counted) / points if counted and points else 0.0
@@ -316,8 +319,8 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
         finally:
             loop.abandon()
     # The median excludes rounds that another program interrupted.
-    *steps, record = np.median(rounds[1:], axis=0)
-    seconds = _by_name(problem, steps) | {OUTPUT: float(record)}
+    middle = np.median(rounds[1:], axis=0)
+    seconds = _by_name(problem, middle[:-1]) | {OUTPUT: float(middle[-1])}
     return _Trial(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
 
 
@@ -506,7 +509,7 @@ def _at_rest(problem: Problem, state: Any) -> bool:
     if wanted is None or state.time < problem.settled:
         return False
     residual: float = ask("double *", lib.ct_energy_residual, problem.pointer, state)
-    return residual <= wanted
+    return bool(residual <= wanted)
 
 
 # The table.

@@ -72,8 +72,8 @@ def picture(
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    shape = {"figsize": (8, 8), "height_ratios": [2, 1], "layout": "constrained"}
-    figure, (above, below) = pyplot.subplots(2, 1, **shape)
+    figure = pyplot.figure(figsize=(8, 8), layout="constrained")
+    above, below = figure.subplots(2, 1, height_ratios=[2, 1])
     try:
         draw_field(above, run, field, scale, view)
         draw_energies(below, run)
@@ -127,9 +127,9 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0, view: str | 
         values.append(colours[seen])
         depths.append(toward * corners[seen][:, :, axis].mean(axis=1))
     order = np.argsort(np.concatenate(depths), kind="stable")
-    style = {"linewidths": 0.4, "edgecolors": "face", "antialiaseds": False, "rasterized": True}
     faces, colours = [polygons[i] for i in order], np.concatenate(values)[order]
-    patches = PolyCollection(faces, array=colours, **style)
+    patches = PolyCollection(faces, linewidths=0.4, edgecolors="face", antialiaseds=False)
+    patches.set(array=colours, rasterized=True)
     axes.add_collection(patches)
     axes.autoscale_view()
     length, unit = _unit(run, "length"), _unit(run, QUANTITY[COMPONENTS[field][0]])
