@@ -5,6 +5,7 @@ All of that happens in a copy of the tree, ``build/mutate``; the tree itself is 
 """
 
 import argparse
+import filecmp
 import functools
 import importlib.util
 import os
@@ -106,9 +107,11 @@ def run(command, **variables):
 def make_copy():
     (COPY / "build").mkdir(parents=True, exist_ok=True)
     for name in subprocess.check_output(["git", "ls-files"], cwd=ROOT, text=True).split("\n"):
-        if (ROOT / name).is_file():
-            (COPY / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, COPY / name)
+        old, new = COPY / name, ROOT / name
+        if new.is_file() and not (old.is_file() and filecmp.cmp(new, old, shallow=False)):
+            # What replaces a file is newer than all that was made of that.
+            old.parent.mkdir(parents=True, exist_ok=True)
+            (shutil.copy if old.is_file() else shutil.copy2)(new, old)
     for name in ("obj", "lib", "tests", "flags"):
         if (ROOT / "build" / name).exists() and not (COPY / "build" / name).exists():
             subprocess.run(["cp", "-a", ROOT / "build" / name, COPY / "build" / name], check=True)
