@@ -35,7 +35,7 @@ def another(value):
     if "," in outer or re.fullmatch(r"0(\.0)?", value) or re.search(r"\? -?\w+ : -?\w+$", value):
         return value
     truth = re.search(r"[<>]|[=!]=|&&|\|\|", value.replace("->", ".")) and "?" not in value
-    return f"!({value})" if truth else f"1.5 * ({value})"
+    return f"!({value})" if truth else f"3 * ({value})"
 
 
 # What changes in a statement, and into what: a sign, a factor, a divisor, a comparison, a whole value. No index, exponent, arrow or pointer.

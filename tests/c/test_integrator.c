@@ -403,7 +403,8 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   return c;
 }
 
-/* Work balance, momenta and a prescribed motion in each method (eq:stage-work, eq:stage-motion). */
+/* Work balance, momenta and a prescribed motion in each method (eq:stage-work, eq:stage-motion,
+ * eq:motion-velocity, eq:motion-force). */
 static void ledger(ct_scheme scheme, ct_enforcement enforcement)
 {
   meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3, 1);

@@ -55,9 +55,10 @@ void ct_side_apply_penalty(ct_side *side)
     double n[3], k = p->row.stiffness;
     int inside = p->other >= 0 && p->row.gap < 0.0,
         counted = inside && p->shift != 0.0 && ct_side_direction(side, p, n);
-    // -- Force of the point, k d where it is inside (eq:contact-force, eq:obstacle-force)
+    // -- Force of the point, k d where it is inside
     for (int c = 0; c < 3; c++)
-      p->force[c] = counted                     ? -k * p->row.gap * n[c]
+      p->force[c] = counted ? -k * p->row.gap * n[c]
+                    // (eq:contact-force, eq:obstacle-force)
                     : inside && p->shift == 0.0 ? k * p->d[c]
                                                 : 0.0;
   }
