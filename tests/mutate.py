@@ -56,8 +56,8 @@ ELSE = (
 )
 
 
-# A factor like (1 + 16 * DBL_EPSILON) or a term like 64.0 * DBL_EPSILON * size covers rounding and stands in no equation.
-ROUNDING = r"\(1(\.0)? [-+] [^()]*(EPSILON|1e-\d+)\)|[-+] [\d.]+ \* DBL_EPSILON \* \w+"
+# A factor like (1 + 16 * DBL_EPSILON) or a term like 64.0 * DBL_EPSILON * size covers rounding, + 0j makes a number complex; none stands in an equation.
+ROUNDING = r"\(1(\.0)? [-+] [^()]*(EPSILON|1e-\d+)\)|[-+] ([\d.]+ \* DBL_EPSILON \* \w+|0j)"
 
 
 def changed(statement):
