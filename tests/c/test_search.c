@@ -1,6 +1,7 @@
 /* The search: its tree of boxes, its boxes of faces, its nearest faces, compared with brute force
  * and with closed forms. */
 #include "../../libcontact/src/search/nearest.c"
+#include "../../libcontact/src/search/normal.c"
 #include "bodies.h"
 
 /* -- The tree
@@ -625,6 +626,22 @@ static void curved_corners(ct_face_kind kind, double middles)
          kind == CT_Q8 ? "Q8" : "T6", wrong, asked, corners);
 }
 
+/* The tangents 4 x_m - 3 x_1 - x_2 of both edges at a corner of a random Q8 (eq:edge-direction). */
+static void tangents_at_a_corner(void)
+{
+  static int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  double x[24], t[2][3], off = 0.0;
+  for (int i = 0; i < 24; i++) x[i] = uniform(1.0);
+  const ct_search search = {.per = 8, .edges = 4, .faces = nodes, .x = x};
+  for (int back = 0; back < 2; back++) {
+    edge_direction(&search, 0, 2, back, t[back]);
+    for (int c = 0; c < 3; c++)
+      off = worst(off, t[back][c] - (4.0 * x[3 * (back ? 5 : 6) + c] - 3.0 * x[6 + c] -
+                                     x[3 * (back ? 1 : 3) + c]));
+  }
+  tap_close(off, 0.0, 1e-14, "tangents of edges at a corner");
+}
+
 /* Mid-side nodes at the quarter points: all tangents at the corner vanish, and its normal is still
  * that of the cube. (eq:edge-direction) */
 static void quarter_point_corner(ct_face_kind kind)
@@ -864,6 +881,7 @@ int main(void)
   parabola();
   last_point();
   for (int k = 0; k < 4; k++) nearest_faces(k);
+  tangents_at_a_corner();
   cube(CT_T3);
   cube(CT_Q4);
   spike();
