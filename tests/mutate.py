@@ -46,11 +46,11 @@ CHANGES = (
     (r"[=(,?:]\s*(-)[\w(]", lambda sign: ""),
     (r"[\w)\]]\s([<>]=?)\s[\w(.-]", lambda sign: sign.translate(str.maketrans("<>", "><"))),
     (r"[\w)\]]\s([=!]=)\s", lambda sign: "!=" if sign == "==" else "=="),
-    (r"(?:\breturn|[^=!<>]=)\s((?:[^;=]|[=!<>]=)+?)\s*(?:;|$)", another),
+    (r"(?:\breturn|[^=!<>]=)\s((?:[^;=]|[=!<>]=|(?<=\w)=(?=\S))+?)\s*(?:;|$)", another),
 )
 # Where a statement has none of these: a number of a table, the condition of a jump, a call that is left out.
 ELSE = (
-    (r"(?<![\w.])(\d+\.\d+)(?![\w.])", lambda number: f"1.5 * {number}"),
+    (r"(?<![\w.])(\d+\.\d*[1-9]\d*|[1-9]\d*\.0)(?![\w.])", lambda number: f"1.5 * {number}"),
     (r"\bif\s(\(.*\))\s\w", lambda condition: f"(!{condition})"),
     (r"^\s*(?:for \([^;]*;[^;]*;[^)]*\) )?(\w+\(.*\));\s*$", lambda call: ""),
 )

@@ -80,7 +80,7 @@ def test_a_power_law_is_found(order, limit, change):
 
 
 def test_the_uncertainty_of_a_line(monkeypatch):
-    """eq:planner-fit with one order: the error of the axis intercept in the regression of a line, with n - 3 for the order that is sought as well."""
+    """eq:planner-power and eq:planner-fit with one order: the error of the axis intercept in the regression of a line, with n - 3 for the order that is sought as well."""
     monkeypatch.setattr(planner, "ORDERS", np.array([1.0]))
     x, noise = np.array([1.0, 0.8, 0.6, 0.5, 0.4]), np.array([0.02, -0.03, 0.01, 0.02, -0.01])
     f = 2.0 + 0.7 * x + noise
