@@ -351,6 +351,11 @@ def test_no_body_has_turned_where_the_bound_says_so(size):
         asked += k % 5 == 0 and not passed
         assert not (passed and turned)
     assert above > 20 and asked == 0
+    # About the longest axis this rotation makes the fewest displacements, four times the bound.
+    spread = X[some] - X[some].mean(axis=0)
+    K = np.cross(np.eye(3), np.linalg.eigh(spread.T @ spread)[1][:, -1])
+    u = spread @ (math.sin(warned.TURNED) * K + (1 - math.cos(warned.TURNED)) * K @ K).T
+    assert np.vdot(u, u) == pytest.approx(4 * least, rel=1e-6)
 
 
 def swung(law, rate):
