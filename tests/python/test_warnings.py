@@ -241,6 +241,13 @@ def test_what_a_thin_body_is_said_to_lose_it_loses():
         )
         assert 1 - energy[-1] / energy[0] == pytest.approx(1 / (2 * cells), rel=0.06)
     assert "50 %" in drop(cells=1).explain()
+    # Equal cubes of one and of two layers: (1/2 · 1/4) / (1/2 + 1/4) over 1/2.
+    scene = empty()
+    for k, name in enumerate("ab"):
+        box = {"origin": [1.02 * k, 0, 0], "size": [1, 1, 1], "cells": [k + 1] * 3}
+        scene.add_body(name, material="soft", velocity=[5 - 10 * k, 0, 0], box=box)
+    scene.add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
+    assert "33 %" in scene.explain()
 
 
 @pytest.mark.parametrize(
