@@ -58,12 +58,15 @@ def test_the_longest_step_is_exact_in_a_bar():
 
 
 def test_the_bars_contact_adds_no_energy():
-    """eq:week-two: with another W the work does not balance."""
+    """eq:week-two: the first force by hand, from W = 4 Δt²/h; and with another W the work does not balance."""
     rng = np.random.default_rng(7)
     for _ in range(6):
         courant, penalty = rng.uniform(0.1, 0.98), 10 ** rng.uniform(1, 6)
         elements = int(rng.integers(5, 60))
-        *_, v = bar.impact(elements, courant, 3.0, penalty)
+        *_, forces, v = bar.impact(elements, courant, 3.0, penalty)
+        dt = courant / elements
+        by_hand = 2 * dt / (2 / penalty + 4 * dt**2 * elements)
+        assert forces[0] == pytest.approx(by_hand, rel=1e-12)
         mass = np.full(len(v), 1.0 / elements)
         mass[[0, elements, elements + 1, -1]] /= 2
         assert 0.5 * mass @ v**2 <= 1 + 1e-12
