@@ -116,6 +116,8 @@ def make_copy():
         if (ROOT / "build" / name).exists() and not (COPY / "build" / name).exists():
             subprocess.run(["cp", "-a", ROOT / "build" / name, COPY / "build" / name], check=True)
     shutil.copy2(importlib.util.find_spec("libcontact._core").origin, COPY / "wrapper/libcontact")
+    scenes = COPY / "wrapper/libcontact/scenes"  # as in the installed package
+    shutil.copytree(COPY / "tutorials/scenes", scenes, dirs_exist_ok=True)
 
 
 def failing(path, function):
