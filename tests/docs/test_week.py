@@ -83,6 +83,14 @@ def test_the_plain_penalty_shortens_the_step():
     assert np.abs(held).max() < 1.5 * 7 / 3
 
 
+def test_strains_of_a_bilinear_motion():
+    """eq:week-b: of u = (ξη, 3ξη) in a square of edge h, where ∂ξ/∂x = 2/h."""
+    xi, eta, h = 0.3, -0.7, 0.5
+    u = np.outer(plates.CORNERS.prod(axis=1), [1, 3]).ravel()
+    strain = np.array([eta, 3 * xi, 3 * eta + xi]) * 2 / h
+    assert plates.strain_matrix(xi, eta, h) @ u == pytest.approx(strain)
+
+
 @pytest.mark.parametrize(
     ("scene", "wall", "agree"), [("plates_reference", True, 1e-12), ("plates", False, 1e-7)]
 )
