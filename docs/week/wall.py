@@ -20,7 +20,7 @@ def bounce(penalty, dt, gap=1.0, controlled=False):
         # The leapfrog (eq:week-leapfrog)
         velocities.append(velocities[-1] + dt * force)
         gaps.append(gaps[-1] + dt * velocities[-1])
-        if len(gaps) > 10_000:
+        if len(gaps) > 1_000_000:
             raise RuntimeError("the mass does not come back")
     return np.array(gaps[1:]), np.array(velocities)
 

@@ -235,7 +235,7 @@ def test_parameter_of_the_integrator():
 def test_places_of_a_front():
     front = ct.dispersion_front(20.03, (2, 2, 0), size=(1.0, 1.0, 2.0), courant=0.5)
     assert np.allclose(np.diff(front.distance), 0.5**0.5) and front.distance[0] == 0.0
-    # 20 steps of one half: the nearest whole number.
+    assert front.time == 20.0  # 40 steps of one half: the nearest whole number
     same = ct.dispersion_front(20.0, (1, 1, 0), front.distance, size=(1.0, 1.0, 2.0), courant=0.5)
     assert np.allclose(front.stress, same.stress, rtol=0, atol=1e-12)
     line = ct.Front(np.array([0.0, 1.0, 2.0, 4.0]), np.array([1.0, 1.25, 0.75, 0.25]))
@@ -289,6 +289,10 @@ def test_impossible_waves_are_refused(wrong, word):
         ({"distance": [[1.0]]}, "distance"),
         ({"distance": [2.0, 1.0]}, "distance must ascend"),
         ({"size": (0, 1, 1)}, r"size must be positive and finite, not 0\.0"),
+        ({"courant": 1.01}, "above the stability limit of central_difference"),
+        ({"courant": 0.98, "integrator": "tchamwa_wielgosz"}, "above the stability limit"),
+        ({"time": 56.0, "courant": 0.99, "integrator": "chung_lee"}, "above the stability limit"),
+        ({"courant": 0.8, "normal": (1, 1, 1), "element": "hex20"}, "above the stability limit"),
     ],
 )
 def test_impossible_fronts_are_refused(wrong, word):

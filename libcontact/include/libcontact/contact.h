@@ -261,7 +261,9 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
  * penalty with every point active on its closest face. With obstacles or friction it is the limit
  * of `ct_contact_step`, due to friction, :eq:`friction-bound`, and to explicit penalties; infinite
  * if the contact has neither. A host combines it with its own limit dt_host as 1 / sqrt(1 / dt² + 1
- * / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses, shapes (node_count).
+ * / dt_host²), :eq:`step-bound`. The default law of `ct_contact_step` has no limit: without
+ * friction and explicit penalties a host keeps its own step. `mass_a`, `mass_b`: nodal masses,
+ * shapes (node_count).
  */
 CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
                                         const double *mass_b, double *dt);
