@@ -54,7 +54,9 @@ def default_of(field) -> str:
         return field.metadata["says"]
     value = field.default
     if isinstance(value, tuple):
-        return "all" if isinstance(value[0], str) else f"``{[int(each) for each in value]}``"
+        if isinstance(value[0], str):
+            return ", ".join(f'``"{each}"``' for each in value)
+        return f"``{[int(each) for each in value]}``"
     return f'``"{value}"``' if isinstance(value, str) else f"{str(value).lower():.6}"
 
 

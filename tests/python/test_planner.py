@@ -276,6 +276,19 @@ def test_a_mesh_of_its_own_stays():
     assert "its own error is not included" in plan.sure and plan.choice.mesh == "mesh of its own"
 
 
+def test_on_a_mesh_of_its_own_all_settings_have_one_limit():
+    """A softer contact or another mass has another limit for small steps, so these keys stay those of the scene."""
+    data = with_nodes().data
+    data["obstacle"][0] |= {"beta": 3.0, "dissipation": 0.1}
+    own = planner.Planner(ct.Scene(data), "bar.p_x.end", 1.0)
+    assert len(own.tried) > 1
+    for tried in own.tried:
+        changed = own.changed(tried.keys, 2.0).data
+        assert {name.partition(".")[0] for name in tried.keys} == {"time"}
+        assert changed["obstacle"][0] == data["obstacle"][0] and "averaging" not in changed
+        assert changed["time"]["fraction"] == tried.keys["time.fraction"] / 2.0
+
+
 # Refusals and interruptions.
 
 

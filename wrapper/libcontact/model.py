@@ -331,7 +331,7 @@ class History(Table):
 
 
 class ContactLaw(Table):
-    """Keys that a contact and an obstacle have in common: penalty, enforcement and friction.
+    r"""Keys that a contact and an obstacle have in common: penalty, enforcement and friction.
 
     Attributes
     ----------

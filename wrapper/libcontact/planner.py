@@ -427,6 +427,8 @@ class Planner:
             0 if self.own_mesh else max(sum(n > 1 for n in each.cells) for each in self.lattices)
         )
         listed = settings(bool(parts.contact or parts.obstacle))
+        if self.own_mesh:  # small steps have one limit; another mass or contact law has another one
+            listed = [keys for keys in listed if all(name.startswith("time.") for name in keys)]
         self.tried = [Tried(keys, 1.0 + several) for keys in listed]
         self.value, self.uncertainty, self.interrupted = 0.0, 0.0, False
 
@@ -439,10 +441,10 @@ class Planner:
         time, tables = data["time"], [*data.get("contact", []), *data.get("obstacle", [])]
         for name in (*Time.rivals[0], "integrator", "integrator_parameter"):
             time.pop(name, None)
-        for table in tables:
+        for table in () if self.own_mesh else tables:
             for name in ("beta", "epsilon", "enforcement", "dissipation"):
                 table.pop(name, None)
-        for name in NUMERICAL:
+        for name in () if self.own_mesh else NUMERICAL:
             data.pop(name, None)
         for name, value in keys.items():
             where, _, key = name.partition(".")
