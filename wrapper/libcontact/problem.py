@@ -391,8 +391,8 @@ class Problem:
         mesh, face = self._meshes[surface[0]], surface[1]
         found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
         if not len(found):
-            reason = "has no faces: no outer face of the body lies in that plane"
-            raise self._error(f'"{".".join(surface)}" {reason}', key)
+            reason = f'no outer face of the body lies in that plane; "{surface[0]}.outer" has all of them'
+            raise self._error(f'"{".".join(surface)}" has no faces: {reason}', key)
         return found
 
     def _add_support(self, i: int, support: Support) -> None:
