@@ -4,7 +4,7 @@ import numpy as np
 from libcontact.mesh import Mesh
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, arrow, bare, line
-from shared.faces import patch
+from shared.faces import patch, patch_contact
 
 import libcontact as ct
 
@@ -13,14 +13,7 @@ def status_of(heights, start, depth):
     """Gap, status and force of the first point of a patch that is moved to the heights in turn."""
     low, faces = patch(0.0, True)
     high, others = patch(start, False)
-    contact = ct.Contact(
-        ct.Surface("Q4", high, others),
-        ct.Surface("Q4", low, faces),
-        epsilon=1.0,
-        enforcement="penalty",
-        initial_penetration="push",
-        depth=depth,
-    )
+    contact = patch_contact((high, others), (low, faces), depth=depth)
     rest, free, out = np.zeros_like(high), np.ones_like(high), []
     for height in heights:
         moved = high + [0, 0, height - start]

@@ -3,10 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, ORANGE, RED, bare
-from shared.faces import patch
+from shared.faces import patch, patch_contact
 from shared.scenes import scene_of
-
-import libcontact as ct
 
 
 def rubbed():
@@ -15,14 +13,7 @@ def rubbed():
     high, others = patch(-0.01, False, 1)
     high = high + [1.25, 1.25, 0]  # no border of a face is crossed on the way
     mu, depth = 0.5, 0.01
-    contact = ct.Contact(
-        ct.Surface("Q4", high, others),
-        ct.Surface("Q4", low, faces),
-        epsilon=1.0,
-        enforcement="penalty",
-        initial_penetration="push",
-        friction=mu,
-    )
+    contact = patch_contact((high, others), (low, faces), friction=mu)
     way = (
         2.5
         * mu

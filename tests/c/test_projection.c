@@ -365,6 +365,18 @@ static void look_at_first(const double xi[2], double f, void *user)
   p->count++;
 }
 
+/* The first iterates of robust from a given start. */
+static first robust_from(const ct_face *face, const double point[3], const double xi[2])
+{
+  first p = {{{0}}, 0};
+  ct_project_options options = with(CT_ROBUST);
+  ct_projection out;
+  options.use_start = 1, options.trace = look_at_first, options.user = &p;
+  for (int a = 0; a < 2; a++) options.start[a] = xi[a];
+  ct_project(face, point, &options, &out);
+  return p;
+}
+
 /* A search that meets no tolerance ends with the first step after which a quadratic method has
  * rounding alone (eq:robust-quadratic). */
 static void last_step_of_robust(void)
@@ -406,13 +418,8 @@ static void first_step_of_robust(ct_face_kind kind)
   for (int trial = 0; trial < 200; trial++) {
     ct_face face = random_face(kind, triangular(kind) ? 0.003 : 0.03);
     double point[3] = {uniform(2), uniform(2), uniform(0.3)}, xi[2], g[2], H[3], f[2];
-    first p = {{{0}}, 0};
-    ct_project_options options = with(CT_ROBUST);
-    ct_projection out;
     random_xi(kind, 0.02, xi);
-    options.use_start = 1, options.trace = look_at_first, options.user = &p;
-    for (int a = 0; a < 2; a++) options.start[a] = xi[a];
-    ct_project(&face, point, &options, &out);
+    const first p = robust_from(&face, point, xi);
     if (p.count < 2) continue;
     function_at(&face, point, xi, &f[0], g, H);
     function_at(&face, point, p.xi[1], &f[1], NULL, NULL);
@@ -468,13 +475,8 @@ static void steps_that_are_taken(void)
   for (int trial = 0; trial < 20000; trial++) {
     ct_face face = random_face(CT_Q8, 0.6);
     double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2], s[2], g[2], H[3], f[2];
-    first p = {{{0}}, 0};
-    ct_project_options options = with(CT_ROBUST);
-    ct_projection out;
     random_xi(CT_Q8, 0.02, xi);
-    options.use_start = 1, options.trace = look_at_first, options.user = &p;
-    for (int a = 0; a < 2; a++) options.start[a] = xi[a];
-    ct_project(&face, point, &options, &out);
+    const first p = robust_from(&face, point, xi);
     if (p.count < 3 || memcmp(p.xi[0], p.xi[1], sizeof xi) != 0) continue;
     function_at(&face, point, xi, &f[0], g, H);
     for (int a = 0; a < 2; a++) s[a] = p.xi[2][a] - xi[a];

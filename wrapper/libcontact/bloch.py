@@ -247,8 +247,8 @@ def dispersion_front(
     t, dt = float(time), float(definition.step)
     t = round(t / dt) * dt if dt > 0.0 and abs(t) < float("inf") else t
     divided = np.array(index) / (np.gcd.reduce(index) or 1)
-    spacing = 1.0 / (np.linalg.norm(divided / list(definition.size)) or 1.0)
     if distance is None:
+        spacing = 1.0 / (np.linalg.norm(divided / list(definition.size)) or 1.0)
         planes = np.arange(max(t, 0.0) / spacing + 12.0 if t < 1e9 else 1.0)
         distance = spacing * (planes + 0.5 * (divided.sum() % 2))
     places = real("distance", distance, ("n",))

@@ -83,3 +83,10 @@ def patch(z, up, cells=2, size=1.0):
     first = (i[:, None] * (cells + 1) + i[None, :]).ravel()
     faces = np.stack([first, first + 1, first + cells + 2, first + cells + 1], -1)
     return nodes, faces if up else faces[:, ::-1].copy()
+
+
+def patch_contact(upper, lower, **options):
+    """The contact of two patches (nodes, faces) with an explicit penalty of 1."""
+    surfaces = (ct.Surface("Q4", *patch) for patch in (upper, lower))
+    law = {"epsilon": 1.0, "enforcement": "penalty", "initial_penetration": "push"}
+    return ct.Contact(*surfaces, **law, **options)
