@@ -45,6 +45,11 @@ static ct_constraint law_of(const ct_contact_options *options)
                          .dissipation = options->dissipation};
 }
 
+static ct_start_rule start_rule_of(const ct_contact_options *options)
+{
+  return (ct_start_rule){options->initial_penetration, options->removal_time, options->adjust};
+}
+
 static ct_status check_options(const ct_contact_options *options, ct_error *error)
 {
   if (!(options->epsilon > 0.0) || !isfinite(options->epsilon))
@@ -57,15 +62,9 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
       options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads",
                    options->depth, options->threads);
-  if (options->initial_penetration < CT_INITIAL_PUSH ||
-      options->initial_penetration > CT_INITIAL_REMOVE ||
-      (options->initial_penetration == CT_INITIAL_REMOVE && !(options->removal_time > 0.0)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: initial penetration %d with removal in %g",
-                   (int)options->initial_penetration, options->removal_time);
-  if (!(options->adjust >= 0.0) || !isfinite(options->adjust))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: gaps and overlaps up to %g to be adjusted", options->adjust);
+  const ct_start_rule start = start_rule_of(options);
+  ct_status status = ct_start_gap_check(&start, "contact", error);
+  if (status != CT_OK) return status;
   if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d",
                    (int)options->points);
@@ -126,6 +125,7 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   if (fixed == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   double size = 0.0;
   fixed->options = *options;
+  fixed->start_rule = start_rule_of(options);
   fixed->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
     status = ct_side_fixed_init(&fixed->side[s], surface[s], s,
@@ -239,19 +239,20 @@ ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *
   contact->start = !(now->time > 0.0);
   contact->stored = contact->time = contact->work = 0.0;
   forget(contact);
-  if (!ct_start_gap_counts(&contact->fixed->options)) return CT_OK;
+  if (!ct_start_gap_counts(&contact->fixed->start_rule)) return CT_OK;
   for (int s = 0; s < contact->fixed->sides; s++)
     memcpy(contact->side[s].moved, contact->side[s].search->x,
            3 * (size_t)contact->side[s].search->node_count * sizeof(double));
   ct_status status = ct_contact_measure(contact, error);
-  if (status == CT_OK) ct_start_gap_begin(contact);
+  if (status == CT_OK)
+    ct_start_gap_begin(&contact->fixed->start_rule, contact->side, contact->fixed->sides);
   forget(contact);
   return status;
 }
 
 ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error)
 {
-  const ct_contact_options *options = &contact->fixed->options;
+  const ct_start_rule *rule = &contact->fixed->start_rule;
   contact->start = !(now->time > 0.0);
   for (int s = 0; s < contact->fixed->sides; s++) {
     contact->velocity[s] = now->velocity[s];
@@ -261,10 +262,15 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
   ct_status status = ct_contact_measure(contact, error);
   if (status == CT_OK && now->before > 0.0 && !contact->fixed->alone)
     status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
-  if (status == CT_OK && ct_start_gap_counts(options)) ct_start_gap_shift(contact, now);
-  if (status == CT_OK && now->first && options->initial_penetration == CT_INITIAL_REFUSE)
-    status = ct_start_gap_refuse(contact, error);
-  return status;
+  if (status == CT_OK && ct_start_gap_counts(rule))
+    ct_start_gap_shift(rule, contact->side, contact->fixed->sides, now, contact->time);
+  if (status != CT_OK || !now->first || rule->initial_penetration != CT_INITIAL_REFUSE)
+    return status;
+  ct_penetration found;
+  status = ct_contact_penetration(contact, CT_AT_POINTS, &found);
+  return status != CT_OK
+             ? status
+             : ct_start_gap_refuse(rule, &found, "contact", contact->fixed->depth, error);
 }
 
 int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
@@ -287,8 +293,9 @@ ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_e
   if (contact->solved)
     contact->held = ct_side_rows_energy(contact->side, sides, now->time, contact->stored,
                                         &contact->stored, contact->terms);
-  if (ct_start_gap_fades(&contact->fixed->options))
-    contact->work += ct_start_gap_work(contact, now->time, now->first ? now->time : contact->time);
+  if (ct_start_gap_fades(&contact->fixed->start_rule))
+    contact->work += ct_start_gap_work(&contact->fixed->start_rule, contact->side, sides, now->time,
+                                       now->first ? now->time : contact->time, contact->terms);
   contact->time = now->time;
   return ct_side_collect(contact->side, sides, 0, error);
 }

@@ -8,9 +8,16 @@
 
 #include <string.h>
 
+/* Treatment of gaps and overlaps at the start, of a contact or an obstacle. */
+typedef struct ct_start_rule {
+  ct_initial initial_penetration;
+  double removal_time, adjust;
+} ct_start_rule;
+
 /* Constant data of a contact, shared by all states of an effect. */
 typedef struct ct_contact_fixed {
   ct_contact_options options;
+  ct_start_rule start_rule; /* from the options */
   double depth; /* search distance of points at the start, and largest depth at which a point comes
                    into contact */
   double near;  /* search distance of points afterwards (eq:contact-near) */
@@ -117,9 +124,6 @@ double ct_contact_reach(const ct_contact *contact);
 ct_status ct_contact_measure(ct_contact *contact, ct_error *error);
 void ct_pass_search(ct_contact *contact, int s);
 
-/* Error of the gap of two surfaces by the rounding of their coordinates. */
-double ct_contact_rounding(const ct_contact *contact);
-
 /* Search distance of points after the start, and largest safe approach of two surfaces in a step;
  * and refuse a step of length `dt` to `time` with a larger approach, with velocities in the
  * numbering of the host (eq:tunnelling). */
@@ -127,16 +131,20 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
 ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error);
 
-/* Whether the gaps of a contact with these options are measured from start gaps; and whether these
- * fade. */
-int ct_start_gap_counts(const ct_contact_options *options);
-static inline int ct_start_gap_fades(const ct_contact_options *options)
+/* Refuse a rule with values out of range; `label` names the effect. */
+ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error);
+
+/* Whether gaps are measured from start gaps; and whether these fade. */
+int ct_start_gap_counts(const ct_start_rule *rule);
+static inline int ct_start_gap_fades(const ct_start_rule *rule)
 {
-  return options->initial_penetration == CT_INITIAL_REMOVE;
+  return rule->initial_penetration == CT_INITIAL_REMOVE;
 }
 
-/* Fail if a point penetrates by more than is adjusted (eq:initial-shift). */
-ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error);
+/* Fail if a point penetrates by more than is adjusted (eq:initial-shift). `depth` is that beyond
+ * which points count as buried. */
+ct_status ct_start_gap_refuse(const ct_start_rule *rule, const ct_penetration *found,
+                              const char *label, double depth, ct_error *error);
 
 /* Memory of a point of a contact effect from step to step, as doubles of a restart. */
 typedef struct ct_point_record {
@@ -157,16 +165,18 @@ int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error);
 void ct_contact_store(const ct_contact *contact, double *memory);
 
-/* Set the start gaps of all points from their distances on the undeformed shape
+/* Set the start gaps of all points of some sides from their distances on the undeformed shape
  * (eq:initial-adjust). */
-void ct_start_gap_begin(ct_contact *contact);
+void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count);
 
-/* Measure the gaps of all points from their start gaps. */
-void ct_start_gap_shift(ct_contact *contact, const ct_moment *now);
+/* Measure the gaps of all points from their start gaps. `last`: time of the last step. */
+void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count, const ct_moment *now,
+                        double last);
 
 /* Work of fading start gaps since the time `last` of the last step, once the forces of the points
- * are known (eq:initial-work). */
-double ct_start_gap_work(ct_contact *contact, double time, double last);
+ * are known (eq:initial-work). `terms` has one number for each point. */
+double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, double time,
+                         double last, double *terms);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
  * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal

@@ -151,7 +151,7 @@ static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_pr
   effect->node_count = data->fixed->node_count;
   effect->memory_count = ct_contact_fixed_memory(data->fixed);
   count_costs(effect, data);
-  if (ct_start_gap_fades(&def->options)) effect->external = contact_external;
+  if (ct_start_gap_fades(&data->fixed->start_rule)) effect->external = contact_external;
   if (is_penalty(data)) return CT_OK;
   effect->phase = CT_PHASE_CONSTRAINT;
   effect->constraints = &CONSTRAINTS;

@@ -4,7 +4,6 @@
 #include "../base/vector.h"
 #include "contact_internal.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -107,23 +106,12 @@ static void at_edges(const ct_contact *contact, ct_search *const now[2], int edg
   }
 }
 
-double ct_contact_rounding(const ct_contact *contact)
-{
-  double far = 0.0;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++)
-      far = fmax(far, fabs(search->x[i]));
-  }
-  return 64.0 * DBL_EPSILON * far;
-}
-
 /* Depth up to which surfaces count as touching: the rounding of coordinates, and 1e-9 of a face. */
 static double touching(const ct_contact *contact)
 {
   double size =
       fmax(contact->side[0].search->size, contact->side[contact->fixed->sides - 1].search->size);
-  return fmax(1e-9 * size, ct_contact_rounding(contact));
+  return fmax(1e-9 * size, ct_side_rounding(contact->side, contact->fixed->sides));
 }
 
 ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,

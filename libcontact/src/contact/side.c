@@ -5,6 +5,7 @@
 #include "../base/memory.h"
 #include "../base/vector.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -149,6 +150,17 @@ void ct_side_position(const ct_side *side, int64_t i, const double *origin, doub
   int32_t points = side->fixed->rule.count;
   ct_side_interpolate(side->search, side->search->x, (int32_t)(i / points),
                       side->fixed->N[i % points], origin, y);
+}
+
+double ct_side_rounding(const ct_side *sides, int count)
+{
+  double far = 0.0;
+  for (int s = 0; s < count; s++) {
+    const ct_search *search = sides[s].search;
+    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++)
+      far = fmax(far, fabs(search->x[i]));
+  }
+  return 64.0 * DBL_EPSILON * far;
 }
 
 void ct_side_place(ct_side *side)

@@ -116,6 +116,9 @@ void ct_side_interpolate(const ct_search *search, const double *x, int32_t face,
 /* Position of point `i` relative to `origin` or, if null, to 0. */
 void ct_side_position(const ct_side *side, int64_t i, const double *origin, double y[3]);
 
+/* Error of the gaps of some sides by the rounding of their coordinates. */
+double ct_side_rounding(const ct_side *sides, int count);
+
 /* Move the nodes to the coordinates in `moved`, and replace these by the displacements. */
 void ct_side_place(ct_side *side);
 

@@ -13,40 +13,46 @@
  * these and the gap. */
 static const double FACING = 0.70710678118654752;
 
-static int keeps(const ct_contact_options *options)
+static int keeps(const ct_start_rule *rule)
 {
-  return options->initial_penetration == CT_INITIAL_KEEP ||
-         options->initial_penetration == CT_INITIAL_REMOVE;
+  return rule->initial_penetration == CT_INITIAL_KEEP ||
+         rule->initial_penetration == CT_INITIAL_REMOVE;
 }
 
-int ct_start_gap_counts(const ct_contact_options *options)
+int ct_start_gap_counts(const ct_start_rule *rule) { return keeps(rule) || rule->adjust != 0.0; }
+
+ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error)
 {
-  return keeps(options) || options->adjust != 0.0;
+  if (rule->initial_penetration < CT_INITIAL_PUSH ||
+      rule->initial_penetration > CT_INITIAL_REMOVE ||
+      (rule->initial_penetration == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0)))
+    return CT_REFUSE(error, "%s: initial penetration %d with removal in %g", label,
+                     (int)rule->initial_penetration, rule->removal_time);
+  if (!(rule->adjust >= 0.0) || !isfinite(rule->adjust))
+    return CT_REFUSE(error, "%s: gaps and overlaps up to %g to be adjusted", label, rule->adjust);
+  return CT_OK;
 }
 
 /* Fraction of the start gaps that remains at a time (eq:initial-fade). */
-static double left(const ct_contact_options *options, double time)
+static double left(const ct_start_rule *rule, double time)
 {
-  if (!ct_start_gap_fades(options) || time <= 0.0) return 1.0;
+  if (!ct_start_gap_fades(rule) || time <= 0.0) return 1.0;
   // -- φ = ½ (1 + cos(π t / T)) (eq:initial-fade)
-  return time < options->removal_time
-             ? 0.5 * (1.0 + cos(3.14159265358979323846 * time / options->removal_time))
+  return time < rule->removal_time
+             ? 0.5 * (1.0 + cos(3.14159265358979323846 * time / rule->removal_time))
              : 0.0;
 }
 
-ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error)
+ct_status ct_start_gap_refuse(const ct_start_rule *rule, const ct_penetration *found,
+                              const char *label, double depth, ct_error *error)
 {
-  ct_penetration found;
-  ct_status status = ct_contact_penetration(contact, CT_AT_POINTS, &found);
-  if (status != CT_OK ||
-      (found.buried == 0 && found.deepest <= fmax(found.touching, contact->fixed->options.adjust)))
-    return status;
+  if (found->buried == 0 && found->deepest <= fmax(found->touching, rule->adjust)) return CT_OK;
   return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                 "contact: %ld points of its surfaces are inside at the start, the deepest by %g "
+                 "%s: %ld points of its surfaces are inside at the start, the deepest by %g "
                  "at (%g, %g, %g), face %d of the %s surface; %ld are deeper than the depth %g",
-                 (long)found.inside, found.deepest, found.position[0], found.position[1],
-                 found.position[2], (int)found.face, found.side == 1 ? "second" : "first",
-                 (long)found.buried, contact->fixed->depth);
+                 label, (long)found->inside, found->deepest, found->position[0], found->position[1],
+                 found->position[2], (int)found->face, found->side == 1 ? "second" : "first",
+                 (long)found->buried, depth);
 }
 
 /* Whether an outside point and the face over it face each other along the gap (eq:initial-facing).
@@ -78,52 +84,47 @@ static double touching_gap(const ct_side *side, const ct_point *point)
 
 /* Start gap of a point over another face, from its distance on the undeformed shape
  * (eq:initial-adjust). */
-static double first_gap(const ct_contact_options *options, double rounding, const ct_side *side,
-                        int64_t i)
+static double first_gap(const ct_start_rule *rule, double rounding, const ct_side *side, int64_t i)
 {
   double gap = touching_gap(side, &side->points[i]);
   if (fabs(gap) <= rounding) return gap;
   // -- Kept, adjusted, or none (eq:initial-adjust)
-  if (fabs(gap) > options->adjust) return gap < 0.0 && keeps(options) ? gap : 0.0;
+  if (fabs(gap) > rule->adjust) return gap < 0.0 && keeps(rule) ? gap : 0.0;
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
 }
 
 /* Start gap of a point after the first step: it changes only if the point has no force and no
  * energy, that is, is open in this step and the last one (eq:initial-release). */
-static double later_gap(const ct_contact_options *options, const ct_side *side, double s,
-                        double last, double gap, double share)
+static double later_gap(const ct_start_rule *rule, const ct_side *side, double s, double last,
+                        double gap, double share)
 {
   // -- Released once it has opened for two steps (eq:initial-release)
-  double open = fmin(gap, last) - options->adjust;
+  double open = fmin(gap, last) - rule->adjust;
   if (s == 0.0 || !(open > s * share + unsure(side))) return s;
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
 }
 
-void ct_start_gap_begin(ct_contact *contact)
+void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
 {
-  double rounding = ct_contact_rounding(contact);
-  for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) {
-      ct_point *point = &contact->side[s].points[i];
-      point->start = point->other < 0
-                         ? 0.0
-                         : first_gap(&contact->fixed->options, rounding, &contact->side[s], i);
+  double rounding = ct_side_rounding(sides, count);
+  for (int s = 0; s < count; s++)
+    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
+      ct_point *point = &sides[s].points[i];
+      point->start = point->other < 0 ? 0.0 : first_gap(rule, rounding, &sides[s], i);
     }
 }
 
-void ct_start_gap_shift(ct_contact *contact, const ct_moment *now)
+void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count, const ct_moment *now,
+                        double last)
 {
-  const ct_contact_options *options = &contact->fixed->options;
-  double share = left(options, now->time),
-         last_share = left(options, now->first ? now->time : contact->time),
-         next_share = left(options, now->time + now->dt);
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
+  double share = left(rule, now->time), last_share = left(rule, now->first ? now->time : last),
+         next_share = left(rule, now->time + now->dt);
+  for (const ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       p->last_start = p->start;
       if (p->other < 0 || !(share > 0.0)) p->start = 0.0;
       else if (!now->first)
-        p->start = later_gap(options, side, p->start, p->last_known, p->row.gap, share);
+        p->start = later_gap(rule, side, p->start, p->last_known, p->row.gap, share);
       p->shift = p->start * share;
       p->closed = p->start * (share - last_share);
       p->closing = p->start * (next_share - share);
@@ -131,21 +132,20 @@ void ct_start_gap_shift(ct_contact *contact, const ct_moment *now)
       p->row.gap -= p->shift;
       if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
     }
-  }
 }
 
-double ct_start_gap_work(ct_contact *contact, double time, double last)
+double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, double time,
+                         double last, double *terms)
 {
-  const ct_contact_options *options = &contact->fixed->options;
-  double change = left(options, time) - left(options, last);
-  int64_t count = 0;
-  for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) {
-      ct_point *p = &contact->side[s].points[i];
+  double change = left(rule, time) - left(rule, last);
+  int64_t some = 0;
+  for (int s = 0; s < count; s++)
+    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
+      ct_point *p = &sides[s].points[i];
       double force_size = sqrt(ct_vector_dot(p->force, p->force));
       // -- Work of the start gap that fades (eq:initial-work)
-      contact->terms[count++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
+      terms[some++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
       p->force_size = force_size;
     }
-  return ct_sum(contact->terms, count);
+  return ct_sum(terms, some);
 }
