@@ -267,6 +267,14 @@ module libcontact
       integer(c_int) :: status
     end function
 
+    function ct_contact_update_stable_step(contact, mass_a, mass_b, dt) bind(C) result(status)
+      import :: c_int, c_double, c_ptr
+      type(c_ptr), value :: contact
+      real(c_double), intent(in) :: mass_a(*), mass_b(*)
+      real(c_double), intent(inout) :: dt
+      integer(c_int) :: status
+    end function
+
     subroutine ct_contact_free(contact) bind(C)
       import :: c_ptr
       type(c_ptr), value :: contact

@@ -517,11 +517,14 @@ static void sharp_bound(void)
   status = ct_contact_omega2_bound(contact, mass, mass, &bound);
   tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
          "fifty faces apart: the same bound");
-  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK &&
+  tap_ok(ct_contact_update_stable_step(contact, mass, mass, &dt) == CT_OK &&
              fabs(dt * sqrt(bound) - 2.0) < 1e-13,
-         "the stable step is 2 / omega");
+         "the stable step of updates is 2 / omega");
+  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK && dt == INFINITY,
+         "steps with the default law have no limit");
   mass[0] = 0.0;
-  tap_ok(ct_contact_omega2_bound(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_omega2_bound(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT &&
+             ct_contact_stable_step(contact, mass, mass, &dt) == CT_ERROR_ARGUMENT,
          "a node without mass is refused");
   ct_contact_free(contact);
   free_patch(&a);
@@ -1015,7 +1018,8 @@ static void refusals(void)
              ct_contact_add_force(NULL, a.x, b.x) == CT_ERROR_ARGUMENT &&
              isnan(ct_contact_energy(NULL)) && ct_contact_point_count(NULL) == 0 &&
              ct_contact_points(NULL, NULL) == CT_ERROR_ARGUMENT &&
-             ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
+             ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_update_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
          "calls without a contact are refused");
   ct_contact_free(NULL);
   tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6,

@@ -425,14 +425,77 @@ static void bound(double rho)
   ct_state *state = new_state(t.problem);
   for (int k = 0; k < 2; k++)
     need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
-  tap_close(shares[1] / shares[0], fmax(rho, 0.5), 1e-14,
-            "rho = %g: its bound is the larger of rho and mu, times that of the contact", rho);
+  double facing = 0.0;
+  const ct_contact *contact = ct_state_contact(t.problem, state, 1, &error);
+  need(ct_contact_facing_bound(contact, t.problem->mass, t.problem->mass, &facing), &error);
+  tap_close(shares[1] / facing, fmax(rho, 0.5), 1e-14,
+            "rho = %g: its bound is the larger of rho and mu, times that of the facing points",
+            rho);
+  tap_ok(shares[1] <= fmax(rho, 0.5) * shares[0] * (1.0 + 1e-14),
+         "rho = %g: and not above that of all points", rho);
   tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1],
          "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient,
          shares[1]);
   ct_state_free(state);
   free(v), free(f0), free(u0), free(solid), free(solid0);
   free_pressed(&t);
+}
+
+/* Two equal cubes of n³ bricks, all outer faces in contact, touching or apart: points of sides and
+ * backs do not count, so the bound is that of two flat faces, 2 ε A / m at every node, with m = ρ h
+ * A / 2. (eq:friction-facing) */
+static void closed_skins(int n, double apart)
+{
+  ct_mesh *low = box_mesh(CT_HEX8, 0, 0, -1, 1, 1, 1, n, n, n),
+          *high = box_mesh(CT_HEX8, 0, 0, apart, 1, 1, 1, n, n, n);
+  ct_scene *scene = new_scene();
+  add_body(scene, "low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  add_body(scene, "high", high, &SOFT, CT_KERNEL_AUTO, 0, 0, -1);
+  int32_t outer[2][4 * 6 * 64];
+  ct_scene_contact skins = {.body_a = 0,
+                            .body_b = 1,
+                            .faces_a = outer[0],
+                            .faces_b = outer[1],
+                            .beta = 1.0,
+                            .friction = 0.3,
+                            .tangent = 0.1,
+                            .options = ct_contact_options_default()};
+  skins.face_count_a = ct_mesh_outer_faces(low, outer[0], NULL);
+  skins.face_count_b = ct_mesh_outer_faces(high, outer[1], NULL);
+  ct_error error;
+  need(ct_scene_add_contact(scene, &skins, &error), &error);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, NULL, NULL);
+  ct_state *state = new_state(problem);
+  double omega2, rate;
+  need(ct_stable_share(problem, state, 2, &omega2, &rate, &error), &error);
+  // ε = E / h, and 2 ε A / m = 4 E / (ρ h²)
+  tap_close(omega2 / (0.3 * 4.0 * SOFT.young * n * n), 1.0, 1e-12,
+            "two closed cubes of %d bricks a side, %g apart: the bound of their flat faces", n,
+            apart);
+  close_run(state, scene, low);
+  ct_mesh_free(high);
+}
+
+/* In stick all points of a block on a slab have ρ times the bound of the contact: a step for which
+ * this is too much is refused at the first evaluation, with the node. (eq:friction-room) */
+static void too_stiff_for_the_step(void)
+{
+  const double g[3] = {0.0, 0.0, -10.0}, rho = 0.5;
+  for (int k = 0; k < 2; k++) {
+    incline t = new_incline(CT_HEX8, g, 0.6, rho, 1.0, 0.0, 0.0, 0.0, 1);
+    ct_error error = {0};
+    double rate, omega2, part = k == 0 ? 0.999 : 1.001;
+    need(ct_stable_share(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
+    ct_friction_set_room((ct_effect *)t.problem->effects[t.friction], t.problem->mass,
+                         part * rho / 0.6 * omega2);
+    ct_status status = ct_step_many(t.problem, t.state, 100, &error);
+    if (k == 0)
+      tap_ok(status == CT_ERROR_STEP && error.point >= 0 && strstr(error.text, "at most"),
+             "points that are too stiff for the step: %s", error.text);
+    else tap_ok(status == CT_OK, "a little less stiff: the step is taken");
+    free_incline(&t);
+  }
 }
 
 /* A restart in the middle of a slide, and two threads, give the same bits. */
@@ -503,6 +566,9 @@ int main(void)
   mirrored();
   bound(1.0);
   bound(0.5);
+  for (int n = 2; n <= 8; n += 3) closed_skins(n, 0.0);
+  closed_skins(4, 7.0);
+  too_stiff_for_the_step();
   same_bits();
   refusals();
   return tap_done();

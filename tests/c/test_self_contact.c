@@ -215,7 +215,7 @@ static void bound(ct_face_kind kind)
   forces(contact, n / 3, f0);
   for (int i = 0; i < n; i++) v[i] = uniform(1.0), mass[i] = 0.5 + 0.01 * (i % 7);
   need(ct_contact_omega2_bound(contact, mass, NULL, &square), &e);
-  need(ct_contact_stable_step(contact, mass, NULL, &dt), &e);
+  need(ct_contact_update_stable_step(contact, mass, NULL, &dt), &e);
   for (int k = 0; k < 60; k++) {
     double work = 0.0, kinetic = 0.0, top = largest(v, n);
     for (int i = 0; i < n; i++) x[i] = p.x[i] + h * (v[i] /= top);

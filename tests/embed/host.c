@@ -269,7 +269,7 @@ int main(void)
   tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK,
          "a contact of two surfaces over the host's arrays");
   if (contact == NULL) return tap_done();
-  tap_ok(ct_contact_stable_step(contact, left.mass, right.mass, &dt_contact) == CT_OK,
+  tap_ok(ct_contact_update_stable_step(contact, left.mass, right.mass, &dt_contact) == CT_OK,
          "its stable step");
   /* Chain with lumped masses: h / c = h. With the contact: 1 / dt² = 1 / dt_contact² + 1 /
    * dt_host². */

@@ -325,7 +325,7 @@ program host
   call check(ct_contact_create(a, b, options, contact, error) == CT_OK, &
              "a contact of two surfaces over the host's arrays")
   if (.not. c_associated(contact)) error stop
-  call check(ct_contact_stable_step(contact, left%mass, right%mass, dt_contact) == CT_OK, "its stable step")
+  call check(ct_contact_update_stable_step(contact, left%mass, right%mass, dt_contact) == CT_OK, "its step")
   call check_close(dt_contact/h, 1.0_dp, 1e-12_dp, "of two end layers at beta = 1")
 
   dt = 0.5_dp/sqrt(1/dt_contact**2 + 1/h**2)

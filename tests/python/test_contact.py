@@ -137,6 +137,41 @@ def test_penalties_and_the_step_that_the_explicit_one_allows():
     assert ct.Contact.penalty(3.0, 0.5, "penalty") == 4 * 3.0 / 0.5
 
 
+def test_the_default_law_has_no_limit():
+    rods = Rods(one_array=False)
+    contact = ct.Contact(*rods.surfaces, epsilon=1 / rods.h)
+    mass = 1 / rods.inverse_mass[:, 0]
+    assert contact.stable_step(rods.split(mass)) == np.inf
+    mass[rods.middle] = 0.0
+    with pytest.raises(ValueError):
+        contact.stable_step(rods.split(mass))
+
+
+def skins(n, apart=0.0):
+    """Two unit cubes of n³ bricks with density 1: coordinates, outer faces and masses."""
+    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material(name="soft", young=1.0, poisson=0.0, density=1.0)
+    for name, z in ("low", 0.0), ("high", 1.0 + apart):
+        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [n, n, n]}
+        scene.add_body(name=name, element="hex8", material="soft", box=box)
+    problem = scene.set_time(end=1.0)._built(None)
+    mass = np.frombuffer(ct._core.ffi.buffer(problem.pointer.mass, 16 * (n + 1) ** 3))
+    meshes = [body.mesh for body in problem.bodies.values()]
+    return [(m.nodes, m.faces("outer")[0]) for m in meshes], mass.reshape(2, -1)
+
+
+@pytest.mark.parametrize("apart", [0.0, 3.0])
+@pytest.mark.parametrize("n", [4, 8])
+def test_friction_counts_the_points_that_face_the_other_body(n, apart):
+    """Closed cubes allow the step of their flat faces: ω² = μ 2 ε A / m = 4 μ ε n."""
+    cubes, mass = skins(n, apart)
+    contact = ct.Contact(
+        *(ct.Surface("Q4", *cube) for cube in cubes), epsilon=7.0, friction=0.3, tangent=0.1
+    )
+    step = contact.stable_step((mass[0], mass[1]))
+    assert step == pytest.approx(2 / np.sqrt(4 * 0.3 * 7.0 * n), rel=1e-12)
+
+
 def test_one_array_or_two_give_the_same_bits():
     one, two = Rods(True).run(10)[1], Rods(False).run(10)[1]
     assert (one == two).all()

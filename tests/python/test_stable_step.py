@@ -99,3 +99,42 @@ def test_averaged_mass(shape, element, nu):
     for dt, grows in ((0.999 * problem.stable.dt, False), (1.02 * low, True)):
         own.dt = dt  # the averaging takes its coefficient from the step of its problem
         assert (steps.growth(problem, dt, 2000) > BLOWN) == grows
+
+
+def thrown(n, friction, fraction=0.9, surfaces="outer", size=0.6):
+    """A block of n³ bricks is thrown obliquely on one of size 1 and equally many."""
+    made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    made.add_material("steel", young=2.1e11, poisson=0.3, density=7800.0)
+    for name, low, edge, velocity in (
+        ("slab", [0, 0, 0], 1.0, [0, 0, 0]),
+        ("block", [0.5 - size / 2, 0.5 - size / 2, 1.0], size, [2.0, 0, -1.0]),
+    ):
+        box = {"origin": low, "size": [edge] * 3, "cells": [n] * 3}
+        made.add_body(name, material="steel", element="hex8", box=box, velocity=velocity)
+    faces = ("outer", "outer") if surfaces == "outer" else ("z_max", "z_min")
+    rub = {"friction": friction} if friction else {}
+    made.add_contact(f"slab.{faces[0]}", f"block.{faces[1]}", **rub)
+    made.add_support("slab.z_min", fix=["x", "y", "z"])
+    return made.set_time(end=1.2e-3, fraction=fraction)
+
+
+@pytest.mark.parametrize("n", [4, 8, 12, 16])
+def test_friction_of_closed_skins_costs_what_that_of_their_flat_faces_costs(n):
+    step, flat, free = (
+        thrown(n, friction, surfaces=surfaces, size=1.0)._built(None).stable.dt
+        for friction, surfaces in ((0.3, "outer"), (0.3, "flat"), (0.0, "outer"))
+    )
+    assert step == pytest.approx(flat, rel=1e-12)
+    assert step >= 0.28 * free
+
+
+def test_a_thrown_block_slides_as_with_a_tiny_step():
+    """Slip and rebound at the default step and at one 18 times smaller, and no energy appears."""
+    found = []
+    for fraction in 0.9, 0.05:
+        run = thrown(4, 0.3, fraction).run(progress=False, output=False)
+        energy = run.energy["total"]
+        assert energy.max() <= energy[0] * (1.0 + 1e-9)
+        momentum = run.body_momentum("block")["p"][-1]
+        found.append((run.state["block"].displacement[:, 0].mean(), momentum[0], momentum[2]))
+    assert found[0] == pytest.approx(found[1], rel=5e-3)

@@ -504,7 +504,12 @@ class Contact:
 
     def stable_step(self, mass: Any) -> float:
         """
-        Largest stable step of the contact alone, for ``"penalty"`` and for friction; the other enforcements do not limit the step.
+        Largest stable step of :meth:`step` for the contact alone. Only ``"penalty"`` and friction limit it.
+
+        Friction counts the points that face the other surface where the two touch, or, while they are
+        apart, would touch first, at the coordinates of the last call. Call it again when other parts
+        of the surfaces come into contact: at the latest when they have slid or rolled over each other
+        by the size of a face.
 
         Parameters
         ----------
@@ -514,7 +519,8 @@ class Contact:
         Returns
         -------
         float
-            2 / ω [time]; with the host's own limit it gives 1 / sqrt(1 / dt² + 1 / dt_host²).
+            2 / ω [time], infinite without friction and ``"penalty"``; with the host's own limit it gives
+            1 / sqrt(1 / dt² + 1 / dt_host²).
 
         Raises
         ------

@@ -257,16 +257,25 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
                                       double moment_a[3], double force_b[3], double moment_b[3]);
 
 /**
- * Largest stable step of the contact alone [time], 2 / ω, :eq:`contact-bound`, for the explicit
- * penalty with every point active on its closest face. With obstacles or friction it is the limit
- * of `ct_contact_step`, due to friction, :eq:`friction-bound`, and to explicit penalties; infinite
- * if the contact has neither. A host combines it with its own limit dt_host as 1 / sqrt(1 / dt² + 1
- * / dt_host²), :eq:`step-bound`. The default law of `ct_contact_step` has no limit: without
- * friction and explicit penalties a host keeps its own step. `mass_a`, `mass_b`: nodal masses,
- * shapes (node_count).
+ * Largest stable step of `ct_contact_step` for the contact alone [time], 2 / ω. Only friction,
+ * :eq:`friction-bound`, and explicit penalties, :eq:`contact-bound`, limit it; without them it is
+ * infinite, and a host keeps its own step. A host combines it with its own limit dt_host as 1 /
+ * sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses, shapes
+ * (node_count). Friction of the surfaces counts the points that face the other surface where the
+ * two touch or, while they are apart, would touch first, at the coordinates of the last call. So
+ * call it again when other parts of the surfaces come into contact: at the latest when they have
+ * slid or rolled over each other by the size of a face. ``CT_ERROR_ARGUMENT``: null argument, or a
+ * mass that is not positive.
  */
 CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
                                         const double *mass_b, double *dt);
+
+/**
+ * The same for the explicit penalty of `ct_contact_update`, whatever the enforcement, with every
+ * point active on its closest face, :eq:`contact-bound`.
+ */
+CT_API ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
+                                               const double *mass_b, double *dt);
 
 /** One contact point, for plots and tests; `ct_contact_points` writes all members. */
 typedef struct ct_contact_point {

@@ -1,51 +1,99 @@
-/* The contact's part of the largest ω²: every point taken as active at its nearest face. */
+/* The contact's part of the largest ω²: every point taken as active at its nearest face, or for
+ * friction the points that face the other surface where the two touch. */
 #include <libcontact/contact.h>
 
 #include "../base/memory.h"
+#include "../base/vector.h"
 #include "host.h"
 
 #include <math.h>
+#include <string.h>
 
-/* A surface in contact with itself, and the face of the point whose partner is searched for. */
-typedef struct neighbourhood {
-  const ct_search *search;
+/* The points that are taken as active: those within the search distance that face the other
+ * surface; all that face it; or all. */
+typedef enum reach { NEAR, FACING, EVERY } reach;
+
+/* The points of one pass. */
+typedef struct pass {
+  const ct_contact_fixed *fixed;
+  const ct_side *side, *other;
+  const ct_search *now; /* the other side with a tree for its present shape */
+  reach reach;
+  double shift[3]; /* motion of the points that brings the surfaces into touch */
+} pass;
+
+/* One point whose partner is searched for: its face, and the normal there, of any length. */
+typedef struct seeker {
+  const pass *pass;
   int32_t face;
-} neighbourhood;
+  double own[3];
+} seeker;
 
-static int is_adjacent(void *user, int32_t face)
+/* Cosine of the angle between two vectors; NaN if one of them is zero. */
+static double cosine(const double a[3], const double b[3])
 {
-  const neighbourhood *n = user;
-  return ct_search_adjacent(n->search, n->face, face);
+  return ct_vector_dot(a, b) / sqrt(ct_vector_dot(a, a) * ct_vector_dot(b, b));
+}
+
+/* Whether a face cannot be the partner: it shares a node with the point's own, or does not face it.
+ */
+static int is_no_partner(void *user, int32_t face)
+{
+  const seeker *s = user;
+  const ct_search *now = s->pass->now;
+  ct_face nodes;
+  double normal[3];
+  if (s->pass->side == s->pass->other && ct_search_adjacent(now, s->face, face)) return 1;
+  if (s->pass->reach == EVERY) return 0;
+  ct_search_face(now, face, &nodes);
+  return ct_segment_normal(&nodes, ct_search_middle(now), normal) != CT_OK ||
+         !(cosine(s->own, normal) < -0.25); // (eq:friction-facing)
+}
+
+/* Whether the closest point lies within 60° of the normal of the point's face, in front of it or,
+ * for two surfaces, behind it: not beside it, as for points beyond the rim of the other surface. */
+static int is_across(const seeker *s, const double d[3])
+{
+  double along = cosine(s->own, d);
+  if (s->pass->side != s->pass->other) along = fabs(along);
+  return ct_vector_dot(d, d) == 0.0 || along >= 0.5; // (eq:friction-facing)
 }
 
 /* Face and shape functions on which a point would act: those of the last update, or of the nearest
- * face. */
-static int32_t partner(const ct_side *side, const ct_side *other, const ct_search *now, int64_t i,
-                       double N[8])
+ * face; -1 if it is not taken as active. */
+static int32_t partner(const pass *p, int64_t i, double N[8])
 {
-  if (side->points[i].other >= 0) {
-    for (int a = 0; a < 8; a++) N[a] = side->points[i].N[a];
-    return side->points[i].other;
+  const ct_point *point = &p->side->points[i];
+  if (point->other >= 0 && (p->reach == EVERY || point->status == CT_POINT_INSIDE)) {
+    for (int a = 0; a < 8; a++) N[a] = point->N[a];
+    return point->other;
   }
-  double y[3];
+  double y[3], d[3], most = p->reach == NEAR ? p->fixed->near : HUGE_VAL;
   ct_nearest nearest;
-  neighbourhood near = {now, (int32_t)(i / side->fixed->rule.count)};
-  ct_side_position(side, i, NULL, y);
-  ct_search_point(now, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, side == other ? is_adjacent : NULL,
-                  &near, &nearest);
-  if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
+  seeker s = {.pass = p, .face = (int32_t)(i / p->side->fixed->rule.count)};
+  ct_side_area(p->side, i, s.own);
+  ct_side_position(p->side, i, NULL, y);
+  for (int c = 0; c < 3; c++) y[c] += p->shift[c];
+  ct_search_point(p->now, y, -1, most * most, CT_SEARCH_TOLERANCE, is_no_partner, &s, &nearest);
+  if (nearest.face < 0 || nearest.distance > most) return -1;
+  for (int c = 0; c < 3; c++) d[c] = nearest.point[c] - y[c];
+  if (p->reach != EVERY && !is_across(&s, d)) return -1;
+  ct_segment_shape(p->now->kind, nearest.xi, N);
   return nearest.face;
 }
 
-/* Row sums Σ_gp k |b_i| Σ_j |b_j| of the penalty stiffness of one pass (eq:contact-bound). */
-static void add_rows(const ct_side *side, const ct_side *other, const ct_search *now,
-                     double epsilon, double *rows, double *other_rows)
+/* Row sums Σ_gp k |b_i| Σ_j |b_j| of the penalty stiffness of one pass (eq:contact-bound). Returns
+ * whether any point counts. */
+static int add_rows(const pass *p, double *rows, double *other_rows)
 {
+  const ct_side *side = p->side, *other = p->other;
+  int found = 0;
   for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    double N[8], k = 0.5 * epsilon * side->fixed->weight[i], sum = 0.0;
+    double N[8], k = 0.5 * p->fixed->options.epsilon * side->fixed->weight[i], sum = 0.0;
     const double *own = side->fixed->N[i % side->fixed->rule.count];
-    int32_t face = partner(side, other, now, i, N);
+    int32_t face = partner(p, i, N);
     if (face < 0) continue;
+    found = 1;
     const int per = side->search->per, other_per = other->search->per;
     const int32_t *node = &side->search->faces[i / side->fixed->rule.count * per],
                   *other_node = &other->search->faces[(int64_t)face * other_per];
@@ -55,6 +103,7 @@ static void add_rows(const ct_side *side, const ct_side *other, const ct_search 
     for (int a = 0; a < per; a++) rows[node[a]] += k * sum * fabs(own[a]);
     for (int a = 0; a < other_per; a++) other_rows[other_node[a]] += k * sum * fabs(N[a]);
   }
+  return found;
 }
 
 /* Two surfaces over one array of nodes: a node of both has one row, the sum of both passes. Both
@@ -69,46 +118,112 @@ static void join_rows(const ct_side *a, const ct_side *b, double *rows_a, double
   }
 }
 
-/* Rows of both passes, and their largest value over the mass. Trees are built for the current
- * shape, so that this also works before the first update. */
-static ct_status find_rows(const ct_contact *contact, const double *const mass[2], double *rows[2],
-                           ct_search *now[2], double *omega2)
+/* Bounding box of a surface. */
+static ct_bounds box_of(const ct_search *search)
 {
-  const int sides = contact->fixed->sides;
-  for (int s = 0; s < sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
-    if (rows[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK) return CT_ERROR_MEMORY;
+  ct_bounds box = search->boxes[0];
+  for (int32_t f = 1; f < search->face_count; f++)
+    for (int c = 0; c < 3; c++) {
+      box.low[c] = fmin(box.low[c], search->boxes[f].low[c]);
+      box.high[c] = fmax(box.high[c], search->boxes[f].high[c]);
+    }
+  return box;
+}
+
+/* Motion of the first surface, along the axis on which the boxes of the two are farthest apart,
+ * until they touch; 0 if they overlap (eq:friction-facing). */
+static void find_shift(ct_search *const now[2], double shift[3])
+{
+  const ct_bounds a = box_of(now[0]), b = box_of(now[1]);
+  double most = 0.0;
+  for (int c = 0; c < 3; c++) {
+    double up = b.low[c] - a.high[c], down = a.low[c] - b.high[c];
+    if (!(fmax(up, down) > most)) continue;
+    most = fmax(up, down);
+    shift[0] = shift[1] = shift[2] = 0.0;
+    shift[c] = up > down ? up : -down;
   }
-  for (int s = 0, t = sides - 1; !contact->fixed->alone && s < sides; s++, t--)
-    add_rows(&contact->side[s], &contact->side[t], now[t], contact->fixed->options.epsilon, rows[s],
-             rows[t]);
-  if (sides == 2 && contact->fixed->one_array)
+}
+
+/* Row sums of both passes, and their largest value over the mass. Returns whether a point counts;
+ * -1: a mass is not positive. */
+static int find_rows(const ct_contact *contact, const double *const mass[2], reach which,
+                     double *rows[2], ct_search *const now[2], double *omega2)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  const int sides = fixed->sides;
+  double shift[3] = {0.0, 0.0, 0.0};
+  int found = 0;
+  if (which == NEAR && sides == 2) find_shift(now, shift);
+  for (int s = 0; s < sides; s++) memset(rows[s], 0, (size_t)now[s]->node_count * sizeof *rows[s]);
+  for (int s = 0, t = sides - 1; !fixed->alone && s < sides; s++, t--) {
+    pass p = {fixed, &contact->side[s], &contact->side[t], now[t], which, {0.0}};
+    for (int c = 0; c < 3; c++) p.shift[c] = s == 0 ? shift[c] : -shift[c];
+    found |= add_rows(&p, rows[s], rows[t]);
+  }
+  if (sides == 2 && fixed->one_array)
     join_rows(&contact->side[0], &contact->side[1], rows[0], rows[1]);
   *omega2 = 0.0;
   for (int s = 0; s < sides; s++)
     for (int32_t n = 0; n < now[s]->node_count; n++) {
       double m = mass[s][now[s]->nodes[n]];
-      if (!(m > 0.0)) return CT_ERROR_ARGUMENT;
+      if (!(m > 0.0)) return -1;
       *omega2 = fmax(*omega2, rows[s][n] / m);
     }
-  return CT_OK;
+  return found;
 }
 
-ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
-                                  const double *mass_b, double *omega2)
+/* The bound with the points of the first reach that has any, up to the last one. Trees are built
+ * for the current shape, so that this also works before the first update. */
+static ct_status find_bound(const ct_contact *contact, const double *mass_a, const double *mass_b,
+                            reach first, reach last, double *omega2)
 {
-  const double *mass[2] = {mass_a, mass_b};
+  const double *const mass[2] = {mass_a, mass_b};
   double *rows[2] = {NULL, NULL};
   ct_search *now[2] = {NULL, NULL};
   if (contact == NULL || mass_a == NULL || (mass_b == NULL && contact->fixed->sides == 2) ||
       omega2 == NULL)
     return CT_ERROR_ARGUMENT;
-  ct_status status = find_rows(contact, mass, rows, now, omega2);
+  ct_status status = CT_OK;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
+    if (rows[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK) status = CT_ERROR_MEMORY;
+  }
+  int found = 0;
+  for (int r = (int)first; status == CT_OK && found == 0 && r <= (int)last; r++) {
+    found = find_rows(contact, mass, (reach)r, rows, now, omega2);
+    if (found < 0) status = CT_ERROR_ARGUMENT;
+  }
   for (int s = 0; s < 2; s++) {
     ct_release(rows[s]);
     ct_search_free(now[s]);
   }
+  return status;
+}
+
+ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
+                                  const double *mass_b, double *omega2)
+{
+  return find_bound(contact, mass_a, mass_b, EVERY, EVERY, omega2);
+}
+
+ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_a,
+                                  const double *mass_b, double *omega2)
+{
+  // A surface without parts that face each other does not touch itself yet.
+  const reach last = contact != NULL && contact->fixed->sides == 1 ? FACING : EVERY;
+  return find_bound(contact, mass_a, mass_b, NEAR, last, omega2);
+}
+
+ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
+                                        const double *mass_b, double *dt)
+{
+  double omega2;
+  if (dt == NULL) return CT_ERROR_ARGUMENT;
+  ct_status status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
+  // -- Δt = 2 / ω (eq:step-bound)
+  if (status == CT_OK) *dt = 2.0 / sqrt(omega2);
   return status;
 }
 
@@ -118,8 +233,7 @@ ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a
   const double *const mass[2] = {mass_a, mass_b};
   double omega2;
   if (dt == NULL) return CT_ERROR_ARGUMENT;
-  ct_status status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
-  if (status == CT_OK) status = ct_host_omega2_bound(contact, mass, &omega2);
+  ct_status status = ct_host_omega2_bound(contact, mass, &omega2);
   // -- Δt = 2 / ω (eq:step-bound)
   if (status == CT_OK) *dt = 2.0 / sqrt(omega2);
   return status;

@@ -185,6 +185,12 @@ double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, d
 ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
                                   const double *mass_b, double *omega2);
 
+/* The same for friction: with the points that face the other surface where the two touch. If they
+ * are apart, those where they would touch (eq:friction-facing); 0 if no parts of a surface face
+ * each other. */
+ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_a,
+                                  const double *mass_b, double *omega2);
+
 /* An obstacle of one state: its points and its position. In each point `d` leads to the closest
  * point of the obstacle, and `other` is 0 if the point is inside, else -1. */
 typedef struct ct_obstacle_state {
@@ -197,18 +203,23 @@ typedef struct ct_obstacle_state {
 } ct_obstacle_state;
 
 /* Data that friction needs of the contact or obstacle it acts on: the constant data of a contact,
- * or the side of an obstacle; and bounds of ω² with all points as springs, for any enforcement.
+ * or the side of an obstacle; and bounds of ω² with all points as springs, or if `facing` those of
+ * ct_contact_facing_bound, for any enforcement.
  * `mass`: of the nodes that the obstacle's surface numbers; null: the problem's. */
 const ct_contact_fixed *ct_contact_fixed_of(const ct_effect *effect);
 const ct_side_fixed *ct_obstacle_side(const ct_effect *effect);
-ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, double *omega2,
-                             ct_error *error);
+ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, int facing,
+                             double *omega2, ct_error *error);
 double ct_obstacle_springs(const ct_effect *effect, const double *mass);
 
 /* The effect of friction on a contact, or, if that is null, on the obstacle `def->on`. A host's
  * contact is not an effect; then `on` is null, and the view's `read` gives the contact. */
 ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
                              ct_effect **effect, ct_error *error);
+
+/* Let friction refuse steps in which the ω² of its active points exceeds `omega2`; `mass` has the
+ * problem's nodes and must outlive it. Without this call it refuses none (eq:friction-room). */
+void ct_friction_set_room(ct_effect *effect, const double *mass, double omega2);
 
 /* The factor of these bounds for its own (eq:friction-bound); and its sums over all points of the
  * last force (eq:friction-dissipation). */

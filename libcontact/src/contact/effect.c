@@ -93,11 +93,12 @@ static ct_status contact_external(const ct_effect *effect, const ct_view *view, 
   return CT_OK;
 }
 
-ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, double *omega2,
-                             ct_error *error)
+ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, int facing,
+                             double *omega2, ct_error *error)
 {
   const contact_data *data = effect->data;
-  ct_status status = ct_contact_omega2_bound(scratch, data->mass, data->mass, omega2);
+  ct_status status = (facing ? ct_contact_facing_bound
+                             : ct_contact_omega2_bound)(scratch, data->mass, data->mass, omega2);
   return status == CT_OK ? CT_OK
                          : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
 }
@@ -106,7 +107,7 @@ static ct_status contact_omega2_bound(const ct_effect *effect, const ct_view *vi
                                       ct_error *error)
 {
   // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  return is_penalty(effect->data) ? ct_contact_springs(effect, view->scratch, omega2, error)
+  return is_penalty(effect->data) ? ct_contact_springs(effect, view->scratch, 0, omega2, error)
                                   : CT_OK;
 }
 

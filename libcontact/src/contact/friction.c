@@ -21,6 +21,8 @@ typedef struct friction_data {
   int rigid, sides;
   const ct_side_fixed *side[2];
   int64_t points;
+  const double *mass; /* of the problem's nodes; null for a host */
+  double room;        /* largest ω² of the active points for which the step is stable */
 } friction_data;
 
 /* One point: its tangential traction, and the couple that balances its moment. */
@@ -52,6 +54,7 @@ typedef struct friction_scratch {
   ct_pool pool;
   slip_point *points;
   double *coarse, *fine; /* sums at the effect's nodes */
+  double *rows;          /* row sums of the stiffness there */
   double *terms;
 } friction_scratch;
 
@@ -331,6 +334,50 @@ static call begin(const friction_data *data, const ct_view *view)
   return now;
 }
 
+/* Row sums Σ ρ k |b_i| Σ_j |b_j| of the points of side `k` that are active now, as if all stuck
+ * (eq:friction-room). */
+static void add_rows(const call *now, int k, const slip_point *p, double *rows)
+{
+  const ct_side_fixed *side = now->data->side[k],
+                      *other = now->data->side[now->data->sides - 1 - k];
+  const int per = side->search->per, other_per = other->search->per;
+  for (int64_t i = 0; i < side->point_count; i++, p++) {
+    const ct_point *point = &now->side[k]->points[i];
+    double sum = 0.0;
+    if (!(p->k > 0.0)) continue;
+    const int32_t *node = point->row.own, *other_node = ct_side_row_nodes(other, point->other);
+    for (int a = 0; a < per; a++) sum += fabs(point->row.own_shape[a]);
+    for (int a = 0; a < other_per; a++) sum += fabs(point->N[a]);
+    // -- k |b_i| Σ |b_j| of one point (eq:friction-room)
+    sum *= p->k;
+    for (int a = 0; a < per; a++) rows[node[a]] += sum * fabs(point->row.own_shape[a]);
+    for (int a = 0; a < other_per; a++) rows[other_node[a]] += sum * fabs(point->N[a]);
+  }
+}
+
+/* Refuse a step for which the active points are too stiff: more of them than the bound expected
+ * (eq:friction-room). */
+static ct_status check_room(const ct_effect *effect, const call *now, friction_scratch *s,
+                            ct_error *error)
+{
+  const friction_data *data = now->data;
+  const double dt = now->view->dt;
+  const slip_point *p = s->points;
+  if (data->room == HUGE_VAL || !(dt > 0.0)) return CT_OK;
+  memset(s->rows, 0, (size_t)effect->node_count * sizeof *s->rows);
+  for (int k = 0; k < data->sides; p += data->side[k++]->point_count) add_rows(now, k, p, s->rows);
+  for (int32_t n = 0; n < effect->node_count; n++) {
+    double over = s->rows[n] / data->mass[effect->nodes[n]] - data->room;
+    // -- 4 / Δt² must grow by what is too much (eq:friction-room)
+    if (over > 1e-9 * data->room)
+      return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, effect->nodes[n]},
+                     "friction: the points in contact at node %d are too stiff for the time step "
+                     "%g, which may be %g at most",
+                     (int)effect->nodes[n], dt, 2.0 / sqrt(4.0 / (dt * dt) + over));
+  }
+  return CT_OK;
+}
+
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
@@ -353,19 +400,28 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
       rub_point(&now, k, i, RECORD * (first + i), &s->points[first + i]);
     first += count;
   }
-  return gather(&now, s, effect->node_count, force, error);
+  ct_status status = check_room(effect, &now, s, error);
+  return status == CT_OK ? gather(&now, s, effect->node_count, force, error) : status;
 }
 
-/* max(ρ, μ) times the bound of its contact or obstacle (eq:friction-bound). */
+/* max(ρ, μ) times the bound of the points of its contact that face the other surface, or of its
+ * obstacle (eq:friction-bound). */
 static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
                                        ct_error *error)
 {
   const friction_data *data = effect->data;
   ct_status status = CT_OK;
   if (data->rigid) *omega2 = ct_obstacle_springs(data->on, NULL);
-  else status = ct_contact_springs(data->on, view->read, omega2, error);
+  else status = ct_contact_springs(data->on, view->read, 1, omega2, error);
   *omega2 *= ct_friction_stiffness(effect);
   return status;
+}
+
+void ct_friction_set_room(ct_effect *effect, const double *mass, double omega2)
+{
+  friction_data *data = effect->data;
+  data->mass = mass;
+  data->room = data->rigid ? HUGE_VAL : omega2;
 }
 
 double ct_friction_stiffness(const ct_effect *effect)
@@ -384,6 +440,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   s->terms = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->terms);
   s->coarse = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
   s->fine = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
+  s->rows = ct_pool_take(&s->pool, (size_t)effect->node_count, sizeof *s->rows);
   if (!s->pool.failed) {
     *scratch = s;
     return CT_OK;
@@ -417,6 +474,7 @@ ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed 
   *data = (friction_data){.on = def->on,
                           .mu = def->coefficient,
                           .rho = def->tangent,
+                          .room = HUGE_VAL,
                           .rigid = contact == NULL,
                           .sides = contact == NULL ? 1 : contact->sides};
   for (int k = 0; k < data->sides; k++) {

@@ -83,7 +83,7 @@ void ct_host_sum_parts(ct_host *host);
 /* Add the forces of all parts. */
 ct_status ct_host_add_force(const ct_contact *contact, double *const f[2]);
 
-/* Bound of ω² for the forces of a step, from that of the contact's springs (eq:contact-bound,
+/* Bound of ω² for the forces of a step: of friction and of explicit penalties (eq:contact-bound,
  * eq:friction-bound, eq:obstacle-bound). */
 ct_status ct_host_omega2_bound(const ct_contact *contact, const double *const mass[2],
                                double *omega2);

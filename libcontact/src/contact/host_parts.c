@@ -217,23 +217,41 @@ static ct_status obstacle_bound(const ct_contact *contact, const ct_host_part *p
   return CT_OK;
 }
 
+/* Bound of ω² of one part: friction as a scene's, an obstacle if its penalty is explicit. */
+static ct_status part_bound(const ct_contact *contact, const ct_host_part *part,
+                            const double *const mass[2], double *omega2)
+{
+  const int rubs = part->effect->kind == CT_EFFECT_FRICTION;
+  const ct_host_part *obstacle = part->on != NULL ? part->on : part;
+  ct_status status = CT_OK;
+  *omega2 = 0.0;
+  if (part->side < 0) status = ct_contact_facing_bound(contact, mass[0], mass[1], omega2);
+  else if (rubs || part->effect->phase == CT_PHASE_STATE)
+    status = obstacle_bound(contact, obstacle, mass[part->side], omega2);
+  if (rubs) *omega2 *= ct_friction_stiffness(part->effect);
+  return status;
+}
+
 ct_status ct_host_omega2_bound(const ct_contact *contact, const double *const mass[2],
                                double *omega2)
 {
-  const ct_host_part *part = contact->host == NULL ? NULL : contact->host->parts;
-  const double contact2 = *omega2;
-  if (part == NULL) return CT_OK;
-  // -- Only forces that follow from gaps and slips of now limit the step (eq:controlled-energy)
-  *omega2 = ct_contact_is_penalty(contact->fixed) ? contact2 : 0.0;
-  for (; part != NULL; part = part->next) {
-    const ct_host_part *obstacle = part->on != NULL ? part->on : part;
-    double springs = contact2;
-    ct_status status =
-        part->side < 0 ? CT_OK : obstacle_bound(contact, obstacle, mass[part->side], &springs);
-    if (status != CT_OK) return status;
-    if (part->effect->kind == CT_EFFECT_FRICTION)
-      *omega2 += ct_friction_stiffness(part->effect) * springs;
-    else if (part->effect->phase == CT_PHASE_STATE) *omega2 += springs;
+  *omega2 = 0.0;
+  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2))
+    return CT_ERROR_ARGUMENT;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t n = 0; n < search->node_count; n++)
+      if (!(mass[s][search->nodes[n]] > 0.0)) return CT_ERROR_ARGUMENT;
   }
-  return CT_OK;
+  // -- Only forces that follow from gaps and slips of now limit the step (eq:controlled-energy)
+  ct_status status = CT_OK;
+  if (ct_contact_is_penalty(contact->fixed))
+    status = ct_contact_omega2_bound(contact, mass[0], mass[1], omega2);
+  const ct_host_part *part = contact->host == NULL ? NULL : contact->host->parts;
+  for (; status == CT_OK && part != NULL; part = part->next) {
+    double own;
+    status = part_bound(contact, part, mass, &own);
+    *omega2 += own;
+  }
+  return status;
 }

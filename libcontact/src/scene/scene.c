@@ -4,6 +4,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/threads.h"
+#include "../contact/contact_internal.h"
 #include "../effect/solid.h"
 #include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
@@ -587,6 +588,37 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
                          : status;
 }
 
+/* ω² that may come to the bounds of all effects at the step of the problem, which is smaller than
+ * the stable one, whatever the damping; 0 if the sum of the bounds is not what limits the step
+ * (eq:friction-room). */
+static double spare_omega2(const ct_problem *p, double stable)
+{
+  ct_integrator first = p->integrator;
+  first.push = 0.0;
+  for (int32_t k = 0; k < p->effect_count; k++)
+    if (p->effects[k]->amplification != NULL || p->effects[k]->add_element != NULL) return 0.0;
+  double now = ct_integrator_limit(&p->integrator) / p->dt,
+         then = ct_integrator_limit(&first) / stable;
+  // -- Ω² (1 / Δt² - 1 / Δt_s²) less the largest effect of damping (eq:friction-room)
+  return fmax(now * now - then * then - then * (now - then), 0.0);
+}
+
+/* Tell each friction of a contact for which ω² of its points the step is stable. */
+static ct_status set_rooms(ct_scene *scene, ct_state *state, double stable, ct_error *error)
+{
+  const ct_problem *p = &scene->problem;
+  int32_t count = 0;
+  for (int32_t k = 0; k < p->effect_count; k++) count += p->effects[k]->kind == CT_EFFECT_FRICTION;
+  for (int32_t k = 0; k < p->effect_count; k++) {
+    double omega2, rate;
+    if (p->effects[k]->kind != CT_EFFECT_FRICTION) continue;
+    ct_status status = ct_stable_share(p, state, k, &omega2, &rate, error);
+    if (status != CT_OK) return status;
+    ct_friction_set_room(scene->effects[k], p->mass, omega2 + spare_omega2(p, stable) / count);
+  }
+  return CT_OK;
+}
+
 ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
                          int64_t *step_count, ct_stable_step *stable, ct_state **state,
                          ct_error *error)
@@ -610,7 +642,8 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
       p->integrator.push = fmax(1.0, stable->dt / p->dt);
     p->threads = time->threads;
     p->clock = time->clock;
-    if (state != NULL) status = ct_state_finish(p, begun, error);
+    status = set_rooms(scene, begun, stable->dt, error);
+    if (status == CT_OK && state != NULL) status = ct_state_finish(p, begun, error);
   }
   if (status == CT_OK && state != NULL) *state = begun;
   else ct_state_free(begun);
