@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import check
+from .errors import BorderWarning, came_in_late, check, issue
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -48,6 +48,11 @@ class Balance:
     friction: float
     #: Work of moving obstacles on the bodies [energy].
     motion: float
+    #: Number of points that were found inside without having come in through the surface, as over the
+    #: border of an open surface.
+    late: int = 0
+    #: Largest of their depths [length].
+    late_depth: float = 0.0
 
 
 class Contact:
@@ -168,7 +173,7 @@ class Contact:
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
         self._pair = second is not None and other.reference != first.given.reference
-        self._enforcement, self._sides = enforcement, list[int]()
+        self._enforcement, self._sides, self._told = enforcement, list[int](), False
         self._add_friction(-1, *self._rubbing(friction, tangent))
 
     @staticmethod
@@ -360,6 +365,9 @@ class Contact:
                 arrays.append(doubles(real(name, part, (count, 3))))
                 setattr(prediction, f"{name}_{'ab'[side]}", arrays[-1])
         call(lib.ct_contact_step, self._contact, prediction)
+        if not self._told and self.balance.late:
+            self._told = True
+            issue(BorderWarning(came_in_late(self.balance.late, self.balance.late_depth)))
 
     def add_force(self, force: Any) -> None:
         """
@@ -394,7 +402,7 @@ class Contact:
         """Energy balance since the first step."""
         out = ffi.new("ct_contact_balance *")
         check(lib.ct_contact_balance_of(self._contact, out))
-        return Balance(out.energy, out.work, out.removal, out.unconverged, out.friction, out.motion)
+        return Balance(*(getattr(out, each.name) for each in fields(Balance)))
 
     def save(self) -> Floats:
         """The memory of the contact, with which a run continues with the same bits.

@@ -16,7 +16,14 @@ from ._core import ffi, lib
 
 __all__ = ["ArgumentError", "BlowupError", "EnergyError", "Error", "FileError", "GeometryError"]
 __all__ += ["NotBuiltIn", "StepError"]
-__all__ += ["ChatterWarning", "EnergyGrowth", "InsideOutWarning", "NeverMeetWarning", "NotAtRest"]
+__all__ += [
+    "BorderWarning",
+    "ChatterWarning",
+    "EnergyGrowth",
+    "InsideOutWarning",
+    "NeverMeetWarning",
+    "NotAtRest",
+]
 __all__ += ["NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", "SamePlaceWarning"]
 __all__ += ["SceneWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
 
@@ -122,6 +129,10 @@ class OverlapWarning(SceneWarning):
     """Surfaces of a contact overlap at the start."""
 
 
+class BorderWarning(SceneWarning):
+    """Points were found inside the other surface that did not come in through it."""
+
+
 class NeverMeetWarning(SceneWarning):
     """The surfaces of a contact cannot come together before the run ends."""
 
@@ -171,6 +182,15 @@ class NotAtRest(SceneWarning):
 
 class NotSettled(SceneWarning):
     """In some steps the iteration for the contact forces did not converge."""
+
+
+def came_in_late(count: int, depth: float) -> str:
+    """What a warning says of points that were found inside."""
+    text = f"{count} points were found up to {depth:.3g} inside the other surface although they did not come in through it, as over the border of an open surface; "
+    return (
+        text
+        + "their gaps count from there, so no energy is added and the bodies stay in each other"
+    )
 
 
 def issue(warning: SceneWarning) -> None:

@@ -30,7 +30,7 @@ from .problem import Problem, contact_points, contact_pressure, new_state, penet
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import contact_tables
-from .warned import Turning
+from .warned import Turning, borders, whole_skin
 
 # Defaults of the recording interval: the number of records, the least number of steps between them in
 # a problem of many nodes, and bounds on the recorded values (records times nodes).
@@ -282,6 +282,8 @@ class Loop:
             if state.step > self.steps[-1]:
                 self._record_and_warn(checked=False)
                 self._warn_of_growth()
+        for warning in borders(self.problem, state):
+            issue(warning)
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
@@ -333,6 +335,8 @@ class Loop:
         advice = f"points penetrate that did not pass the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:
             advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
+        if len(getattr(given, "surfaces", ())) == 2:
+            advice += whole_skin(given.surfaces)
         return words[kind] + who, key, advice
 
     def _record_and_warn(self, checked: bool = True) -> None:

@@ -635,7 +635,7 @@ def penetrations(
             if built.with_itself and place != "points":
                 continue
             check(lib.ct_contact_penetration(contact, PLACES[place], found))
-            numbers = ("inside", "buried", "deepest", "face", "touching")
+            numbers = ("inside", "buried", "deepest", "face", "touching", "late", "late_depth")
             table[place] = {name: getattr(found, name) for name in numbers}
             table[place]["surface"] = built.surfaces[found.side] if found.side >= 0 else None
             table[place]["position"] = tuple(found.position)

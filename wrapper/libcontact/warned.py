@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import errors, has
 from .chatter import chatter
-from .errors import SceneWarning
+from .errors import SceneWarning, came_in_late
 from .mesh import rotation
 from .model import AXES, FEEDING, Contact
 from .parts import acts_on
@@ -180,6 +180,24 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
             yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
+
+
+def borders(problem: Problem, state: Any) -> Iterator[SceneWarning]:
+    """Contacts with points that were found inside since the start."""
+    for i, found in enumerate(penetrations(problem, state, ["points"])):
+        if found["points"]["late"]:
+            text = came_in_late(found["points"]["late"], found["points"]["late_depth"])
+            surfaces = problem.parts.contact[i].surfaces
+            yield errors.BorderWarning(
+                f"{pair_name(surfaces)}: {text}{whole_skin(surfaces)}", f"contact[{i}]"
+            )
+
+
+def whole_skin(surfaces: Sequence[Any]) -> str:
+    """Advice to name the whole skins of two bodies, unless the contact has them."""
+    outer = [f'"{body}.outer"' for body, _ in surfaces]
+    given = [f'"{body}.{name}"' for body, name in surfaces]
+    return "" if given == outer else f"; name the whole skins, surfaces = [{', '.join(outer)}]"
 
 
 # Surfaces that face away from each other.

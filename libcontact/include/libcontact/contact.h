@@ -229,6 +229,13 @@ typedef struct ct_contact_balance {
   double friction;
   /** Work of moving obstacles on the bodies [energy], :eq:`obstacle-work`. */
   double motion;
+  /**
+   * Number of points that were found deeper than 0.01 of the largest face without having come in
+   * through the surface, :eq:`admitted`; a point counts each time.
+   */
+  int64_t late;
+  /** Largest of their depths [length]. */
+  double late_depth;
 } ct_contact_balance;
 
 /** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: the last call was
@@ -371,6 +378,14 @@ typedef struct ct_penetration {
    * rounding of their coordinates if that is larger.
    */
   double touching;
+  /**
+   * Number of points that were found deeper than 0.01 of the largest face since the start, without
+   * having come in through the surface, :eq:`admitted`; a point counts each time; 0 at corners and
+   * edges.
+   */
+  int64_t late;
+  /** Largest of their depths [length]. */
+  double late_depth;
 } ct_penetration;
 
 /**

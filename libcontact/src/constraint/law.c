@@ -24,6 +24,15 @@ static double controlled_stored(const ct_constraint *c, double g0, double g1)
   return 0.5 * (ramp_energy(c->stiffness, g0) + ramp_energy(c->stiffness, g1));
 }
 
+/* With the depths x = -g_n and y = -g_{n-1} = x + e the store is ¼ k (⟨x⟩² + ⟨y⟩²). */
+static double controlled_raise(const ct_constraint *c, double most)
+{
+  const double e = c->gap - c->before, r = 4.0 * most / c->stiffness;
+  // -- The larger depth with the store `most`: both gaps are inside, or one (eq:admitted-store)
+  const double deeper = r > e * e ? 0.5 * (fabs(e) + sqrt(2.0 * r - e * e)) : sqrt(r);
+  return fmax(-fmin(c->gap, c->before) - deeper, 0.0);
+}
+
 static double controlled_start(const ct_constraint *c) { return ramp_energy(c->stiffness, c->gap); }
 
 /* Bipenalty (eq:bipenalty). */
@@ -51,14 +60,18 @@ typedef struct law {
   /* Energy at t = 0 of a force that begins then; null: the force counts as if it had always acted
    * (eq:energy-start). */
   double (*start)(const ct_constraint *c);
+  /* Least addition to both gaps of the last step with which it stored at most `most`; null: the
+     store counts as that of the present gap. */
+  double (*raise)(const ct_constraint *c, double most);
   /* Whether only a point that is inside at t_n can have a force. */
   int only_inside;
 } law;
 
 static const law LAWS[] = {
     [CT_ENFORCE_PENALTY] = {0},
-    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start, 0},
-    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, 1}};
+    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start,
+                                      controlled_raise, 0},
+    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, NULL, 1}};
 
 ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 {
@@ -102,6 +115,18 @@ double ct_law_energy(const ct_constraint *c)
 {
   // -- The mean of the stores of two half steps (eq:controlled-energy)
   return 0.5 * (stored_between(c, c->before, c->gap) + ct_law_stored(c)) + ct_law_lag(c);
+}
+
+double ct_law_claim(const ct_constraint *c)
+{
+  return LAWS[c->enforcement].raise != NULL ? stored_between(c, c->before, c->gap)
+                                            : ramp_energy(c->stiffness, c->gap);
+}
+
+double ct_law_raise(const ct_constraint *c, double most)
+{
+  if (LAWS[c->enforcement].raise != NULL) return LAWS[c->enforcement].raise(c, most);
+  return fmax(-c->gap - sqrt(2.0 * most / c->stiffness), 0.0);
 }
 
 int ct_law_begins(const ct_constraint *c) { return LAWS[c->enforcement].start != NULL; }

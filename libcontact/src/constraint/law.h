@@ -38,6 +38,12 @@ double ct_law_stored(const ct_constraint *c);
 double ct_law_lag(const ct_constraint *c);
 double ct_law_start(const ct_constraint *c);
 
+/* Energy that the gaps `before` and `gap` of a row would have stored at the middle of the last
+ * step: that of the present partner, even if the point had another one then. And the least addition
+ * to both gaps with which it is at most `most` (eq:admitted-store). */
+double ct_law_claim(const ct_constraint *c);
+double ct_law_raise(const ct_constraint *c, double most);
+
 /* Whether a force of the law at t = 0 begins then. The force of a law that depends on past gaps
  * only counts as if it had always acted (eq:energy-start). */
 int ct_law_begins(const ct_constraint *c);

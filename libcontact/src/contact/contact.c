@@ -229,6 +229,7 @@ static void forget(ct_contact *contact)
       p->other = -1;
       p->status = CT_POINT_NEW;
       p->xi[0] = p->xi[1] = p->row.force = p->force_size = 0.0;
+      p->admitted = p->stored = 0.0;
       p->known = NAN;
     }
   }
@@ -238,6 +239,9 @@ ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *
 {
   contact->start = !(now->time > 0.0);
   contact->stored = contact->time = contact->work = 0.0;
+  contact->account = (ct_account){0.0, 0.0};
+  contact->late = 0;
+  contact->late_depth = 0.0;
   forget(contact);
   if (!ct_start_gap_counts(&contact->fixed->start_rule)) return CT_OK;
   for (int s = 0; s < contact->fixed->sides; s++)
@@ -249,6 +253,9 @@ ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *
   forget(contact);
   return status;
 }
+
+/* Whether no step led here. A scene computes the gaps of t = 0 twice. */
+static int is_starting(const ct_moment *now) { return now->first || now->before == 0.0; }
 
 ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error)
 {
@@ -264,6 +271,8 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
     status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
   if (status == CT_OK && ct_start_gap_counts(rule))
     ct_start_gap_shift(rule, contact->side, contact->fixed->sides, now, contact->time);
+  if (status == CT_OK) ct_admission_shift(contact, ct_start_gap_counts(rule));
+  if (status == CT_OK && !is_starting(now)) ct_admission_limit(contact);
   if (status != CT_OK || !now->first || rule->initial_penetration != CT_INITIAL_REFUSE)
     return status;
   ct_penetration found;
@@ -293,6 +302,7 @@ ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_e
   if (contact->solved)
     contact->held = ct_side_rows_energy(contact->side, sides, now->time, contact->stored,
                                         &contact->stored, contact->terms);
+  ct_admission_count(contact, is_starting(now));
   if (ct_start_gap_fades(&contact->fixed->start_rule))
     contact->work += ct_start_gap_work(&contact->fixed->start_rule, contact->side, sides, now->time,
                                        now->first ? now->time : contact->time, contact->terms);

@@ -34,6 +34,12 @@ typedef struct ct_contact_fixed {
   int32_t *place[2]; /* places of the nodes of each side in `nodes` */
 } ct_contact_fixed;
 
+/* Energy that the bodies have given to the points of a contact or an obstacle, and not got back;
+ * and its largest value so far. */
+typedef struct ct_account {
+  double received, most;
+} ct_account;
+
 /* State of a contact: of a host, or of one state. */
 struct ct_contact {
   const ct_contact_fixed *fixed;
@@ -45,10 +51,13 @@ struct ct_contact {
   double clear; /* not 0: when they were built, no two faces were nearer than the search distance of
                    points plus this (eq:contact-clear) */
   ct_side side[2];
-  double *terms;             /* memory for sums, one number per point */
-  int solved;                /* whether the forces are those of solved rows */
-  double held;               /* energy of the constraints then */
-  double stored;             /* energy that all rows stored at the middle of the last step */
+  double *terms; /* memory for sums, one number per point */
+  int solved;    /* whether the forces are those of solved rows */
+  double held;   /* energy of the constraints then */
+  double stored; /* energy that all rows stored at the middle of the last step */
+  ct_account account;
+  int64_t late;              /* points that were found deep inside after the start */
+  double late_depth;         /* the deepest of them */
   double time;               /* of that step */
   double work;               /* work of fading start gaps since t = 0 */
   const double *velocity[2]; /* at the time of the last gaps */
@@ -155,6 +164,8 @@ typedef struct ct_point_record {
   double force;      /* of the row, if it depends on the next gap */
   double start;      /* start gap */
   double force_size; /* size of the point's force, if start gaps fade */
+  double admitted;   /* start gap of a point that was found inside */
+  double stored;     /* energy of the row */
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
 
@@ -177,6 +188,17 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count, co
  * are known (eq:initial-work). `terms` has one number for each point. */
 double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, double time,
                          double last, double *terms);
+
+/* Start gaps of points that were found inside after the start: release those that have opened, and
+ * measure the gaps from them; let no point store more than it did, if it jumped, and not all of
+ * them more than the bodies have given (eq:admitted-store). `terms` has one number for each point.
+ */
+void ct_admission_shift(ct_contact *contact, int counted);
+void ct_admission_limit(ct_contact *contact);
+
+/* The account of the next step, once the rows are solved (eq:admitted-account). `starting`: there
+ * was no earlier step. */
+void ct_admission_count(ct_contact *contact, int starting);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
  * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal

@@ -417,7 +417,9 @@ ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *o
                               .removal = contact->work,
                               .unconverged = (int64_t)record.unconverged,
                               .friction = contact->host->friction,
-                              .motion = contact->host->motion};
+                              .motion = contact->host->motion,
+                              .late = contact->late,
+                              .late_depth = contact->late_depth};
   return CT_OK;
 }
 

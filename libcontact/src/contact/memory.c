@@ -8,6 +8,8 @@ typedef struct tail_record {
   double stored; /* energy that all rows stored at the middle of that step */
   double time;   /* of that step */
   double work;   /* work of fading start gaps since t = 0 */
+  ct_account account;
+  double late, late_depth; /* points that were found inside after the start */
 } tail_record;
 enum { TAIL = sizeof(tail_record) / sizeof(double) };
 
@@ -51,6 +53,8 @@ static void load_points(ct_contact *contact, const double *memory)
       point->row.force = record.force;
       point->start = record.start;
       point->force_size = record.force_size;
+      point->admitted = record.admitted;
+      point->stored = record.stored;
     }
   }
 }
@@ -63,6 +67,9 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   contact->stored = tail.stored;
   contact->time = tail.time;
   contact->work = tail.work;
+  contact->account = tail.account;
+  contact->late = (int64_t)tail.late;
+  contact->late_depth = tail.late_depth;
   memory += CT_RECORD * contact->fixed->point_count + TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {
     ct_search *search = contact->side[s].search;
@@ -85,10 +92,18 @@ void ct_contact_store(const ct_contact *contact, double *memory)
                                       .known = point->known,
                                       .force = point->row.force,
                                       .start = point->start,
-                                      .force_size = point->force_size};
+                                      .force_size = point->force_size,
+                                      .admitted = point->admitted,
+                                      .stored = point->stored};
       memcpy(memory, &record, sizeof record);
     }
-  const tail_record tail = {1.0, contact->stored, contact->time, contact->work};
+  const tail_record tail = {1.0,
+                            contact->stored,
+                            contact->time,
+                            contact->work,
+                            contact->account,
+                            (double)contact->late,
+                            contact->late_depth};
   memcpy(memory, &tail, sizeof tail);
   memory += TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {

@@ -280,6 +280,16 @@ static double known_gap(const ct_pass *p, point_class found, int32_t target, con
   return p->self && found != INSIDE && found != OUTSIDE ? NAN : point->row.gap;
 }
 
+/* Whether a point is inside that was not over a face in the last step, or at another gap than the
+ * motion since then explains (eq:admitted). */
+static int has_jumped(const ct_pass *p, int64_t i, point_class found, int32_t target)
+{
+  const ct_point *point = &p->side->points[i];
+  if (found != INSIDE || p->first) return 0;
+  return point->other < 0 || isnan(point->known) ||
+         fabs(point->row.gap - point->known) > motion_of(p, i, target);
+}
+
 /* Store the result for a point. */
 static void close_point(const ct_pass *p, ct_point *point, point_class found, int32_t target,
                         const double xi[2])
@@ -404,12 +414,14 @@ static void search_point(const ct_pass *p, int64_t i)
   nearest best;
   double y[3];
   if (is_alone(p, i)) {
+    point->jumped = 0;
     close_point(p, point, point->status == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
     return;
   }
   ct_side_position(p->side, i, NULL, y);
   find_nearest(p, i, y, 0, &best);
   point_class found = classify(p, i, y, &best, point);
+  point->jumped = has_jumped(p, i, found, best.face);
   close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
 }
 

@@ -120,12 +120,16 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   if (contact == NULL || out == NULL ||
       (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES))
     return CT_ERROR_ARGUMENT;
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact)};
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact), 0, 0.0};
   if (at != CT_AT_POINTS && contact->fixed->sides == 1) return CT_ERROR_UNSUPPORTED;
   at_points(contact, out);
-  if (at == CT_AT_POINTS) return CT_OK;
+  if (at == CT_AT_POINTS) {
+    out->late = contact->late;
+    out->late_depth = contact->late_depth;
+    return CT_OK;
+  }
   double limit = fmax(contact->fixed->depth, 2.0 * out->deepest);
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching};
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching, 0, 0.0};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)

@@ -31,12 +31,16 @@ typedef struct ct_point {
   double N[8];       /* shape functions of the other face at xi */
   double d[3];       /* ȳ - y */
   double outward[3]; /* normal of the other side at the closest point, of any length */
-  double known;   /* signed distance at the last update from the nearest place, in contact or not;
-                     NaN: none was near */
-  double start;   /* start gap that does not fade (eq:initial-adjust) */
-  double shift;   /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
-  double closed;  /* growth of the shift since the last step */
-  double closing; /* its growth until the next step */
+  double known;    /* signed distance at the last update from the nearest place, in contact or not;
+                      NaN: none was near */
+  int jumped;      /* whether it is inside by more than the motion since then explains */
+  double start;    /* start gap that does not fade (eq:initial-adjust) */
+  double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
+  double stored;   /* energy of the row at the middle of the last step */
+  int claims;      /* whether the point may store energy in this step */
+  double shift;    /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
+  double closed;   /* growth of the shift since the last step */
+  double closing;  /* its growth until the next step */
   double last_known, last_start; /* the same in the last step */
   double force_size;             /* size of the force then, if start gaps fade */
   double force[3];               /* on the point's own face */

@@ -78,22 +78,40 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* Energies of one check: stored by bodies and contacts, spurious energy in the balance; energy that
- * motion and strain should have, and its largest value so far (eq:energy-appears); the largest
- * energy of all, and the limit below which nothing is reported. */
+/* Energies of one check: stored by bodies and by explicit penalties, which oscillate with them;
+ * spurious energy, without what contacts store; energy that motion and strain should have, and its
+ * largest value so far (eq:energy-appears); the largest energy of all, and the limit below which
+ * nothing is reported. */
 typedef struct energies {
   double elastic, appeared, expected, most_expected, scale, least;
 } energies;
+
+/* Energy that a contact or an obstacle stores by rows. Only what the bodies get back of it counts
+ * as growth: it depends on the square of a gap, which a stiff penalty multiplies (eq:energy-lent).
+ */
+static double lent_to(const ct_monitor *w, int32_t k)
+{
+  const ct_effect *effect = w->problem->effects[k];
+  int touches = effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_OBSTACLE;
+  return touches && effect->phase == CT_PHASE_CONSTRAINT ? fmax(w->next.effects[k].stored, 0.0)
+                                                         : 0.0;
+}
 
 static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *error)
 {
   ct_status status = ct_ledger_of(w->problem, state, &w->next, error);
   if (status != CT_OK) return status;
   ct_energy ledger = w->next.energy;
-  double stored = ledger.total - ledger.kinetic + ledger.external;
-  *e = (energies){.elastic = ledger.strain + ledger.contact, .appeared = ledger.total - w->start};
+  double stored = ledger.total - ledger.kinetic + ledger.external,
+         elastic = ledger.strain + ledger.contact;
+  *e = (energies){.elastic = elastic, .appeared = ledger.total - w->start};
+  for (int32_t k = 0; k < w->problem->effect_count; k++) {
+    double lent = lent_to(w, k);
+    e->appeared -= lent;
+    if (w->problem->effects[k]->kind == CT_EFFECT_CONTACT) e->elastic -= lent;
+  }
   // Initial energy and external work, minus the energy stored by other effects.
-  e->expected = w->start + ledger.external - (stored - e->elastic);
+  e->expected = w->start + ledger.external - (stored - elastic);
   e->most_expected = fmax(fmax(e->expected, w->expected), 0.0);
   e->scale = fmax(fabs(ledger.kinetic), fmax(fabs(stored), fabs(ledger.external)));
   e->least = fmax(w->floor, 1e-9 * fmax(w->largest, e->scale));
@@ -114,12 +132,14 @@ static double floor_of(const ct_problem *problem)
   return DBL_EPSILON * sum;
 }
 
-/* Contribution of an effect to the total of the energy balance since t = 0: its work and stored
- * energy, minus energy from outside (eq:energy-growth). */
+/* Contribution of an effect to the energy of the bodies since t = 0: its work and stored energy,
+ * minus energy from outside (eq:energy-growth). */
 static double given_by(const ct_monitor *w, int32_t k)
 {
   const ct_effect_energy *own = &w->next.effects[k];
-  return w->problem->effects[k]->energy == NULL ? 0.0 : (own->work + own->stored) - own->external;
+  return w->problem->effects[k]->energy == NULL
+             ? 0.0
+             : (own->work + (own->stored - lent_to(w, k))) - own->external;
 }
 
 /* Store the first growth above the reporting limit (eq:energy-growth). */
@@ -369,13 +389,13 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
-  // Before the start no energy was known: all of it counts as new.
-  w->start = e.appeared;
+  // Before the start no energy was known: all of it counts as new, also what contacts store.
+  w->start = w->next.energy.total;
   w->floor = floor_of(problem);
   w->largest = e.scale;
   w->expected = w->start + e.expected;
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
-  for (int32_t k = 0; k < problem->effect_count; k++) w->gave[k] = given_by(w, k);
+  for (int32_t k = 0; k < problem->effect_count; k++) w->gave[k] = given_by(w, k) + lent_to(w, k);
   keep_ledger(w);
   status = prepare_iteration(w, state, error);
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
