@@ -350,10 +350,13 @@ def test_a_closed_pipe_is_no_error(scene):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
-def test_an_output_that_takes_no_text_is_one_line_and_exit_code_2(scene):
+@pytest.mark.parametrize("arguments", [["explain", "scene.toml"], ["schema"], ["--version"]])
+def test_an_output_that_takes_no_text_is_one_line_and_exit_code_2(scene, arguments):
+    """Also where Python itself notices it at its end only, as for the text of an option."""
+    place = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "libcontact", "explain", scene]
-        done = subprocess.run(command, check=False, stdout=full, stderr=subprocess.PIPE, text=True)
+        command = [sys.executable, "-m", "libcontact", *arguments]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=place)
     assert done.returncode == 2 and done.stderr == "error: No space left on device\n"
 
 

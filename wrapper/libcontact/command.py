@@ -38,9 +38,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit code. Errors of the user are reported in one line on stderr.
     """
     try:
-        options = _parser().parse_args(arguments)
-    except SystemExit as end:
-        return int(end.code or 0)
+        return _answer(arguments)
+    finally:
+        _drop_what_stdout_refuses()
+
+
+def _answer(arguments: Sequence[str] | None) -> int:
+    """The exit code of one command, after a message for whatever went wrong."""
     # Ctrl-C among these imports is left to the caller.
     from .errors import Error, NotBuiltIn, SceneWarning
     from .run import RunError
@@ -49,12 +53,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda text, *rest, **more: _say(f"warning: {text}", "yellow")
-            return int(options.command(options))
+            code = _command(arguments)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
     except BrokenPipeError:  # as in libcontact explain ... | head
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
     except (SceneError, NotBuiltIn, BadInput, OSError) as error:
         _say(f"error: {getattr(error, 'strerror', None) or error}", "red")
@@ -65,6 +71,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if run is not None and run.path is not None and len(run.steps):
             _say(f'{len(run.steps)} records up to t = {run.time[-1]:.6g} are kept in "{run.path}"')
         return RUN_FAILED
+
+
+def _command(arguments: Sequence[str] | None) -> int:
+    try:
+        options = _parser().parse_args(arguments)
+    except SystemExit as end:
+        return int(end.code or 0)
+    return int(options.command(options))
+
+
+def _drop_what_stdout_refuses() -> None:
+    """On a full disk or a closed pipe; Python would try again at its end, and exit with 120."""
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
