@@ -13,6 +13,8 @@ import shutil
 import sys
 from pathlib import Path
 
+from hawkmoth.util.compiler import get_include_args
+
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 # What tutorials write goes beside the book, not into the sources.
@@ -102,8 +104,13 @@ mathjax_path = "tex-svg-full.js"
 
 # -- C, from the comments of the headers ------------------------------------------------------------------------
 hawkmoth_root = str(ROOT / "libcontact" / "include")
-hawkmoth_clang = ["-std=c99", f"-I{hawkmoth_root}"]
-hawkmoth_compiler = "gcc"  # asked for the folder of stddef.h
+# The folder of stddef.h. By itself hawkmoth asks for those of C++ too, with a warning where there is no C++ compiler.
+hawkmoth_autoconf: list[str] = []
+hawkmoth_clang = [
+    "-std=c99",
+    f"-I{hawkmoth_root}",
+    *get_include_args(shutil.which("gcc") or "cc", "c"),
+]
 hawkmoth_source_uri = "../_code/libcontact/include/{source}.html#line-{line}"
 
 # -- Python --------------------------------------------------------------------------------------------------------

@@ -1,9 +1,11 @@
 #!/bin/sh
-# Set up what only the system can give. Needed: a Python with venv and headers. Wanted: pkg-config, GSL, HDF5.
-# With apt and the rights it installs what is missing; otherwise it says what it could not get and goes on without that part.
+# Set up what only the system can give. Needed: a Python with venv and headers. Wanted: pkg-config, GSL, HDF5, and for the tests C++.
+# Its words are the commands of make. With apt and the rights it installs what is missing; otherwise it says what it could not get and goes on without that part.
 set -u
 PYTHON=${PYTHON:-python3}
 PKG_CONFIG=${PKG_CONFIG:-pkg-config}
+CXX=${CXX:-c++}
+commands=" $* "
 
 wants() { # wants PART: not left out by WITHOUT
   case " ${WITHOUT:-} " in *" $1 "*) return 1 ;; esac
@@ -18,6 +20,7 @@ look() { # what is missing now
   command -v "$PKG_CONFIG" >/dev/null 2>&1 || wanted="$wanted pkg-config"
   wants gsl && { "$PKG_CONFIG" --exists gsl 2>/dev/null || wanted="$wanted libgsl-dev"; }
   wants hdf5 && { "$PKG_CONFIG" --exists hdf5-serial 2>/dev/null || "$PKG_CONFIG" --exists hdf5 2>/dev/null || wanted="$wanted libhdf5-dev"; }
+  case "$commands" in *" test "*) command -v "${CXX%% *}" >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || wanted="$wanted g++" ;; esac
   missing="$needed$wanted"
 }
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -14,10 +15,21 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
 import browser  # noqa: E402
 
+# A compiler of C alone, as on a machine without g++.
+C_ALONE = """#!/bin/sh
+case " $* " in *" c++ "*) exit 1 ;; esac
+exec {} "$@"
+"""
+
 
 @pytest.fixture(scope="module")
 def book(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("book")
+    folder, tools = tmp_path_factory.mktemp("book"), tmp_path_factory.mktemp("tools")
+    for name in ("gcc", "cc"):
+        if found := shutil.which(name):
+            (tools / name).write_text(C_ALONE.format(found))
+            (tools / name).chmod(0o755)
+    path = f"{tools}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         [
             sys.executable,
@@ -35,7 +47,7 @@ def book(tmp_path_factory):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        env={**os.environ, "LIBCONTACT_GALLERY": "0", "MPLBACKEND": "Agg"},
+        env={**os.environ, "LIBCONTACT_GALLERY": "0", "MPLBACKEND": "Agg", "PATH": path},
     )
     assert done.returncode == 0, done.stderr
     return folder

@@ -306,6 +306,51 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     assert done.stdout == "2.0 False False\n", done.stderr
 
 
+@pytest.fixture
+def machine(tmp_path):
+    """A function that runs the set-up step for a command of make on a machine without g++: what it says, and what it asks of apt-get."""
+    tools, log = tmp_path / "bin", tmp_path / "log"
+    tools.mkdir()
+    (tools / "sh").symlink_to(shutil.which("sh"))
+
+    def set_up(command, user=0, **variables):
+        log.write_text("")
+        asks = f'echo "$*" >> {log}'  # apt-get is called through env
+        programs = {
+            "id": f"echo {user}",
+            "apt-get": asks,
+            "env": asks,
+            "python": "",
+            "pkg-config": "",
+        }
+        for name, text in programs.items():
+            (tools / name).write_text(f"#!/bin/sh\n{text}\n")
+            (tools / name).chmod(0o755)
+        done = subprocess.run(
+            ["sh", str(ROOT / "wrapper" / "bootstrap.sh"), command],
+            env={"PATH": str(tools), "PYTHON": "python", "PKG_CONFIG": "pkg-config", **variables},
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+        )
+        assert done.returncode == 0
+        return done.stderr, log.read_text()
+
+    return set_up
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
+def test_the_set_up_step_installs_what_the_tests_want(machine):
+    """A C++ compiler for `make test` alone, with the rights to install; without them, and with BOOTSTRAP=no, it is named and left out."""
+    told, asked = machine("test")
+    assert re.search(r"install g\+\+$", asked, re.M)
+    assert machine("figures") == ("", "")
+    for refused in ({"user": 1000}, {"BOOTSTRAP": "no"}):
+        told, asked = machine("test", **refused)
+        assert told == "not found, and left out: g++\nto get everything: apt-get install g++\n"
+        assert asked == ""
+
+
 def nm(*arguments):
     return subprocess.run(["nm", *arguments], check=True, capture_output=True, text=True).stdout
 
