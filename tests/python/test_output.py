@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -101,6 +102,28 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
     assert len(ct.Run.load(path).steps) == len(run.steps)
     scene().run(progress=False)
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+# Calls that can't fail, or whose failure only shortens a text.
+HARMLESS = set(
+    "memcmp memcpy snprintf sprintf strcmp strcspn strerror strlen strstr vsnprintf".split()
+)
+HARMLESS |= set("va_start va_end offsetof sizeof if for while switch return".split())
+HARMLESS |= {"H5_VERSION_GE", "S_ISDIR", "S_ISREG", "defined", "fill"}
+
+
+def test_every_call_of_libc_and_hdf5_can_fail_in_the_test_of_faults():
+    """tests/c/faults.h names each call that the sources make, and no other."""
+    called, own = set(), set()
+    for path in (ROOT / "libcontact/src/hdf5").glob("*.c"):
+        if path.name == "missing.c":
+            continue
+        text = re.sub(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"])*"', "", path.read_text(), flags=re.S)
+        own |= set(re.findall(r"^[a-z][\w \*]*?\b(\w+)\([^;]*?\)\s*\{", text, re.M))
+        called |= set(re.findall(r"(?<!->)\b([A-Za-z]\w+)\(", text))
+    called = {name for name in called - own - HARMLESS if not re.match(r"ct_|CT_|NOW", name)}
+    faults = (ROOT / "tests/c/faults.h").read_text()
+    assert called == set(re.findall(r"^#define (\w+)\(", faults, re.M)) - {"FAULT"}
 
 
 def displacement(points, step):

@@ -57,15 +57,26 @@ ct_status ct_hdf5_check_version(ct_error *error)
 
 /* -- Types -- */
 
-/* A failed creation returns a negative id, with which all later calls fail, so checking the last
- * one is enough. */
+/* A failed creation returns a negative id, with which all later calls fail. A type or a list that
+ * lacks one of its settings is closed and replaced by such an id: `failed` says whether it does. */
+static hid_t type_or_none(hid_t type, int failed)
+{
+  if (!failed) return type;
+  H5Tclose(type);
+  return -1;
+}
+
+static hid_t list_or_none(hid_t list, int failed)
+{
+  if (!failed) return list;
+  H5Pclose(list);
+  return -1;
+}
 
 static hid_t text_type(size_t size)
 {
   hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, size);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  return type;
+  return type_or_none(type, H5Tset_size(type, size) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0);
 }
 
 hid_t ct_hdf5_type(ct_kind kind)
@@ -81,12 +92,13 @@ hid_t ct_hdf5_type(ct_kind kind)
 hid_t ct_hdf5_row_type(const ct_row_type *row)
 {
   hid_t type = H5Tcreate(H5T_COMPOUND, row->size);
+  int failed = 0;
   for (const ct_field *f = row->field; f->name != NULL; f++) {
     hid_t value = ct_hdf5_type(f->kind);
-    H5Tinsert(type, f->name, f->offset, value);
+    failed = H5Tinsert(type, f->name, f->offset, value) < 0 || failed;
     H5Tclose(value);
   }
-  return type;
+  return type_or_none(type, failed);
 }
 
 /* -- Groups, arrays, attributes -- */
@@ -97,18 +109,18 @@ hid_t ct_hdf5_row_type(const ct_row_type *row)
 hid_t ct_hdf5_access(void)
 {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+  int failed = H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110) < 0;
 #if H5_VERSION_GE(1, 12, 1) || (H5_VERS_MINOR == 10 && H5_VERSION_GE(1, 10, 7))
-  H5Pset_file_locking(access, 0, 1);
+  failed = H5Pset_file_locking(access, 0, 1) < 0 || failed;
 #endif
-  return access;
+  return list_or_none(access, failed);
 }
 
 void ct_hdf5_create_group(ct_task *task, const char *path)
 {
   if (task->status != CT_OK) return;
   hid_t how = H5Pcreate(H5P_GROUP_CREATE);
-  H5Pset_obj_track_times(how, 0);
+  how = list_or_none(how, H5Pset_obj_track_times(how, 0) < 0);
   hid_t group = H5Gcreate2(task->file, path, H5P_DEFAULT, how, H5P_DEFAULT);
   if (group < 0) ct_hdf5_fail(task, "make a group");
   H5Gclose(group);
@@ -118,12 +130,19 @@ void ct_hdf5_create_group(ct_task *task, const char *path)
 /* The dataset; `space` and `how` are closed. */
 static hid_t create_dataset(ct_task *task, const char *path, hid_t type, hid_t space, hid_t how)
 {
-  H5Pset_obj_track_times(how, 0);
+  how = list_or_none(how, H5Pset_obj_track_times(how, 0) < 0);
   hid_t set = H5Dcreate2(task->file, path, type, space, H5P_DEFAULT, how, H5P_DEFAULT);
   if (set < 0) ct_hdf5_fail(task, "make a dataset");
   H5Pclose(how);
   H5Sclose(space);
   return set;
+}
+
+static H5T_class_t class_of(ct_task *task, hid_t type)
+{
+  H5T_class_t class = H5Tget_class(type);
+  if (class == H5T_NO_CLASS) ct_hdf5_fail(task, "find a type");
+  return class;
 }
 
 static hid_t create_space(int rank, const hsize_t *dims)
@@ -135,11 +154,12 @@ void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, 
                          const void *data)
 {
   if (task->status != CT_OK) return;
-  hid_t memory = H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64 : type,
+  H5T_class_t class = class_of(task, type);
+  hid_t memory = class == H5T_INTEGER ? H5T_NATIVE_INT64 : type,
         set = H5Dopen2(task->file, path, H5P_DEFAULT);
   if (set < 0) {
     hid_t how = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY);
+    how = list_or_none(how, H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY) < 0);
     set = create_dataset(task, path, type, create_space(rank, dims), how);
   }
   if (data != NULL && H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
@@ -158,7 +178,7 @@ hid_t ct_hdf5_write_attribute(ct_task *task, const char *path, const char *name,
                               hsize_t count, const void *data)
 {
   if (task->status != CT_OK) return -1;
-  hid_t memory = H5Tget_class(type) == H5T_STRING ? type : H5T_NATIVE_DOUBLE,
+  hid_t memory = class_of(task, type) == H5T_STRING ? type : H5T_NATIVE_DOUBLE,
         space = create_space(count > 0, &count),
         attribute = H5Acreate_by_name(task->file, path, name, type, space, H5P_DEFAULT, H5P_DEFAULT,
                                       H5P_DEFAULT);
@@ -172,8 +192,8 @@ void ct_hdf5_write_label(ct_task *task, const char *path, const char *name, cons
 {
   // -- VTK wants the plain form: ASCII, and exactly as long as the text
   hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, strlen(text));
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  type = type_or_none(type, H5Tset_size(type, strlen(text)) < 0 ||
+                                H5Tset_strpad(type, H5T_STR_NULLPAD) < 0);
   ct_hdf5_write_attribute(task, path, name, type, 0, text);
   H5Tclose(type);
 }
@@ -199,8 +219,9 @@ void ct_hdf5_read_array(ct_task *task, const char *path, hid_t type, int rank, c
 double ct_hdf5_read_number(ct_task *task, const char *path, const char *name)
 {
   double value = 0;
-  if (task->status != CT_OK || H5Aexists_by_name(task->file, path, name, H5P_DEFAULT) <= 0)
-    return 0;
+  htri_t found = task->status == CT_OK ? H5Aexists_by_name(task->file, path, name, H5P_DEFAULT) : 0;
+  if (found < 0) ct_hdf5_fail(task, "read an attribute");
+  if (found <= 0) return 0;
   hid_t attribute = H5Aopen_by_name(task->file, path, name, H5P_DEFAULT, H5P_DEFAULT),
         space = attribute < 0 ? -1 : H5Aget_space(attribute);
   if (space < 0 || H5Sget_simple_extent_npoints(space) != 1 ||
@@ -233,14 +254,18 @@ void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_col
   int rank = column->width > 0 ? 2 : 1;
   hsize_t width = (hsize_t)column->width, none[2] = {0, width}, limit[2] = {H5S_UNLIMITED, width};
   column->row_bytes = (int64_t)H5Tget_size(column->type) * (rank == 2 ? column->width : 1);
+  if (column->row_bytes == 0) {
+    ct_hdf5_fail(task, "find a type");
+    return;
+  }
   column->chunk_rows = chunk_rows(column, is_field);
   hsize_t chunk[2] = {(hsize_t)column->chunk_rows, width};
   hid_t how = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(column->type);
   // -- Structs lose their padding in the file
-  if (H5Tget_class(type) == H5T_COMPOUND) H5Tpack(type);
-  H5Pset_chunk(how, rank, chunk);
+  if (class_of(task, type) == H5T_COMPOUND) type = type_or_none(type, H5Tpack(type) < 0);
   // -- Rows are read only where they were written. HDF5 would fill a large chunk in memory first.
-  if (is_field) H5Pset_fill_time(how, H5D_FILL_TIME_NEVER);
+  how = list_or_none(how, H5Pset_chunk(how, rank, chunk) < 0 ||
+                              (is_field && H5Pset_fill_time(how, H5D_FILL_TIME_NEVER) < 0));
   column->set = create_dataset(task, path, type, H5Screate_simple(rank, none, limit), how);
   H5Tclose(type);
 }
@@ -260,7 +285,7 @@ void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, i
   const hsize_t start[2] = {(hsize_t)first, 0}, count[2] = {(hsize_t)rows, (hsize_t)column->width};
   hid_t memory = H5Screate_simple(rank, count, NULL), space = H5Dget_space(column->set),
         how = H5Pcreate(H5P_DATASET_XFER);
-  H5Pset_buffer(how, CONVERTED_BYTES, NULL, NULL);
+  how = list_or_none(how, H5Pset_buffer(how, CONVERTED_BYTES, NULL, NULL) < 0);
   if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0 ||
       H5Dwrite(column->set, column->type, memory, space, how, source) < 0)
     ct_hdf5_fail(task, "write a step");

@@ -95,11 +95,10 @@ static void open_file(ct_task *task, ct_output *o)
   hid_t access = ct_hdf5_access(), how = H5Pcreate(H5P_FILE_CREATE);
   // -- Closing the file closes what is still open in it; and in pages of the system's size no small
   // piece lies on two of them, so that a kill can't cut one in two
-  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  H5Pset_obj_track_times(how, 0);
-  H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1);
-  H5Pset_file_space_page_size(how, PAGE);
-  if (!ct_driver_use(&o->disk, access)) ct_hdf5_fail(task, "write the file");
+  if (H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 || H5Pset_obj_track_times(how, 0) < 0 ||
+      H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) < 0 ||
+      H5Pset_file_space_page_size(how, PAGE) < 0 || !ct_driver_use(&o->disk, access))
+    ct_hdf5_fail(task, "write the file");
   else o->file = ct_disk_create(task, &o->disk, how, access);
   // -- From here on: datasets that grow without moving (the superblock stays the old one)
   if (task->status == CT_OK && H5Fset_libver_bounds(o->file, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0)

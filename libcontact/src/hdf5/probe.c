@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { ROWS_A_CHUNK = 1024, QUANTITIES = 8, LONGEST = 96 };
 static const char GROUP[] = "libcontact/probe";
@@ -109,17 +110,29 @@ void ct_probe_write(ct_task *task, ct_output *o, double time)
 /* -- Read -- */
 
 /* Whether a table has the quantities of a probe and no others. */
-static int fits(hid_t set, hid_t wanted)
+static int fits(ct_task *task, hid_t set, hid_t wanted)
 {
   hid_t type = H5Dget_type(set);
-  int count = H5Tget_nmembers(wanted), same = H5Tget_nmembers(type) == count;
+  int count = H5Tget_nmembers(wanted), found = H5Tget_nmembers(type), same = found == count;
+  if (count < 0 || found < 0) ct_hdf5_fail(task, "read the history of a probe");
   for (int i = 0; same && i < count; i++) {
-    char *name = H5Tget_member_name(wanted, (unsigned)i);
-    same = name != NULL && H5Tget_member_index(type, name) == i;
-    H5free_memory(name);
+    char *one = H5Tget_member_name(wanted, (unsigned)i),
+         *two = H5Tget_member_name(type, (unsigned)i);
+    if (one == NULL || two == NULL) ct_hdf5_fail(task, "read the history of a probe");
+    same = one != NULL && two != NULL && strcmp(one, two) == 0;
+    H5free_memory(one);
+    H5free_memory(two);
   }
   H5Tclose(type);
   return same;
+}
+
+/* Whether the file has an object, whose groups are there. */
+static int exists(ct_task *task, const char *path)
+{
+  htri_t found = task->status == CT_OK ? H5Lexists(task->file, path, H5P_DEFAULT) : 0;
+  if (found < 0) ct_hdf5_fail(task, "read the file");
+  return found > 0;
 }
 
 static void read_table(ct_task *task, const ct_state *state, ct_probes *probes, int32_t i)
@@ -128,12 +141,13 @@ static void read_table(ct_task *task, const ct_state *state, ct_probes *probes, 
   char path[LONGEST];
   ct_probes_history(probes, i, &history);
   path_of(&history, path);
-  if (task->status != CT_OK || H5Lexists(task->file, path, H5P_DEFAULT) <= 0) return;
+  if (!exists(task, path)) return;
   hid_t set = H5Dopen2(task->file, path, H5P_DEFAULT), type = row_type(&history),
         space = H5Dget_space(set);
   hssize_t count = H5Sget_simple_extent_npoints(space);
   double *rows = NULL;
-  if (count > 0 && fits(set, type)) {
+  if (count < 0 || type < 0) ct_hdf5_fail(task, "read the history of a probe");
+  if (count > 0 && type >= 0 && fits(task, set, type)) {
     rows = malloc((size_t)count * (size_t)history.width * sizeof *rows);
     if (rows == NULL)
       ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the history of a probe");
@@ -158,8 +172,7 @@ static ct_status restart_probes(const char *path, const ct_state *state, ct_prob
   ct_task task = {path, error, CT_OK, file};
   int32_t count = count_of(probes);
   if (file < 0) ct_hdf5_fail(&task, "read the file");
-  int some = file >= 0 && H5Lexists(file, "libcontact", H5P_DEFAULT) > 0 &&
-             H5Lexists(file, GROUP, H5P_DEFAULT) > 0;
+  int some = exists(&task, "libcontact") && exists(&task, GROUP);
   for (int32_t i = 0; some && i < count; i++) read_table(&task, state, probes, i);
   H5Fclose(file);
   H5Pclose(access);
