@@ -30,7 +30,7 @@ from .problem import Problem, contact_points, contact_pressure, new_state, penet
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import contact_tables
-from .warned import Turning, borders, whole_skin
+from .warned import Borders, Turning, whole_skin
 
 # Defaults of the recording interval: the number of records, the least number of steps between them in
 # a problem of many nodes, and bounds on the recorded values (records times nodes).
@@ -91,6 +91,7 @@ class Loop:
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.probes, self.turning = Histories(problem), Turning(problem)
+        self.borders = Borders(problem)
         self.filter = self._filter(problem.parts.output.filter)
         self.monitor: Any = None
         self.output: Any = None
@@ -272,18 +273,21 @@ class Loop:
         self.start_monitor()
         with _bar(progress, last, state.step) as advanced:
             self._record_and_warn()
+            self._warn_of_borders()
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
-                self._advance(min(due, self._next_rest()), due, advanced, stop)
+                look = int((state.step // self.borders.every + 1) * self.borders.every)
+                self._advance(min(due, self._next_rest(), look), due, advanced, stop)
+                if state.step == look:
+                    self._warn_of_borders()
                 if state.step == due:
                     self._record_and_warn()
                 self._warn_of_growth()
             if state.step > self.steps[-1]:
                 self._record_and_warn(checked=False)
                 self._warn_of_growth()
-        for warning in borders(self.problem, state):
-            issue(warning)
+        self._warn_of_borders()
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
@@ -315,6 +319,11 @@ class Loop:
             much = f"{100.0 * growth.share:.3g} % more energy than the bodies should have"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
         issue(errors.EnergyGrowth(text, key, growth.share, growth.time, who))
+
+    def _warn_of_borders(self) -> None:
+        """Warn once of each contact around whose surfaces the bodies have come into each other."""
+        for warning in self.borders.warnings(self.state):
+            issue(warning)
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """The cause of spurious energy growth, its key in the scene, and advice."""

@@ -182,15 +182,48 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
 
 
-def borders(problem: Problem, state: Any) -> Iterator[SceneWarning]:
-    """Contacts with points that were found inside since the start."""
-    for i, found in enumerate(penetrations(problem, state, ["points"])):
-        if found["points"]["late"]:
-            text = came_in_late(found["points"]["late"], found["points"]["late_depth"])
-            surfaces = problem.parts.contact[i].surfaces
-            yield errors.BorderWarning(
-                f"{pair_name(surfaces)}: {text}{whole_skin(surfaces)}", f"contact[{i}]"
-            )
+class Borders:
+    """Finds contacts around whose surfaces the bodies have come into each other."""
+
+    #: Looks at the corners in a run, and how deep one may be there, as a fraction of the shortest edge.
+    LOOKS, DEEP = 50, 0.1
+
+    def __init__(self, problem: Problem):
+        contacts = problem.parts.contact
+        self._problem, self._told = problem, set[int]()
+        self._open = {i for i, given in enumerate(contacts) if whole_skin(given.surfaces)}
+        self._first = dict.fromkeys(self._open, 0.0)
+        steps = max(1, problem.step_count)
+        #: Steps between two looks.
+        self.every = -(-steps // self.LOOKS) if self._open else steps
+
+    def warnings(self, state: Any) -> Iterator[SceneWarning]:
+        """Yield a warning for each contact with points that were found inside, or for parts of skins
+        with a corner that is inside beyond the borders or between the points, once per contact."""
+        if len(self._told) == len(self._problem.parts.contact):
+            return
+        asked = ["points", "corners"] if self._open - self._told else ["points"]
+        for i, found in enumerate(penetrations(self._problem, state, asked)):
+            surfaces = self._problem.parts.contact[i].surfaces
+            text = ""
+            if found["points"]["late"]:
+                text = came_in_late(found["points"]["late"], found["points"]["late_depth"])
+            elif i in self._open and "corners" in found:
+                text = self._corner(i, found["corners"], state)
+            if text and i not in self._told:
+                self._told.add(i)
+                text = f"{pair_name(surfaces)}: {text}{whole_skin(surfaces)}"
+                yield errors.BorderWarning(text, f"contact[{i}]")
+
+    def _corner(self, i: int, found: dict[str, Any], state: Any) -> str:
+        """What to say of the deepest corner, unless it is no deeper than at the start."""
+        bodies = {body for body, _ in self._problem.parts.contact[i].surfaces}
+        edge = min(self._problem.bodies[body].mesh.shortest_edge for body in bodies)
+        if state.step == 0:
+            self._first[i] = found["deepest"]
+        if not found["deepest"] > self._first[i] + self.DEEP * edge:
+            return ""
+        return f"a corner of {found['surface']} is {found['deepest']:.3g} inside the other surface at t = {state.time:.6g}, where no contact point is: the bodies pass into each other beside the surfaces or between their points"
 
 
 def whole_skin(surfaces: Sequence[Any]) -> str:
