@@ -97,7 +97,9 @@ module libcontact
     integer(c_int) :: shape
     real(c_double) :: point(3), axis(3), radius, epsilon
     integer(c_int) :: enforcement
-    real(c_double) :: dissipation, velocity(3), travel(3)
+    real(c_double) :: dissipation
+    integer(c_int) :: initial_penetration
+    real(c_double) :: removal_time, adjust, velocity(3), travel(3)
     type(ct_amplitude) :: amplitude
     integer(c_int) :: kind
     integer(c_int32_t) :: face_count

@@ -16,6 +16,7 @@ typedef struct pair {
   double *velocity[2];
   ct_material material;
   int alone;               /* whether the one body meets only obstacles */
+  int inside;              /* whether it is inside them at the start, and moves */
   double friction;         /* between the surfaces */
   int obstacles, side[2];  /* which surface meets each */
   ct_obstacle_def wall[2]; /* their faces and penalties are filled in later */
@@ -134,6 +135,17 @@ static pair thrown(double apart)
   add_wall(&p, 0, CT_OBSTACLE_PLANE, 0, 0, 0, 0, 0.3);
   add_wall(&p, 0, CT_OBSTACLE_SPHERE, 0.5, 0.4, 3.01 + apart, 2.0, 0.2);
   p.wall[1].velocity[2] = -0.6, p.wall[1].velocity[0] = 0.1;
+  return p;
+}
+
+/* The same, inside the plane and the sphere at the start; the overlap with the plane is treated in
+ * a given way. */
+static pair sunk(ct_initial how)
+{
+  pair p = thrown(-0.02);
+  p.inside = 1;
+  p.wall[0].initial_penetration = how, p.wall[0].removal_time = 0.1;
+  p.wall[1].point[2] = 2.96;
   return p;
 }
 
@@ -366,8 +378,9 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   ct_stable_step stable;
   int64_t steps;
   ct_error e;
-  // The scene's start gaps do not fade yet when it goes half a step back from t = 0.
-  const int64_t from = options.initial_penetration == CT_INITIAL_REMOVE;
+  // The scene goes half a step back from t = 0: its start gaps do not fade yet, and a point that
+  // touches already leaves.
+  const int64_t from = p.inside || options.initial_penetration == CT_INITIAL_REMOVE;
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
@@ -532,7 +545,7 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
     for (steps = 0; (double)steps * h.dt < end; steps++) {
       double bodies = step_host(&h, steps);
       need(ct_contact_balance_of(h.contact, &now), &e);
-      double total = bodies + now.energy - now.motion;
+      double total = bodies + now.energy - now.motion - now.removal;
       if (steps == 0) start = total;
       balance = worst(balance, (bodies - start - now.work) / start);
       rise = fmax(rise, (total - fmin(lowest, start)) / start);
@@ -785,7 +798,7 @@ static void refused_parts(void)
   ct_obstacle_def wall = ct_obstacle_def_default(), none = {0};
   ct_error e;
   double force[3], work, memory[400];
-  wall.axis[2] = 1.0, wall.epsilon = 50.0;
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.initial_penetration = CT_INITIAL_PUSH;
   need(ct_contact_create(&a.surface, NULL, &options, &alone, &e), &e);
   for (int k = 0; k < 4; k++) {
     tap_ok(ct_contact_add_friction(contact, -1, BAD[k], 1.0, &e) == CT_ERROR_ARGUMENT &&
@@ -841,7 +854,7 @@ static void refused_parts(void)
     else allowed++;
     memory[i] = keep;
   }
-  tap_ok(count < 400 && refused == count - 8 && allowed == 8,
+  tap_ok(count < 400 && refused == count - 12 && allowed == 12,
          "NaN in %d of %d saved numbers is refused, except in distances of points: %s", refused,
          (int)count, e.text);
   tap_ok(ct_contact_restore(contact, memory, count - 1, &e) == CT_ERROR_ARGUMENT &&
@@ -863,7 +876,7 @@ static void memory(void)
   ct_error e;
   ct_contact *contact = open_faces(&a, &b, plain());
   ct_obstacle_def wall = ct_obstacle_def_default();
-  wall.axis[2] = 1.0, wall.epsilon = 50.0;
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.initial_penetration = CT_INITIAL_PUSH;
   for (int k = 0; k < 3; k++)
     for (int spare = 0; spare < 1000; spare++) {
       counted.last_call = counted.calls + spare;
@@ -908,6 +921,7 @@ static void with_parts(void)
         {rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "blocks with friction", 0.2},
         {rubbing(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), 0.3), "unlike blocks with friction", 0.2},
         {thrown(0.01), "a block, a plane and a sphere", 0.2},
+        {sunk(CT_INITIAL_KEEP), "a block inside a plane and a sphere", 0.2},
         {squeezed(), "a block, a plane and a cylinder", 0.3},
         {stacked(), "two blocks, a plane and a sphere", 0.1}};
     for (size_t i = 0; i < sizeof list / sizeof list[0]; i++) {
@@ -917,7 +931,9 @@ static void with_parts(void)
       }
       ct_contact_options options = options_of(&list[i].p, explicit_one ? 1.0 : 40.0);
       if (explicit_one) options.enforcement = CT_ENFORCE_PENALTY;
-      like_the_scene(list[i].p, list[i].name, options, list[i].end, 1e-12);
+      // The forces of the first step, from which those of the next one are iterated, are not alike.
+      like_the_scene(list[i].p, list[i].name, options, list[i].end,
+                     list[i].p.inside ? 1e-10 : 1e-12);
     }
   }
 }
@@ -954,10 +970,14 @@ int main(void)
   never_grows(rubbing(blocks(CT_HEX20, CT_HEX8, 0.005, 0.3), 0.3), "unlike blocks with friction",
               0.08, 1e-12, 0.5);
   never_grows(thrown(0.01), "a block, a plane and a sphere", 0.12, 1e-12, -1.0);
+  never_grows(sunk(CT_INITIAL_KEEP), "a block in a plane and a sphere", 0.12, 1e-12, -1.0);
+  never_grows(sunk(CT_INITIAL_REMOVE), "a block inside a plane and a sphere", 0.12, 2e-3, -1.0);
   never_grows(squeezed(), "a block, a plane and a cylinder", 0.2, 1e-12, -1.0);
   never_grows(stacked(), "two blocks, a plane and a sphere", 0.06, 1e-12, -1.0);
   restart(stacked(), "two blocks, a plane and a sphere", CT_ENFORCE_ENERGY_CONTROLLED);
   restart(thrown(0.0), "a block, a plane and a sphere", CT_ENFORCE_PENALTY);
+  restart(sunk(CT_INITIAL_REMOVE), "a block inside a plane and a sphere",
+          CT_ENFORCE_ENERGY_CONTROLLED);
   restart(squeezed(), "a block, a plane and a cylinder", CT_ENFORCE_ENERGY_CONTROLLED);
   restart(rubbing(strip(), 0.3), "strip", CT_ENFORCE_ENERGY_CONTROLLED);
   restart(blocks(CT_HEX20, CT_HEX8, -0.01, 0.3), "an overlap", CT_ENFORCE_ENERGY_CONTROLLED);

@@ -264,6 +264,106 @@ static void depth(void)
   end(&t);
 }
 
+/* The three shapes, 0.02 deep in the lower face of a block of 1 with its middle at the origin. */
+static ct_obstacle_def shape_beneath(int shape, ct_initial how)
+{
+  return (ct_obstacle_def){COOKIE,
+                           .shape = (ct_obstacle_shape)shape,
+                           .point = {0.0, 0.0, shape == 0 ? -0.48 : -3.48},
+                           .axis = {shape == 2 ? 1.0 : 0.0, 0.0, shape == 2 ? 0.0 : 1.0},
+                           .radius = 3.0,
+                           .epsilon = 2e4,
+                           .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                           .initial_penetration = how,
+                           .removal_time = 0.2};
+}
+
+static ct_penetration inside(const against *t, ct_penetration_at at)
+{
+  ct_error error;
+  ct_penetration found;
+  need(ct_obstacle_penetration(t->problem, t->state, 1, at, &found, &error), &error);
+  return found;
+}
+
+/* A block that overlaps an obstacle at the start: it stays at rest, is pushed with the energy of
+ * the penalty, is refused, or is removed by work that counts. (eq:initial-shift, eq:initial-work)
+ */
+static void overlap(int shape, ct_initial how, const char *name)
+{
+  against t = begin(box_mesh(CT_HEX8, -0.5, -0.5, -0.5, 1, 1, 1, 4, 4, 3), &SOFT, 0, 0, 0);
+  const ct_obstacle_def o = shape_beneath(shape, how);
+  add_obstacle(&t, o, 2, -0.5, 0.0);
+  ct_scene_time time = {.end = 0.4, .fraction = 0.8, .threads = 1};
+  ct_error error;
+  int64_t steps;
+  if (how == CT_INITIAL_REFUSE) {
+    tap_ok(ct_scene_build(t.scene, &time, &t.problem, &steps, &t.stable, &error) ==
+               CT_ERROR_GEOMETRY,
+           "%s, refused: %s", name, error.text);
+    end(&t);
+    return;
+  }
+  finish(&t, 0.4, 0.8);
+  double stored = 0.0, most = 0.0, least = 0.0, n[3];
+  const ct_side_fixed *side = ct_obstacle_side(t.problem->effects[1]);
+  for (int64_t i = 0; i < side->point_count; i++) {
+    double y[3];
+    ct_side_interpolate(side->search, side->search->x, (int32_t)(i / side->rule.count),
+                        side->N[i % side->rule.count], NULL, y);
+    double gap = fmin(ct_obstacle_gap(&o, y, n), 0.0);
+    least = fmin(least, gap);
+    stored += 0.5 * o.epsilon * side->weight[i] * gap * gap;
+  }
+  ct_penetration points = inside(&t, CT_AT_POINTS), corners = inside(&t, CT_AT_CORNERS);
+  tap_ok(fabs(points.deepest + least) < 1e-12 && points.side == 0 &&
+             points.deepest <= corners.deepest + 1e-12 && fabs(corners.deepest - 0.02) < 1e-12,
+         "%s: points are %.3g inside, corners %.3g", name, points.deepest, corners.deepest);
+  ct_energy e = energy_of(t.problem, t.state);
+  tap_close(e.total, how == CT_INITIAL_PUSH ? stored : 0.0, 1e-12 + 5e-4 * stored,
+            "%s: the energy at the start", name);
+  while (t.state->time < 0.4 - 1e-9) {
+    advance(t.problem, t.state, 1);
+    e = energy_of(t.problem, t.state);
+    most = fmax(most, fabs(e.kinetic) + fabs(e.strain));
+  }
+  double deepest = inside(&t, CT_AT_POINTS).deepest;
+  if (how == CT_INITIAL_KEEP)
+    tap_ok(most == 0.0 && e.total == 0.0 && deepest == points.deepest, "%s: it stays at rest",
+           name);
+  if (how == CT_INITIAL_PUSH)
+    tap_ok(e.kinetic + e.strain > 0.03 * stored && e.total < 1.001 * stored,
+           "%s: it flies away with %.3g of it", name, (e.kinetic + e.strain) / stored);
+  if (how == CT_INITIAL_REMOVE)
+    tap_ok(deepest < 1e-3 && e.external > 0.0 && e.kinetic + e.strain < 1.002 * e.external &&
+               fabs(e.balance) < 1e-9 * e.external,
+           "%s: it is removed with the work %.3g, of which it has %.3g", name, e.external,
+           (e.kinetic + e.strain) / e.external);
+  end(&t);
+}
+
+/* A gap that is closed: a block that comes from 0.01 above a plane rebounds there. */
+static void adjusted(void)
+{
+  against t = begin(box_mesh(CT_HEX8, 0, 0, 0.01, 1, 1, 1, 3, 3, 3), &SOFT, 0, 0, -0.2);
+  add_obstacle(&t,
+               (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1},
+                                 .epsilon = 1e6, .adjust = 0.015,
+                                 .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                                 .initial_penetration = CT_INITIAL_KEEP},
+               2, 0.01, 0.0);
+  finish(&t, 0.1, 0.8);
+  double lowest = 1.0;
+  while (t.state->time < 0.1 - 1e-9) {
+    advance(t.problem, t.state, 1);
+    for (int32_t n = 0; n < t.problem->node_count; n++)
+      lowest = fmin(lowest, t.problem->reference[3 * n + 2] + t.state->displacement[3 * n + 2]);
+  }
+  tap_ok(lowest > 0.0095 && momentum_of(t.problem, t.state, 0).p[2] > 0.0,
+         "a gap within adjust counts as closed: the block comes no nearer than %.4f", lowest);
+  end(&t);
+}
+
 /* A block on an inclined plane, all of whose points stay in contact. */
 static void incline(double mu, double vx, int slips)
 {
@@ -552,6 +652,11 @@ int main(void)
   moving_wall(0);
   moving_wall(1);
   depth();
+  static const char *const NAMES[] = {"plane", "sphere", "cylinder"};
+  for (int shape = 0; shape < 3; shape++)
+    for (int how = CT_INITIAL_PUSH; how <= CT_INITIAL_REMOVE; how++)
+      overlap(shape, (ct_initial)how, NAMES[shape]);
+  adjusted();
   incline(0.3, 0.5, 1);
   incline(0.9, 0.0, 0);
   mirrored();

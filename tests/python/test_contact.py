@@ -355,10 +355,44 @@ def test_nonsense_is_refused_by_name(wrong):
     assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
 
 
+@pytest.mark.parametrize("how", ["keep", "push", "refuse", "remove"])
+def test_a_plate_that_begins_inside_a_plane(how):
+    contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
+    keys = {"initial_penetration": how, "removal_time": 0.02}
+    wall = contact.add_obstacle("plane", [0, 0, 0.01], epsilon=2e5, **keys)
+    with pytest.raises(ValueError, match="there is no obstacle 1"):
+        contact.penetration(obstacle=1)
+    x, v, free, zero = SQUARE.copy(), np.zeros((4, 3)), np.full((4, 3), 2.0), np.zeros((4, 3))
+    if how == "refuse":
+        with pytest.raises(ct.GeometryError, match="obstacle: 4 points of its surface are inside"):
+            contact.step(1e-3, x, v, free, zero)
+        return
+    for n in range(60):
+        force, kick = zero.copy(), 1e-3 if n else 5e-4
+        contact.step(1e-3, x, v, free, force, kick=kick)
+        if n == 0:
+            for at in ("points", "corners", "edges"):
+                depth = contact.penetration(at, wall)
+                assert depth["deepest"] == pytest.approx(0.01) and depth["surface"] == 0
+            start = contact.balance
+        contact.add_force(force)
+        v, x = v + kick * free * force, x + 1e-3 * (v + kick * free * force)
+    balance, kinetic = contact.balance, 0.25 * (v * v).sum()
+    if how == "keep":
+        assert not v.any() and balance.energy == 0.0
+    elif how == "push":
+        assert start.energy == pytest.approx(0.5 * 2e5 * 2 * 1e-4) and kinetic > 0.5 * start.energy
+    else:
+        assert 0.0 < kinetic <= 1.002 * balance.removal and v[0, 2] > 0.0
+        assert contact.penetration(obstacle=wall)["surface"] is None
+
+
 def slider(**plane):
     """A plate of mass 2 on a plane, under its weight; v along x."""
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
-    wall = contact.add_obstacle("plane", [0, 0, 0], epsilon=2e5, **plane)
+    wall = contact.add_obstacle(
+        "plane", [0, 0, 0], epsilon=2e5, initial_penetration="push", **plane
+    )
     return contact, wall
 
 

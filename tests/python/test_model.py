@@ -134,6 +134,9 @@ history = { time = [0, 1], value = [0, 1] }
 [[obstacle]]
 surface = "b.outer"
 cylinder = { centre = [9, 0, 0], axis = [0, 0, 1], radius = 1 }
+adjust = 0.1
+initial_penetration = "remove"
+removal_time = 0.5
 [[obstacle]]
 surface = "c.x_max"
 sphere = { centre = [9, 0, 5.5], radius = 1 }

@@ -181,3 +181,73 @@ def test_chatter_is_foretold(enforcement, beta, fraction, told):
             == told
         )
         assert (total.max() / total[0] - 1 > 0.01) == told
+
+
+def sunk(depth, **keys):
+    """A steel cube of 1 m at rest, its lower face in a floor."""
+    floor = {"surface": "cube.z_min", "plane": {"point": [0, 0, depth], "normal": [0, 0, 1]}}
+    return ct.Scene(
+        {
+            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "material": [{"name": "steel", "young": 2.1e11, "poisson": 0.3, "density": 7800.0}],
+            "body": [
+                {
+                    "name": "cube",
+                    "material": "steel",
+                    "box": {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]},
+                }
+            ],
+            "obstacle": [{**floor, **keys}],
+            "time": {"end": 1e-3},
+        }
+    )
+
+
+@pytest.mark.parametrize("depth", [2.5e-3, 25e-3])
+def test_a_body_that_begins_inside_an_obstacle_stays_at_rest(depth):
+    with pytest.warns(ct.OverlapWarning, match=r"cube.z_min: it overlaps the obstacle by"):
+        run = sunk(depth).run(progress=False, output=False)
+    assert not run.energy["total"].any() and not run.state["cube"].displacement.any()
+    for place in ("points", "corners", "edges"):
+        found = run.penetration[0][place]
+        assert found["deepest"] == pytest.approx(depth, rel=1e-12)
+        assert found["surface"] == "cube.z_min" and found["inside"] > 0 and found["buried"] == 0
+    assert run.penetration[0]["corners"]["position"][2] == 0.0
+
+
+def test_an_overlap_with_an_obstacle_is_pushed_removed_or_refused():
+    # The energy of the penalty, 40 rho c1^2 / h over 1 m^2, stands in the first row.
+    modulus = 2.1e11 * 0.7 / (1.3 * 0.4)
+    with pytest.warns(ct.OverlapWarning, match="adds energy"):
+        run = sunk(2.5e-3, initial_penetration="push").run(progress=False, output=False)
+    stored = 0.5 * 40 * modulus / 0.25 * 2.5e-3**2
+    assert run.energy["total"][0] == pytest.approx(stored, rel=1e-9)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ct.OverlapWarning)
+        keys = {"initial_penetration": "remove", "removal_time": 5e-4}
+        run = sunk(2.5e-3, **keys).run(progress=False, output=False)
+    work = run.energy["external"][-1]
+    assert work > 0.0 and abs(run.energy["total"]).max() < 2e-3 * work
+    assert run.penetration[0]["points"]["deepest"] == 0.0
+    with pytest.raises(SceneError, match="obstacle: 64 points of its surface are inside"):
+        sunk(2.5e-3, initial_penetration="refuse").run(progress=False, output=False)
+
+
+def test_explain_tells_of_an_overlap_with_an_obstacle():
+    told = sunk(2.5e-3, adjust=1e-4).explain()
+    assert "initial penetration keep, adjust 0.0001 m" in told
+    assert "it overlaps the obstacle by 0.0025" in told
+    assert told.data["added"][0]["penetration"]["inside"] == 64
+
+
+@needs_hdf5
+def test_a_restart_carries_start_gaps_of_an_obstacle(tmp_path):
+    scene = sunk(2.5e-3, initial_penetration="remove", removal_time=5e-4)
+    scene.set_output(every=10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
+        scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=3e-4)
+        rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+    assert rest.energy["total"][-1] == whole.energy["total"][-1]
+    assert (rest.state["cube"].displacement == whole.state["cube"].displacement).all()

@@ -108,7 +108,9 @@ def test_a_plane_with_its_normal_the_wrong_way_round(surface):
     assert [
         (type(one), one.key) for one in drop(normal=(0, 0, -1), surface=surface).explain().warnings
     ] == [(ct.InsideOutWarning, "obstacle[0]")]
-    assert drop(surface=surface, gap=-0.01).explain().warnings == []
+    assert [
+        (type(one), one.key) for one in drop(surface=surface, gap=-0.01).explain().warnings
+    ] == [(ct.OverlapWarning, "obstacle[0]")]
 
 
 @pytest.mark.parametrize("radius, inside", [(3.0, True), (0.3, False)])

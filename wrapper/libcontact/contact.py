@@ -55,6 +55,20 @@ class Balance:
     late_depth: float = 0.0
 
 
+PLACES = {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
+
+
+def depths(found: Any) -> dict[str, Any]:
+    """The members of a ``ct_penetration`` but its surface."""
+    numbers = ("inside", "buried", "deepest", "face", "touching", "late", "late_depth")
+    return {name: getattr(found, name) for name in numbers} | {"position": tuple(found.position)}
+
+
+def _initial(name: str) -> int:
+    """The number of a treatment of overlaps at the start."""
+    return chosen("initial_penetration", name, names("ct_initial"))
+
+
 class Contact:
     """Contact of two surfaces, or of one with itself, and with rigid obstacles, in a host's own
     time loop: one call per step.
@@ -161,9 +175,7 @@ class Contact:
         options.threads = index("threads", threads)
         options.enforcement = chosen("enforcement", enforcement, names("ct_enforcement"))
         options.points = chosen("points", points, names("ct_contact_rule"))
-        options.initial_penetration = chosen(
-            "initial_penetration", initial_penetration, names("ct_initial")
-        )
+        options.initial_penetration = _initial(initial_penetration)
         other = first.given if itself or second is not None else ffi.NULL
         if second is not None:
             other = ffi.new("ct_surface *", second.given[0])
@@ -217,6 +229,9 @@ class Contact:
         travel: Any = (0.0, 0.0, 0.0),
         history: tuple[Any, Any] | None = None,
         dissipation: float = 0.15,
+        initial_penetration: str = "keep",
+        removal_time: float = 0.0,
+        adjust: float = 0.0,
         friction: float = 0.0,
         tangent: float = 1.0,
         surface: int = 0,
@@ -244,6 +259,12 @@ class Contact:
             Times, from the first step on, and factors.
         dissipation : float
             Damping ratio of the surface mode, 0 ... 1.
+        initial_penetration : {"keep", "push", "refuse", "remove"}
+            Treatment of points that penetrate in the first step.
+        removal_time : float
+            Time in which ``"remove"`` separates surface and obstacle [time].
+        adjust : float
+            Gaps and overlaps at the start up to this value count as touching [length].
         friction : float
             Coefficient of Coulomb friction; 0: none.
         tangent : float
@@ -264,6 +285,7 @@ class Contact:
         definition = ffi.new("ct_obstacle_def *", lib.ct_obstacle_def_default())
         definition.shape = chosen("shape", shape, names("ct_obstacle_shape"))
         definition.enforcement = chosen("enforcement", self._enforcement, names("ct_enforcement"))
+        definition.initial_penetration = _initial(initial_penetration)
         vectors = {"point": point, "axis": axis, "velocity": velocity, "travel": travel}
         for name, values in vectors.items():
             setattr(definition, name, real(name, values, (3,)).tolist())
@@ -271,6 +293,8 @@ class Contact:
             "epsilon": epsilon,
             "radius": radius,
             "dissipation": dissipation,
+            "removal_time": removal_time,
+            "adjust": adjust,
         }.items():
             setattr(definition, name, finite(name, value))
         pair = ((), ()) if history is None else history
@@ -459,6 +483,40 @@ class Contact:
             raise ValueError(f"there is no obstacle {obstacle!r}")
         check(lib.ct_contact_reaction(self._contact, number, doubles(force), work))
         return force, float(work[0])
+
+    def penetration(self, at: str = "points", obstacle: int | None = None) -> dict[str, Any]:
+        """
+        Depth of the two surfaces inside each other, or of a surface in an obstacle, by true distances.
+
+        Parameters
+        ----------
+        at : {"points", "corners", "edges"}
+            Places of the faces; a surface in contact with itself has only ``"points"``.
+        obstacle : int, optional
+            An obstacle, after a step.
+
+        Returns
+        -------
+        dict
+            The numbers ``inside`` and ``buried`` (inside, but not in contact because they never came
+            from outside); ``deepest`` [length], ``surface`` (0, 1, or None when nothing is inside),
+            ``face`` and ``position`` of the deepest place; and ``touching``, the depth [length] that
+            counts as touching.
+
+        Raises
+        ------
+        ValueError
+            Unknown place or obstacle, or the last call was not a successful step.
+        """
+        place, found = chosen("at", at, PLACES), ffi.new("ct_penetration *")
+        if obstacle is None:
+            check(lib.ct_contact_penetration(self._contact, place, found))
+            return depths(found) | {"surface": found.side if found.side >= 0 else None}
+        number = index("obstacle", obstacle)
+        if not 0 <= number < len(self._sides):
+            raise ValueError(f"there is no obstacle {obstacle!r}")
+        check(lib.ct_contact_obstacle_penetration(self._contact, number, place, found))
+        return depths(found) | {"surface": self._sides[number] if found.side >= 0 else None}
 
     def traction(self, surface: int = 0, obstacle: int | None = None) -> tuple[Floats, Floats]:
         """

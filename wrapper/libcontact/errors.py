@@ -126,7 +126,7 @@ class TwiceWarning(SceneWarning):
 
 
 class OverlapWarning(SceneWarning):
-    """Surfaces of a contact overlap at the start."""
+    """Surfaces of a contact, or a surface and an obstacle, overlap at the start."""
 
 
 class BorderWarning(SceneWarning):

@@ -14,7 +14,7 @@ from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
 from .probes import Located
 from .problem import BuiltBody, BuiltContact, Problem, speeds
-from .surfaces import pair_name
+from .surfaces import contact_tables, pair_name
 from .units import Units
 from .warned import at_start, known
 
@@ -73,8 +73,10 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
             own = [warning for warning in warnings if warning.key == f"{name}[{i}]"]
             row["warnings"] = [str(warning) for warning in own]
     labels = {name: units.label(name) for name in ("stress", "energy")}
+    depths = {key: points for (key, _, _), points in zip(contact_tables(parts), found)}
     added = [
         {"name": each.name, "key": each.key, "text": each.given.describe(units)}
+        | ({"penetration": depths[each.key]} if each.key in depths else {})
         for each in parts.effects
     ]
     counts = [body["elements"] for body in bodies]

@@ -331,7 +331,8 @@ class History(Table):
 
 
 class ContactLaw(Table):
-    r"""Keys that a contact and an obstacle have in common: penalty, enforcement and friction.
+    r"""Keys that a contact and an obstacle have in common: penalty, enforcement, friction, and the
+    treatment of overlaps at the start.
 
     Attributes
     ----------
@@ -354,10 +355,25 @@ class ContactLaw(Table):
         Ratio of the tangential to the normal penalty; only with ``friction``. Without it the
         tangential penalty is the normal one, but at most 4 :math:`\rho c_1^2 / h`, as it limits
         the step.
+    adjust
+        Distance within which gaps and overlaps at the start count as touching,
+        :eq:`initial-adjust`; at most the ``depth`` of a contact. For meshes of fitting parts, such as a shaft in
+        its hole, use a value slightly above the sag :eq:`sag` of the coarser mesh.
+    initial_penetration
+        Treatment of points that penetrate by more than ``adjust`` at the start,
+        :eq:`initial-shift`. ``"keep"`` measures their gaps from the initial value until they open,
+        which adds no energy; ``"push"`` applies the contact force at once, which adds energy;
+        ``"refuse"`` ends the run; ``"remove"`` separates them gradually. The run warns of such an
+        overlap unless it is removed (:doc:`/theory/warnings`).
+    removal_time
+        Time in which ``"remove"`` separates the surfaces.
     """
 
     rivals = (("beta", "epsilon"),)
-    belongs = {"dissipation": ("enforcement", "energy_controlled")}
+    belongs = {
+        "dissipation": ("enforcement", "energy_controlled"),
+        "removal_time": ("initial_penetration", "remove"),
+    }
 
     beta: float | None = key(POSITIVE, default=None, says="by enforcement")
     epsilon: float | None = key(POSITIVE, unit="stress / length", default=None, says="none")
@@ -367,11 +383,18 @@ class ContactLaw(Table):
     dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)
     friction: float = key(FORWARD, default=0.0)
     tangent: float | None = key(POSITIVE, default=None, says="1 or less")
+    adjust: float = key(FORWARD, unit="length", default=CONTACT.adjust)
+    initial_penetration: str = key(
+        Choice(INITIAL), default=word(INITIAL, CONTACT.initial_penetration)
+    )
+    removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
         if self.tangent and not self.friction:
             yield "tangent", 'belongs to friction; give "friction" too'
+        if self.initial_penetration == "remove" and self.removal_time is None:
+            yield "removal_time", 'is missing; initial_penetration = "remove" needs it'
 
 
 class ContactKeys(ContactLaw):
@@ -393,36 +416,12 @@ class ContactKeys(ContactLaw):
     points
         Positions of the contact points: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on
         edges and inside, so that the penetration of every corner is detected, :eq:`unseen`.
-    adjust
-        Distance within which gaps and overlaps at the start count as touching,
-        :eq:`initial-adjust`; at most the ``depth``. For meshes of fitting parts, such as a shaft in
-        its hole, use a value slightly above the sag :eq:`sag` of the coarser mesh.
-    initial_penetration
-        Treatment of points that penetrate by more than ``adjust`` at the start,
-        :eq:`initial-shift`. ``"keep"`` measures their gaps from the initial value until they open,
-        which adds no energy; ``"push"`` applies the contact force at once, which adds energy;
-        ``"refuse"`` ends the run; ``"remove"`` separates them gradually. The run warns of such an
-        overlap unless it is removed (:doc:`/theory/warnings`).
-    removal_time
-        Time in which ``"remove"`` separates the surfaces.
     """
-
-    belongs = {**ContactLaw.belongs, "removal_time": ("initial_penetration", "remove")}
 
     method: str = key(Choice(METHODS), default=word(METHODS, CONTACT.method))
     tolerance: float | None = key(POSITIVE, default=None, says="the library's")
     depth: float | None = key(POSITIVE, unit="length", default=None, says="see text")
     points: str = key(Choice(POINTS), default=word(POINTS, CONTACT.points))
-    adjust: float = key(FORWARD, unit="length", default=CONTACT.adjust)
-    initial_penetration: str = key(
-        Choice(INITIAL), default=word(INITIAL, CONTACT.initial_penetration)
-    )
-    removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
-
-    def refusals(self) -> Iterator[tuple[str, str]]:
-        yield from super().refusals()
-        if self.initial_penetration == "remove" and self.removal_time is None:
-            yield "removal_time", 'is missing; initial_penetration = "remove" needs it'
 
 
 class Contact(ContactKeys):

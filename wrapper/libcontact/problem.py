@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .bridge import Floats, Ints, ask, call, doubles, names, row
+from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
 from .mesh import (
     KINDS,
@@ -620,27 +622,40 @@ def _node_rows(
     return rows
 
 
-PLACES = {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
-
-
 def penetrations(
     problem: Problem, state: Any, asked: Iterable[str] = PLACES
 ) -> list[dict[str, dict[str, Any]]]:
-    """Penetration of the surfaces of each contact in a state (``ct_state *``), at the places ``asked``;
-    see ``Run.penetration``."""
+    """Penetration of the surfaces of each contact and each obstacle in a state (``ct_state *``), at the
+    places ``asked``; see ``Run.penetration``."""
+    asked = list(asked)
     out: list[dict[str, dict[str, Any]]] = []
     for built, contact in zip(problem.contacts, _contacts(problem, state)):
-        found, table = ffi.new("ct_penetration *"), {}
-        for place in asked:
-            if built.with_itself and place != "points":
-                continue
-            check(lib.ct_contact_penetration(contact, PLACES[place], found))
-            numbers = ("inside", "buried", "deepest", "face", "touching", "late", "late_depth")
-            table[place] = {name: getattr(found, name) for name in numbers}
-            table[place]["surface"] = built.surfaces[found.side] if found.side >= 0 else None
-            table[place]["position"] = tuple(found.position)
-        out.append(table)
+        there = [place for place in asked if place == "points" or not built.with_itself]
+        out.append(_depths(built.surfaces, there, partial(lib.ct_contact_penetration, contact)))
+    numbers = [k for k, made in enumerate(problem.made) if made.kind == lib.CT_EFFECT_OBSTACLE]
+    for given, k in zip(problem.parts.obstacle, numbers):
+        measure = partial(_obstacle_depth, problem, state, k)
+        out.append(_depths((".".join(given.surface),), asked, measure))
     return out
+
+
+def _depths(
+    surfaces: Sequence[str], asked: Iterable[str], measure: Callable[..., int]
+) -> dict[str, dict[str, Any]]:
+    """Penetration at the places ``asked``, from a function of a place and the struct to
+    fill."""
+    found, table = ffi.new("ct_penetration *"), {}
+    for place in asked:
+        check(measure(PLACES[place], found))
+        surface = surfaces[found.side] if found.side >= 0 else None
+        table[place] = {**depths(found), "surface": surface}
+    return table
+
+
+def _obstacle_depth(problem: Problem, state: Any, k: int, place: int, found: Any) -> int:
+    """Fill the penetration of the obstacle with effect number ``k``."""
+    call(lib.ct_obstacle_penetration, problem.pointer, state, k, place, found)
+    return int(lib.CT_OK)
 
 
 def new_state(problem: Problem) -> Any:

@@ -373,8 +373,8 @@ class Run:
     #: time, and the recorded quantities at that time, shape (rows, 3), stress (rows, 6) and pressure
     #: (rows,). The runs passed to ``watch`` have the last row only.
     probes: dict[str, Rows] = field(default_factory=dict)
-    #: Penetration of each contact in the last state, a dict by place: "points", "corners" and "edges" of
-    #: all faces; a surface in contact with itself has "points" only. Each place has the numbers
+    #: Penetration of each contact, and then of each obstacle, in the last state, a dict by place:
+    #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only. Each place has the numbers
     #: ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
     #: ``deepest`` (true distance), ``surface``, ``face`` and ``position`` of the deepest one. Depths up
     #: to ``touching`` are not counted. ``late`` and ``late_depth``: at the points, how many were found

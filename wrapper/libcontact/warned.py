@@ -20,7 +20,7 @@ from .mesh import rotation
 from .model import AXES, FEEDING, Contact
 from .parts import acts_on
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
-from .surfaces import pair_name
+from .surfaces import contact_tables, pair_name
 from .touch import Touch, first_touch, gravity_on
 
 Points = dict[str, NDArray[np.int32]]
@@ -47,7 +47,7 @@ def known(
     Return all warnings that are known before the first step of a run.
 
     The run writes to the file ``output`` (None: no file). ``found``, the penetration at the points of
-    each contact at t = 0, and ``state``, the state (``ct_state *``) at t = 0, are computed if they are
+    each contact and obstacle at t = 0, and ``state``, the state (``ct_state *``) at t = 0, are computed if they are
     not given.
     """
     if found is None:
@@ -71,8 +71,8 @@ def at_start(
     problem: Problem, state: Any = None
 ) -> tuple[list[float | None], list[dict[str, Any]]]:
     """The smallest gap of each contact at t = 0 (None if no point is near the other surface), and the
-    penetration at its points."""
-    if not problem.contacts:
+    penetration at the points of each contact and each obstacle."""
+    if not problem.contacts and not problem.parts.obstacle:
         return [], []
     state = new_state(problem) if state is None else state
     gaps = []
@@ -168,18 +168,21 @@ FATE = {
 
 def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[SceneWarning]:
     """Overlaps at the start that neither ``adjust`` nor ``"remove"`` covers."""
-    for i, (given, points) in enumerate(zip(problem.parts.contact, found)):
+    for (key, name, given), points in zip(contact_tables(problem.parts), found):
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
             where = ", ".join(f"{x:.4g}" for x in points["position"])
             count, how = points["inside"] - points["buried"], given.initial_penetration
-            text = f"the surfaces overlap by {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
+            who = (
+                "the surfaces overlap" if key.startswith("contact") else "it overlaps the obstacle"
+            )
+            text = f"{who} by {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
                 text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
-            yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
+            yield errors.OverlapWarning(f"{name}: {text}", key)
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
-            yield errors.OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
+            yield errors.OverlapWarning(f"{name}: {text}", key)
 
 
 class Borders:

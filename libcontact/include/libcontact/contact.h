@@ -221,7 +221,7 @@ typedef struct ct_contact_balance {
    * grow, for steps of equal length in which gaps are linear in the motion.
    */
   double work;
-  /** Work of the decreasing start gaps [energy], :eq:`initial-work`. */
+  /** Work of the decreasing start gaps, also of obstacles [energy], :eq:`initial-work`. */
   double removal;
   /** Number of steps in which the forces did not converge. */
   int64_t unconverged;
@@ -459,6 +459,17 @@ typedef struct ct_obstacle_def {
    * penalty. With 0, energy is conserved while contact lasts.
    */
   double dissipation;
+  /** Treatment of points that penetrate at the start; default CT_INITIAL_KEEP. */
+  ct_initial initial_penetration;
+  /** Time in which CT_INITIAL_REMOVE separates surface and obstacle [time], > 0; otherwise not
+   * read.
+   */
+  double removal_time;
+  /**
+   * Distance within which gaps and overlaps at the start count as touching [length], >= 0,
+   * :eq:`initial-adjust`. Default 0: no gap is closed.
+   */
+  double adjust;
   /** Constant velocity [length / time]. */
   double velocity[3];
   /** Displacement that the amplitude multiplies [length]; zero without an amplitude. */
@@ -475,8 +486,8 @@ typedef struct ct_obstacle_def {
   const int32_t *faces;
 } ct_obstacle_def;
 
-/** A plane at rest with the energy-controlled penalty and dissipation 0.15; the caller must set the
- * other members. */
+/** A plane at rest with the energy-controlled penalty, dissipation 0.15 and CT_INITIAL_KEEP; the
+ * caller must set the other members. */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
 /**
@@ -523,6 +534,20 @@ CT_API ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_
  */
 CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                       double force[3], double *work, ct_error *error);
+
+/**
+ * Penetration of a surface into an obstacle at the state's time, by true distances, as
+ * `ct_contact_penetration`; `side` is 0, or -1 when nothing is inside. ``CT_ERROR_ARGUMENT``: null
+ * argument, unknown place, or effect number `effect` is not an obstacle.
+ */
+CT_API ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
+                                         ct_penetration_at at, ct_penetration *out,
+                                         ct_error *error);
+
+/** The same of an obstacle of a host's contact after its last step. ``CT_ERROR_ARGUMENT``: null
+ * argument, unknown obstacle or place, or the last call was not a successful step. */
+CT_API ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obstacle,
+                                                 ct_penetration_at at, ct_penetration *out);
 
 /**
  * Tractions of an obstacle at the nodes of its surface, at the state's time, as

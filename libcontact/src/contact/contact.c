@@ -277,9 +277,8 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
     return status;
   ct_penetration found;
   status = ct_contact_penetration(contact, CT_AT_POINTS, &found);
-  return status != CT_OK
-             ? status
-             : ct_start_gap_refuse(rule, &found, "contact", contact->fixed->depth, error);
+  if (status != CT_OK) return status;
+  return ct_start_gap_refuse(rule, &found, "contact", contact->fixed->sides, error);
 }
 
 int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)

@@ -150,12 +150,11 @@ static inline int ct_start_gap_fades(const ct_start_rule *rule)
   return rule->initial_penetration == CT_INITIAL_REMOVE;
 }
 
-/* Fail if a point penetrates by more than is adjusted (eq:initial-shift). `depth` is that beyond
- * which points count as buried. */
+/* Fail if a point of `sides` surfaces penetrates by more than is adjusted (eq:initial-shift). */
 ct_status ct_start_gap_refuse(const ct_start_rule *rule, const ct_penetration *found,
-                              const char *label, double depth, ct_error *error);
+                              const char *label, int sides, ct_error *error);
 
-/* Memory of a point of a contact effect from step to step, as doubles of a restart. */
+/* Memory of a point of a contact or an obstacle from step to step, as doubles of a restart. */
 typedef struct ct_point_record {
   double other;      /* face of the other side plus one, or 0 */
   double status;     /* a ct_point_status */
@@ -168,6 +167,11 @@ typedef struct ct_point_record {
   double stored;     /* energy of the row */
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
+
+/* Restore the points of a side from their records, whose partners are `face_count` faces, and store
+ * them; return the place behind the records. */
+const double *ct_points_load(ct_side *side, int32_t face_count, const double *memory);
+double *ct_points_store(const ct_side *side, double *memory);
 
 /* Number of doubles that a contact stores, and whether they are of a step; restore the contact from
  * them, and save it. */
@@ -214,15 +218,28 @@ ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_
                                   const double *mass_b, double *omega2);
 
 /* An obstacle of one state: its points and its position. In each point `d` leads to the closest
- * point of the obstacle, and `other` is 0 if the point is inside, else -1. */
+ * point of the obstacle, and `other` is 0. */
 typedef struct ct_obstacle_state {
+  const ct_obstacle_def *given; /* with an axis of length 1 */
   ct_side side;
   double place[3];    /* present point of the obstacle */
   double reaction[3]; /* force of the bodies on it */
   double work;        /* of its motion since t = 0 */
+  double removal;     /* work of fading start gaps since t = 0 */
   double held;        /* energy of the constraints */
   double *terms;      /* one number per point */
 } ct_obstacle_state;
+
+/* Signed distance of a place from an obstacle in its present position, and the normal there; NaN as
+ * in ct_obstacle_gap. */
+double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3], double n[3]);
+
+/* Depth of a surface inside an obstacle, as ct_contact_penetration. */
+ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
+                            ct_penetration *out);
+
+/* First record of a point in the memory of an obstacle, and the number after the last one. */
+void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end);
 
 /* Data that friction needs of the contact or obstacle it acts on: the constant data of a contact,
  * or the side of an obstacle; and bounds of ω² with all points as springs, or if `facing` those of

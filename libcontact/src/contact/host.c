@@ -414,7 +414,7 @@ ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *o
   const ct_host_record record = record_of(contact->host);
   *out = (ct_contact_balance){.energy = ct_contact_energy(contact),
                               .work = record.work,
-                              .removal = contact->work,
+                              .removal = contact->work + contact->host->removal,
                               .unconverged = (int64_t)record.unconverged,
                               .friction = contact->host->friction,
                               .motion = contact->host->motion,
@@ -436,9 +436,22 @@ int64_t ct_contact_save(const ct_contact *contact, double *memory)
   return count;
 }
 
-/* Whether numbers are possible as the memory of a contact. */
-static int is_memory(const ct_contact_fixed *fixed, const double *memory, int64_t count)
+/* Whether the numbers before `end` are finite from `*from` on, except that the distance in the
+ * records of points between `first` and `last` may be unknown; moves `*from` to `end`. */
+static int are_finite(const double *memory, int64_t *from, int64_t first, int64_t last, int64_t end)
 {
+  const int64_t known = offsetof(ct_point_record, known) / sizeof(double);
+  for (; *from < end; ++*from)
+    if (!isfinite(memory[*from]) &&
+        !(*from >= first && *from < last && (*from - first) % CT_RECORD == known))
+      return 0;
+  return 1;
+}
+
+/* Whether numbers are possible as the memory of a contact. */
+static int is_memory(const ct_contact *contact, const double *memory, int64_t count)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
   ct_host_record record;
   memcpy(&record, memory, sizeof record);
   if (record.begun != 1.0) {
@@ -446,13 +459,17 @@ static int is_memory(const ct_contact_fixed *fixed, const double *memory, int64_
       if (memory[i] != 0.0) return 0;
     return 1;
   }
-  const int64_t first = CT_HOST_RECORD, end = first + CT_RECORD * fixed->point_count,
-                known = offsetof(ct_point_record, known) / sizeof(double);
-  for (int64_t i = 0; i < count; i++)
-    if (!isfinite(memory[i]) && !(i >= first && i < end && (i - first) % CT_RECORD == known))
-      return 0;
-  return record.before > 0.0 && record.unconverged >= 0.0 && record.unconverged < 9e15 &&
-         ct_contact_memory_begun(fixed, memory + first);
+  int64_t at = 0, first = CT_HOST_RECORD, last = first + CT_RECORD * fixed->point_count;
+  int finite = are_finite(memory, &at, first, last, first + ct_contact_fixed_memory(fixed));
+  for (const ct_host_part *part = contact->host->parts; finite && part != NULL; part = part->next) {
+    if (part->effect->kind != CT_EFFECT_OBSTACLE) continue;
+    ct_obstacle_records(part->effect, &first, &last);
+    finite = are_finite(memory, &at, part->memory + first, part->memory + last,
+                        part->memory + part->effect->memory_count);
+  }
+  return finite && are_finite(memory, &at, count, count, count) && record.before > 0.0 &&
+         record.unconverged >= 0.0 && record.unconverged < 9e15 &&
+         ct_contact_memory_begun(fixed, memory + CT_HOST_RECORD);
 }
 
 ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
@@ -465,7 +482,7 @@ ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t 
   if (count != h->memory_count)
     return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
                      (long long)count, (long long)h->memory_count);
-  if (!is_memory(contact->fixed, memory, count))
+  if (!is_memory(contact, memory, count))
     return ct_fail(error, CT_INVALID, CT_NOWHERE,
                    "contact: these numbers were not written by ct_contact_save");
   memcpy(h->memory, memory, (size_t)count * sizeof *memory);

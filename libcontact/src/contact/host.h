@@ -51,8 +51,9 @@ typedef struct ct_host {
   double *terms;       /* of a sum, likewise */
   double *velocity[2]; /* at the nodes of each surface, in order */
   double *rest;        /* zeros, likewise */
-  double held, friction,
-      motion; /* energy stored by parts, energy dissipated by friction, work of moving obstacles */
+  double held, friction, motion,
+      removal; /* energy stored by parts, energy dissipated by friction, work of moving
+                  obstacles, and of their fading start gaps */
   int64_t memory_count;
   double *memory, *next_memory; /* a record, the contact's memory, that of the parts */
   ct_host_record now;

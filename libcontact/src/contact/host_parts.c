@@ -146,12 +146,13 @@ static double held_by(const ct_host_part *part)
 
 void ct_host_sum_parts(ct_host *host)
 {
-  host->held = host->friction = host->motion = 0.0;
+  host->held = host->friction = host->motion = host->removal = 0.0;
   for (const ct_host_part *part = host->parts; part != NULL; part = part->next) {
     double slip, lost;
     if (part->effect->kind == CT_EFFECT_OBSTACLE) {
       host->held += held_by(part);
       host->motion += ((const ct_obstacle_state *)part->scratch)->work;
+      host->removal += ((const ct_obstacle_state *)part->scratch)->removal;
       continue;
     }
     ct_friction_sums(part->effect, part->scratch, &slip, &lost);
@@ -177,6 +178,14 @@ ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, doubl
       *work += drag.work;
     }
   return CT_OK;
+}
+
+ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obstacle,
+                                          ct_penetration_at at, ct_penetration *out)
+{
+  const ct_host_part *part = contact == NULL ? NULL : ct_host_obstacle(contact, obstacle);
+  if (part == NULL || !contact->host->current) return CT_ERROR_ARGUMENT;
+  return ct_obstacle_depth(part->scratch, at, out);
 }
 
 /* Node `n` of a part in the host's arrays: its surface, and its number there. */

@@ -32,37 +32,36 @@ int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
   return load_tail(fixed, memory).begun != 0.0;
 }
 
-/* Restore the points of the last step. */
-static void load_points(ct_contact *contact, const double *memory)
+const double *ct_points_load(ct_side *side, int32_t face_count, const double *memory)
 {
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    double most = (double)contact->fixed->side[contact->fixed->sides - 1 - s].search->face_count;
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
-      ct_point *point = &contact->side[s].points[i];
-      ct_point_record record;
-      memcpy(&record, memory, sizeof record);
-      int buried = record.status == CT_POINT_BURIED,
-          met = !buried && record.other >= 1.0 && record.other <= most;
-      point->other = met ? (int32_t)record.other - 1 : -1;
-      point->status = buried                             ? CT_POINT_BURIED
-                      : !met                             ? CT_POINT_NEW
-                      : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
-                                                         : CT_POINT_OUTSIDE;
-      memcpy(point->xi, record.xi, sizeof point->xi);
-      point->known = record.known;
-      point->row.force = record.force;
-      point->start = record.start;
-      point->force_size = record.force_size;
-      point->admitted = record.admitted;
-      point->stored = record.stored;
-    }
+  for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
+    ct_point *point = &side->points[i];
+    ct_point_record record;
+    memcpy(&record, memory, sizeof record);
+    int buried = record.status == CT_POINT_BURIED,
+        met = !buried && record.other >= 1.0 && record.other <= (double)face_count;
+    point->other = met ? (int32_t)record.other - 1 : -1;
+    point->status = buried                             ? CT_POINT_BURIED
+                    : !met                             ? CT_POINT_NEW
+                    : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
+                                                       : CT_POINT_OUTSIDE;
+    memcpy(point->xi, record.xi, sizeof point->xi);
+    point->known = record.known;
+    point->row.force = record.force;
+    point->start = record.start;
+    point->force_size = record.force_size;
+    point->admitted = record.admitted;
+    point->stored = record.stored;
   }
+  return memory;
 }
 
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error)
 {
   const tail_record tail = load_tail(contact->fixed, memory);
-  load_points(contact, memory);
+  for (int s = 0; s < contact->fixed->sides; s++)
+    memory =
+        ct_points_load(&contact->side[s], ct_contact_other(contact, s)->search->face_count, memory);
   contact->begun = 1;
   contact->stored = tail.stored;
   contact->time = tail.time;
@@ -70,7 +69,7 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   contact->account = tail.account;
   contact->late = (int64_t)tail.late;
   contact->late_depth = tail.late_depth;
-  memory += CT_RECORD * contact->fixed->point_count + TAIL;
+  memory += TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {
     ct_search *search = contact->side[s].search;
     ct_status status = ct_search_check(search, NULL, memory, s, error);
@@ -81,22 +80,28 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   return CT_OK;
 }
 
+double *ct_points_store(const ct_side *side, double *memory)
+{
+  for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
+    const ct_point *point = &side->points[i];
+    const ct_point_record record = {.other = (double)point->other + 1.0,
+                                    .status = point->status,
+                                    .xi = {point->xi[0], point->xi[1]},
+                                    .known = point->known,
+                                    .force = point->row.force,
+                                    .start = point->start,
+                                    .force_size = point->force_size,
+                                    .admitted = point->admitted,
+                                    .stored = point->stored};
+    memcpy(memory, &record, sizeof record);
+  }
+  return memory;
+}
+
 void ct_contact_store(const ct_contact *contact, double *memory)
 {
   for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
-      const ct_point *point = &contact->side[s].points[i];
-      const ct_point_record record = {.other = (double)point->other + 1.0,
-                                      .status = point->status,
-                                      .xi = {point->xi[0], point->xi[1]},
-                                      .known = point->known,
-                                      .force = point->row.force,
-                                      .start = point->start,
-                                      .force_size = point->force_size,
-                                      .admitted = point->admitted,
-                                      .stored = point->stored};
-      memcpy(memory, &record, sizeof record);
-    }
+    memory = ct_points_store(&contact->side[s], memory);
   const tail_record tail = {1.0,
                             contact->stored,
                             contact->time,

@@ -24,13 +24,15 @@ typedef struct obstacle_data {
   double *springs;    /* row sums of the stiffness with all points inside */
 } obstacle_data;
 
-/* Memory of the effect, before the force of each point's row. */
+/* Memory of the effect, before the records of the points. */
 typedef struct obstacle_record {
   double begun;    /* whether there was an earlier step */
   double place[3]; /* of the obstacle */
   double reaction[3];
   double work;
-  double stored; /* energy that all rows stored at the middle of the last step */
+  double stored;  /* energy that all rows stored at the middle of the last step */
+  double time;    /* of that step */
+  double removal; /* work of fading start gaps */
 } obstacle_record;
 enum { RECORD = sizeof(obstacle_record) / sizeof(double) };
 
@@ -103,6 +105,11 @@ static void free_scratch(void *scratch)
   ct_release(s);
 }
 
+static ct_start_rule start_rule_of(const ct_obstacle_def *given)
+{
+  return (ct_start_rule){given->initial_penetration, given->removal_time, given->adjust};
+}
+
 /* The law of all points. */
 static ct_constraint law_of(const ct_obstacle_def *given)
 {
@@ -122,20 +129,56 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     free_scratch(s);
     return CT_NO_MEMORY(error, "an obstacle");
   }
+  s->given = &data->given;
   *scratch = s;
   return CT_OK;
 }
 
-/* Gap of one point, and the vector to the obstacle. Returns 0 if there is none. */
-static int meet(const ct_obstacle_def *o, const ct_obstacle_state *s, int64_t i)
+double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3], double n[3])
 {
+  double r[3];
+  for (int c = 0; c < 3; c++) r[c] = y[c] - obstacle->place[c];
+  return gap_of(obstacle->given, obstacle->given->axis, r, n);
+}
+
+/* Gap of one point, and the vector to the obstacle. Returns 0 if there is none. */
+static int meet(const ct_obstacle_state *s, int64_t i)
+{
+  const ct_obstacle_def *o = s->given;
   ct_point *point = &s->side.points[i];
   double r[3];
   ct_side_position(&s->side, i, s->place, r);
-  point->row.gap = gap_of(o, o->axis, r, point->outward);
-  point->other = point->row.gap < 0.0 ? 0 : -1;
+  point->row.gap = point->known = gap_of(o, o->axis, r, point->outward);
+  point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  point->other = 0;
   for (int c = 0; c < 3; c++) point->d[c] = -point->row.gap * point->outward[c];
   return !isnan(point->d[0]);
+}
+
+/* Gaps of all points, with the nodes at their places and the obstacle where it is at a time. */
+static ct_status meet_all(ct_obstacle_state *s, double time, ct_error *error)
+{
+  ct_obstacle_motion(s->given, time, s->place);
+  for (int c = 0; c < 3; c++) s->place[c] += s->given->point[c];
+  for (int64_t i = 0; i < s->side.fixed->point_count; i++)
+    if (!meet(s, i))
+      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
+                     "obstacle: a point of the surface is at its centre");
+  return CT_OK;
+}
+
+/* The points begin with the start gaps of the reference shape (eq:initial-adjust). */
+static ct_status begin(const obstacle_data *data, ct_obstacle_state *s, double time,
+                       ct_error *error)
+{
+  const ct_start_rule rule = start_rule_of(s->given);
+  const ct_search *search = data->side.search;
+  memcpy(s->side.search->x, search->x, 3 * (size_t)search->node_count * sizeof *search->x);
+  ct_status status = meet_all(s, time, error);
+  for (ct_point *p = s->side.points; p < s->side.points + data->side.point_count; p++)
+    p->start = p->row.force = p->force_size = p->admitted = p->stored = 0.0;
+  if (status == CT_OK && ct_start_gap_counts(&rule)) ct_start_gap_begin(&rule, &s->side, 1);
+  return status;
 }
 
 /* Current coordinates of the surface's nodes. */
@@ -167,20 +210,33 @@ static void count_motion(ct_obstacle_state *s, const obstacle_record *last)
   }
 }
 
-/* Gaps of the points at the time of the view. */
+/* Refuse an overlap at the start if that is asked for. */
+static ct_status refuse(const ct_obstacle_state *s, const ct_start_rule *rule, ct_error *error)
+{
+  ct_penetration found;
+  if (rule->initial_penetration != CT_INITIAL_REFUSE) return CT_OK;
+  (void)ct_obstacle_depth(s, CT_AT_POINTS, &found);
+  return ct_start_gap_refuse(rule, &found, "obstacle", 1, error);
+}
+
+/* Gaps of the points at the time of the view, measured from their start gaps. */
 static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   ct_obstacle_state *s = view->scratch;
-  ct_status status = place_nodes(effect, view, &s->side, error);
-  if (status != CT_OK) return status;
-  ct_obstacle_motion(&data->given, view->time, s->place);
-  for (int c = 0; c < 3; c++) s->place[c] += data->given.point[c];
+  const ct_start_rule rule = start_rule_of(s->given);
+  const obstacle_record last = load(view->memory);
+  const ct_moment now = {.time = view->time, .dt = view->dt, .first = last.begun == 0.0};
+  ct_status status = CT_OK;
+  if (now.first) status = begin(data, s, view->time, error);
+  else (void)ct_points_load(&s->side, 1, &view->memory[RECORD]);
   for (int64_t i = 0; i < data->side.point_count; i++)
-    if (!meet(&data->given, s, i))
-      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                     "obstacle: a point of the surface is at its centre");
-  return CT_OK;
+    s->side.points[i].last_known = s->side.points[i].known;
+  if (status == CT_OK) status = place_nodes(effect, view, &s->side, error);
+  if (status == CT_OK) status = meet_all(s, view->time, error);
+  if (status == CT_OK && ct_start_gap_counts(&rule))
+    ct_start_gap_shift(&rule, &s->side, 1, &now, last.time);
+  return status == CT_OK && now.first ? refuse(s, &rule, error) : status;
 }
 
 /* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
@@ -210,8 +266,6 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
     came[c] = last.begun != 0.0 ? s->place[c] - last.place[c] : 0.0;
     moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
   }
-  for (int64_t i = 0; i < data->side.point_count; i++)
-    s->side.points[i].row.force = view->memory[RECORD + i];
   *count =
       ct_side_list_rows(&s->side, NULL, reach_of(effect, view, &s->side, moved), came, moved, rows);
   return CT_OK;
@@ -229,8 +283,9 @@ static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, do
 {
   ct_obstacle_state *s = view->scratch;
   int penalty = is_penalty(effect);
+  const ct_start_rule rule = start_rule_of(s->given);
   const obstacle_record last = load(view->memory);
-  obstacle_record next = {.begun = 1.0};
+  obstacle_record next = {.begun = 1.0, .time = view->time};
   ct_status status = penalty ? measure(effect, view, error) : CT_OK;
   if (status != CT_OK) return status;
   if (penalty) ct_side_apply_penalty(&s->side);
@@ -242,12 +297,16 @@ static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, do
   for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++)
     force[d] = s->side.force[d] + s->side.force_fine[d];
   count_motion(s, &last);
+  s->removal = last.removal;
+  if (ct_start_gap_fades(&rule))
+    s->removal += ct_start_gap_work(&rule, &s->side, 1, view->time,
+                                    last.begun != 0.0 ? last.time : view->time, s->terms);
   memcpy(next.place, s->place, sizeof next.place);
   memcpy(next.reaction, s->reaction, sizeof next.reaction);
   next.work = s->work;
+  next.removal = s->removal;
   memcpy(view->next_memory, &next, sizeof next);
-  for (int64_t i = 0; !penalty && i < s->side.fixed->point_count; i++)
-    view->next_memory[RECORD + i] = s->side.points[i].row.force;
+  (void)ct_points_store(&s->side, &view->next_memory[RECORD]);
   return CT_OK;
 }
 
@@ -265,7 +324,8 @@ static ct_status obstacle_external(const ct_effect *effect, const ct_view *view,
 {
   (void)effect;
   (void)error;
-  *work = ((const ct_obstacle_state *)view->scratch)->work;
+  *work = ((const ct_obstacle_state *)view->scratch)->work +
+          ((const ct_obstacle_state *)view->scratch)->removal;
   return CT_OK;
 }
 
@@ -303,7 +363,9 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return CT_REFUSE(error, "obstacle: the penalty must be positive, not %g", o->epsilon);
   const ct_constraint law = law_of(o);
+  const ct_start_rule rule = start_rule_of(o);
   ct_status status = ct_law_check(&law, "obstacle", error);
+  if (status == CT_OK) status = ct_start_gap_check(&rule, "obstacle", error);
   if (status != CT_OK) return status;
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
     return CT_REFUSE(error, "obstacle: the %s has no length",
@@ -328,7 +390,8 @@ static void count_costs(ct_effect *effect, double points)
 {
   double listed = is_penalty(effect) ? 0.0 : 1.0;
   effect->flops = (164.0 + 250.0 * listed) * points + (6.0 + 20.0 * listed) * effect->node_count;
-  effect->bytes = (2.0 * sizeof(ct_point) + 16.0 * listed) * points + 250.0 * effect->node_count;
+  effect->bytes = (2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record)) * points +
+                  250.0 * effect->node_count;
 }
 
 /* Row sums of the penalty's stiffness with all points inside (eq:obstacle-bound). */
@@ -371,12 +434,12 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
   if (status != CT_OK) return status;
   effect->nodes = data->side.search->nodes;
   effect->node_count = data->side.search->node_count;
+  effect->memory_count += CT_RECORD * data->side.point_count;
   if (!is_penalty(effect)) {
     effect->phase = CT_PHASE_CONSTRAINT;
     effect->constraints = &CONSTRAINTS;
     effect->constraint_count = data->side.point_count;
     effect->constraint_nodes = data->side.search->per;
-    effect->memory_count += effect->constraint_count;
   }
   count_costs(effect, (double)data->side.point_count);
   return CT_OK;
@@ -384,8 +447,10 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
 
 ct_obstacle_def ct_obstacle_def_default(void)
 {
-  return (ct_obstacle_def){
-      .cookie = CT_DEF_COOKIE, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.15};
+  return (ct_obstacle_def){.cookie = CT_DEF_COOKIE,
+                           .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                           .dissipation = 0.15,
+                           .initial_penetration = CT_INITIAL_KEEP};
 }
 
 ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
@@ -416,6 +481,12 @@ ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem
 const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
 {
   return &((const obstacle_data *)effect->data)->side;
+}
+
+void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end)
+{
+  *first = RECORD;
+  *end = effect->memory_count;
 }
 
 /* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
@@ -449,4 +520,14 @@ ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32
   ct_status status = CT_OK;
   const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
   return s == NULL ? status : ct_side_traction(&s->side, NULL, traction, area, error);
+}
+
+ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
+                                  ct_penetration_at at, ct_penetration *out, ct_error *error)
+{
+  ct_status status = CT_OK;
+  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
+  if (s == NULL) return status;
+  status = ct_obstacle_depth(s, at, out);
+  return status == CT_OK ? CT_OK : CT_REFUSE(error, "obstacle: null argument, or unknown place");
 }

@@ -60,11 +60,11 @@ static void take(ct_penetration *out, double depth, int32_t side, int32_t face, 
   memcpy(out->position, y, sizeof out->position);
 }
 
-/* At the contact's points. */
-static void at_points(const ct_contact *contact, ct_penetration *out)
+/* At the points of some sides. */
+static void at_points(const ct_side *sides, int count, ct_penetration *out)
 {
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
+  for (int s = 0; s < count; s++) {
+    const ct_side *side = &sides[s];
     for (int64_t i = 0; i < side->fixed->point_count; i++) {
       int32_t face = (int32_t)(i / side->fixed->rule.count);
       double y[3];
@@ -87,55 +87,88 @@ static int edges_at(ct_face_kind kind, const double xi[2])
   return (fabs(xi[0]) == 1.0) + (fabs(xi[1]) == 1.0);
 }
 
-/* At corners or on edges: `edges` is 2 or 1. A place deeper than any point in contact and than the
- * search distance is on a far side. */
-static void at_edges(const ct_contact *contact, ct_search *const now[2], int edges, double limit,
+/* What the depth of a place of a side is measured under: another surface, or an obstacle. */
+typedef struct under {
+  const ct_search *surface;
+  const ct_obstacle_state *obstacle; /* or null */
+} under;
+
+static double depth_in(const under *what, const ct_side *side, int32_t face, const double xi[2],
+                       double y[3])
+{
+  double N[8], normal[3];
+  if (what->obstacle == NULL) return depth_at(side, what->surface, face, xi, y);
+  ct_segment_shape(side->search->kind, xi, N);
+  ct_side_interpolate(side->search, side->search->x, face, N, NULL, y);
+  return -ct_obstacle_distance(what->obstacle, y, normal);
+}
+
+/* At corners or on edges of side `s`: `edges` is 2 or 1. A place deeper than `limit` is on a far
+ * side. */
+static void at_edges(const ct_side *side, int s, const under *what, int edges, double limit,
                      ct_penetration *out)
 {
   ct_rule rule;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
-    (void)ct_rule_lobatto(side->search->kind, &rule);
-    for (int32_t face = 0; face < side->search->face_count; face++)
-      for (int q = 0; q < rule.count; q++) {
-        double y[3];
-        if (edges_at(side->search->kind, rule.xi[q]) != edges) continue;
-        double depth = depth_at(side, now[contact->fixed->sides - 1 - s], face, rule.xi[q], y);
-        if (depth > 0.0 && depth <= limit) take(out, depth, s, face, y);
-      }
-  }
+  (void)ct_rule_lobatto(side->search->kind, &rule);
+  for (int32_t face = 0; face < side->search->face_count; face++)
+    for (int q = 0; q < rule.count; q++) {
+      double y[3];
+      if (edges_at(side->search->kind, rule.xi[q]) != edges) continue;
+      double depth = depth_in(what, side, face, rule.xi[q], y);
+      if (depth > 0.0 && depth <= limit) take(out, depth, s, face, y);
+    }
 }
 
 /* Depth up to which surfaces count as touching: the rounding of coordinates, and 1e-9 of a face. */
-static double touching(const ct_contact *contact)
+static double touching(const ct_side *sides, int count)
 {
-  double size =
-      fmax(contact->side[0].search->size, contact->side[contact->fixed->sides - 1].search->size);
-  return fmax(1e-9 * size, ct_side_rounding(contact->side, contact->fixed->sides));
+  double size = fmax(sides[0].search->size, sides[count - 1].search->size);
+  return fmax(1e-9 * size, ct_side_rounding(sides, count));
+}
+
+/* Penetration at the points of some sides, or none yet at other places. Returns 0 for an unknown
+ * place. */
+static int begin(const ct_side *sides, int count, ct_penetration_at at, ct_penetration *out)
+{
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(sides, count), 0, 0.0};
+  if (at == CT_AT_POINTS) at_points(sides, count, out);
+  return at == CT_AT_POINTS || at == CT_AT_CORNERS || at == CT_AT_EDGES;
 }
 
 ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
                                  ct_penetration *out)
 {
-  if (contact == NULL || out == NULL ||
-      (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES))
+  ct_penetration points;
+  if (contact == NULL || out == NULL || !begin(contact->side, contact->fixed->sides, at, out))
     return CT_ERROR_ARGUMENT;
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact), 0, 0.0};
-  if (at != CT_AT_POINTS && contact->fixed->sides == 1) return CT_ERROR_UNSUPPORTED;
-  at_points(contact, out);
+  const int sides = contact->fixed->sides;
   if (at == CT_AT_POINTS) {
     out->late = contact->late;
     out->late_depth = contact->late_depth;
     return CT_OK;
   }
-  double limit = fmax(contact->fixed->depth, 2.0 * out->deepest);
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching, 0, 0.0};
+  if (sides == 1) return CT_ERROR_UNSUPPORTED;
+  // A place deeper than any point in contact and than the search distance is on a far side.
+  (void)begin(contact->side, sides, CT_AT_POINTS, &points);
+  double limit = fmax(contact->fixed->depth, 2.0 * points.deepest);
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
-  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
+  for (int s = 0; status == CT_OK && s < sides; s++)
     status = ct_search_snapshot(contact->side[s].search, &now[s]);
-  if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
+  for (int s = 0; status == CT_OK && s < sides; s++)
+    at_edges(&contact->side[s], s, &(under){now[sides - 1 - s], NULL}, at == CT_AT_CORNERS ? 2 : 1,
+             limit, out);
   ct_search_free(now[0]);
   ct_search_free(now[1]);
   return status;
+}
+
+ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
+                            ct_penetration *out)
+{
+  if (out == NULL || !begin(&obstacle->side, 1, at, out)) return CT_ERROR_ARGUMENT;
+  if (at != CT_AT_POINTS)
+    at_edges(&obstacle->side, 0, &(under){NULL, obstacle}, at == CT_AT_CORNERS ? 2 : 1, HUGE_VAL,
+             out);
+  return CT_OK;
 }

@@ -44,15 +44,20 @@ static double left(const ct_start_rule *rule, double time)
 }
 
 ct_status ct_start_gap_refuse(const ct_start_rule *rule, const ct_penetration *found,
-                              const char *label, double depth, ct_error *error)
+                              const char *label, int sides, ct_error *error)
 {
   if (found->buried == 0 && found->deepest <= fmax(found->touching, rule->adjust)) return CT_OK;
   return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                 "%s: %ld points of its surfaces are inside at the start, the deepest by %g "
-                 "at (%g, %g, %g), face %d of the %s surface; %ld are deeper than the depth %g",
-                 label, (long)found->inside, found->deepest, found->position[0], found->position[1],
-                 found->position[2], (int)found->face, found->side == 1 ? "second" : "first",
-                 (long)found->buried, depth);
+                 "%s: %ld points of its surface%s are inside at the start, the deepest by %g "
+                 "at (%g, %g, %g), face %d of the %ssurface; %ld more are inside that did not come "
+                 "from outside",
+                 label, (long)(found->inside - found->buried), sides == 1 ? "" : "s",
+                 found->deepest, found->position[0], found->position[1], found->position[2],
+                 (int)found->face,
+                 sides == 1         ? ""
+                 : found->side == 1 ? "second "
+                                    : "first ",
+                 (long)found->buried);
 }
 
 /* Whether an outside point and the face over it face each other along the gap (eq:initial-facing).
