@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
-import math
 import os
 import sys
 import warnings
@@ -138,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
     schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
     schema.set_defaults(command=_schema)
 
-    plot = commands.add_parser("plot", help="draw a field and the energies of a run")
+    plot = commands.add_parser("plot", help="draw instants and the energies of a run")
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="RUN.vtkhdf")
     plot.add_argument("-o", "--output", metavar="PNG", help="picture, by default RUN.png")
@@ -147,11 +146,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _picture_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--field", default="stress_xx", help="stress_xx (default), velocity_z, ...")
-    scale = "magnify displacements (default 1)"
-    parser.add_argument("--scale", type=float, default=1.0, help=scale)
-    sides = [f"{axis}_{end}" for axis in "xyz" for end in ("min", "max")]
-    parser.add_argument("--view", choices=sides, help="look from this side, not the broadest one")
+    field = (
+        "mises, contact_pressure, principal_max, stress_xx, velocity_z, ... (default: by the scene)"
+    )
+    parser.add_argument("--field", help=field)
+    scale = "magnify displacements (default 1, or more if they are small)"
+    parser.add_argument("--scale", type=float, help=scale)
+    view = "sides that the viewer sees, such as y_min or x_max+y_min+z_max"
+    parser.add_argument("--view", metavar="SIDES", help=view)
+    parser.add_argument("--instants", metavar="N", type=int, default=4, help="number of instants")
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -171,11 +174,11 @@ def _run(options: argparse.Namespace) -> int:
         kept = f'; {len(run.steps)} records are kept in "{run.path}"' if run.path else ""
         _say(f"interrupted at t = {run.time[-1]:.6g}{kept}")
         return INTERRUPTED
+    if options.plot:
+        _draw(run, Path(run.path or Path(options.scene).name).with_suffix(".png"), options)
     if named and (run.path is None or not run.path.exists()):
         _say(f'the results file "{named}" was not written', "red")
         return RUN_FAILED
-    if options.plot:
-        _draw(run, Path(run.path or Path(options.scene).name).with_suffix(".png"), options)
     return OK
 
 
@@ -248,23 +251,31 @@ def _plot(options: argparse.Namespace) -> int:
 
 def _check_picture(options: argparse.Namespace) -> None:
     """Refuse what can't be drawn before a run, not after it."""
+    from .drawing import check_view
     from .run import COMPONENTS
     from .schema import suggestion
 
-    if not math.isfinite(options.scale) or abs(options.scale) > 1e12:
+    if options.scale is not None and not abs(options.scale) <= 1e12:
         raise BadInput(f"the scale {options.scale:g} can't be drawn")
-    if options.field not in COMPONENTS:
+    if options.field is not None and options.field not in COMPONENTS:
         near = suggestion(options.field, COMPONENTS)
         raise BadInput(f'no component is named "{options.field}"{near}')
+    if options.instants < 1:
+        raise BadInput(f"--instants is {options.instants}; at least one is needed")
+    try:
+        check_view(options.view or "z_max")
+    except ValueError as error:
+        raise BadInput(str(error)) from None
     if importlib.util.find_spec("matplotlib") is None:
         raise BadInput('plotting needs matplotlib: pip install "libcontact[plot]"')
 
 
 def _draw(run: Run, target: Path, options: argparse.Namespace) -> None:
-    from .plot import picture
+    from .picture import picture
 
+    keys = ("field", "view", "scale", "instants")
     try:
-        picture(run, target, options.field, options.scale, options.view)
+        picture(run, target, **{key: getattr(options, key) for key in keys})
     except OSError as error:
         raise BadInput(f'"{target}" can\'t be written: {error.strerror or error}') from None
     except ValueError as error:

@@ -7,7 +7,6 @@ import contextlib
 import math
 import os
 import signal
-import sys
 import threading
 import time as clock
 from bisect import bisect_right
@@ -27,6 +26,7 @@ from .model import FEEDING, FIELDS, FILTERED
 from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
+from .progress import bar
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import contact_tables
@@ -35,6 +35,8 @@ from .warned import Borders, Turning, whole_skin
 # Defaults of the recording interval: the number of records, the least number of steps between them in
 # a problem of many nodes, and bounds on the recorded values (records times nodes).
 MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
+# Values of displacements, velocities and pressures that a run without a file keeps in memory.
+KEPT_VALUES, VALUES_A_NODE = 3 * 10**6, 7
 CHUNK_SECONDS = 0.1
 # Shortest chunk in steps: each chunk first finds the sleeping elements, at the cost of 2 to 3 steps.
 CHUNK_STEPS = 16
@@ -98,6 +100,8 @@ class Loop:
         self.path: Path | None = None
         # One entry per record in each, after empty tables.
         self.steps: list[int] = []
+        self.kept: list[State] = []
+        self.keep_every = self._keep_every()
         none = np.empty((0, len(problem.effects)))
         self.energy = [energy_table(np.empty(0, ENERGY), problem.effects, none)]
         self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
@@ -129,6 +133,11 @@ class Loop:
         given = self.problem.pointer, passes
         made = self._input("output.filter", ask, "ct_filter **", lib.ct_filter_create, *given)
         return ffi.gc(made, lambda own, problem=self.problem: lib.ct_filter_free(own))
+
+    def _keep_every(self) -> int:
+        """Number of records per state that a run without a file keeps for pictures."""
+        room: int = KEPT_VALUES // (VALUES_A_NODE * self.problem.pointer.node_count)
+        return math.ceil((len(self.due) + 1) / max(1, room))
 
     def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
         """Continue from the newest restart record of a file. ``coarse`` is the same problem with the file's
@@ -221,6 +230,8 @@ class Loop:
         if self.probes:
             self._call(lib.ct_probes_sample, self.probes.pointer, self.state)
         self._write_record(self.state)
+        if self.output is None and (len(self.steps) - 1) % self.keep_every == 0:
+            self.kept.append(self._state(self.state, self.state, pressure=True))
         if self.watch is not None:
             self.watch(self.result(records=1))
         # A record evaluates the forces of the next step, which then reuses them.
@@ -271,14 +282,15 @@ class Loop:
             reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
         self.start_monitor()
-        with _bar(progress, last, state.step) as advanced:
+        with bar(progress, total=last, initial=state.step, unit=" steps") as shown:
             self._record_and_warn()
             self._warn_of_borders()
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
                 look = int((state.step // self.borders.every + 1) * self.borders.every)
-                self._advance(min(due, self._next_rest(), look), due, advanced, stop)
+                target = min(due, self._next_rest(), look)
+                self._advance(target, due, shown.update, stop)
                 if state.step == look:
                     self._warn_of_borders()
                 if state.step == due:
@@ -442,6 +454,7 @@ class Loop:
             impulse[name] = impulse.get(name, 0.0) + given
         known = {
             "state": self._state(state, state, at_once=watched),
+            "states": [] if watched else self._states(),
             "writer": self,
             "impulse": impulse,
         }
@@ -449,15 +462,28 @@ class Loop:
         known["pressure"] = {} if watched else contact_pressure(problem, state)
         return {**known, "contact": contact_points(problem, state)}
 
-    def _state(self, state: Any, owner: Any, at_once: bool = True) -> State:
-        """A state with its fields; ``owner`` keeps its memory alive. For a state that will change,
-        all fields are computed ``at_once``, otherwise on first use."""
+    def _states(self) -> Sequence[State]:
+        """The recorded states: of the file, or those kept and the last one."""
+        if self.path is not None:
+            from .results import Records
+
+            return Records(self.path, len(self.steps))
+        if self.kept and self.kept[-1].step == self.state.step:
+            return list(self.kept)
+        return [*self.kept, self._state(self.state, self.state, at_once=False, pressure=True)]
+
+    def _state(self, state: Any, owner: Any, at_once: bool = True, pressure: bool = False) -> State:
+        """A state with its fields; ``owner`` keeps its memory alive. A state that will change is copied,
+        with all fields computed ``at_once``, otherwise on first use. The contact ``pressure`` is a
+        field also where the output does not name it."""
         problem = self.problem
         u = view(state.displacement, (state.node_count, 3), np.float64, (owner, problem))
+        u = u.copy() if at_once else u
         made = {"velocity": cache(partial(_made, u.shape, lib.ct_state_velocity, problem, state))}
-        if "contact_pressure" in problem.parts.output.fields:
-            pressure = partial(_made, len(u), lib.ct_state_pressure, problem, state)
-            made["contact_pressure"] = cache(pressure)
+        touched = pressure and next(contact_tables(problem.parts), None) is not None
+        if touched or "contact_pressure" in problem.parts.output.fields:
+            recovered = partial(_made, len(u), lib.ct_state_pressure, problem, state)
+            made["contact_pressure"] = cache(recovered)
         if self.filter is not None:
             for name in FILTERED[:2]:
                 made[name] = cache(partial(_smooth, u.shape, self.filter, state, name))
@@ -489,20 +515,6 @@ def _smooth(shape: Any, smooth: Any, state: Any, name: str) -> Floats:
 
 def _rows(values: Callable[[], Floats], rows: slice) -> Floats:
     return values()[rows]
-
-
-@contextlib.contextmanager
-def _bar(progress: Any, total: int, initial: int) -> Iterator[Any]:
-    """Progress bar over the steps, if stderr is a terminal or with "always"; without a bar tqdm is
-    not imported."""
-    if not progress or (progress != "always" and not getattr(sys.stderr, "isatty", bool)()):
-        yield lambda count: None
-        return
-    from tqdm import tqdm
-
-    shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True}
-    with tqdm(total=total, initial=initial, **shown) as bar:
-        yield bar.update
 
 
 @contextlib.contextmanager

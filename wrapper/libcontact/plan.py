@@ -11,7 +11,6 @@ steps of the real problem measures the ratio of the costs of a real step and a c
 from __future__ import annotations
 
 import copy
-import io
 import math
 import time as clock
 from collections.abc import Sequence
@@ -28,6 +27,7 @@ from .bridge import ask, call
 from .errors import Error
 from .model import Body, Time
 from .problem import Problem, memory_of, new_state
+from .progress import table_text
 from .touch import first_touch
 
 Array = npt.NDArray[np.float64]
@@ -531,7 +531,6 @@ def table(costs: Sequence[Cost], stable: float) -> str:
     str
         The lines of the table.
     """
-    from rich.console import Console
     from rich.table import Column, Table
 
     rows = [_row(cost, stable) for cost in costs]
@@ -545,9 +544,7 @@ def table(costs: Sequence[Cost], stable: float) -> str:
     out = Table(*columns, box=None, pad_edge=False, padding=(0, 3, 0, 0))
     for row in rows:
         out.add_row(*(row.get(head, "") for head in heads))
-    text = io.StringIO()
-    Console(file=text, width=200, color_system=None).print(out)
-    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+    return table_text(out)
 
 
 def _row(cost: Cost, stable: float) -> dict[str, str]:

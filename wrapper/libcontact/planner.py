@@ -4,7 +4,6 @@ accurate ones for a given run time (chapter :doc:`/theory/planner`)."""
 from __future__ import annotations
 
 import csv
-import io
 import math
 import time as clock
 import warnings
@@ -14,13 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from tqdm import tqdm
 
 from .answer import NUMERICAL, Functional, Plates, functional, plates
 from .errors import EnergyGrowth, Error
 from .loop import record_count
 from .model import Box, Contact, Time
 from .plan import OUTPUT, predict, shown_seconds
+from .progress import bar, table_text
 from .schema import Place, SceneError, is_number
 
 if TYPE_CHECKING:
@@ -378,7 +377,6 @@ class Plan:
         return self.choice.scene
 
     def __str__(self) -> str:
-        from rich.console import Console
         from rich.table import Table
 
         table = Table("", "mesh", "setting", "error", "time", box=None, pad_edge=False)
@@ -389,10 +387,7 @@ class Plan:
                 words = (name, offer.mesh, offer.setting, percent(offer.error))
                 table.add_row(*words, shown_seconds(offer.seconds))
                 reasons.append(f"{name}: {offer.why}")
-        text = io.StringIO()
-        Console(file=text, width=200, color_system=None).print(table)
-        lines = [line.rstrip() for line in text.getvalue().splitlines()]
-        return "\n".join([f"error {self.measure}", *lines, *reasons, self.sure])
+        return "\n".join([f"error {self.measure}", table_text(table), *reasons, self.sure])
 
 
 class Planner:
@@ -788,5 +783,5 @@ def plan(
         (at / key).need(
             right, number, "a number above 0" + (" and below 1 (100 %)" if most == 1.0 else "")
         )
-    with tqdm(desc="trials", unit=" runs", disable=None if progress else True, leave=False) as bar:
-        return Planner(scene, named, trials).plan(Goal(error, seconds), bar)
+    with bar(progress, desc="trials", unit=" runs", leave=False) as shown:
+        return Planner(scene, named, trials).plan(Goal(error, seconds), shown)

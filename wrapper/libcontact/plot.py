@@ -1,34 +1,24 @@
 """
-Pictures of runs: :func:`picture` draws one field over the deformed mesh and the energies over time.
+Functions that draw into axes of matplotlib; they shorten the programs of the tutorials.
 
-The other functions draw into axes of matplotlib: they shorten the programs of the tutorials. All need the extra ``plot``.
+:func:`libcontact.picture.plot_run` draws the picture of a run. All need the extra ``plot``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import exact
-from .run import COMPONENTS, ENERGY, BodyState, Run
+from .run import BodyState
 
 if TYPE_CHECKING:
     from .plan import Cost
 
 Array = npt.NDArray[np.float64]
-# Corners and mid-sides of a Q8 face in the order in which one walks around it.
-AROUND = {4: [0, 1, 2, 3], 8: [0, 4, 1, 5, 2, 6, 3, 7]}
-QUANTITY = {
-    "stress": "stress",
-    "displacement": "length",
-    "velocity": "velocity",
-    "contact_pressure": "stress",
-}
-VIEWS = ("x_max", "y_min", "z_max")
 # Colour, line and name of each kind of wave front.
 FRONTS = {
     "plane_p": ("k", "-", "plane P"),
@@ -37,131 +27,6 @@ FRONTS = {
     "head": ("tab:green", "-", "head waves"),
     "rayleigh": ("tab:orange", "o", "Rayleigh"),
 }
-
-
-def picture(
-    run: Run,
-    path: str | Path,
-    field: str = "stress_xx",
-    scale: float = 1.0,
-    view: str | None = None,
-) -> None:
-    """
-    Draw a component and the energies into an image file.
-
-    Parameters
-    ----------
-    run : Run
-        The run; its last state is drawn.
-    path : str or Path
-        The image file.
-    field : str
-        The component, such as ``stress_xx`` or ``velocity_z``.
-    scale : float
-        Magnification of the displacement.
-    view : str, optional
-        The side from which one looks, such as ``"y_min"``; by default along the thinnest direction.
-
-    Raises
-    ------
-    ValueError
-        If the run has no such component.
-    """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure = pyplot.figure(figsize=(8, 8), layout="constrained")
-    above, below = figure.subplots(2, 1, height_ratios=[2, 1])
-    try:
-        draw_field(above, run, field, scale, view)
-        draw_energies(below, run)
-        figure.savefig(path, dpi=150)
-    finally:
-        pyplot.close(figure)
-
-
-def thinnest(run: Run) -> int:
-    """Return the axis along which all bodies together are thinnest."""
-    nodes = np.concatenate([body.nodes for body in _bodies(run)])
-    return int(np.argmin(np.ptp(nodes, axis=0)))
-
-
-def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0, view: str | None = None) -> Any:
-    """
-    Draw the outer faces that the viewer sees, coloured by a component.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    run : Run
-        The run; its last state is drawn.
-    field : str
-        The component: the value of a face's element, or the mean of its nodes.
-    scale : float
-        Magnification of the displacement.
-    view : str, optional
-        As for :func:`picture`.
-
-    Returns
-    -------
-    matplotlib.collections.PolyCollection
-        The faces.
-    """
-    from matplotlib.collections import PolyCollection
-
-    # By default the viewer is at large x or z, or at small y, so that the other axes run right and up.
-    view = view or VIEWS[thinnest(run)]
-    axis, toward = "xyz".index(view[0]), -1.0 if view.endswith("min") else 1.0
-    across, up = (a for a in range(3) if a != axis)
-    polygons: list[Array] = []
-    values: list[Array] = []
-    depths: list[Array] = []
-    for body in _bodies(run):
-        corners, colours = _faces(body, field, scale)
-        a, b, c, d = (corners[:, k * (corners.shape[1] // 4)] for k in range(4))
-        seen = toward * np.cross(c - a, d - b)[:, axis] > 0.0
-        polygons += list(corners[seen][:, :, [across, up]])
-        values.append(colours[seen])
-        depths.append(toward * corners[seen][:, :, axis].mean(axis=1))
-    order = np.argsort(np.concatenate(depths), kind="stable")
-    faces, colours = [polygons[i] for i in order], np.concatenate(values)[order]
-    patches = PolyCollection(faces, linewidths=0.4, edgecolors="face", antialiaseds=False)
-    patches.set(array=colours, rasterized=True)
-    axes.add_collection(patches)
-    axes.autoscale_view()
-    length, unit = _unit(run, "length"), _unit(run, QUANTITY[COMPONENTS[field][0]])
-    when = f" at t = {run.state.time:.6g} {_label(run, 'time')}".rstrip() if run.state else ""
-    title = field + when
-    title += f", displacements × {scale:g}" if scale != 1.0 else ""
-    axes.set(xlabel="xyz"[across] + length, ylabel="xyz"[up] + length, title=title, aspect="equal")
-    bar = {"location": "bottom", "aspect": 40, "shrink": 0.8}
-    axes.figure.colorbar(patches, ax=axes, label=field + unit, **bar)
-    return patches
-
-
-def draw_energies(axes: Any, run: Run) -> None:
-    """
-    Draw the energy balance over time: each column that is not zero, and the total.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    run : Run
-        The run.
-    """
-    own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
-    for name in ("kinetic", "strain", "contact", "external", *own):
-        if run.energy[name].any():
-            axes.plot(run.time, run.energy[name], label=name)
-    axes.plot(run.time, run.energy["total"], "k--", label="total")
-    axes.set(xlabel="t" + _unit(run, "time"), ylabel="energy" + _unit(run, "energy"))
-    axes.grid(alpha=0.3)
-    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
-    axes.legend(ncols=5, fontsize="small", **place)
 
 
 def draw_curves(
@@ -373,25 +238,3 @@ def draw_map(
     bar = axes.figure.colorbar(image, ax=axes, ticks=range(-4, 2))
     bar.ax.set_yticklabels(["≤ 0.01 %", "0.1 %", "1 %", "10 %", "100 %", "1000 %"])
     return image
-
-
-def _bodies(run: Run) -> list[BodyState]:
-    return list(run.state.values()) if run.state else []
-
-
-def _faces(body: BodyState, field: str, scale: float) -> tuple[Array, Array]:
-    """Nodes of the outer faces in order around each (faces, 4 or 8, 3), deformed if the displacement is
-    known, and a value for each face."""
-    faces, owners = body.mesh.faces("outer")
-    values, at_elements = body.component(field)
-    positions = body.nodes + scale * body.displacement if body.holds("displacement") else body.nodes
-    around = faces[:, AROUND[faces.shape[1]]]
-    return positions[around], values[owners] if at_elements else values[faces].mean(axis=1)
-
-
-def _unit(run: Run, quantity: str) -> str:
-    return f" [{_label(run, quantity)}]" if run.units else ""
-
-
-def _label(run: Run, quantity: str) -> str:
-    return run.units.label(quantity) if run.units else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -28,6 +28,23 @@ def load(path: Path, record: int = -1) -> Run:
 def origin(path: Path) -> tuple[str, float]:
     """Read only the scene's text and the time step of a run."""
     return _reading(path, lambda file: _origin(path, file))
+
+
+class Records(Sequence[State]):
+    """The states of a results file; each is read when it is used."""
+
+    def __init__(self, path: Path, length: int):
+        self.path, self.length = path, length
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, record: Any) -> Any:
+        if isinstance(record, slice):
+            return [self[i] for i in range(*record.indices(self.length))]
+        if not -self.length <= record < self.length:
+            raise IndexError(f'"{self.path}" has {self.length} records')
+        return load(self.path, record % self.length).state
 
 
 def _reading(path: Path, read: Callable[[Any], T]) -> T:
@@ -60,7 +77,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
     record %= count
     bodies = own["body"][()]
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
-    probes = _probes(own, float(vtk["Steps/Values"][count - 1]))
+    probes, records = _probes(own, float(vtk["Steps/Values"][count - 1])), Records(path, count)
     # The rows of the recorded steps, or the whole history in a file that was saved from memory.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
@@ -71,6 +88,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
         energy=_energy(own, count),
         momentum=_momentum(own["momentum"][: count * len(bodies)]),
         state=State(time, step, _bodies(vtk, bodies, record)),
+        states=records,
         path=path,
         scene=scene,
         dt=dt,

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from .model import FILTERED, Material
 from .problem import c_material
 from .schema import is_number, suggestion
 from .units import Units
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = [
     "BodyState",
@@ -35,9 +38,59 @@ ENERGY = np.dtype(members("ct_energy"))
 MOMENTUM = np.dtype(members("ct_momentum"))
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
-COMPONENTS = {
+
+
+def mises(stress: Floats) -> Floats:
+    """
+    Von Mises stress, the square root of 3/2 s : s with the deviator s.
+
+    Parameters
+    ----------
+    stress : ndarray, shape (n, 6)
+        Stresses xx yy zz xy yz zx.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The von Mises stresses.
+    """
+    normal, shear = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True), stress[:, 3:]
+    out: Floats = np.sqrt(1.5 * (normal**2).sum(axis=1) + 3.0 * (shear**2).sum(axis=1))
+    return out
+
+
+def principal(stress: Floats) -> Floats:
+    """
+    Principal stresses, the eigenvalues of the stress tensors.
+
+    Parameters
+    ----------
+    stress : ndarray, shape (n, 6)
+        Stresses xx yy zz xy yz zx.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        The principal stresses in ascending order; tension is positive.
+    """
+    values: Any = np.linalg.eigvalsh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
+    out: Floats = values
+    return out
+
+
+COMPONENTS: dict[str, tuple[str, int | Callable[[Floats], Floats]]] = {
     f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
-} | {"contact_pressure": ("contact_pressure", 0)}
+}
+COMPONENTS |= {
+    "contact_pressure": ("contact_pressure", 0),
+    "mises": ("stress", mises),
+    "pressure": ("stress", lambda stress: -stress[:, :3].mean(axis=1)),
+    "principal_max": ("stress", lambda stress: principal(stress)[:, 2]),
+    "principal_mid": ("stress", lambda stress: principal(stress)[:, 1]),
+    "principal_min": ("stress", lambda stress: principal(stress)[:, 0]),
+    "displacement_magnitude": ("displacement", lambda u: np.linalg.norm(u, axis=1)),
+    "velocity_magnitude": ("velocity", lambda v: np.linalg.norm(v, axis=1)),
+}
 # Effects whose energy or work is part of a column of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
 
@@ -237,7 +290,9 @@ class BodyState:
         Parameters
         ----------
         name : str
-            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like, or ``contact_pressure``.
+            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like, ``contact_pressure``, ``mises``,
+            ``pressure`` (minus the mean of the normal stresses), ``principal_max``, ``principal_mid``,
+            ``principal_min``, ``displacement_magnitude`` or ``velocity_magnitude``.
 
         Returns
         -------
@@ -253,10 +308,9 @@ class BodyState:
         """
         if name not in COMPONENTS:
             raise ValueError(f'no component is named "{name}"' + suggestion(name, COMPONENTS))
-        field, column = COMPONENTS[name]
-        return self._field(field).reshape(-1, len(PARTS.get(field, "p")))[
-            :, column
-        ], field == "stress"
+        field, part = COMPONENTS[name]
+        rows = self._field(field).reshape(-1, len(PARTS.get(field, "p")))
+        return part(rows) if callable(part) else rows[:, part], field == "stress"
 
     def sample(self, name: str, points: Floats) -> Floats:
         """
@@ -335,6 +389,10 @@ class Run:
     momentum: Rows
     #: The last recorded state.
     state: State | None
+    #: Recorded states in the order of time, the last one included: those of the results file, read when
+    #: they are used, or without a file as many as fit into 24 MB, at equal intervals. They hold the
+    #: contact pressure if the file has it or if there is no file. Empty in the runs passed to ``watch``.
+    states: Sequence[State] = field(default_factory=list)
     #: The results file, None if there is none.
     path: Path | None = None
     #: The scene as TOML.
@@ -431,7 +489,7 @@ class Run:
         Parameters
         ----------
         name : str
-            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like.
+            ``stress_xx``, ``velocity_z``, ``mises`` and the others of :meth:`BodyState.component`.
         start, end : array_like, shape (3,)
             The ends of the line [length], both included.
         n : int
@@ -475,6 +533,39 @@ class Run:
             shown = state.filtered if filtered else state
             values[open_points] = shown.sample(name, points[open_points])
         return s, values
+
+    def plot(
+        self,
+        field: str | None = None,
+        view: str | None = None,
+        scale: float | None = None,
+        instants: int = 4,
+        figure: Figure | None = None,
+    ) -> Figure:
+        """
+        Draw a row of instants and the energies, as :func:`libcontact.picture.plot_run`.
+
+        Parameters
+        ----------
+        field : str, optional
+            The component, such as ``"mises"``; by default chosen by what the scene does.
+        view : str, optional
+            The sides that the viewer sees, such as ``"y_min"`` or ``"x_max+y_min+z_max"``.
+        scale : float, optional
+            Magnification of the displacements.
+        instants : int
+            Number of instants, at most that of the recorded states.
+        figure : matplotlib.figure.Figure, optional
+            An empty figure; by default a new one.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The picture; a notebook shows it.
+        """
+        from .picture import plot_run
+
+        return plot_run(self, field, view, scale, instants, figure)
 
     def save(self, path: str | Path) -> Path:
         """

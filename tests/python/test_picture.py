@@ -1,0 +1,271 @@
+"""Pictures of runs: what is shown by default, from where, with which colours; and the states that they are drawn from."""
+
+import numpy as np
+import pytest
+from libcontact.run import mises, principal
+
+import libcontact as ct
+
+pytest.importorskip("matplotlib")
+from libcontact.drawing import Drawing  # noqa: E402
+from libcontact.faces import Faces, _shape  # noqa: E402
+from libcontact.picture import bar_axis, chosen, plot_run  # noqa: E402
+from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
+from matplotlib.figure import Figure  # noqa: E402
+
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+METRES = {"length": "m", "mass": "kg", "time": "s"}
+
+
+@pytest.fixture(scope="module")
+def hertz():
+    data = ct.Scene.load(ct.example("hertz")).data
+    data["body"][0]["box"]["cells"] = [8, 8, 8]
+    return ct.Scene(data).run(progress=False)
+
+
+def falling(cells=2, **material):
+    """A block that falls on a held plate."""
+    scene = ct.Scene(units=METRES, title="Falling block")
+    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, **material)
+    plate = {"origin": [-1, -1, -0.4], "size": [2, 2, 0.4], "cells": [10, 10, 2]}
+    block = {"origin": [-0.3, -0.3, 0.02], "size": [0.6, 0.6, 0.6], "cells": [cells] * 3}
+    scene.add_body("plate", box=plate, material="rubber")
+    scene.add_body("block", box=block, material="rubber", velocity=[0, 0, -4])
+    scene.add_contact("block.z_min", "plate.z_max")
+    scene.add_support("plate.z_min", fix=["x", "y", "z"])
+    return scene.set_time(end=0.04, fraction=0.2)
+
+
+@pytest.fixture(scope="module")
+def block():
+    return falling().run(progress=False)
+
+
+def shown(run, **options):
+    figure = plot_run(run, figure=Figure(), **options)
+    FigureCanvasAgg(figure).draw()
+    return figure
+
+
+# Fields.
+
+
+def test_derived_stresses_are_those_of_a_rotated_stress():
+    """Mises, principal stresses and pressure do not depend on the axes; their values for a known diagonal."""
+    rng = np.random.default_rng(1)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    tensor = turn @ np.diag([3.0, -1.0, 2.0]) @ turn.T
+    stress = np.array([tensor[i] for i in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]])[None]
+    assert principal(stress)[0] == pytest.approx([-1.0, 2.0, 3.0])
+    # ((3+1)² + (1+2)² + (2-3)²)/2
+    assert mises(stress)[0] == pytest.approx(np.sqrt((16 + 9 + 1) / 2))
+    assert mises(np.array([[0, 0, 0, 2.0, 0, 0]]))[0] == pytest.approx(2.0 * np.sqrt(3.0))
+
+
+def test_a_body_has_the_derived_components(block):
+    body = block.state["block"]
+    for name, expected in {
+        "mises": mises(body.stress),
+        "pressure": -body.stress[:, :3].sum(axis=1) / 3,
+        "principal_max": principal(body.stress)[:, 2],
+        "principal_min": principal(body.stress)[:, 0],
+        "velocity_magnitude": np.linalg.norm(body.velocity, axis=1),
+        "displacement_magnitude": np.linalg.norm(body.displacement, axis=1),
+    }.items():
+        values, at_elements = body.component(name)
+        assert np.allclose(values, expected) and at_elements == (len(values) == len(body.elements))
+    _, line = block.line("mises", (0, 0, 0.1), (0, 0, 0.5), 3, body="block")
+    assert np.isfinite(line).all()
+
+
+# States.
+
+
+def test_a_run_without_a_file_keeps_its_states(block):
+    """As many as records, each with the values of its own time; the last one is the state of the run."""
+    states = block.states
+    assert len(states) == len(block.steps) and [s.step for s in states] == block.steps.tolist()
+    kinetic = [
+        sum(float((s[b].velocity ** 2).sum()) for b in block.bodies)
+        for s in (states[0], states[-1])
+    ]
+    assert kinetic[0] > kinetic[1] > 0.0
+    assert np.array_equal(states[-1]["block"].displacement, block.state["block"].displacement)
+    assert not states[0]["block"].displacement.any()
+    assert max(float(s["block"].contact_pressure.max()) for s in states) > 0.0
+
+
+def test_a_large_run_keeps_fewer_states(monkeypatch):
+    monkeypatch.setattr("libcontact.loop.KEPT_VALUES", 7 * 390 * 5)
+    run = falling().run(progress=False)
+    assert 3 <= len(run.states) <= 7 < len(run.steps)
+    assert run.states[-1].step == run.steps[-1]
+
+
+@needs_hdf5
+def test_the_states_of_a_file_are_those_that_were_recorded(tmp_path, block):
+    run = falling().run(progress=False, output=tmp_path / "run.vtkhdf")
+    loaded = ct.Run.load(tmp_path / "run.vtkhdf")
+    for states in (run.states, loaded.states):
+        assert [s.step for s in states] == block.steps.tolist()
+        for one, other in zip(states[::5], block.states[::5]):
+            assert np.array_equal(one["block"].displacement, other["block"].displacement)
+    with pytest.raises(IndexError):
+        run.states[len(run.states)]
+
+
+# What is shown.
+
+
+def test_hertz_shows_the_contact_pressure_from_the_corner_under_the_sphere(hertz):
+    """The sphere presses on the corner x = y = 0 of z_max: the sides x_min, y_min and z_max meet there."""
+    drawing = Drawing.of(hertz)
+    assert drawing.field == "contact_pressure"
+    assert set(drawing.view.split("+")) == {"x_min", "y_min", "z_max"}
+    pressure = hertz.states[-1]["block"].contact_pressure
+    assert drawing.limits[0] == 0.0 and 0.7 * pressure.max() < drawing.limits[1] <= pressure.max()
+    bars = [axes for axes in shown(hertz).findobj(match=lambda a: hasattr(a, "_colorbar"))]
+    labels = {axes.get_xlabel() for axes in bars}
+    assert labels == {"contact pressure [MPa]", "von Mises stress [MPa]"}
+
+
+def test_the_pressure_under_the_sphere_is_seen(hertz):
+    figure = shown(hertz)
+    pixels = np.asarray(figure.canvas.buffer_rgba())[:, :, :3].astype(int)
+    red = (pixels[..., 0] > 100) & (pixels[..., 1] < 60) & (pixels[..., 2] < 80)
+    assert red.sum() > 50
+
+
+def test_colours_reach_over_the_visible_faces_only(hertz):
+    """On the far side of the block nothing is loaded: the range is that of its faces, not of the hidden ones."""
+    near = Drawing.of(hertz, "mises", "z_max")
+    far = Drawing.of(hertz, "mises", "x_max+y_max+z_min")
+    stress, mesh = mises(hertz.state["block"].stress), hertz.state["block"].mesh
+    owners = np.concatenate([mesh.faces(name)[1] for name in ("x_max", "y_max", "z_min")])
+    assert near.limits[1] == stress[mesh.faces("z_max")[1]].max()
+    assert far.limits[1] == stress[owners].max() < 0.2 * near.limits[1]
+
+
+def test_a_covered_face_gives_no_colour(block):
+    """The plate's faces under the block are turned to the viewer, and covered."""
+    at = min(block.states, key=lambda s: s["block"].positions[:, 2].min())
+    drawing = Drawing.of(block, "mises", "z_max", scale=0.0, states=[at])
+    faces = Faces.of(drawing, at)
+    assert len(faces.values) == 4 + 100 and (faces.shown() > 0).sum() == 4 + 100 - 4
+    below = Drawing.of(block, "mises", "z_min", scale=0.0, states=[at])
+    assert (Faces.of(below, at).shown() > 0.9).sum() == 100
+
+
+def test_a_block_on_a_plate_is_three_dimensional_with_the_block_in_front(block):
+    figure = shown(block)
+    drawing = Drawing.of(block, states=chosen(block, 4))
+    assert drawing.field == "mises" and drawing.view.count("+") == 2 and "z_max" in drawing.view
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert len(titles) == 4 and titles[0] == "t = 0 ms" and titles[-1] == "t = 40 ms"
+    # The block is drawn after the plate, whose larger faces reach closer to the viewer.
+    at = block.states[-1]
+    order = Faces.of(drawing, at)
+    heights = order.outlines.reshape(len(order.outlines), -1, 2)
+    block_faces = Faces.of(drawing, type(at)(at.time, at.step, {"block": at["block"]}))
+    assert np.allclose(heights[-len(block_faces.outlines) :], block_faces.outlines)
+
+
+def test_one_of_the_instants_is_that_of_the_hardest_contact(block):
+    energy = block.energy["contact"]
+    times = [state.time for state in chosen(block, 4)]
+    assert len(times) == 4 and block.time[energy.argmax()] in times
+    assert [s.time for s in chosen(block, 1)] == [block.time[-1]]
+
+
+def test_a_flat_scene_is_seen_along_its_thickness_with_the_stress_of_the_impact():
+    data = ct.Scene.load(ct.example("plates")).data
+    for body in data["body"]:
+        body["box"]["cells"] = [10, 1, 10]
+    run = ct.Scene(data).run(progress=False, output=False)
+    drawing = Drawing.of(run)
+    assert (drawing.view, drawing.field, drawing.scale) == ("y_min", "stress_xx", 1.0)
+    assert drawing.limits[0] == -drawing.limits[1]
+
+
+def test_a_thin_plate_that_bends_is_not_flat():
+    """Seen from above, a plate that bends would be squares of colours."""
+    scene = ct.Scene(units=METRES)
+    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
+    box = {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [8, 8, 1]}
+    scene.add_body("plate", box=box, material="rubber")
+    scene.add_support("plate.x_min", fix=["x", "y", "z"])
+    scene.add("gravity", acceleration=[0, 0, -10]).set_time(end=0.05)
+    drawing = Drawing.of(scene.run(progress=False))
+    assert not drawing.flat and drawing.up == "z" and drawing.field == "mises"
+
+
+def test_small_displacements_are_magnified_where_nothing_moves_or_touches():
+    data = ct.Scene.load(ct.example("cantilever")).data
+    data["body"][0]["box"]["cells"] = [8, 2, 2]
+    data["load"][0]["traction"] = [0, 0, -0.1]
+    run = ct.Scene(data).run(progress=False, output=False)
+    drawing = Drawing.of(run)
+    most = np.abs(run.state["beam"].displacement).max()
+    assert 0.02 * 100 < drawing.scale * most <= 0.06 * 100 and not drawing.flat
+    assert Drawing.of(run, scale=1.0).scale == 1.0
+
+
+def test_a_bar_is_drawn_over_position_and_time():
+    """Stress of -300 behind the front between the impact at t = 0.5 and the rebound at 1.1667."""
+    run = ct.Scene.load(ct.example("bar_on_a_wall")).run(progress=False, output=False)
+    assert bar_axis(run) == 0
+    figure = shown(run)
+    cells = [c.get_array() for axes in figure.axes for c in axes.collections]
+    values = max((v for v in cells if v is not None), key=np.size).reshape(len(run.time), 100)
+    k = int(np.abs(run.time - 0.8).argmin())
+    assert values[k, :20].mean() == pytest.approx(-300.0, rel=0.03)
+    assert np.abs(values[: int(np.abs(run.time - 0.4).argmin())]).max() < 1e-6
+    assert bar_axis(run) is not None and len(shown(run, view="y_min", instants=2).axes) > 2
+
+
+def test_views(block):
+    """From y_max, x runs to the left; a corner shows the three sides that it names."""
+    assert Drawing.of(block, view="y_max").axes[0] == pytest.approx([-1, 0, 0])
+    toward = Drawing.of(block, view="x_min+y_max+z_max").toward
+    assert (np.sign(toward) == [-1, 1, 1]).all()
+    for view in ("above", "x_min+x_max", "x_min+", ""):
+        if view:
+            with pytest.raises(ValueError, match="view"):
+                Drawing.of(block, view=view)
+    with pytest.raises(ValueError, match="did you mean"):
+        plot_run(block, field="mise", figure=Figure())
+
+
+def test_an_instant_is_drawn_into_given_axes(block):
+    """As for the frames of a film: bounds and colours are those of the drawing for each state."""
+    drawing = Drawing.of(block, states=block.states)
+    figure = Figure()
+    for axes, state in zip(figure.subplots(1, 2), block.states[:: len(block.states) - 1]):
+        faces = drawing.draw(axes, state)
+        assert faces.get_clim() == drawing.limits
+        assert axes.get_xlim() == drawing.bounds[:2] and axes.get_ylim() == drawing.bounds[2:]
+
+
+def test_shape_functions_of_faces():
+    """1 at their node and 0 at the others; linear and, for Q8, quadratic fields are exact."""
+    nodes = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float)
+    for width in (4, 8):
+        assert np.allclose(_shape(width, nodes[:width]), np.eye(width))
+    xi = np.random.default_rng(2).uniform(-1, 1, (9, 2))
+    field = lambda x: 1 + x[:, 0] - 2 * x[:, 1] + x[:, 0] ** 2 * x[:, 1]  # noqa: E731
+    assert np.allclose(_shape(8, xi) @ field(nodes), field(xi))
+
+
+def test_the_backend_of_matplotlib_stays(block, monkeypatch):
+    import matplotlib
+
+    monkeypatch.setattr(
+        matplotlib, "use", lambda *_, **__: pytest.fail("matplotlib.use was called")
+    )
+    from matplotlib import pyplot
+
+    before = matplotlib.get_backend()
+    figure = block.plot(instants=2)
+    assert matplotlib.get_backend() == before and pyplot.fignum_exists(figure.number)
+    pyplot.close(figure)

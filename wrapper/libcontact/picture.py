@@ -1,0 +1,338 @@
+"""Pictures of runs: :func:`plot_run` draws a row of instants and the energies over time.
+
+The extra ``plot`` installs matplotlib for them. :class:`libcontact.drawing.Drawing` draws one instant into axes of your own.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .bridge import Floats
+from .drawing import Drawing, flat_axis, label, last_state, tables, title_of
+from .model import AXES
+from .plot import draw_bar_in_time
+from .progress import in_notebook
+from .rigid import displacement_at
+from .run import ENERGY, Run, State
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_energies", "picture", "plot_run"]
+
+# Size of a picture, and of its parts [inch]: width, the height that instants may have, and the rest.
+WIDTH, INSTANTS_HEIGHT, BAR_HEIGHT, ENERGY_HEIGHT, TITLE_HEIGHT = 9.0, 5.4, 0.75, 2.4, 0.35
+BARS_HEIGHT = 4.4
+COLOUR_BAR: dict[str, Any] = {"location": "bottom", "aspect": 50, "shrink": 0.7}
+# Fraction of the largest size of an instant that fewer rows may have.
+NEARLY = 0.75
+# Instants in a picture by default.
+INSTANTS = 4
+
+
+def plot_run(
+    run: Run,
+    field: str | None = None,
+    view: str | None = None,
+    scale: float | None = None,
+    instants: int = INSTANTS,
+    figure: Figure | None = None,
+) -> Figure:
+    """
+    Draw a row of instants and the energies.
+
+    Bars of one element in their cross section are drawn over position and time instead of instants, if
+    no view is given. :meth:`libcontact.drawing.Drawing.of` says what is chosen by default.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    field : str, optional
+        The component, such as ``"mises"``, ``"contact_pressure"``, ``"principal_max"`` or ``"velocity_z"``
+        (:meth:`libcontact.run.BodyState.component`).
+    view : str, optional
+        The sides that the viewer sees, such as ``"y_min"`` or ``"x_max+y_min+z_max"``.
+    scale : float, optional
+        Magnification of the displacements.
+    instants : int
+        Number of instants, at most that of the recorded states: the last one, the one with the largest
+        contact or strain energy, and others between.
+    figure : matplotlib.figure.Figure, optional
+        An empty figure; by default a new one, which a notebook shows, or ``pyplot.show()``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+
+    Raises
+    ------
+    ValueError
+        As for :meth:`libcontact.drawing.Drawing.of`.
+    """
+    if instants < 1:
+        raise ValueError(f"instants is {instants}; at least one is needed")
+    axis = bar_axis(run) if (field, view, scale) == (None, None, None) else None
+    if axis is not None and len(run.states) > 2:
+        head, *above, below = _divided(figure or new_figure(), [BARS_HEIGHT])
+        draw_bars(above[0].subplots(), run, axis)
+    else:
+        states = chosen(run, instants)
+        drawings = [Drawing.of(run, field, view, scale, states)]
+        if field is None and drawings[0].field == "contact_pressure":
+            drawings.append(Drawing.of(run, "mises", drawings[0].view, scale, states))
+        grid, height = _grid(drawings[0], len(states), INSTANTS_HEIGHT / len(drawings))
+        head, *above, below = _divided(
+            figure or new_figure(), [height + BAR_HEIGHT] * len(drawings)
+        )
+        for part, drawing in zip(above, drawings):
+            _draw_instants(part, drawing, states, *grid)
+    head.text(0.5, 0.4, title_of(run), fontsize="large", ha="center", va="center")
+    draw_energies(below.subplots(), run)
+    whole: Figure = below.get_figure(root=True)
+    return whole
+
+
+def picture(run: Run, path: str | Path, **options: Any) -> None:
+    """
+    Draw a run into an image file.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    path : str or Path
+        The image file.
+    **options
+        As for :func:`plot_run`.
+
+    Raises
+    ------
+    ValueError
+        As for :func:`plot_run`.
+    """
+    from matplotlib.figure import Figure
+
+    plot_run(run, figure=Figure(), **options).savefig(path, dpi=180)
+
+
+def new_figure() -> Figure:
+    """
+    Make a figure of pyplot; the backend of matplotlib stays as it is.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure. A notebook shows it once, also with a backend that shows nothing.
+    """
+    from matplotlib import get_backend, pyplot
+    from matplotlib.figure import Figure
+
+    class Shown(Figure):
+        """A figure of a notebook."""
+
+        def _ipython_display_(self) -> None:
+            shell: Any = import_module("IPython.display")
+            # The backend shows a figure of pyplot at the end of the cell.
+            if get_backend().lower() == "agg" or not pyplot.fignum_exists(self.number):
+                held = io.BytesIO()
+                self.savefig(held, format="png", dpi=100)
+                shell.display(shell.Image(held.getvalue()))
+
+    return pyplot.figure(FigureClass=Shown) if in_notebook() else pyplot.figure()
+
+
+def chosen(run: Run, count: int) -> list[State]:
+    """
+    Choose instants of a run.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    count : int
+        Their number.
+
+    Returns
+    -------
+    list of State
+        States at about equal intervals, of which one is that of the largest contact energy (without
+        contact: strain energy), and one the last.
+    """
+    states, last = run.states, len(run.states) - 1
+    if count == 1 or last < 1:
+        return last_state(run)
+    numbers = np.unique(np.linspace(0, last, count).round().astype(int))
+    peak = _peak(run, last + 1)
+    inner = numbers[1:-1]
+    if len(inner) and peak not in numbers:
+        inner[np.abs(inner - peak).argmin()] = peak
+    return [states[i] for i in sorted({*numbers.tolist(), *inner.tolist()})]
+
+
+def _peak(run: Run, count: int) -> int:
+    """The number of the state, of so many at equal intervals, with the largest contact or strain energy."""
+    energy = run.energy["contact"] if run.energy["contact"].any() else run.energy["strain"]
+    return round(int(energy.argmax()) / max(len(energy) - 1, 1) * (count - 1))
+
+
+def _divided(figure: Any, heights: Sequence[float]) -> Any:
+    """Parts of a figure: for the title, with these heights [inch], and for the energies."""
+    heights = [TITLE_HEIGHT, *heights, ENERGY_HEIGHT]
+    figure.set_size_inches(WIDTH, sum(heights))
+    figure.set_layout_engine("constrained")
+    return figure.subfigures(len(heights), 1, height_ratios=heights)
+
+
+def _grid(drawing: Drawing, count: int, most: float) -> tuple[tuple[int, int], float]:
+    """Rows and columns in which instants become largest, within a height [inch], and the height."""
+    left, right, bottom, top = drawing.bounds
+    # In inches: room for labels and titles around each instant.
+    aside, above = (0.6, 0.75) if drawing.flat else (0.1, 0.35)
+    sizes = {}
+    for rows in range(1, count + 1):
+        columns = -(-count // rows)
+        wide, high = WIDTH / columns - aside, most / rows - above
+        inch = min(wide / (right - left), high / (top - bottom))
+        sizes[rows, columns] = inch
+    # Fewer rows are preferred.
+    best = next(key for key, size in sizes.items() if size >= NEARLY * max(sizes.values()))
+    return best, best[0] * (max(sizes[best], 0.0) * (top - bottom) + above)
+
+
+def _draw_instants(
+    figure: Any, drawing: Drawing, states: Sequence[State], rows: int, columns: int
+) -> None:
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    factor, unit = _clock(drawing, states[-1].time)
+    for k, (axes, state) in enumerate(zip(grid, states)):
+        patches = drawing.draw(axes, state, marks=k == 0)
+        axes.set_title(f"t = {state.time * factor:.4g}{unit}", fontsize="medium")
+        axes.label_outer()
+    for axes in grid[len(states) :]:
+        axes.remove()
+    text = label(drawing.field) + (f" [{drawing.unit}]" if drawing.unit else "")
+    text += f"; displacements × {drawing.scale:g}" if drawing.scale != 1.0 else ""
+    figure.colorbar(patches, ax=list(grid[: len(states)]), label=text, **COLOUR_BAR)
+
+
+def _clock(drawing: Drawing, end: float) -> tuple[float, str]:
+    """Factor and unit of the times in a picture."""
+    unit = drawing.units.time if drawing.units else ""
+    if unit == "s" and 0.0 < end < 0.1:
+        power = next(power for power in (3, 6, 9, 12) if end * 10.0**power >= 1.0 or power == 12)
+        return 10.0**power, " " + {3: "ms", 6: "µs", 9: "ns", 12: "ps"}[power]
+    return 1.0, f" {unit}".rstrip()
+
+
+def draw_energies(axes: Any, run: Run) -> None:
+    """
+    Draw the energy balance over time: each column that is not zero, and the total.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    run : Run
+        The run.
+    """
+    own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
+    for name in ("kinetic", "strain", "contact", "external", *own):
+        if run.energy[name].any():
+            axes.plot(run.time, run.energy[name], label=name)
+    axes.plot(run.time, run.energy["total"], "k--", label="total")
+    time, energy = (f" [{run.units.label(x)}]" if run.units else "" for x in ("time", "energy"))
+    axes.set(xlabel="t" + time, ylabel="energy" + energy)
+    axes.grid(alpha=0.3)
+    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "frameon": False}
+    axes.legend(ncols=8, fontsize="small", **place)
+    axes.margins(x=0.0)
+
+
+# Bars.
+
+
+def bar_axis(run: Run) -> int | None:
+    """
+    The axis of bars.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+
+    Returns
+    -------
+    int or None
+        The axis along which all bodies lie that have one element in their cross section, and along which they
+        move; None without such bodies.
+    """
+    bodies = list(run.state.values()) if run.state else []
+    for axis in range(3) if flat_axis([run.state] if run.state else []) is not None else ():
+        layers = [
+            len(body.mesh.faces(f"{name}_min")[0]) == len(body.elements) > 1
+            for body in bodies
+            for name in AXES
+            if name != AXES[axis]
+        ]
+        if layers and all(layers):
+            return axis
+    return None
+
+
+def draw_bars(axes: Any, run: Run, axis: int) -> None:
+    """
+    Draw the axial stress of bars over position and time, with the planes that they hit.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    run : Run
+        A run of bars.
+    axis : int
+        Their axis, as :func:`bar_axis` finds it.
+    """
+    states = list(run.states)
+    times, field = np.array([state.time for state in states]), f"stress_{2 * AXES[axis]}"
+    rows = {name: [_bar(state[name], field, axis) for state in states] for name in run.bodies}
+    most = max(float(np.abs(values).max()) for row in rows.values() for _, values in row)
+    for row in rows.values():
+        ends, values = (np.array(part) for part in zip(*row))
+        cells = draw_bar_in_time(axes, times, ends, values, most or 1.0, upright=True)
+    for point in _walls(run, axis, times):
+        axes.plot(times, point, color="0.2", lw=1.5)
+    time, length, stress = (
+        f" [{run.units.label(quantity)}]" if run.units else ""
+        for quantity in ("time", "length", "stress")
+    )
+    axes.set(xlabel="t" + time, ylabel=f"{AXES[axis]}{length}")
+    axes.figure.colorbar(cells, ax=axes, label=label(field) + stress, **COLOUR_BAR)
+
+
+def _bar(body: Any, field: str, axis: int) -> tuple[Floats, Floats]:
+    """The ends of the elements of a bar, and the values in them, along its axis."""
+    corners = body.elements[:, :8]
+    x, now = body.nodes[:, axis], body.positions[:, axis]
+    middle = x[corners].mean(axis=1)
+    order = np.argsort(middle)
+    low = x[corners] < middle[:, None]
+    first = [now[nodes[side]].mean() for nodes, side in zip(corners[order], low[order])]
+    last = now[corners[order[-1]][~low[order[-1]]]].mean()
+    return np.array([*first, last]), body.component(field)[0][order]
+
+
+def _walls(run: Run, axis: int, times: Floats) -> Iterator[Floats]:
+    """Positions over time of the planes across an axis."""
+    for obstacle in tables(run).get("obstacle", []):
+        normal = np.abs(obstacle.get("plane", {}).get("normal", np.zeros(3)))
+        if normal[axis] > 0.99 * np.linalg.norm(normal) > 0.0:
+            point = obstacle["plane"]["point"][axis]
+            yield point + np.array([displacement_at(obstacle, t)[axis] for t in times])
