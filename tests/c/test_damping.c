@@ -52,6 +52,42 @@ static void decay(void)
   ct_mesh_free(mesh);
 }
 
+/* A rate above the highest frequency: the stable step is 1 / alpha, where a free mass stops in one
+ * step; a longer one, with which the kinetic energy would be negative, is refused by the scene and
+ * by the effect. (eq:damping-sign) */
+static void strong(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_scene *scene = new_scene();
+  const double rate = 1000.0;
+  const ct_problem *problem = NULL;
+  ct_stable_step stable;
+  ct_error e = {0};
+  int64_t steps;
+  add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 3, -4, 0);
+  ct_damping_def damping = {COOKIE, .rate = rate};
+  add_made(scene, ct_damping_create_effect, &damping);
+  tap_ok(ct_scene_build(scene, &(ct_scene_time){.end = 1.0, .dt = 1.2 / rate, .threads = 1},
+                        &problem, &steps, NULL, &e) == CT_ERROR_STEP,
+         "strong damping: %s", e.text);
+  problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  tap_close(stable.dt * rate, 1.0, 1e-14, "the stable step is 1 / alpha");
+  ct_state *state = new_state(problem);
+  double least = 0.0;
+  for (int n = 0; n < 20; n++) {
+    advance(problem, state, 1);
+    least = fmin(least, energy_of(problem, state).kinetic);
+  }
+  tap_ok(least > -1e-12, "the kinetic energy is not negative (%g)", least);
+  ct_state_free(state);
+  ct_problem longer = *problem;
+  longer.dt = 1.2 / rate;
+  tap_ok(ct_state_create(&longer, &state, &e) == CT_ERROR_STEP, "a host's own problem: %s", e.text);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
 /* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes like a loop
  * that is written here: the same rates and the same motion (eq:relaxation-rate,
  * eq:relaxation-force). */
@@ -213,6 +249,7 @@ static void unrest_of_free_bodies(void)
 int main(void)
 {
   decay();
+  strong();
   relaxation_by_hand();
   residual_by_hand();
   relaxation();

@@ -1,6 +1,7 @@
 """Warnings of scenes: each condition warns where it should, once, and not otherwise; explain, run and the command line agree."""
 
 import math
+import re
 import warnings
 from pathlib import Path
 
@@ -474,6 +475,63 @@ def test_the_command_line_says_each_warning_in_one_line(tmp_path, capsys):
     assert command.main(["explain", scene]) == command.OK
     captured = capsys.readouterr()
     assert captured.err == "" and "Warnings\n  contact[0]" in captured.out
+
+
+def stacked(**contact):
+    """A block of 2 x 2 x 2 bricks on another one, which is held."""
+    scene = empty("linear")
+    for name, z in ("low", 0.0), ("high", 1.0):
+        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [2, 2, 2]}
+        scene.add_body(name=name, element="hex8", material="soft", box=box)
+    return scene.add_contact("low.outer", "high.outer", **contact).add_support(
+        "low.z_min", fix="xyz"
+    )
+
+
+@pytest.mark.parametrize("mu, warned", [(0.1, False), (0.7, True)])
+def test_friction_that_shortens_the_step(mu, warned):
+    """The factor is that of the stable steps with and without friction."""
+    scene, free = (stacked(**rub).set_time(end=0.01) for rub in ({"friction": mu}, {}))
+    factor = free._built(None).stable.dt / scene._built(None).stable.dt
+    assert (factor >= 4.0) == warned
+    assert kinds(scene) == ([(ct.ShortStepWarning, "contact[0]")] if warned else [])
+    if warned:
+        text = str(scene.explain().warnings[0])
+        assert f"{factor:.3g} times" in text and "beta" in text and "tangent" not in text
+
+
+def test_a_run_of_very_many_steps():
+    scene = stacked().set_time(end=0.01)
+    assert not kinds(scene)
+    (warning,) = scene.set_time(end=2e7 * scene._built(None).stable.dt * 0.9).explain().warnings
+    assert type(warning) is ct.LongRunWarning and warning.key == "time.end"
+    assert f"{2e7:.2g} steps" in str(warning) and "a wave crosses" in str(warning)
+
+
+def test_a_penalty_that_is_too_soft():
+    """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised penalty there is none."""
+    pull = {"acceleration": [0, 0, -1000.0], "bodies": ["high"]}
+
+    def warned(**contact):
+        scene = stacked(**contact).add("gravity", **pull).add("damping", rate=20.0)
+        found = told(scene.set_time(end=0.3), output=False)
+        return [each for each in found if isinstance(each, ct.PenetrationWarning)]
+
+    (warning,) = warned(epsilon=1500.0)
+    assert warning.key == "contact[0]"
+    assert "low.outer with high.outer" in str(warning) and "0.5 thick" in str(warning)
+    advised = float(re.search(r"the default is (\S+)", str(warning))[1])
+    assert not warned(epsilon=advised)
+    assert not warned()
+
+
+def test_a_body_that_passes_through_is_told_of_before_it_has():
+    """Between the only two records, at the start and at the end, when nothing overlaps any more."""
+    scene = stacked(epsilon=1e-3)
+    fast = scene.add("gravity", acceleration=[0, 0, -1000.0], bodies=["high"])
+    end = 0.12
+    found = told(fast.set_time(end=end).set_output(times=[end]), output=False)
+    assert ct.PenetrationWarning in [type(each) for each in found]
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

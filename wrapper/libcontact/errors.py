@@ -16,16 +16,10 @@ from ._core import ffi, lib
 
 __all__ = ["ArgumentError", "BlowupError", "EnergyError", "Error", "FileError", "GeometryError"]
 __all__ += ["NotBuiltIn", "StepError"]
-__all__ += [
-    "BorderWarning",
-    "ChatterWarning",
-    "EnergyGrowth",
-    "InsideOutWarning",
-    "NeverMeetWarning",
-    "NotAtRest",
-]
-__all__ += ["NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", "SamePlaceWarning"]
-__all__ += ["SceneWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
+__all__ += ["BorderWarning", "ChatterWarning", "EnergyGrowth", "InsideOutWarning"]
+__all__ += ["LongRunWarning", "NeverMeetWarning", "NotAtRest", "NotSettled", "OutputWarning"]
+__all__ += ["OverlapWarning", "PenetrationWarning", "RotationWarning", "SamePlaceWarning"]
+__all__ += ["SceneWarning", "ShortStepWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
 
 
 ADDRESS = " [docs: reference/symptoms.html#{}]"
@@ -144,6 +138,19 @@ class ThinWarning(SceneWarning):
 class ChatterWarning(SceneWarning):
     """A penalty is so stiff for the time step that points open and close with every step, which
     adds energy to the bodies."""
+
+
+class ShortStepWarning(SceneWarning):
+    """The friction of a contact or an obstacle shortens the stable step four times or more."""
+
+
+class LongRunWarning(SceneWarning):
+    """A run takes ten million steps or more, or about an hour or more."""
+
+
+class PenetrationWarning(SceneWarning):
+    """Surfaces overlap by more than half an element during the run: the penalty is too soft for the
+    load."""
 
 
 class RotationWarning(SceneWarning):

@@ -21,6 +21,7 @@ from . import errors, has
 from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, bare, issue, new_error, place, raise_held, text_of
+from .limits import Depths
 from .mesh import view
 from .model import FEEDING, FIELDS, FILTERED
 from .plan import computed_fraction, measured, step_seconds
@@ -93,7 +94,7 @@ class Loop:
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.probes, self.turning = Histories(problem), Turning(problem)
-        self.borders = Borders(problem)
+        self.borders, self.depths = Borders(problem), Depths(problem)
         self.filter = self._filter(problem.parts.output.filter)
         self.monitor: Any = None
         self.output: Any = None
@@ -288,11 +289,13 @@ class Loop:
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
-                look = int((state.step // self.borders.every + 1) * self.borders.every)
+                every = min(self.borders.every, self.depths.every)
+                look = int((state.step // every + 1) * every)
                 target = min(due, self._next_rest(), look)
                 self._advance(target, due, shown.update, stop)
                 if state.step == look:
                     self._warn_of_borders()
+                    self._warn_of_depth()
                 if state.step == due:
                     self._record_and_warn()
                 self._warn_of_growth()
@@ -364,6 +367,12 @@ class Loop:
         """Record, and warn once of each body that has rotated too far for its law."""
         self.record(checked)
         for warning in self.turning.warnings(self.state):
+            issue(warning)
+        self._warn_of_depth()
+
+    def _warn_of_depth(self) -> None:
+        """Warn once of each contact and obstacle that is too deep for its elements."""
+        for warning in self.depths.warnings(self.state):
             issue(warning)
 
     def _residual(self) -> float:

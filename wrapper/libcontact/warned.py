@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import errors, has
 from .chatter import chatter
 from .errors import SceneWarning, came_in_late
+from .limits import long_run, short_step
 from .mesh import rotation
 from .model import AXES, FEEDING, Contact
 from .parts import acts_on
@@ -64,6 +65,8 @@ def known(
         *_twice(problem),
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
+        *short_step(problem, state),
+        *long_run(problem),
     ]
 
 

@@ -20,7 +20,11 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
                                ct_error *error)
 {
   const damping_data *data = effect->data;
-  (void)error;
+  // -- Longer steps would reverse the velocity (eq:damping-sign)
+  if (data->rate * view->c_dt > 1.0 + 1e-9)
+    return ct_fail(error, CT_ERROR_STEP, CT_NOWHERE,
+                   "damping: the rate %g reverses velocities in a step of %g; at most %g is safe",
+                   data->rate, view->c_dt, 1.0 / data->rate);
   for (int32_t i = 0; i < effect->node_count; i++) {
     int64_t node = data->nodes[i];
     double c = data->rate * data->mass[node];

@@ -66,6 +66,7 @@ static int is_contact(ct_effect_kind kind)
  * matrix. */
 typedef struct bounds {
   double omega_squared, rate, other_omega_squared, other_rate;
+  double damping; /* rates of dampings proportional to mass */
 } bounds;
 
 /* Bounds on the step from all effects, and from all but the contacts. */
@@ -81,6 +82,7 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds s
       // Σ ω̂² and Σ of the rates (eq:step-bound)
       sum[without].omega_squared += own;
       sum[without].rate += own_rate;
+      if (effect->kind == CT_EFFECT_DAMPING) sum[without].damping += own_rate;
       if (effect->add_element != NULL || effect->joint_bound != NULL) continue;
       sum[without].other_omega_squared += own;
       sum[without].other_rate += own_rate;
@@ -145,6 +147,8 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   for (int i = 0; status == CT_OK && i < 2; i++) {
     *dt[i] = step_of(problem, &sum[i]);
     status = raise_step(problem, &sum[i], dt[i], error);
+    // -- No damping may reverse a velocity (eq:damping-sign)
+    if (sum[i].damping > 0.0) *dt[i] = fmin(*dt[i], 1.0 / sum[i].damping);
   }
   if (status != CT_OK) return status;
   out->dt_courant = INFINITY;

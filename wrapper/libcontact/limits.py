@@ -1,0 +1,172 @@
+"""Warnings of limits that make a run slow or its result useless: friction that shortens the step, a
+run with very many steps, and a penalty that is too soft for its load (chapter "Warnings")."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ._core import ffi, lib
+from .bridge import call
+from .errors import LongRunWarning, PenetrationWarning, ShortStepWarning
+from .mesh import Mesh
+from .model import ENFORCEMENTS
+from .problem import Problem, new_state, penetrations, speeds
+from .surfaces import contact_tables
+
+# Ratio of the stable steps without and with the friction of one contact (eq:friction-cost).
+SHORTENED = 4.0
+# Steps and time [s] of a long run, and operations per second of a slow core (eq:long-run).
+MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
+# Depth as a fraction of an element that is warned of, and that of the advised penalty (eq:too-soft).
+DEEP, FINE = 0.5, 0.1
+# Depths are checked this many times in a run, but not more often than every LEAST_STEPS steps.
+LOOKS, LEAST_STEPS = 50, 64
+# Corners at the ends of the edges of a brick.
+EDGES = np.array(
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+)
+
+
+def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning]:
+    """
+    Warn of friction that shortens the step much.
+
+    Parameters
+    ----------
+    problem : Problem
+        A built problem.
+    state : ct_state *, optional
+        Its state at t = 0, created if it is not given.
+
+    Yields
+    ------
+    ShortStepWarning
+        One for each contact and obstacle whose friction shortens the stable step four times or more.
+    """
+    rubbing = [each for each in contact_tables(problem.parts) if each[2].friction]
+    numbers = [k for k, made in enumerate(problem.made) if made.kind == lib.CT_EFFECT_FRICTION]
+    bounds = ffi.new("double[2]")
+    limit = lib.ct_integrator_limit(ffi.addressof(problem.pointer.integrator))
+    for (key, who, given), k in zip(rubbing, numbers):
+        state = new_state(problem) if state is None else state
+        call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
+        # (eq:friction-cost)
+        rest = 1.0 - bounds[0] * (problem.stable.dt / limit) ** 2
+        factor = 1.0 / math.sqrt(rest) if rest > 0.0 else math.inf
+        if factor >= SHORTENED:
+            text = f"{who}: its friction shortens the stable step {factor:.3g} times, and the run takes as many times the steps; "
+            text += "choose a smaller beta, or larger elements at the surfaces"
+            if (given.tangent or 0.0) > given.friction:
+                text += f", or a smaller tangent (down to {given.friction:g}, the coefficient of friction)"
+            yield ShortStepWarning(text, key)
+
+
+def long_run(problem: Problem) -> Iterator[LongRunWarning]:
+    """
+    Warn of a run with very many steps.
+
+    Parameters
+    ----------
+    problem : Problem
+        A built problem.
+
+    Yields
+    ------
+    LongRunWarning
+        One if the run takes ten million steps or more, or about an hour or more.
+    """
+    bodies = problem.bodies.values()
+    work = sum(len(body.mesh.elements) * body.flops for body in bodies)
+    work += sum(effect.flops for effect in problem.made) + 18.0 * problem.pointer.node_count
+    # (eq:long-run)
+    seconds = problem.step_count * work / OPERATIONS
+    if problem.step_count < MANY_STEPS and seconds < LONG:
+        return
+    cross = max(
+        np.ptp(body.mesh.bounds, axis=0).max() / speeds(body.material)[0] for body in bodies
+    )
+    time, unit = problem.parts.time, problem.parts.units.time
+    yield LongRunWarning(
+        f"the run to t = {problem.end:g} {unit} takes {problem.step_count:.2g} steps of "
+        f"{problem.dt:.2g} {unit}, about {_told(seconds)}; a wave crosses the largest body in "
+        f"{cross:.2g} {unit}. Choose an earlier end, larger elements (the smallest one sets the step), "
+        "or check the units",
+        "time.end" if time.end is not None else "time.end_c1t_over",
+    )
+
+
+def _told(seconds: float) -> str:
+    """A time in words."""
+    for unit, size in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} seconds"
+
+
+class Depths:
+    """Finds contacts and obstacles whose surfaces overlap by more than half an element."""
+
+    def __init__(self, problem: Problem):
+        self._problem = problem
+        self._open = {key: (who, given) for key, who, given in contact_tables(problem.parts)}
+        self._start: dict[str, float] = {}
+        #: Number of steps after which the depths are checked again.
+        self.every = max(LEAST_STEPS, problem.step_count // LOOKS)
+
+    def warnings(self, state: Any) -> Iterator[PenetrationWarning]:
+        """Yield a warning for each contact and obstacle that is too deep in a state (``ct_state *``), once
+        for each. The first call gives the depths at the start, which do not count."""
+        if not self._open:
+            return
+        keys = [key for key, _, _ in contact_tables(self._problem.parts)]
+        for i, (key, found) in enumerate(zip(keys, penetrations(self._problem, state, ["points"]))):
+            points = found["points"]
+            grown = points["deepest"] - self._start.setdefault(key, points["deepest"])
+            body, _, face = (points["surface"] or "").partition(".")
+            mesh = self._problem.bodies[body].mesh if body else None
+            if key not in self._open or mesh is None or not grown > DEEP * mesh.shortest_edge:
+                continue
+            size = _element_size(mesh, face, points["face"])
+            # (eq:too-soft)
+            if grown > DEEP * size:
+                who, given = self._open.pop(key)
+                epsilon = self._epsilon(i, given)
+                where = ", ".join(f"{x:.4g}" for x in points["position"])
+                text = f"{who}: the surfaces overlap by {grown:.3g} at t = {state.time:.4g}, deepest at ({where}) on {points['surface']}, where an element is {size:.3g} thick; "
+                text += f"the penalty epsilon = {epsilon:.3g} is too soft for the load, and the bodies may pass through each other; "
+                enough, usual = epsilon * grown / (FINE * size), self._usual(given)
+                if usual > enough:
+                    text += f"leave epsilon and beta out: the default is {usual:.2g}"
+                else:
+                    text += f"choose epsilon = {enough:.2g} or more, or beta in proportion"
+                yield PenetrationWarning(text, key)
+
+    def _usual(self, given: Any) -> float:
+        """The default penalty of a contact or an obstacle, :eq:`penalty-default`."""
+        names = getattr(given, "surfaces", None) or [given.surface]
+        bodies = [self._problem.bodies[name] for name, _ in names]
+        modulus = min(body.material.density * speeds(body.material)[0] ** 2 for body in bodies)
+        edge = min(body.mesh.shortest_edge for body in bodies)
+        law = ENFORCEMENTS[given.enforcement]
+        return float(lib.ct_contact_penalty_default(law, modulus, edge))
+
+    def _epsilon(self, i: int, given: Any) -> float:
+        """The penalty of contact or obstacle number ``i``."""
+        problem = self._problem
+        if i < len(problem.contacts):
+            return problem.contacts[i].epsilon
+        number = list(problem.parts.bodies).index(given.surface[0])
+        return float(given.penalties(problem.joined.bodies[number])[0])
+
+
+def _element_size(mesh: Mesh, face: str, number: int) -> float:
+    """Shortest edge of the element behind a face of a surface, or of the mesh if the face is unknown."""
+    owners = mesh.faces(face)[1]
+    if not 0 <= number < len(owners):
+        return float(mesh.shortest_edge)
+    x = mesh.nodes[mesh.elements[owners[number]][:8]]
+    return float(np.linalg.norm(x[EDGES[:, 1]] - x[EDGES[:, 0]], axis=1).min())
