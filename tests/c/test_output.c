@@ -351,6 +351,16 @@ static void write_file(const rig *r, const char *path, int steps)
 
 /* -- Tests -- */
 
+static void refuse_restart(const rig *r, const char *path, ct_status want, const char *reason)
+{
+  ct_state *state = new_state(&r->problem);
+  ct_error error = {0};
+  ct_status status = ct_output_restart(path, &r->problem, state, &error);
+  tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0,
+         "restart refused: %s", error.text);
+  ct_state_free(state);
+}
+
 static void test_restart_continues(void)
 {
   rig *r = rig_create(0, 1);
@@ -376,6 +386,45 @@ static void test_restart_continues(void)
   tap_ok(good && a.total == b.total && a.balance == b.balance, "and the same energy balance");
   ct_state_free(straight);
   ct_state_free(stopped);
+  ct_state_free(resumed);
+  rig_free(r);
+}
+
+/* A run that divides its step: a record has the step with which it was written, and only a problem
+ * with that step continues it (eq:record-step). */
+static void test_step_of_a_record(void)
+{
+  rig *r = rig_create(0, 1);
+  ct_problem fine = r->problem;
+  ct_error error;
+  const char *path = in_folder("divided.vtkhdf");
+  double dt[4] = {0};
+  fine.dt = r->problem.dt / 4;
+  ct_state *coarse = new_state(&r->problem), *state = new_state(&fine), *resumed = new_state(&fine);
+  ct_output *output = must_create(r, path);
+  need(ct_output_append(output, &r->problem, coarse, &error), &error);
+  need(ct_output_restart_step(path, &r->problem, coarse, &dt[0], &error), &error);
+  need(ct_step_many(&r->problem, coarse, 7, &error), &error);
+  need(ct_output_append(output, &r->problem, coarse, &error), &error);
+  need(ct_output_restart_step(path, &fine, state, &dt[1], &error), &error);
+  need(ct_state_subdivide_step(&fine, coarse, state, &error), &error);
+  need(ct_step_many(&fine, state, 5, &error), &error);
+  need(ct_output_append(output, &fine, state, &error), &error);
+  need(ct_output_restart_step(path, &r->problem, coarse, &dt[2], &error), &error);
+  need(ct_output_close(output, &error), &error);
+  tap_ok(dt[0] == r->problem.dt && dt[1] == r->problem.dt && dt[2] == fine.dt && coarse->step == 7,
+         "records with the steps %g, %g and %g; reading the step changes no state", dt[0], dt[1],
+         dt[2]);
+  refuse_restart(r, path, CT_ERROR_FILE, "the time step");
+  tap_ok(ct_output_restart(path, &fine, resumed, &error) == CT_OK && resumed->step == 33 &&
+             same_state(resumed, state),
+         "a problem with the step of the record continues it with the same bits");
+  tap_ok(ct_output_restart_step(path, &fine, state, NULL, &error) == CT_ERROR_ARGUMENT &&
+             ct_output_restart_step(in_folder("absent.vtkhdf"), &fine, state, &dt[3], &error) ==
+                 CT_ERROR_FILE,
+         "no step of a file that does not exist: %s", error.text);
+  ct_state_free(coarse);
+  ct_state_free(state);
   ct_state_free(resumed);
   rig_free(r);
 }
@@ -801,16 +850,6 @@ static void test_wrong_state(void)
   rig_free(other);
 }
 
-static void refuse_restart(const rig *r, const char *path, ct_status want, const char *reason)
-{
-  ct_state *state = new_state(&r->problem);
-  ct_error error = {0};
-  ct_status status = ct_output_restart(path, &r->problem, state, &error);
-  tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0,
-         "restart refused: %s", error.text);
-  ct_state_free(state);
-}
-
 static void test_other_problem(void)
 {
   rig *r = rig_create(0, 1), *curved = rig_create(1, 1), *bare = rig_create(0, 0);
@@ -978,6 +1017,7 @@ int main(int argc, char **argv)
     return 0;
   }
   if (!make_folder(argv[0])) return 1;
+  test_step_of_a_record();
   test_restart_makes_no_state();
   test_contents();
   test_restart_continues();

@@ -315,9 +315,46 @@ static void refusals(void)
   unmake(&r);
 }
 
+/* Rows continue at the same times when the step is divided (eq:step-change). */
+static void a_divided_step_keeps_the_times(void)
+{
+  rig r = make(CT_CENTRAL_DIFFERENCE, 1, 0);
+  static const int32_t nodes[2] = {2, 5};
+  ct_probe_def def = ct_probe_def_default();
+  ct_probes *probes;
+  ct_error e;
+  def.name = "p";
+  def.nodes = nodes;
+  def.node_count = 2;
+  def.every = 2;
+  def.take[CT_QUANTITY_DISPLACEMENT] = 1;
+  ct_problem fine = *r.problem;
+  fine.dt = r.problem->dt / 3;
+  ct_state *state = new_state(r.problem), *next = new_state(&fine);
+  need(ct_probes_create(r.problem, &def, 1, &probes, &e), &e);
+  need(ct_probes_steps(probes, state, 5, &e), &e);
+  need(ct_state_subdivide_step(&fine, state, next, &e), &e);
+  tap_ok(ct_probes_subdivide_step(probes, &fine, 0, &e) == CT_ERROR_ARGUMENT &&
+             ct_probes_subdivide_step(probes, NULL, 3, &e) == CT_ERROR_ARGUMENT,
+         "refused: %s", e.text);
+  need(ct_probes_subdivide_step(probes, &fine, 3, &e), &e);
+  need(ct_probes_steps(probes, next, 16, &e), &e);
+  ct_probe_history history;
+  need(ct_probes_history(probes, 0, &history), &e);
+  double off = 0.0;
+  for (int64_t i = 0; i < history.row_count; i++)
+    off = worst(off, history.rows[i * history.width] / (2.0 * r.problem->dt) - (double)i);
+  tap_ok(history.row_count == 6 && off < 1e-14, "a row every second of the first steps (%g)", off);
+  ct_probes_free(probes);
+  ct_state_free(state);
+  ct_state_free(next);
+  unmake(&r);
+}
+
 int main(void)
 {
   ct_set_allocator(&COUNTING);
+  a_divided_step_keeps_the_times();
   for (int s = CT_CENTRAL_DIFFERENCE; s <= CT_TCHAMWA_WIELGOSZ; s++)
     rows_are_what_a_host_sees((ct_scheme)s);
   monitor_takes_the_same_rows();

@@ -8,6 +8,7 @@ import pytest
 from libcontact.model import ENFORCEMENTS
 
 import libcontact as ct
+from libcontact import loop
 
 E, RHO = 100.0, 1.0
 C = (E / RHO) ** 0.5
@@ -111,9 +112,10 @@ def test_removal_needs_a_time():
         blocks(0.05, removal_time=1.0).explain()
 
 
-def test_a_step_through_a_body_is_refused():
+def test_a_step_through_a_body_is_refused(monkeypatch):
     # eq:tunnelling
-    """A thin plate approaches another one by more than the thickness in a step."""
+    """A thin plate approaches another one by more than the thickness in a step, and the step may not be divided."""
+    monkeypatch.setattr(loop, "MOST_PARTS", 1)
     scene = blocks(
         -0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9
     )
@@ -124,8 +126,9 @@ def test_a_step_through_a_body_is_refused():
         scene.run(progress=False)
 
 
-def test_the_text_of_a_fault_between_two_records_is_whole():
+def test_the_text_of_a_fault_between_two_records_is_whole(monkeypatch):
     """The same plate, accelerated until it would pass through: time and step precede the message, and advice follows."""
+    monkeypatch.setattr(loop, "MOST_PARTS", 1)
     scene = blocks(
         -0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9
     ).set_output(every=10**6)

@@ -141,11 +141,14 @@ def test_a_fault_has_a_name_and_the_run_goes_on_from_before_it(
 
 
 @with_and_without_file
-def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
+def test_a_solid_that_stiffens_ends_a_run_that_may_not_divide_its_step(
+    with_file, tmp_path, monkeypatch
+):
     """
     The pulled end sends a wave through the bar; St. Venant-Kirchhoff's tangent is E (3 λ² - 1) / 2, so that Courant number 0.9 of the start is too much
     from a stretch of λ² = (2 / 0.9² + 1) / 3 on, which is 1.075 (a little more with held ends).
     """
+    monkeypatch.setattr(loop, "MOST_PARTS", 1)
     scene = bars("st_venant_kirchhoff")
     error = failing(scene, ct.StepTooLarge, tmp_path, with_file)
     assert isinstance(error, ct.StepError) and error.body_name == "bar" and 0 <= error.element < 10
@@ -159,8 +162,9 @@ def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
 
 
 @needs_hdf5
-def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
+def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path, monkeypatch):
     """With a third of the step the run continues beyond the stretch that ended it; it agrees with a run with this step from the start, within the error of the larger step."""
+    monkeypatch.setattr(loop, "MOST_PARTS", 1)
     error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
     finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
     rest = finer.run(
@@ -204,6 +208,116 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
 
 def good_step(error):
     return error.run.state.step
+
+
+# A step that is divided in the run.
+
+
+def same_bits(a, b):
+    return all(
+        getattr(a.state[name], field).tobytes() == getattr(b.state[name], field).tobytes()
+        for name in a.bodies
+        for field in ("displacement", "velocity")
+    )
+
+
+def test_a_run_divides_its_step_where_the_solid_stiffens():
+    """At the stretch of the test above the step is halved, with one warning; the end agrees with a run with half of the step from the start."""
+    scene = bars("st_venant_kirchhoff", end=60.0)
+    with pytest.warns(ct.StepDivided) as told:
+        run = scene.run(progress=False, output=False)
+    (time, parts), *more = run.divisions
+    first = scene._built(None).dt
+    assert parts == 2 and not more and run.dt == first / 2 and len(told) == 1
+    assert told[0].message.parts == 2 and told[0].message.time == time
+    assert f"the time step {first:.6g} is divided by 2" in str(told[0].message)
+    assert run.time[-1] == pytest.approx(60.0) and (np.diff(run.time) > 0.0).all()
+    np.testing.assert_allclose(np.diff(run.time)[:-1], run.time[1], rtol=1e-9)
+    # Before the change the forces of the records are those of the larger step, afterwards the balance goes on.
+    assert np.abs(run.energy["balance"]).max() < 1e-10 * run.energy["kinetic"].max()
+    straight = bars("st_venant_kirchhoff", end=60.0, courant=0.45).run(progress=False, output=False)
+    off = run.state["bar"].displacement - straight.state["bar"].displacement
+    assert np.abs(off).max() < 0.03 * np.abs(straight.state["bar"].displacement).max()
+
+
+def guarded(most, start, refused):
+    """A block in free flight whose own effect refuses steps above ``most`` from ``start`` on, before they are taken."""
+
+    def force(view):
+        if view.time >= start and view.dt > most:
+            refused.append((view.time, view.dt))
+            raise ct.StepError("this step is too long", int(lib.CT_ERROR_STEP))
+        return np.zeros_like(view.displacement)
+
+    scene = ct.Scene(title="guard", units=UNITS)
+    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 1, 1]}
+    scene.add_body("b", material="m", box=box, velocity=[0.1, 0, 0])
+    return scene.set_time(end=10.0, dt=0.25).add_effect("guard", "b", "x_max", force)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.25, 4.9])
+def test_an_effect_may_refuse_a_step_at_any_time(start):
+    """Also the first step of all; the run goes on with a step that the effect accepts, and output times stay."""
+    refused = []
+    scene = guarded(0.04, start, refused).set_output(every=5)
+    with pytest.warns(ct.StepDivided, match="this step is too long|the first step is too large"):
+        run = scene.run(progress=False, output=False)
+    assert run.dt == 0.25 / 8 and [parts for _, parts in run.divisions] == [2, 4, 8]
+    assert all(max(0.0, start - 0.5) <= time <= start for time, _ in run.divisions)
+    np.testing.assert_allclose(run.time, np.arange(9) * 1.25, rtol=1e-15)
+    np.testing.assert_allclose(run.state["b"].displacement[:, 0], 1.0, rtol=1e-12)
+    assert refused
+
+
+def test_a_step_that_is_refused_at_any_length_ends_the_run():
+    with (
+        pytest.warns(ct.StepDivided),
+        pytest.raises(ct.StepTooLarge, match="already divided by 1024") as caught,
+    ):
+        guarded(0.0, 4.9, []).run(progress=False, output=False)
+    assert 4.0 < caught.value.run.state.time < 5.0
+
+
+@needs_hdf5
+@pytest.mark.parametrize("integrator", ["central_difference", "noh_bathe", "chung_lee"])
+@pytest.mark.parametrize("every", [1, 7, 10**6])
+def test_a_divided_run_that_is_continued_has_the_same_bits(integrator, every, tmp_path):
+    """Two plates so fast that one would pass through the other in a step: stopped before, at and after the division, at any record."""
+    scene = bullet(integrator, every)
+    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
+    assert whole.divisions and whole.dt < scene._built(None).dt / 8
+    loaded = Run.load(tmp_path / "whole.vtkhdf")
+    assert loaded.dt == whole.dt and loaded.state.time == whole.time[-1]
+    np.testing.assert_array_equal(loaded.time, whole.time)
+    for i, until in enumerate((0.1, 0.37, 0.7)):
+        part, rest = tmp_path / f"{i}.vtkhdf", tmp_path / f"{i}rest.vtkhdf"
+        first = scene.run(progress=False, until=until, output=part)
+        assert Run.load(part).dt == first.dt
+        then = scene.run(progress=False, until=0.8, restart=part, output=rest)
+        last = scene.run(progress=False, restart=rest, output=False)
+        assert same_bits(whole, last) and whole.steps[-1] == last.steps[-1]
+        assert set(then.time[1:]) <= set(whole.time) | {then.time[-1]}
+        for name in ("displacement", "velocity"):
+            np.testing.assert_array_equal(whole.probes["p"][name], last.probes["p"][name])
+
+
+def bullet(integrator="central_difference", every=1):
+    """A thin plate hits another one at 20 times the speed of sound, at t = 0.3."""
+    scene = ct.Scene(title="bullet", units=UNITS)
+    scene.add_material("m", young=1.0, poisson=0.3, density=1.0)
+    for name, x in (("left", -0.05), ("right", 6.0)):
+        scene.add_body(
+            name,
+            material="m",
+            box={"origin": [x, 0, 0], "size": [0.05, 1, 1], "cells": [1, 2, 2]},
+            velocity=[0.0 if name == "left" else -20.0, 0, 0],
+        )
+    scene.add_contact("left.outer", "right.outer")
+    scene.add_probe(
+        "p", body="right", point=[6.0, 0.5, 0.5], quantities=["displacement", "velocity"], every=2
+    )
+    return scene.set_time(end=1.0, fraction=0.9, integrator=integrator).set_output(every=every)
 
 
 def test_the_watch_changes_no_bit():

@@ -19,7 +19,8 @@ __all__ += ["NotBuiltIn", "StepError"]
 __all__ += ["BorderWarning", "ChatterWarning", "EnergyGrowth", "InsideOutWarning"]
 __all__ += ["LongRunWarning", "NeverMeetWarning", "NotAtRest", "NotSettled", "OutputWarning"]
 __all__ += ["OverlapWarning", "PenetrationWarning", "RotationWarning", "SamePlaceWarning"]
-__all__ += ["SceneWarning", "ShortStepWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
+__all__ += ["SceneWarning", "ShortStepWarning", "StepDivided", "ThinWarning"]
+__all__ += ["TwiceWarning", "UnitsWarning"]
 
 
 ADDRESS = " [docs: reference/symptoms.html#{}]"
@@ -181,6 +182,24 @@ class EnergyGrowth(SceneWarning):
     ):
         super().__init__(text, key)
         self.share, self.time, self.who = share, time, who
+
+
+class StepDivided(SceneWarning):
+    """A run divides its time step, because the solid has become too stiff for it or surfaces could pass
+    through each other within it. It is issued once; ``Run.divisions`` has all divisions.
+
+    Attributes
+    ----------
+    time : float
+        When the step was first divided [time].
+    parts : int
+        The number of parts.
+    """
+
+    # The defaults serve copies, which are made from the text alone.
+    def __init__(self, text: str, key: str = "", time: float = 0.0, parts: int = 1):
+        super().__init__(text, key)
+        self.time, self.parts = time, parts
 
 
 class NotAtRest(SceneWarning):

@@ -27,6 +27,7 @@ WITHOUT = {
     **{name: effect.without for name, effect in EFFECTS.items()},
 }
 PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
+DIVIDES = "a step that is too large, because a body stiffens or surfaces could pass through each other, is divided by 2, 4, 8, ..."
 NAMED = "only surfaces named in a [[contact]] are in contact; a body passes through itself unless a contact names two of its surfaces, or one twice"
 RELAXED = "dynamic relaxation: only the state of rest has a meaning, not the motion"
 DEAD = "loads keep the direction and size that they have on the undeformed surface"
@@ -130,6 +131,7 @@ def _assumptions(parts: Parts) -> list[str]:
     holds = {
         STIFFENS: set(bodies) != {"linear"},
         PENALTY: bool(parts.contact or parts.obstacle),
+        DIVIDES: set(bodies) != {"linear"} or bool(parts.contact or parts.obstacle),
         NAMED: True,
         DEAD: any(not load.following for load in parts.load),
         RELAXED: parts.damping is not None and parts.damping.rate is None,

@@ -117,6 +117,10 @@ class Depths:
         #: Number of steps after which the depths are checked again.
         self.every = max(LEAST_STEPS, problem.step_count // LOOKS)
 
+    def divide(self, problem: Problem, parts: int) -> None:
+        """Continue with a problem whose step is divided by ``parts``."""
+        self._problem, self.every = problem, parts * self.every
+
     def warnings(self, state: Any) -> Iterator[PenetrationWarning]:
         """Yield a warning for each contact and obstacle that is too deep in a state (``ct_state *``), once
         for each. The first call gives the depths at the start, which do not count."""

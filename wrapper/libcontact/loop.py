@@ -20,7 +20,7 @@ import numpy as np
 from . import errors, has
 from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles
-from .errors import Error, NotBuiltIn, bare, issue, new_error, place, raise_held, text_of
+from .errors import Error, NotBuiltIn, StepError, bare, issue, new_error, place, raise_held, text_of
 from .limits import Depths
 from .mesh import view
 from .model import FEEDING, FIELDS, FILTERED
@@ -28,7 +28,17 @@ from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .progress import bar
-from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
+from .run import (
+    ENERGY,
+    FAULTS,
+    MOMENTUM,
+    BodyState,
+    Run,
+    RunError,
+    State,
+    StepTooLarge,
+    energy_table,
+)
 from .schema import Place, SceneError, is_number
 from .surfaces import contact_tables
 from .warned import Borders, Turning, whole_skin
@@ -42,6 +52,8 @@ CHUNK_SECONDS = 0.1
 # Shortest chunk in steps: each chunk first finds the sleeping elements, at the cost of 2 to 3 steps.
 CHUNK_STEPS = 16
 REST_STEPS = 20
+# Largest number of parts into which a run divides the step with which it began.
+MOST_PARTS = 1024
 
 
 def schedule(problem: Problem) -> tuple[int, Sequence[int]]:
@@ -85,12 +97,34 @@ def last_step(problem: Problem, until: Any) -> int:
     return min(max(math.ceil(float(until) / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
 
 
-class Loop:
-    """One run of a problem, from its first record to its last."""
+def _divided(due: Sequence[int], factor: int) -> Sequence[int]:
+    """Numbers of steps, counted in steps that are ``factor`` times as short."""
+    if isinstance(due, range):
+        return range(due.start * factor, due.stop * factor, due.step * factor)
+    return [factor * step for step in due]
 
-    def __init__(self, problem: Problem, scene_text: str, watch: Any = None, until: Any = None):
+
+class Loop:
+    """One run of a problem, from its first record to its last.
+
+    ``built`` returns the problem with another step. With it a run divides its step where the step is
+    too large, :eq:`step-change`; without it such a run ends.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        scene_text: str,
+        watch: Any = None,
+        until: Any = None,
+        built: Callable[[float], Problem] | None = None,
+    ):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
+        # The step with which the run begins, its present number of parts, and the changes so far.
+        self.first, self.parts, self.built = problem, 1, built
+        self.divisions: list[tuple[float, int]] = []
         self.last, self.due = last_step(problem, until), schedule(problem)[1]
+        self.end_step, self.recorded = problem.step_count, -1
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.probes, self.turning = Histories(problem), Turning(problem)
@@ -140,15 +174,25 @@ class Loop:
         room: int = KEPT_VALUES // (VALUES_A_NODE * self.problem.pointer.node_count)
         return math.ceil((len(self.due) + 1) / max(1, room))
 
-    def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
-        """Continue from the newest restart record of a file. ``coarse`` is the same problem with the file's
-        step if that is larger."""
+    def restart(self, path: str | Path, asked: int = 1) -> None:
+        """Continue from the newest restart record of a file, whose run began with ``asked`` times the step of
+        this run."""
         if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
-        problem, state = coarse or self.problem, self.state if coarse is None else new_state(coarse)
-        name, fine = os.fsencode(path), (self.problem.pointer, state, self.state)
-        self._input("restart", call, lib.ct_output_restart, name, problem.pointer, state)
-        if coarse is not None:
+        name, dt = os.fsencode(path), ffi.new("double *")
+        found = (name, self.problem.pointer, self.state, dt)
+        self._input("restart", call, lib.ct_output_restart_step, *found)
+        # The run has divided its step by `ran`, and this one divides it by a multiple of that.
+        ran = round(asked * self.first.dt / dt[0])
+        if self._divide(max(self.parts, ran // math.gcd(ran, asked))):
+            self.state = new_state(self.problem)
+        coarse, state = self.problem, self.state
+        if dt[0] != self.problem.dt:
+            coarse = self._with_step(dt[0])
+            state = new_state(coarse)
+        self._input("restart", call, lib.ct_output_restart, name, coarse.pointer, state)
+        if state is not self.state:
+            fine = (self.problem.pointer, state, self.state)
             self._input("restart", call, lib.ct_state_subdivide_step, *fine)
         if self.probes:
             given = (name, self.state, self.probes.pointer)
@@ -159,7 +203,7 @@ class Loop:
         wanted: dict[str, Any] = {name: name in output.fields for name in FIELDS}
         wanted |= {"scene": text, "probes": self.probes.pointer, "filter": output.filter}
         options = ffi.new("ct_output_options *", wanted)
-        pointer = self.problem.pointer
+        pointer = self.first.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
 
     def open(self, path: str | Path) -> None:
@@ -198,7 +242,7 @@ class Loop:
         """After a fault: record the last good state if it is newer than the last record, close the
         file, and return advice on how to continue."""
         good = self.monitor and (lib.ct_monitor_good(self.monitor) or None)
-        if good is not None and self.steps and good.step > self.steps[-1]:
+        if good is not None and self.steps and good.step > self.recorded:
             with contextlib.suppress(RunError):
                 self._write_record(good)
         path = self.path if self.output is not None and self.steps else None
@@ -253,6 +297,7 @@ class Loop:
         momentum = copied("ct_momentum", ledger.momentum, len(problem.bodies))
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
+        self.recorded = state.step
 
     # Time loop.
 
@@ -283,28 +328,16 @@ class Loop:
             reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
         self.start_monitor()
-        with bar(progress, total=last, initial=state.step, unit=" steps") as shown:
+        shown = {"total": last // self.parts, "initial": state.step // self.parts, "unit": " steps"}
+        with bar(progress, **shown) as advanced:
             self._record_and_warn()
             self._warn_of_borders()
-            while state.step < last and not stop and not self._at_rest():
-                at = bisect_right(self.due, state.step)
-                due = min([*self.due[at : at + 1], last])
-                every = min(self.borders.every, self.depths.every)
-                look = int((state.step // every + 1) * every)
-                target = min(due, self._next_rest(), look)
-                self._advance(target, due, shown.update, stop)
-                if state.step == look:
-                    self._warn_of_borders()
-                    self._warn_of_depth()
-                if state.step == due:
-                    self._record_and_warn()
-                self._warn_of_growth()
-            if state.step > self.steps[-1]:
-                self._record_and_warn(checked=False)
-                self._warn_of_growth()
+            while not self._goes_to_the_end(advanced.update, stop):
+                pass
         self._warn_of_borders()
-        self.interrupted = bool(stop) and state.step < last
-        at_end = last == self.problem.step_count and not stop
+        state = self.state
+        self.interrupted = bool(stop) and state.step < self.last
+        at_end = self.last == self.end_step and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
             text = f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
             text += f"until_static = {self.time.until_static:g}; set a later end, or more [damping]"
@@ -312,6 +345,115 @@ class Loop:
         if state.unconverged:
             text = f"the contact forces did not converge to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
             issue(errors.NotSettled(text + "choose a smaller step or a smaller beta"))
+
+    def _goes_to_the_end(self, advanced: Any, stop: list[int]) -> bool:
+        """Step to the end, to rest or to a Ctrl-C, and record. False if the step was divided and the run must
+        go on."""
+        try:
+            while self.state.step < self.last and not stop and not self._at_rest():
+                at = bisect_right(self.due, self.state.step)
+                due = min([*self.due[at : at + 1], self.last])
+                every = min(self.borders.every, self.depths.every)
+                look = int((self.state.step // every + 1) * every)
+                self._advance(min(due, self._next_rest(), look), due, advanced, stop)
+                if self.state.step == look:
+                    self._warn_of_borders()
+                    self._warn_of_depth()
+                if self.state.step == due:
+                    self._record_and_warn()
+                self._warn_of_growth()
+            if self.state.step > self.recorded:
+                self._record_and_warn(checked=False)
+                self._warn_of_growth()
+        except StepError as fault:
+            self._divide_after(fault)
+            return False
+        return True
+
+    # A smaller step.
+
+    def begin(self) -> None:
+        """Divide the step until the forces at t = 0 can be computed with it."""
+        while self.state.step == 0 and self._is_refused() and self._divide(2 * self.parts):
+            self.state = new_state(self.problem)
+            self._note_division("the first step is too large")
+
+    def _is_refused(self) -> bool:
+        """Whether an effect refuses the step at the present state."""
+        given = self.problem.pointer, self.state, ffi.new("ct_energy *"), ffi.NULL
+        status = lib.ct_energy_of(*given)
+        raise_held()
+        return bool(status == lib.CT_ERROR_STEP)
+
+    def _with_step(self, dt: float) -> Problem:
+        assert self.built is not None
+        return self.built(dt)
+
+    def _divide(self, parts: int) -> bool:
+        """Continue with the problem of the first step divided by ``parts``, a multiple of the present number.
+        The caller replaces the state. False if that is the present step, or too short."""
+        factor = parts // self.parts
+        if self.built is None or factor == 1 or parts > MOST_PARTS:
+            return False
+        try:
+            problem = self._with_step(self.first.dt / parts)
+        except SceneError:  # more steps than are possible
+            return False
+        if self.probes:
+            self.probes.divide(problem, factor)
+        self.borders.divide(problem, factor)
+        self.depths.divide(problem, factor)
+        self.problem, self.parts = problem, parts
+        self.last, self.end_step = factor * self.last, factor * self.end_step
+        self.due, self.recorded = _divided(self.due, factor), factor * self.recorded
+        return True
+
+    def _divide_after(self, fault: StepError) -> None:
+        """
+        Continue with a divided step after ``fault``.
+
+        If an effect refuses the step, the run goes back to the state before this step, which does not
+        depend on records. If the monitor has found the fault, maybe some steps late, the run goes back to
+        the last good state.
+        """
+        state, problem, good = self.state, self.problem, lib.ct_monitor_good(self.monitor)
+        before = good.step
+        if state.time != state.step * problem.dt:  # within a step
+            before = state.step
+        elif self._is_refused():
+            before = max(before, state.step - 1)
+        if not self._divide(2 * self.parts):
+            if not isinstance(fault, RunError):
+                fault = StepTooLarge(bare(str(fault)), lib.CT_ERROR_STEP)
+            if self.parts > 1:
+                fault.args = (
+                    f"{bare(str(fault))}; the step {self.first.dt:.6g} was already divided by {self.parts}",
+                )
+            raise fault
+        self._call(lib.ct_state_copy, problem.pointer, good, state)
+        self._call(lib.ct_step_many, problem.pointer, state, before - good.step)
+        # At t = 0 there is no step to convert.
+        status, error = lib.CT_OK, new_error()
+        self.state = to = new_state(self.problem)
+        while state.step > 0:
+            status = lib.ct_state_subdivide_step(self.problem.pointer, state, to, error)
+            if status != lib.CT_ERROR_STEP or not self._divide(2 * self.parts):
+                break
+            self.state = to = new_state(self.problem)
+        self._check(status, error)
+        _add_counts(state, to)
+        self._note_division(bare(str(fault)))
+        self._warn_of_growth()
+        self.start_monitor()
+
+    def _note_division(self, reason: str) -> None:
+        """Count a division of the step, and warn of the first one."""
+        self.divisions.append((self.state.time, self.parts))
+        if len(self.divisions) > 1:
+            return
+        text = f"from t = {self.state.time:.6g} on the time step {self.first.dt:.6g} is divided by {self.parts}, and further where that is not enough: "
+        reason = reason.removesuffix(". Take a smaller step")
+        issue(errors.StepDivided(text + reason, "time", self.state.time, self.parts))
 
     def start_monitor(self) -> None:
         """Start the monitor of the state; an error at this point is an error of the input."""
@@ -384,7 +526,7 @@ class Loop:
         """The next step at which rest is checked; these steps do not depend on the speed of the
         machine."""
         if self.time.until_static is None:
-            return self.problem.step_count
+            return self.end_step
         return int((self.state.step // REST_STEPS + 1) * REST_STEPS)
 
     def _at_rest(self) -> bool:
@@ -409,7 +551,7 @@ class Loop:
             )
             self._call(steps, self.monitor, self.state, count)
             took = clock.perf_counter() - begin
-            advanced(count)
+            advanced(count / self.parts)
             next_count = (
                 2 * self.chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
             )
@@ -419,7 +561,10 @@ class Loop:
         """Call the C library during a run; an error becomes a RunError of its kind, with the body's
         name."""
         error = new_error()
-        status = function(*arguments, error)
+        self._check(function(*arguments, error), error)
+
+    def _check(self, status: int, error: Any) -> None:
+        """Raise the RunError of a status other than CT_OK."""
         if status == lib.CT_OK:
             return
         text, names = text_of(status, error), list(self.problem.bodies)
@@ -449,6 +594,7 @@ class Loop:
             costs=measured(problem, self.state, self.output_seconds),
             computed=computed_fraction(self.state),
             dt=problem.dt,
+            divisions=list(self.divisions),
             probes=self.probes.tables(last=bool(records)),
             **(fault or self._last(bool(records))),
         )
@@ -505,6 +651,19 @@ class Loop:
             fields |= {field: partial(_rows, values, body.nodes) for field, values in made.items()}
             bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
+
+
+def _add_counts(of: Any, to: Any) -> None:
+    """Add the times and counts of the steps of one state to those of another one."""
+    effects = of.problem.effect_count + 1
+    for values, more, count in (
+        (to.effect_seconds, of.effect_seconds, effects),
+        (to.element_updates, of.element_updates, 2),
+    ):
+        for i in range(count):
+            values[i] += more[i]
+    to.unconverged += of.unconverged
+    to.constraint_rounds += of.constraint_rounds
 
 
 def _made(shape: Any, function: Any, problem: Problem, state: Any) -> Floats:

@@ -103,6 +103,8 @@ class Histories:
     def __init__(self, problem: Problem):
         self.names = [located.given.name for located in problem.probes]
         self.pointer = ffi.NULL
+        # The probes refer to the problem, so they keep it alive.
+        self.kept = [problem]
         if not self.names:
             return
         kept: list[Any] = []
@@ -112,12 +114,16 @@ class Histories:
             _fill(definitions[i], located, kept)
         out, count = ffi.new("ct_probes **"), len(self.names)
         call(lib.ct_probes_create, problem.pointer, definitions, count, out)
-        # The probes refer to the problem, so they keep it alive.
         free = lib.ct_probes_free
-        self.pointer = ffi.gc(out[0], lambda probes, problem=problem: free(probes))
+        self.pointer = ffi.gc(out[0], lambda probes, problems=self.kept: free(probes))
 
     def __bool__(self) -> bool:
         return bool(self.names)
+
+    def divide(self, problem: Problem, parts: int) -> None:
+        """Continue with a problem whose step is divided by ``parts``; the times of the rows do not change."""
+        call(lib.ct_probes_subdivide_step, self.pointer, problem.pointer, parts)
+        self.kept.append(problem)
 
     def tables(self, last: bool = False) -> dict[str, Rows]:
         """Copies of the histories so far, or of their last rows, by name."""

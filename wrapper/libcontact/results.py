@@ -91,11 +91,16 @@ def _read(path: Path, file: Any, record: int) -> Run:
         states=records,
         path=path,
         scene=scene,
-        dt=dt,
+        dt=dt / _parts(time, step, dt),
         probes=probes,
         pressure=NotInFile('record the field "contact_pressure" and read it from run.state'),
         impulse=NotInFile("record a [[probe]] of the resultant, or use run.momentum"),
     )
+
+
+def _parts(time: float, step: int, dt: float) -> int:
+    """The number of parts into which a run has divided the step of its file, :eq:`record-step`."""
+    return max(1, round(dt * step / time)) if time > 0.0 and step > 0 else 1
 
 
 class NotInFile(dict[str, Any]):

@@ -156,7 +156,8 @@ class NotFinite(RunError, BlowupError):
 
 
 class StepTooLarge(RunError, StepError):
-    """The solid has become too stiff for the time step."""
+    """The time step is too large, although it was divided as often as a run may: the solid has become too
+    stiff for it, or surfaces could pass through each other within it."""
 
 
 class EnergyBlowup(RunError, EnergyError):
@@ -425,8 +426,11 @@ class Run:
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name; their sum is the
     #: change of momentum. Empty for a run that was read from a file.
     impulse: dict[str, Floats] = field(default_factory=dict)
-    #: The time step [time].
+    #: The time step [time]; if it was divided, the last one.
     dt: float | None = None
+    #: Each division of the time step, :eq:`step-change`: its time, and into how many parts the step with
+    #: which the run began is divided from then on. Steps are counted in the present, divided step.
+    divisions: list[tuple[float, int]] = field(default_factory=list)
     #: The history of each ``[[probe]]`` by name, a structured array with one row per ``every`` steps:
     #: time, and the recorded quantities at that time, shape (rows, 3), stress (rows, 6) and pressure
     #: (rows,). The runs passed to ``watch`` have the last row only.

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
@@ -300,7 +301,7 @@ class Scene:
         body, nodes
             The body, and numbers of its nodes or a face such as ``"x_max"``.
         force
-            ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``reference``, ``displacement`` and ``velocity`` of them
+            ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``dt``, ``reference``, ``displacement`` and ``velocity`` of them
             (:class:`libcontact.effects.own.View`).
         energy
             ``energy(view)`` returns the stored energy; without it the work of the effect counts as
@@ -494,11 +495,12 @@ class Scene:
             self._check_output(path, restart)
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         problem = self._built(threads, dt and dt / parts)
-        loop = Loop(problem, self.toml(arrays=False), watch, until)
-        for warning in known(problem, path, state=loop.state):
+        loop = Loop(problem, self.toml(arrays=False), watch, until, partial(self._built, threads))
+        loop.begin()
+        for warning in known(loop.problem, path, state=loop.state):
             issue(warning)
         if restart is not None:
-            loop.restart(restart, self._built(threads, dt) if parts > 1 else None)
+            loop.restart(restart, parts)
         return loop.run(progress, path)
 
     def _whole(self) -> Parts:

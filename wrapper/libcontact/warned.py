@@ -203,6 +203,10 @@ class Borders:
         #: Steps between two looks.
         self.every = -(-steps // self.LOOKS) if self._open else steps
 
+    def divide(self, problem: Problem, parts: int) -> None:
+        """Continue with a problem whose step is divided by ``parts``."""
+        self._problem, self.every = problem, parts * self.every
+
     def warnings(self, state: Any) -> Iterator[SceneWarning]:
         """Yield a warning for each contact with points that were found inside, or for parts of skins
         with a corner that is inside beyond the borders or between the points, once per contact."""

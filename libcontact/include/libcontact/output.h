@@ -81,10 +81,20 @@ CT_API ct_status ct_output_close(ct_output *output, ct_error *error);
  * Read the newest complete restart record of a file into `state`, a state of `problem`. An error
  * leaves the state unchanged. ``CT_ERROR_FILE``: the file can't be read, has no complete record
  * (:eq:`restart-seal`), or belongs to another problem; `error` then names the first difference in
- * bodies, materials, effects, time step or nodes.
+ * bodies, materials, effects, nodes or time step, which must be that of the record
+ * (`ct_output_restart_step`).
  */
 CT_API ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
                                    ct_error *error);
+
+/**
+ * The step of the newest complete restart record of a file [time]: that of the file, or a whole
+ * fraction of it if the run has divided its step since, :eq:`record-step`. A problem that continues
+ * the run must have this step. `problem` may have any step, and `state`, a state of it, does not
+ * change. Errors are those of `ct_output_restart`.
+ */
+CT_API ct_status ct_output_restart_step(const char *path, const ct_problem *problem,
+                                        const ct_state *state, double *dt, ct_error *error);
 
 /**
  * After `ct_output_restart`: replace the histories of the probes by those in a file, up to the time

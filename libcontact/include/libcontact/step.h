@@ -716,6 +716,14 @@ CT_API ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *
 CT_API ct_status ct_probes_history(const ct_probes *probes, int32_t probe,
                                    ct_probe_history *history);
 
+/**
+ * Continue with a problem whose step is Δt divided by `parts`, after `ct_state_subdivide_step`:
+ * a row is recorded every `parts` times as many steps. Rows later than the next state are dropped.
+ * ``CT_ERROR_ARGUMENT``: the problems differ, or `parts` < 1.
+ */
+CT_API ct_status ct_probes_subdivide_step(ct_probes *probes, const ct_problem *problem,
+                                          int64_t parts, ct_error *error);
+
 /** Replace the history of one probe by these rows, to continue a run; the rows are copied. */
 CT_API ct_status ct_probes_restore(ct_probes *probes, int32_t probe, const double *rows,
                                    int64_t count, ct_error *error);

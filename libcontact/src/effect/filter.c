@@ -98,9 +98,10 @@ ct_status ct_filter_apply(ct_filter *filter, ct_state *state, double *displaceme
 {
   if (filter == NULL || state == NULL || state->node_count != filter->problem->node_count)
     return CT_REFUSE(error, "filter: null argument, or a state of another problem");
-  ct_status status = ct_workspace_forces(filter->problem, state, error);
+  // The state's own problem may have a smaller step.
+  ct_status status = ct_workspace_forces(state->problem, state, error);
   if (status == CT_OK && velocity != NULL)
-    status = ct_state_velocity(filter->problem, state, velocity, error);
+    status = ct_state_velocity(state->problem, state, velocity, error);
   if (status != CT_OK) return status;
   sum_outside(filter, state);
   if (velocity != NULL) status = pass(filter, state, velocity, error);

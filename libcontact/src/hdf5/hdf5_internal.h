@@ -236,9 +236,9 @@ void ct_probe_write(ct_task *task, ct_output *output, double time);
 /* -- identity.c: what a file says about its problem -- */
 
 void ct_identity_write(ct_task *task, const ct_problem *problem);
-/* ``CT_ERROR_FILE`` that names the first difference; `points` is memory for the file's coordinates.
- */
-void ct_identity_compare(ct_task *task, const ct_problem *problem, double *points);
+/* ``CT_ERROR_FILE`` that names the first difference except in the step, which is returned; `points`
+ * is memory for the file's coordinates. */
+double ct_identity_compare(ct_task *task, const ct_problem *problem, double *points);
 
 /* -- restart.c -- */
 

@@ -15,7 +15,8 @@ typedef struct attribute {
   double value;
 } attribute;
 
-enum { ATTRIBUTE_COUNT = 4 };
+/* The step is the last one. */
+enum { STEP = 3, ATTRIBUTE_COUNT };
 
 /* One row of /libcontact/body. */
 typedef struct body_row {
@@ -190,12 +191,13 @@ static void compare_points(ct_task *task, const ct_problem *problem, double *poi
 }
 
 /* The layout is compared first, so that no field is compared which this layout lacks. */
-void ct_identity_compare(ct_task *task, const ct_problem *problem, double *points)
+double ct_identity_compare(ct_task *task, const ct_problem *problem, double *points)
 {
   attribute is[ATTRIBUTE_COUNT];
   fill_attributes(problem, is);
   compare_attribute(task, &is[0], "this library reads");
   for (const table *t = TABLE; t < TABLE + TABLE_COUNT; t++) compare_table(task, t, problem);
-  for (int i = 1; i < ATTRIBUTE_COUNT; i++) compare_attribute(task, &is[i], "the problem has");
+  for (int i = 1; i < STEP; i++) compare_attribute(task, &is[i], "the problem has");
   compare_points(task, problem, points);
+  return ct_hdf5_read_number(task, "libcontact", is[STEP].name);
 }

@@ -45,6 +45,13 @@ ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_stat
   return refuse(error);
 }
 
+ct_status ct_output_restart_step(const char *path, const ct_problem *problem, const ct_state *state,
+                                 double *dt, ct_error *error)
+{
+  (void)path, (void)problem, (void)state, (void)dt;
+  return refuse(error);
+}
+
 ct_status ct_output_restart_probes(const char *path, const ct_state *state, ct_probes *probes,
                                    ct_error *error)
 {

@@ -1,5 +1,6 @@
 #include "hdf5_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -197,26 +198,48 @@ static ct_state allocate_like(ct_task *task, const ct_state *like)
   return copy;
 }
 
-/* Read into separate memory: the state changes only if everything succeeds. */
-static void read_file(ct_task *task, const ct_problem *problem, ct_state *state)
+/* The step of a record: the step with which the run began, or a whole fraction of it. */
+static double step_of(const ct_state *record, double first)
+{
+  // -- Δt = Δt₀ / r with t = n Δt (eq:record-step)
+  return record->step > 0 ? first / floor(first * (double)record->step / record->time + 0.5)
+                          : first;
+}
+
+/* Read into separate memory: the state changes only if everything succeeds. If it is null, only
+ * the step of the record is wanted. */
+static void read_file(ct_task *task, const ct_problem *problem, const ct_state *like,
+                      ct_state *state, double *dt)
 {
   if (task->status == CT_OK && H5Lexists(task->file, "libcontact", H5P_DEFAULT) <= 0)
     ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "the file was not written by libcontact");
   // -- The coordinates are compared where the displacements will stand
-  ct_state read = allocate_like(task, state);
-  ct_identity_compare(task, problem, read.displacement);
+  ct_state read = allocate_like(task, like);
+  double first = ct_identity_compare(task, problem, read.displacement);
   read_newest(task, &read);
-  if (task->status == CT_OK) task->status = ct_state_copy(problem, &read, state, task->error);
+  if (task->status == CT_OK) *dt = step_of(&read, first);
+  if (state != NULL && task->status == CT_OK && *dt != problem->dt)
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE,
+                 "the file has the time step %.17g, the problem has %.17g", *dt, problem->dt);
+  if (state != NULL && task->status == CT_OK)
+    task->status = ct_state_copy(problem, &read, state, task->error);
   free(read.displacement);
 }
 
-static ct_status restart(const char *path, const ct_problem *problem, ct_state *state,
-                         ct_error *error)
+static ct_status restart(const char *path, const ct_problem *problem, const ct_state *like,
+                         ct_state *state, double *dt, ct_error *error)
 {
+  if (path == NULL || problem == NULL || like == NULL || dt == NULL)
+    return CT_REFUSE(error, "ct_output_restart needs a path, a problem and a state");
+  if (like->node_count != problem->node_count)
+    return CT_REFUSE(error, "ct_output_restart: the state belongs to another problem");
+  ct_status status = ct_hdf5_check_version(error);
+  if (status != CT_OK) return status;
+
   hid_t access = ct_hdf5_access(), file = H5Fopen(path, H5F_ACC_RDONLY, access);
   ct_task task = {path, error, CT_OK, file};
   if (file < 0) ct_hdf5_fail(&task, "read the file");
-  read_file(&task, problem, state);
+  read_file(&task, problem, like, state, dt);
   H5Fclose(file);
   H5Pclose(access);
   return task.status;
@@ -225,13 +248,18 @@ static ct_status restart(const char *path, const ct_problem *problem, ct_state *
 ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
                             ct_error *error)
 {
-  if (path == NULL || problem == NULL || state == NULL)
-    return CT_REFUSE(error, "ct_output_restart needs a path, a problem and a state");
-  if (state->node_count != problem->node_count)
-    return CT_REFUSE(error, "ct_output_restart: the state belongs to another problem");
-  ct_status status = ct_hdf5_check_version(error);
-  if (status != CT_OK) return status;
-  H5E_BEGIN_TRY { status = restart(path, problem, state, error); }
+  double dt;
+  ct_status status;
+  H5E_BEGIN_TRY { status = restart(path, problem, state, state, &dt, error); }
+  H5E_END_TRY
+  return status;
+}
+
+ct_status ct_output_restart_step(const char *path, const ct_problem *problem, const ct_state *state,
+                                 double *dt, ct_error *error)
+{
+  ct_status status;
+  H5E_BEGIN_TRY { status = restart(path, problem, state, NULL, dt, error); }
   H5E_END_TRY
   return status;
 }

@@ -379,6 +379,19 @@ ct_status ct_probes_history(const ct_probes *probes, int32_t i, ct_probe_history
   return CT_OK;
 }
 
+ct_status ct_probes_subdivide_step(ct_probes *probes, const ct_problem *problem, int64_t parts,
+                                   ct_error *error)
+{
+  if (probes == NULL || problem == NULL || parts < 1 ||
+      problem->node_count != probes->problem->node_count ||
+      problem->effect_count != probes->problem->effect_count)
+    return CT_REFUSE(error, "probes: null argument, another problem, or a step in %lld parts",
+                     (long long)parts);
+  probes->problem = problem;
+  for (int32_t i = 0; i < probes->count; i++) probes->list[i].def.every *= parts;
+  return CT_OK;
+}
+
 ct_status ct_probes_restore(ct_probes *probes, int32_t i, const double *rows, int64_t count,
                             ct_error *error)
 {

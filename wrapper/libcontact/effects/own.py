@@ -12,7 +12,7 @@ import numpy as np
 
 from .._core import ffi, lib
 from ..bridge import Floats, Ints, ask, ints
-from ..errors import held
+from ..errors import StepError, held
 from ..model import FORWARD
 from ..schema import Place, SceneError
 
@@ -28,12 +28,16 @@ class View:
     reference, displacement, velocity
         Read-only arrays (n, 3) for the effect's nodes: coordinates at the start, displacement at this
         time, velocity half a step earlier.
+    dt
+        The time step. A force may raise ``libcontact.StepError`` if it is too long; the run then
+        divides it.
     """
 
     time: float
     reference: Floats
     displacement: Floats
     velocity: Floats
+    dt: float = 0.0
 
 
 @dataclass(eq=False)
@@ -77,7 +81,8 @@ class Own:
             numbers = np.frombuffer(ffi.buffer(pointer, 24 * self.count), np.float64)
             arrays.append(numbers.reshape(-1, 3)[self.nodes])
             arrays[-1].flags.writeable = False
-        return View(float(of.time), *arrays)
+        reference, displacement, velocity = arrays
+        return View(float(of.time), reference, displacement, velocity, float(of.dt))
 
     def create(self, maker: Any) -> Any:
         """Create the C effect. The problem keeps a handle that keeps this object alive."""
@@ -119,11 +124,12 @@ def called_by_c(function: Callable[[Own, Any, Any], None]) -> Callable[..., Any]
         except BaseException as reason:  # whatever the user's function raises
             if not isinstance(reason, Exception):
                 held.reason = reason
+            status = lib.CT_ERROR_STEP if isinstance(reason, StepError) else lib.CT_INVALID
             if error != ffi.NULL:
-                error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
+                error.code, error.body, error.element, error.point = status, -1, -1, -1
                 said = f"effect {own.name}: {type(reason).__name__}: {reason}"
                 error.text = _cut(said, ffi.sizeof(error.text) - 1)
-            return lib.CT_INVALID
+            return status
         return lib.CT_OK
 
     made: Callable[..., Any] = ffi.def_extern(error=lib.CT_INVALID)(answer)
