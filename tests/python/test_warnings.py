@@ -537,3 +537,18 @@ def test_a_body_that_passes_through_is_told_of_before_it_has():
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_no_tutorial_is_warned_of(path):
     assert warned.known(ct.Scene.load(path)._built(None), None) == []
+
+
+def test_a_scene_with_a_contact_and_an_obstacle_is_watched_to_its_end():
+    """Penetrations are told of both; a border is looked at only where two bodies meet."""
+    scene = ct.Scene(title="stack", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("m", young=1e4, poisson=0.3, density=1.0)
+    for k, name in enumerate(("low", "top")):
+        box = {"origin": [0, 0, 0.5 * k], "size": [1, 1, 0.5], "cells": [2, 2, 1]}
+        scene.add_body(name, box=box, material="m")
+    scene.add_contact("low.z_max", "top.z_min")
+    plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    scene.add("obstacle", surface="low.z_min", plane=plane)
+    scene.add("gravity", acceleration=[0, 0, -1]).set_time(end=0.02)
+    run = scene.run(progress=False, output=False)
+    assert run.state.time >= 0.02 and len(run.penetration) == 2

@@ -213,8 +213,12 @@ class Borders:
         if len(self._told) == len(self._problem.parts.contact):
             return
         asked = ["points", "corners"] if self._open - self._told else ["points"]
-        for i, found in enumerate(penetrations(self._problem, state, asked)):
-            surfaces = self._problem.parts.contact[i].surfaces
+        # -- The contacts come first, before the obstacles
+        contacts = self._problem.parts.contact
+        for i, (given, found) in enumerate(
+            zip(contacts, penetrations(self._problem, state, asked))
+        ):
+            surfaces = given.surfaces
             text = ""
             if found["points"]["late"]:
                 text = came_in_late(found["points"]["late"], found["points"]["late_depth"])
