@@ -33,7 +33,8 @@ class Balance:
     """
     Energy balance of the steps of a contact.
 
-    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear in the motion.
+    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear in the motion. Where they are not, it may grow again after a loss;
+    without obstacles it stays below its value at the start.
     """
 
     #: Energy stored at t_n in contact, obstacles, and the elastic springs of friction [energy].

@@ -198,8 +198,10 @@ typedef struct ct_contact_prediction {
  * contact at x_n and solves for the forces of all points, including those of obstacles, together,
  * :eq:`constraint-problem`, by the law in the options; then it computes friction. Call it once per
  * step; the contact stores what the next step needs. `ct_contact_add_force` then adds the forces to
- * f_n. The energy-controlled penalty does not change the stable step of the host and, for steps of
- * equal length in which gaps are linear in the motion, adds no energy, :eq:`controlled-energy`.
+ * f_n. The energy-controlled penalty does not change the stable step of the host. For steps of
+ * equal length the bodies get back at most what they have given to the contact, and a thousandth of
+ * it, :eq:`admitted-account`. A point that is found inside without having come in through the
+ * surface counts from there, :eq:`admitted`.
  * With CT_ENFORCE_PENALTY the forces are those of `ct_contact_update`. Start gaps are measured in
  * the first call, which also allocates; later calls allocate only if lists of candidates grow.
  * ``CT_ERROR_ARGUMENT``: a missing pointer, or an invalid time. ``CT_INVALID``: a number at a node
@@ -218,7 +220,8 @@ typedef struct ct_contact_balance {
   /**
    * Work of its forces, including obstacles and friction, on the bodies from t_0 to t_n [energy],
    * :eq:`host-work`. Without friction the sum `energy` + `work` - `removal` - `motion` does not
-   * grow, for steps of equal length in which gaps are linear in the motion.
+   * grow, for steps of equal length in which gaps are linear in the motion. Where they are not, it
+   * may grow again after a loss; without obstacles it stays below its value at the start.
    */
   double work;
   /** Work of the decreasing start gaps, also of obstacles [energy], :eq:`initial-work`. */
