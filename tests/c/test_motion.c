@@ -156,9 +156,18 @@ static void refusals(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_motion two[2] = {{nodes, 2, {1, 0, 0}, {1, 0, 0}, {2, time, value}},
                       {more, 2, {1, 1, 0}, {1, 0, 0}, {2, time, value}}};
-  tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
-             strstr(e.text, "node 1"),
-         "two motions of one component: %s", e.text);
+  tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_OK, "two equal motions of one component");
+  ct_effect_free(effect);
+  effect = NULL;
+  static const double late[2] = {0, 2};
+  for (int k = 0; k < 2; k++) {
+    two[1].displacement[0] = k == 0 ? 2.0 : 1.0;
+    two[1].amplitude.value = k == 0 ? value : late;
+    tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+               strstr(e.text, "node 1"),
+           "two motions of one component: %s", e.text);
+  }
+  two[1].amplitude.value = value;
   two[1].nodes = beyond, two[1].node_count = 1;
   tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "node 8"),

@@ -1,7 +1,9 @@
 """Parts of a scene that contradict each other are refused with file, key and reason; ``explain`` lists the assumptions of the scene."""
 
+import re
 import tomllib
 
+import numpy as np
 import pytest
 
 import libcontact as ct
@@ -91,6 +93,50 @@ def test_a_conflict_is_refused_with_file_key_and_reason(more, key, reason, tmp_p
 )
 def test_what_only_looks_like_a_conflict_is_taken(more, tmp_path):
     ct.Scene(tomllib.loads(SCENE + more)).explain()
+
+
+STILL = '[[support]]\nset = "a.z_min"\nfix = ["z"]\n'
+PATH = "history = {{ time = [0, 0.01], value = [0, {}] }}\n"
+PULL = '[[support]]\nset = "a.x_max"\nfix = ["x", "z"]\ntravel = [0.01, 0, {}]\n' + PATH.replace(
+    "{}", "1"
+)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_face_that_travels_beside_one_that_is_held_still(turned):
+    """Both prescribe 0 along z at their edge. The edge follows the path, and the motion is that of a path of 0 for both."""
+    parts = [STILL, PULL.format(0)]
+    path = STILL + "travel = [0, 0, 0]\n" + PATH.format("3")
+    runs = []
+    for each in (parts[::-1] if turned else parts, [path, PULL.format(0)]):
+        scene = ct.Scene(tomllib.loads(SCENE + "".join(each)))
+        run = scene.run(progress=False, output=False)
+        assert abs(np.ptp(run.energy["total"])) <= 1e-2 * run.energy["external"][-1]
+        runs.append(run.state["a"].displacement)
+    edge = [n for n, x in enumerate(run.state["a"].mesh.nodes) if x[0] == 1.0 and x[2] == 0.0]
+    assert runs[0][edge, 0] == pytest.approx(0.01, rel=1e-9) and not runs[0][edge, 2].any()
+    assert np.abs(runs[0] - runs[1]).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    "more, key",
+    [
+        (STILL + PULL.format(0.01), "support[1].fix"),
+        (PULL.format(0.01) + STILL, "support[0].fix"),
+        (STILL + "velocity = [0, 0, 1]\n" + PULL.format(0), "support[1].fix"),
+        (
+            STILL + "travel = [0, 0, 0.01]\n" + PATH.format("2") + PULL.format(0.01),
+            "support[1].fix",
+        ),
+    ],
+)
+def test_faces_that_move_their_edge_differently(more, key):
+    with pytest.raises(ct.SceneError) as refused:
+        ct.Scene(tomllib.loads(SCENE + more)).explain()
+    assert refused.value.key == key
+    assert re.search(
+        r'moves them differently: node \d+ of body "a" at \(1, 0, 0\)', str(refused.value)
+    )
 
 
 def assumed(more):

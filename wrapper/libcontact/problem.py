@@ -504,6 +504,7 @@ class Maker:
     def motion(self) -> Any:
         """Create the one effect of all supports with a prescribed displacement."""
         paths = [support for support in self.parts.support if support.history]
+        self._check_motions()
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
         for motion, support in zip(motions, paths):
             members = _held(support, self.keep(self.face_nodes(support.set)))
@@ -511,6 +512,27 @@ class Maker:
             for name, value in members.items():
                 setattr(motion, name, value)
         return self.make("motion", None, motions=motions, motion_count=len(paths))
+
+    def _check_motions(self) -> None:
+        """Raise an error if a support with a prescribed displacement and another one move a component of a
+        common node differently."""
+        supports = self.parts.support
+        for j, other in enumerate(supports):
+            for i, support in enumerate(supports):
+                if not support.history or i == j or (other.history and j > i):
+                    continue
+                if support.set.body != other.set.body:
+                    continue
+                differs = [
+                    k for k in set(support.fix) & set(other.fix) if not _agree(support, other, k)
+                ]
+                one, two = (self._built._on(each.set, self.key, True) for each in (support, other))
+                common = np.intersect1d(one, two)
+                if differs and common.size:
+                    where = self._built._meshes[support.set.body].nodes[common[0]]
+                    place = ", ".join(f"{x:.4g}" for x in where)
+                    reason = f'prescribes {min(differs)} of {common.size} nodes that support[{j}] prescribes, too, and moves them differently: node {common[0]} of body "{support.set.body}" at ({place}); leave {min(differs)} out of one "fix", or make the motions equal'
+                    raise SceneError(reason, f"support[{i}].fix", self._built.file)
 
     def history(self, history: History | None) -> dict[str, Any]:
         """The members of a ``ct_amplitude``; without a history the factor is 1 at all times."""
@@ -548,6 +570,15 @@ class Maker:
         rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
         kind = lib.ct_brick_face_kind(body.mesh.kind)
         return {"kind": kind, "face_count": len(rows), "faces": ffi.from_buffer("int32_t[]", rows)}
+
+
+def _agree(support: Support, other: Support, axis: str) -> bool:
+    """Whether a support with a prescribed displacement and another one move a component equally."""
+    c = AXES.index(axis)
+    if not other.history:
+        return support.travel[c] == 0.0 and other.velocity[c] == 0.0
+    same = support.travel[c] == other.travel[c]
+    return same and (support.travel[c] == 0.0 or support.history == other.history)
 
 
 def _held(support: Support, nodes: NDArray[Any]) -> dict[str, Any]:

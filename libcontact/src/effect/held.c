@@ -30,6 +30,19 @@ static ct_status check(const ct_motion *motion, int support, int32_t number, int
   return CT_OK;
 }
 
+/* Whether two motions move a component equally at all times. */
+static int agree(const ct_motion *a, const ct_motion *b, int c)
+{
+  if (a->displacement[c] != b->displacement[c]) return 0;
+  if (a->displacement[c] == 0.0) return 1;
+  if (a->amplitude.count != b->amplitude.count) return 0;
+  for (int32_t i = 0; i < a->amplitude.count; i++)
+    if (a->amplitude.time[i] != b->amplitude.time[i] ||
+        a->amplitude.value[i] != b->amplitude.value[i])
+      return 0;
+  return 1;
+}
+
 /* Enter one motion into a table over all nodes of the problem. Two motions may agree. */
 static ct_status enter(const ct_motion *motions, int support, int32_t number, int32_t *holder,
                        ct_error *error)
@@ -40,8 +53,7 @@ static ct_status enter(const ct_motion *motions, int support, int32_t number, in
       int32_t *own = &holder[3 * (int64_t)motion->nodes[i] + c];
       if (!motion->fixed[c]) continue;
       const ct_motion *other = *own == 0 ? motion : &motions[*own - 1];
-      if (other != motion &&
-          (motion->amplitude.count > 0 || other->displacement[c] != motion->displacement[c]))
+      if (other != motion && !agree(motion, other, c))
         return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, motion->nodes[i]},
                        "%s %d: %c of node %d is prescribed by %s %d already (%s %g, not %g)",
                        NAME[support], (int)number, "xyz"[c], (int)motion->nodes[i], NAME[support],

@@ -33,11 +33,15 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
       int32_t holder = data->holder[own];
       force[own] = 0.0;
       if (holder == 0) continue;
-      if (data->inverse_mass[dof] == 0.0)
-        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, node},
-                       "motion %d: %c of node %d is prescribed by a support, too", (int)holder - 1,
-                       "xyz"[c], (int)node);
       const ct_motion *motion = &data->motions[holder - 1];
+      if (data->inverse_mass[dof] == 0.0) {
+        // A support that holds still what does not move.
+        if (motion->displacement[c] == 0.0 && view->velocity[dof] == 0.0) continue;
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, node},
+                       "motion %d: %c of node %d is prescribed by a support, too, and moves "
+                       "otherwise there",
+                       (int)holder - 1, "xyz"[c], (int)node);
+      }
       if (holder != known) factor = ct_amplitude_value(&motion->amplitude, next);
       known = holder;
       double carried =
