@@ -868,6 +868,32 @@ static void rebuilding(void)
   patchwork_free(&p);
 }
 
+/* Closed boxes of bilinear and of quadratic faces, as they are and with each face reversed, and
+ * without one face. (eq:enclosed-volume) */
+static void inside_out(ct_brick_kind kind, const char *name)
+{
+  ct_mesh *m = box_mesh(kind, 5, 6, 7, 1, 2, 3, 2, 2, 2);
+  const int per = kind == CT_HEX8 ? 4 : 8;
+  int32_t faces[8 * 24], turned[8 * 24], found[3] = {9, 9, 9};
+  const int order[8] = {0, 3, 2, 1, 7, 6, 5, 4};
+  const int32_t count = ct_mesh_outer_faces(m, faces, NULL);
+  for (int32_t i = 0; i < count * per; i++) turned[i] = faces[i / per * per + order[i % per]];
+  for (int k = 0; k < 3; k++) {
+    const ct_surface surface = {kind == CT_HEX8 ? CT_Q4 : CT_Q8, m->node_count, count - (k == 2),
+                                k == 0 ? faces : turned, m->nodes};
+    ct_search *search = NULL;
+    ct_error e = {0};
+    need(ct_search_create(&surface, &search, &e), &e);
+    need(ct_search_inside_out(search, &found[k], &e), &e);
+    ct_search_free(search);
+  }
+  tap_ok(found[0] == -1 && found[1] == 0 && found[2] == -1,
+         "%s: a closed box, inside out, and open: %d, %d, %d", name, (int)found[0], (int)found[1],
+         (int)found[2]);
+  tap_ok(ct_search_inside_out(NULL, found, NULL) == CT_ERROR_ARGUMENT, "no search is refused");
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
   random_boxes(1, 0, "one box");
@@ -894,5 +920,7 @@ int main(void)
   repeated();
   rebuilding();
   refused();
+  inside_out(CT_HEX8, "Q4");
+  inside_out(CT_HEX20, "Q8");
   return tap_done();
 }

@@ -1,5 +1,7 @@
 """The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals; scikit-fem as a host."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -158,6 +160,43 @@ def skins(n, apart=0.0):
     mass = np.frombuffer(ct._core.ffi.buffer(problem.pointer.mass, 16 * (n + 1) ** 3))
     meshes = [body.mesh for body in problem.bodies.values()]
     return [(m.nodes, m.faces("outer")[0]) for m in meshes], mass.reshape(2, -1)
+
+
+@pytest.mark.parametrize("turned", [(), (0,), (1,), (0, 1)])
+def test_closed_surfaces_that_point_inwards(turned):
+    """Both turned inside out, bodies fall through each other without a force."""
+    cubes, _ = skins(2)
+    surfaces = [
+        ct.Surface("Q4", nodes, faces[:, ::-1] if k in turned else faces)
+        for k, (nodes, faces) in enumerate(cubes)
+    ]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ct.Contact(*surfaces, epsilon=1.0)
+    assert [type(one.message) for one in caught] == [ct.InsideOutWarning] * len(turned)
+    for one, k in zip(caught, turned):
+        assert f"of the {('first', 'second')[k]} surface" in str(one.message)
+    assert [surface.inside_out for surface in surfaces] == [
+        0 if k in turned else None for k in (0, 1)
+    ]
+
+
+def test_the_wall_of_a_cavity_may_point_inwards():
+    (outer, _), _ = skins(2)
+    nodes, faces = outer
+    hollow = np.concatenate([nodes, 0.5 + 0.5 * (nodes - 0.5)])
+    wall = faces[:, ::-1] + len(nodes)
+    body = ct.Surface("Q4", hollow, np.concatenate([faces, wall]))
+    assert body.inside_out is None
+    # A surface of its own is reported, but not warned of where the other one is inside.
+    alone, ball = ct.Surface("Q4", hollow, wall), ct.Surface("Q4", 0.5 + 0.2 * (nodes - 0.5), faces)
+    assert alone.inside_out == 0 and ball.inside_out is None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ct.Contact(body, ball, epsilon=1.0)
+        ct.Contact(ball, alone, epsilon=1.0)
+    # An open surface encloses nothing.
+    assert ct.Surface("Q4", nodes, faces[1:, ::-1]).inside_out is None
 
 
 @pytest.mark.parametrize("apart", [0.0, 3.0])

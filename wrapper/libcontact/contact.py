@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -22,7 +23,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import BorderWarning, came_in_late, check, issue
+from .errors import BorderWarning, InsideOutWarning, came_in_late, check, issue
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -68,6 +69,27 @@ def depths(found: Any) -> dict[str, Any]:
 def _initial(name: str) -> int:
     """The number of a treatment of overlaps at the start."""
     return chosen("initial_penetration", name, names("ct_initial"))
+
+
+def _warn_of_inside_out(surfaces: Sequence[Surface]) -> None:
+    """Warn of closed surfaces whose faces point inwards, unless the other surface is within, as in a
+    cavity."""
+    boxes = [surface.bounds for surface in surfaces]
+    for k, surface in enumerate(surfaces):
+        face, (low, high) = surface.inside_out, boxes[k]
+        within = any(
+            (low <= lower).all() and (upper <= high).all()
+            for lower, upper in boxes[:k] + boxes[k + 1 :]
+        )
+        if face is not None and not within:
+            who = "the surface" if len(surfaces) == 1 else f"the {('first', 'second')[k]} surface"
+            issue(
+                InsideOutWarning(
+                    f"face {face} of {who} and the faces around it point inwards: they enclose a negative "
+                    "volume, so no contact force acts and bodies pass through each other; list the "
+                    "corners of each face counter-clockwise from outside"
+                )
+            )
 
 
 class Contact:
@@ -183,6 +205,8 @@ class Contact:
             if second.asked is first.asked:  # one array of nodes, also where it was converted twice
                 other.reference = first.given.reference
         made = ask("ct_contact **", lib.ct_contact_create, first.given, other, options)
+        if itself or second is not None:
+            _warn_of_inside_out(surfaces)
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
         self._pair = second is not None and other.reference != first.given.reference

@@ -104,6 +104,23 @@ class Surface:
         call(lib.ct_search_move, self._search, doubles(real("nodes", nodes, (self._count, 3))))
 
     @property
+    def inside_out(self) -> int | None:
+        """First face of a closed part of the surface whose faces point inwards; None if there is none.
+
+        The part encloses a negative volume and is not the wall of a cavity within another part. In a
+        contact such a body lets others through without a force.
+        """
+        face: int = ask("int32_t *", lib.ct_search_inside_out, self._search)
+        return int(face) if face >= 0 else None
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Smallest and largest coordinates of the nodes of the faces, as they were given [length]."""
+        faces, nodes = self._arrays
+        used = nodes[faces.ravel()]
+        return used.min(axis=0), used.max(axis=0)
+
+    @property
     def builds(self) -> int:
         """Number of times that the tree was built."""
         return int(lib.ct_search_builds(self._search))

@@ -105,6 +105,16 @@ CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const 
                                    const int32_t *start, const ct_search_options *options,
                                    ct_nearest *out);
 
+/**
+ * Find a closed part of the surface whose faces point inwards, at the present coordinates: it
+ * encloses a negative volume, :eq:`enclosed-volume`, and does not lie within another closed part,
+ * as the wall of a cavity does. Write its first face, or -1 if there is none. In a contact such a
+ * body lets others through without a force, so a host should ask this once for each surface. The
+ * wall of a cavity that is a surface of its own is reported, too. ``CT_ERROR_ARGUMENT``: null
+ * argument; ``CT_ERROR_MEMORY``.
+ */
+CT_API ct_status ct_search_inside_out(const ct_search *search, int32_t *face, ct_error *error);
+
 /** Free a search; null is allowed. */
 CT_API void ct_search_free(ct_search *search);
 
