@@ -550,6 +550,55 @@ static void made_in_each_other(ct_face_kind kind)
   free_fold(&p);
 }
 
+/* The tunnelling check of a hairpin whose upper layer is at the height `z`, for the velocities
+ * (0, 0, -down) of the end of the upper layer and (rate x, 0, 0) of all nodes; returns the status.
+ */
+static ct_status pass_in_a_step(const fold *p, double z, double down, double rate, ct_error *e)
+{
+  ct_contact *contact = open_self(&p->surface);
+  double *v = numbers(3 * p->surface.node_count);
+  for (int n = 0; n < p->surface.node_count; n++) {
+    const double *X = &p->reference[3 * n];
+    double end = fmin(fmax((1.0 - X[0]) / 0.6, 0.0), 1.0);
+    memcpy(&p->x[3 * n], X, 3 * sizeof *X);
+    p->x[3 * n + 2] = z * X[2] / 0.3;
+    v[3 * n] = rate * X[0];
+    v[3 * n + 2] = X[2] > 0.29 ? -down * end : 0.0;
+  }
+  need(ct_contact_update(contact, p->x, NULL, e), e);
+  const double *const velocity[2] = {v, v};
+  ct_status status = ct_tunnelling_check(contact, velocity, 1.0, 0.0, e);
+  free(v);
+  ct_contact_free(contact);
+  return status;
+}
+
+/* A step is refused if two faces may pass through each other, and not because two distant parts of
+ * the surface have different velocities (eq:tunnelling). */
+static void passes_in_a_step(ct_face_kind kind)
+{
+  fold p = new_fold(kind);
+  ct_contact *contact = open_self(&p.surface);
+  const double safe = contact->fixed->approach;
+  ct_error e = {0};
+  int first = -1, second = -1;
+  ct_contact_free(contact);
+  tap_ok(
+      pass_in_a_step(&p, 0.3, 0.0, 1.4 * safe, &e) == CT_OK,
+      "%s: a hairpin that stretches by %.2g in a step, of which %.2g are safe, cannot meet itself",
+      KIND[kind], 1.4 * safe, safe);
+  tap_ok(pass_in_a_step(&p, 1.4 * safe, 1.2 * safe, 0.0, &e) == CT_OK &&
+             pass_in_a_step(&p, 0.8 * safe, 0.99 * safe, 0.0, &e) == CT_OK,
+         "%s: nor if its layers are farther apart, or approach by a safe length", KIND[kind]);
+  ct_status status = pass_in_a_step(&p, 0.8 * safe, 1.2 * safe, 0.0, &e);
+  const char *faces = strstr(e.text, "(face ");
+  if (faces != NULL) sscanf(faces, "(face %d of the first, %d of the second)", &first, &second);
+  int apart = first >= 0 && second >= 0 && first != second;
+  tap_ok(status == CT_ERROR_STEP && apart && strstr(e.text, "have come nearer by") != NULL,
+         "%s: but if they may pass through each other: %s", KIND[kind], e.text);
+  free_fold(&p);
+}
+
 static void refusals(void)
 {
   fold p = new_fold(CT_Q4);
@@ -586,6 +635,7 @@ int main(void)
     like_two((ct_face_kind)k);
     bound((ct_face_kind)k);
     history((ct_face_kind)k);
+    passes_in_a_step((ct_face_kind)k);
   }
   closed(CT_HEX8, 0.05, 1);
   closed(CT_HEX8, 0.3, 1);

@@ -1,12 +1,18 @@
 """Scenes with a body in contact with itself: a hairpin that a falling block closes, thin bodies and neighbouring faces without contact."""
 
 import math
+import sys
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
 
 import libcontact as ct
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "fuzz"))
+import fuzz_self  # noqa: E402
 
 LEG, THICK, GAP = 0.6, 0.1, 0.08
 
@@ -189,3 +195,17 @@ def test_a_scene_piece_by_piece():
         "u.outer", "u.outer"
     ).set_time(end=1e-3, fraction=0.5)
     assert scene.explain().data["contacts"][0]["with_itself"]
+
+
+def test_a_body_whose_ends_move_apart_does_not_pass_through_itself():
+    """A folded strip that is squeezed: distant parts have different velocities, which ended the run by the check of passage (eq:tunnelling)."""
+    kind, about, divided = fuzz_self.run(7)
+    assert (kind, divided) == ("end", 0), about
+
+
+@pytest.mark.parametrize("seed", range(20000, 20012))
+def test_random_scenes_of_bodies_that_meet_themselves_come_to_their_end(seed):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        kind, about, divided = fuzz_self.run(seed)
+    assert (kind, divided) == ("end", 0), about

@@ -30,23 +30,13 @@ static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, i
   return kept;
 }
 
-static ct_bounds grown(const ct_bounds *box, double reach)
-{
-  ct_bounds larger = *box;
-  for (int c = 0; c < 3; c++) {
-    larger.low[c] -= reach;
-    larger.high[c] += reach;
-  }
-  return larger;
-}
-
 /* List for each face of `side` the faces of `other` within the distance to which its list must be
  * complete, and the skin. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
 {
   int32_t count = 0;
   for (int32_t f = 0; f < side->search->face_count; f++) {
-    ct_bounds box = grown(&side->search->boxes[f], side->listed[f] + skin);
+    ct_bounds box = ct_bounds_grown(&side->search->boxes[f], side->listed[f] + skin);
     side->candidate_first[f] = count;
     int32_t found =
         ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box,
@@ -75,7 +65,7 @@ static int anything_within(const ct_side *side, const ct_side *other, double rea
   enum { CAPACITY = 64 };
   int32_t list[CAPACITY];
   for (int32_t f = 0; f < side->search->face_count; f++) {
-    ct_bounds box = grown(&side->search->boxes[f], reach);
+    ct_bounds box = ct_bounds_grown(&side->search->boxes[f], reach);
     int32_t found =
         ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, list, CAPACITY);
     if (found > CAPACITY || (side == other ? drop_adjacent(side, f, list, found) : found) > 0)

@@ -137,7 +137,7 @@ void ct_pass_search(ct_contact *contact, int s);
  * and refuse a step of length `dt` to `time` with a larger approach, with velocities in the
  * numbering of the host (eq:tunnelling). */
 ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
-ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
+ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error);
 
 /* Refuse a rule with values out of range; `label` names the effect. */

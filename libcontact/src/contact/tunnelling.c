@@ -127,44 +127,132 @@ static double closest(const ct_bounds *a, const ct_bounds *b)
   return sqrt(ct_vector_dot(d, d));
 }
 
-/* Find the face with the node whose motion deviates most from the mean motion of the other surface.
- */
-static int32_t fastest(const ct_search *search, const double *velocity, const ct_bounds *other)
+/* Two surfaces in a step, and the largest approach of two of their faces found so far. */
+typedef struct approach {
+  const ct_search *search[2];
+  const double *velocity[2];
+  double dt, length;
+  double deepest;  /* depth of the deepest point before the step */
+  ct_bounds speed; /* box of all velocities of the second surface */
+  int self;        /* whether the two are one surface */
+  int32_t face[2], node;
+} approach;
+
+/* Box of the velocities of a face. */
+static ct_bounds speed_of(const approach *p, int s, int32_t face)
 {
-  int32_t face = 0;
-  double top = -1.0;
-  for (int64_t i = 0; i < (int64_t)search->face_count * search->per; i++) {
-    double v[3];
-    for (int c = 0; c < 3; c++)
-      v[c] = velocity[3 * (int64_t)search->nodes[search->faces[i]] + c] -
-             0.5 * (other->low[c] + other->high[c]);
-    if (!(ct_vector_dot(v, v) > top)) continue;
-    top = ct_vector_dot(v, v);
-    face = (int32_t)(i / search->per);
+  const ct_search *search = p->search[s];
+  ct_bounds box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  for (int a = 0; a < search->per; a++) {
+    int32_t node = search->nodes[search->faces[(int64_t)face * search->per + a]];
+    for (int c = 0; c < 3; c++) {
+      double v = p->velocity[s][3 * (int64_t)node + c];
+      box.low[c] = v < box.low[c] ? v : box.low[c];
+      box.high[c] = v > box.high[c] ? v : box.high[c];
+    }
   }
-  return face;
+  return box;
 }
 
-ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
+/* Largest relative motion of a node of face `f` and one of face `g`, and the first of the two
+ * nodes. */
+static double motion_of(const approach *p, int32_t f, int32_t g, int32_t *node)
+{
+  const ct_search *a = p->search[0], *b = p->search[1];
+  double top = -1.0;
+  for (int i = 0; i < a->per; i++)
+    for (int k = 0; k < b->per; k++) {
+      int32_t n = a->nodes[a->faces[(int64_t)f * a->per + i]],
+              m = b->nodes[b->faces[(int64_t)g * b->per + k]];
+      double v[3];
+      for (int c = 0; c < 3; c++)
+        v[c] = p->velocity[0][3 * (int64_t)n + c] - p->velocity[1][3 * (int64_t)m + c];
+      double square = ct_vector_dot(v, v);
+      if (square > top) top = square, *node = n;
+    }
+  return p->dt * sqrt(top);
+}
+
+/* Two faces, the first with velocities in the box `own`. */
+static void compare_faces(approach *p, int32_t f, int32_t g, const ct_bounds *own)
+{
+  ct_bounds other = speed_of(p, 1, g);
+  int32_t node = -1;
+  if (!(p->dt * farthest(own, &other) > p->length) ||
+      (p->self && ct_search_adjacent(p->search[0], f, g)))
+    return;
+  double length = motion_of(p, f, g, &node);
+  // -- Faces that are farther apart cannot have passed through each other (eq:tunnelling)
+  if (!(length > p->length) || closest(&p->search[0]->boxes[f], &p->search[1]->boxes[g]) >
+                                   (length + p->deepest) * (1.0 + 1e-12))
+    return;
+  p->length = length;
+  p->face[0] = f;
+  p->face[1] = g;
+  p->node = node;
+}
+
+/* Find the pair of faces with the largest approach, if it is more than `length`; of equal pairs the
+ * one with the lowest numbers. */
+static void compare_surfaces(approach *p)
+{
+  enum { CAPACITY = 512 };
+  int32_t list[CAPACITY];
+  for (int32_t f = 0; f < p->search[0]->face_count; f++) {
+    ct_bounds own = speed_of(p, 0, f);
+    double most = p->dt * farthest(&own, &p->speed);
+    if (!(most > p->length)) continue;
+    ct_bounds reach = ct_bounds_grown(&p->search[0]->boxes[f], (most + p->deepest) * (1.0 + 1e-12));
+    int32_t found = ct_box_tree_overlaps(p->search[1]->tree, p->search[1]->boxes, &reach, list,
+                                         CAPACITY),
+            count = found > CAPACITY ? p->search[1]->face_count : found;
+    for (int32_t i = 0; i < count; i++) compare_faces(p, f, found > CAPACITY ? i : list[i], &own);
+  }
+}
+
+/* Depth of the deepest point before the step. */
+static double deepest(const ct_contact *contact)
+{
+  double depth = 0.0;
+  for (int s = 0; s < contact->fixed->sides; s++)
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++)
+      depth = fmax(depth, -contact->side[s].points[i].last_known);
+  return depth;
+}
+
+ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
+  const int last = fixed->sides - 1;
   ct_bounds speed[2], place[2];
-  const ct_search *search[2] = {contact->side[0].search, contact->side[fixed->sides - 1].search};
+  ct_search *search[2] = {contact->side[0].search, contact->side[last].search};
   for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity[s], &speed[s]);
-  // -- The largest approach in the step, and how much of it is safe (eq:tunnelling)
-  double nearer = dt * farthest(&speed[0], &speed[1]);
-  if (!(nearer > fixed->approach)) return CT_OK;
-  // -- Surfaces that are farther apart cannot have passed through each other
+  // -- The largest approach in the step, and how much of it is safe: first of the whole surfaces
+  // (eq:tunnelling)
+  double most = dt * farthest(&speed[0], &speed[1]);
+  if (!(most > fixed->approach)) return CT_OK;
   for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
-  if (closest(&place[0], &place[1]) > nearer + fixed->depth) return CT_OK;
-  int32_t face[2] = {fastest(search[0], velocity[0], &speed[1]),
-                     fastest(search[1], velocity[1], &speed[0])};
+  double deep = deepest(contact);
+  if (closest(&place[0], &place[1]) > (most + deep) * (1.0 + 1e-12)) return CT_OK;
+  for (int s = 0; s <= last; s++) {
+    ct_search_box(search[s]);
+    ct_search_refit(search[s]);
+  }
+  approach p = {.search = {search[0], search[1]},
+                .velocity = {velocity[0], velocity[1]},
+                .dt = dt,
+                .length = fixed->approach,
+                .deepest = deep,
+                .speed = speed[1],
+                .self = last == 0,
+                .node = -1};
+  compare_surfaces(&p);
+  if (p.node < 0) return CT_OK;
   return ct_fail(
-      error, CT_ERROR_STEP,
-      (ct_place){-1, -1, search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]},
+      error, CT_ERROR_STEP, (ct_place){-1, -1, p.node},
       "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may "
       "have come nearer by %g and passed through each other; "
       "not more than %g is safe. Take a smaller step",
-      time, (int)face[0], (int)face[1], nearer, fixed->approach);
+      time, (int)p.face[0], (int)p.face[1], p.length, fixed->approach);
 }

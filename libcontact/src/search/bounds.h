@@ -30,6 +30,17 @@ static inline double ct_bounds_square(const ct_bounds *box, const double point[3
 /* Distance of a point from a box. */
 double ct_bounds_distance(const ct_bounds *box, const double point[3]);
 
+/* The box of all points within `reach` of a box along each axis. */
+static inline ct_bounds ct_bounds_grown(const ct_bounds *box, double reach)
+{
+  ct_bounds larger = *box;
+  for (int c = 0; c < 3; c++) {
+    larger.low[c] -= reach;
+    larger.high[c] += reach;
+  }
+  return larger;
+}
+
 /* The box that contains both. */
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other);
 
