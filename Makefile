@@ -64,7 +64,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill threads memory info clean setup book-tools
+.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill threads memory info clean setup book-tools notebook-tools
 .PHONY: _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
@@ -280,12 +280,16 @@ C_PROGRAMS := $(C_PROGRAMS)
 C_SKIPPED := $(C_SKIPPED)
 endif
 
-_test: $(C_PROGRAMS) $(VENV)/.wrapper $(VENV)/.test book-tools
+_test: $(C_PROGRAMS) $(VENV)/.wrapper $(VENV)/.test book-tools notebook-tools
 	@LIBCONTACT_BUILD=$(BUILD) CC="$(CC)" PKG_CONFIG="$(PKG_CONFIG)" $(VENV)/bin/python tests/run_tests.py $(BUILD) $(C_SKIPPED) $(C_PROGRAMS)
 
 # Without a network for them, the tests of the book are skipped.
 book-tools: $(VENV)/.test
 	@+$(MAKE) --no-print-directory $(VENV)/.docs || echo "not installed, so the tests of the book are skipped: wrapper/requirements/docs.txt" >&2
+
+# Likewise the test of the notebook.
+notebook-tools: $(VENV)/.test
+	@+$(MAKE) --no-print-directory $(VENV)/.notebook || echo "not installed, so the test of the notebook is skipped: wrapper/requirements/notebook.txt" >&2
 
 _check-c: $(C_PROGRAMS)
 	@$(PYTHON) tests/run_tests.py $(BUILD) --no-pytest $(C_SKIPPED) $(C_PROGRAMS)

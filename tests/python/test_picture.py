@@ -96,6 +96,21 @@ def test_a_run_without_a_file_keeps_its_states(block):
     assert max(float(s["block"].contact_pressure.max()) for s in states) > 0.0
 
 
+def test_a_run_that_fails_can_be_drawn():
+    """The states up to the last good one."""
+    scene = ct.Scene(units=METRES)
+    scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
+    box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}
+    scene.add_body("block", box=box, material="rubber", velocity=[0, 0, 1])
+    scene.add_effect(
+        "push", "block", "z_max", lambda view: np.full((9, 3), np.nan if view.time > 0.3 else 1.0)
+    )
+    with pytest.raises(ct.RunError) as error:
+        scene.set_time(end=1.0).run(progress=False)
+    run = error.value.run
+    assert run.states[-1] is run.state and Drawing.of(run).view
+
+
 def test_a_large_run_keeps_fewer_states(monkeypatch):
     monkeypatch.setattr("libcontact.loop.KEPT_VALUES", 7 * 390 * 5)
     run = falling().run(progress=False)

@@ -61,6 +61,12 @@ class Explanation(str):
     data: dict[str, Any]
     warnings: list[SceneWarning]
 
+    def _repr_html_(self) -> str:
+        """The text in a notebook, in sections."""
+        from .html import sections
+
+        return sections(self)
+
 
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""

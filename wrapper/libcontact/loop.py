@@ -249,7 +249,9 @@ class Loop:
         self.abandon()
         error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
         state = None if good is None else self._state(good, self.monitor)
-        error.run = self.result(state=state)
+        kept = [*self.kept, *([state] if state is not None else [])]
+        states = kept if self.path is None else self._states()
+        error.run = self.result(state=state, states=states)
         if good is not None:
             error.args = (f"{bare(str(error))}. {self._advice(good, path)}",)
 

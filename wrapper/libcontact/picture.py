@@ -140,11 +140,14 @@ def new_figure() -> Figure:
 
         def _ipython_display_(self) -> None:
             shell: Any = import_module("IPython.display")
-            # The backend shows a figure of pyplot at the end of the cell.
-            if get_backend().lower() == "agg" or not pyplot.fignum_exists(self.number):
-                held = io.BytesIO()
-                self.savefig(held, format="png", dpi=100)
-                shell.display(shell.Image(held.getvalue()))
+            backend = get_backend().lower()
+            if pyplot.fignum_exists(self.number) and "inline" not in backend and backend != "agg":
+                return  # in a canvas of its own
+            held = io.BytesIO()
+            self.savefig(held, format="png", dpi=100)
+            shell.display(shell.Image(held.getvalue()))
+            # Otherwise the end of the cell shows it again.
+            pyplot.close(self)
 
     return pyplot.figure(FigureClass=Shown) if in_notebook() else pyplot.figure()
 

@@ -339,6 +339,9 @@ class Offer:
     why: str
 
 
+HEADS = ("", "mesh", "setting", "error", "time")
+
+
 @dataclass(frozen=True)
 class Plan:
     """
@@ -376,17 +379,33 @@ class Plan:
         """The scene of the choice."""
         return self.choice.scene
 
+    def _rows(self) -> tuple[list[list[str]], list[str]]:
+        """The rows of the table, and the reasons."""
+        offers = {"cheaper": self.cheaper, "choice": self.choice, "dearer": self.dearer}
+        rows, reasons = [], []
+        for name, offer in offers.items():
+            if offer is not None:
+                words = [name, offer.mesh, offer.setting, percent(offer.error)]
+                rows.append([*words, shown_seconds(offer.seconds)])
+                reasons.append(f"{name}: {offer.why}")
+        return rows, reasons
+
+    def _repr_html_(self) -> str:
+        """The plan in a notebook."""
+        from .html import lines, table, titled
+
+        rows, reasons = self._rows()
+        return titled(
+            f"error {self.measure}", table(HEADS, rows), lines("\n".join([*reasons, self.sure]))
+        )
+
     def __str__(self) -> str:
         from rich.table import Table
 
-        table = Table("", "mesh", "setting", "error", "time", box=None, pad_edge=False)
-        rows = {"cheaper": self.cheaper, "choice": self.choice, "dearer": self.dearer}
-        reasons = []
-        for name, offer in rows.items():
-            if offer is not None:
-                words = (name, offer.mesh, offer.setting, percent(offer.error))
-                table.add_row(*words, shown_seconds(offer.seconds))
-                reasons.append(f"{name}: {offer.why}")
+        table = Table(*HEADS, box=None, pad_edge=False)
+        rows, reasons = self._rows()
+        for row in rows:
+            table.add_row(*row)
         return "\n".join([f"error {self.measure}", table_text(table), *reasons, self.sure])
 
 
@@ -764,7 +783,7 @@ def plan(
     trials : float
         Seconds that trials may take.
     progress : bool
-        Show a bar where stderr is a terminal.
+        Show a bar in a terminal or a notebook.
 
     Returns
     -------

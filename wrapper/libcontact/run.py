@@ -633,6 +633,22 @@ class Run:
 
         return load(Path(path).absolute(), record)
 
+    def _repr_html_(self) -> str:
+        """The run in a notebook: its energies at the start and at the end."""
+        from .html import lines, table, titled
+
+        names = [name for name in self.energy.dtype.names or () if self.energy[name].any()]
+        ends = self.energy[[0, -1]] if len(self.energy) else self.energy
+        units = {name: "energy" for name in names} | {"time": "time"}
+        heads = [
+            f"{name} [{self.units.label(units[name])}]" if self.units else name for name in names
+        ]
+        rows = [[float(row[name]) for name in names] for row in ends]
+        note = f"{len(self.steps)} records of {', '.join(self.bodies)}, computed in {self.seconds:.3g} s"
+        note += f"\nfile {self.path}" if self.path else ""
+        note += "\ninterrupted" if self.interrupted else ""
+        return titled("Run", table(heads, rows), lines(note))
+
     def __repr__(self) -> str:
         where = f", file {str(self.path)!r}" if self.path else ""
         stopped = ", interrupted" if self.interrupted else ""

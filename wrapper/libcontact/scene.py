@@ -429,7 +429,7 @@ class Scene:
         trials
             Approximate time for trial runs [s]; the first trials run in any case.
         progress
-            Show a bar where stderr is a terminal.
+            Show a bar in a terminal or a notebook.
 
         Returns
         -------
@@ -462,7 +462,7 @@ class Scene:
         Parameters
         ----------
         progress
-            Show a bar where stderr is a terminal; "always": everywhere.
+            Show a bar in a terminal or a notebook; "always": everywhere.
         restart
             A results file; the run continues from its newest record with the same bits and the same
             step, also to a later end. If this scene has a smaller step, the file's step is divided
@@ -567,8 +567,33 @@ class Scene:
             )
         return dt, math.ceil(dt / asked * (1.0 - 1e-9))
 
+    def _repr_html_(self) -> str:
+        """The scene in a notebook: its bodies, and its other tables by number."""
+        from .html import lines, table, titled
+
+        keys = ("name", "material", "element", "velocity")
+        bodies = [[body.get(key, "") for key in keys] for body in self._data.get("body", [])]
+        shapes = [_shape_of(body) for body in self._data.get("body", [])]
+        rows = [[*row, shape] for row, shape in zip(bodies, shapes)]
+        known = ("title", "units", "body")
+        others = [
+            f"{name} × {len(value)}" if isinstance(value, list) else name
+            for name, value in self._data.items()
+            if name not in known and value
+        ]
+        parts = table([*keys, "mesh"], rows), lines("also: " + ", ".join(others)) if others else ""
+        return titled(self._parts.title or "Scene without a title", *parts)
+
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"
+
+
+def _shape_of(body: dict[str, Any]) -> str:
+    """The mesh of a body in words."""
+    for kind in ("box", "ring"):
+        if kind in body:
+            return f"{kind}, {' × '.join(map(str, body[kind]['cells']))} cells"
+    return str(body["mesh"]) if "mesh" in body else f"{len(body['elements'])} elements"
 
 
 def _toml(data: dict[str, Any], arrays: bool = True) -> str:
