@@ -78,8 +78,7 @@ static int32_t first_inside_out(const part *parts, int32_t count)
   for (int32_t k = 0; k < count; k++) {
     int bad = parts[k].closed && parts[k].volume < 0.0;
     for (int32_t j = 0; bad && j < count; j++)
-      bad = !(parts[j].closed && parts[j].volume > 0.0 &&
-              is_within(&parts[k].box, &parts[j].box));
+      bad = !(parts[j].closed && parts[j].volume > 0.0 && is_within(&parts[k].box, &parts[j].box));
     if (bad && (first < 0 || parts[k].face < first)) first = parts[k].face;
   }
   return first;
