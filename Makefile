@@ -26,7 +26,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -64,8 +64,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill threads memory info clean setup book-tools notebook-tools
-.PHONY: _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
+.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory info clean setup book-tools notebook-tools
+.PHONY: _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
 help:
@@ -84,6 +84,8 @@ help:
 	@echo "make info             what was found on this machine"
 	@echo "make fuzz             random calls, scenes, optimisations, files and faces, for FUZZ_SECONDS (60); total counts in build/fuzz"
 	@echo "make kill             kill KILLS (100) runs while they write; each file must open and its run continue"
+	@echo "make zoo              everyday scenes with all options, judged by oracles, in build/zoo; continues after an interruption (ZOO=\"--draws 0 SCENE\")"
+	@echo "make coverage         lines and branches of the C library that the C tests run, by room (COVERAGE=--book: the book's table)"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
@@ -338,6 +340,19 @@ kill: setup
 	@+$(MAKE) --no-print-directory _kill
 _kill: $(VENV)/.wrapper $(VENV)/.test
 	$(VENV)/bin/python stability/kill.py $(KILLS)
+
+# Everyday scenes; what was run stays, and the same command goes on.
+zoo: setup
+	@+$(MAKE) --no-print-directory $(JOBS) _zoo
+_zoo: $(VENV)/.wrapper
+	$(VENV)/bin/python stability/zoo.py $(BUILD)/zoo $(ZOO)
+
+# The C tests with a library that counts lines and branches (gcov), in a build of its own.
+coverage:
+	@rm -rf $(BUILD)/coverage/tests && find $(BUILD) -path '*/coverage/*.gcda' -delete
+	+-$(MAKE) --no-print-directory $(JOBS) _check-c BUILD=$(BUILD)/coverage CC="$(CC) --coverage" OPT="-O1 -fno-early-inlining" \
+	  CFLAGS="-DCT_NO_CLONES -DCT_SHORT_LOOPS" SANITIZERS= HAVE_PKG_CONFIG=
+	$(PYTHON) tests/count_coverage.py $(BUILD)/coverage $(COVERAGE)
 
 # -- Threads and memory, looked at by other programs ----------------------------------------------------------------------------------
 # Several states of one problem stepped by several threads of a host, under the thread sanitizer. Without OpenMP, whose runtime it does not see.

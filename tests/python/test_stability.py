@@ -12,11 +12,14 @@ from libcontact import warned
 LABORATORY = Path(__file__).parents[2] / "stability"
 sys.path.insert(0, str(LABORATORY))
 try:
+    import animals
     import cases
     import inside
     import lab
     import run as laboratory
     import shapes
+    import stage as stages
+    import zoo
 finally:
     sys.path.remove(str(LABORATORY))
 
@@ -142,3 +145,94 @@ def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
         sum(run.impulse.values()), run.momentum["p"][-1] - run.momentum["p"][0], atol=1e-13
     )
     assert run.impulse["gravity"][2] == pytest.approx(-10 * 0.1, rel=1e-12)
+
+
+# The zoo: each scene at the defaults, each oracle once.
+
+
+# A sphere between the contact points of a face passes.
+KNOWN = {animals.small_sphere: pytest.mark.xfail(reason="obstacles pass between contact points")}
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(scene, marks=KNOWN.get(scene, ()), id=scene.__name__)
+        for scene in animals.ANIMALS
+    ],
+)
+def test_everyday_scene(scene):
+    row = zoo.judge(scene, animals.Options(), whole=False)
+    assert row.verdict == "ok", zoo.line(row)
+
+
+@pytest.mark.parametrize(
+    "scene, oracle",
+    [
+        ("drop_on_a_face", "held"),
+        ("thin_plates", "outer"),
+        ("closed_impact", "tiny"),
+        ("stack", "same"),
+    ],
+)
+def test_oracle_agrees(scene, oracle):
+    row = zoo.judge(getattr(animals, scene), animals.Options(), whole=True)
+    assert row.verdict == "ok" and getattr(row, oracle) >= 0, zoo.line(row)
+
+
+def judged(stage, options=animals.Options(), **more):
+    """The row of a scene with one fault."""
+
+    def faulty(o):
+        return zoo.replace(animals.drop_on_a_face(o), stage=stage, **more)
+
+    faulty.__name__ = "faulty"
+    return zoo.judge(faulty, options, whole=False)
+
+
+def test_the_oracles_see_what_is_wrong():
+    """A scene with one fault each: an answer that depends on the body's name, a wall that only obstacles have, a speed that comes from nothing, a body that falls through."""
+    good = animals.drop_on_a_face(animals.Options()).stage
+    assert judged(good).verdict == "ok"
+    wall = good.walls[0]
+    through = zoo.replace(good, walls=(zoo.replace(wall, point=(0.0, 0.0, -9.0)),))
+    row = judged(through, overlap=0.0, apart=(("cube", "cube", (0, 0, 1)),))
+    assert row.verdict == "FAIL" and "passed" in row.reason
+    own = zoo.play(good, "good")
+    own.run.energy["kinetic"][-1] *= 2
+    row = zoo.Row("faulty", "")
+    zoo.weigh(row, animals.drop_on_a_face(animals.Options()), own, animals.Options())
+    assert "energy grows" in row.reason
+    row = zoo.Row("faulty", "")
+    faster = stages.Part(**{**good.parts["cube"].__dict__, "velocity": (0, 0, -8.0)})
+    other = zoo.play(zoo.replace(good, parts={"cube": faster}), "faster")
+    animal = animals.drop_on_a_face(animals.Options())
+    assert zoo.difference("held", animal, zoo.play(good, "good"), other)[0] > 1
+
+
+def test_a_scene_that_is_turned_and_mirrored_back_is_the_same():
+    stage = animals.incline(animals.Options(element="hex20")).stage
+    R = np.eye(3)[[1, 2, 0]]
+    back = stages.turned(stages.turned(stage, R), R.T)
+    for one in (
+        back,
+        stages.mirrored(stages.mirrored(stage)),
+        stages.reordered(stages.reordered(stage)),
+    ):
+        for name, part in stage.parts.items():
+            assert np.array_equal(one.parts[name].bricks[0], part.bricks[0])
+            assert np.array_equal(one.parts[name].bricks[1], part.bricks[1])
+        assert one.walls == stage.walls and one.gravity == stage.gravity
+    for form in (stages.mirrored(stage), stages.turned(stage, R)):
+        assert shapes.least_jacobian(form.parts["block"].bricks) > 0
+
+
+def test_the_zoo_goes_on_where_it_stopped(tmp_path, monkeypatch):
+    path = tmp_path / "zoo.jsonl"
+    few = [(animals.incline, animals.Options()), (animals.swing, animals.Options())]
+    monkeypatch.setattr(zoo, "runs", lambda draws: iter(few[:1]))
+    first = zoo.collect(path, 0, [])
+    monkeypatch.setattr(zoo, "runs", lambda draws: iter(few))
+    both = zoo.collect(path, 0, [])
+    assert len(first) == 1 and len(both) == 2 and both[0] == first[0]
+    assert [line["scene"] for line in zoo.summarise(both)] == ["incline", "swing"]

@@ -1,0 +1,510 @@
+"""
+``make zoo``: everyday scenes with all options, judged by oracles that need no stored answer.
+``zoo.py FOLDER [--book] [--alone] [--draws N] [SCENE ...]`` runs what FOLDER/zoo.jsonl does not have yet, so Ctrl-C
+keeps the completed rows and the same command continues. ``--alone`` compares only the scenes at their
+defaults with other runs, in a fifth of the time. ``--book`` also writes the table of the chapter
+"Hard cases" into ``docs/stability``. A row is
+
+- ok: no oracle disagrees;
+- refused: the library gave a reason before the run or in it, and the options exceed a limit that it names;
+- FAIL: anything else, with the first oracle that disagrees.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import inside  # noqa: E402
+import numpy as np  # noqa: E402
+import stage as stages  # noqa: E402
+from animals import ONE_AT_A_TIME, Animal, Options, runs  # noqa: E402
+from stage import Stage  # noqa: E402
+
+import libcontact as ct  # noqa: E402
+
+BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
+RECORDS = 150
+# Every how many of them bodies are searched for elements of others.
+LOOK = 25
+# Largest growth of the bodies' own energy over the start and the external work.
+GROWTH = 0.002
+# Largest difference of bounce (of the speed), of place (of the way at that speed) and of peak force (of
+# itself) between a scene and the same one with held bodies for obstacles, with whole skins for faces, and with
+# the explicit law at a tenth of the step. An impact stops the layer of nodes at the surface, which has 1 / 2n
+# of the mass of n layers of elements: the last one comes on top where laws are compared.
+TOLERANCE = {"held": (0.15, 0.15, 0.3), "outer": (0.02, 0.02, 0.1), "tiny": (0.05, 0.05, 0.5)}
+# Largest difference of a scene that was mirrored, turned or put in another order, in h. Names and the order of
+# the surfaces of a contact do not change a bit.
+SAME, BITS = 1e-9, ("renamed", "swapped")
+# Least fraction of the step without friction that a friction of so much leaves.
+FRICTION_STEP, LITTLE_FRICTION = 0.25, 0.1
+# The explicit law may need many steps.
+MOST_STEPS, MOST_EXPLICIT = 4000, 20_000
+
+
+class Refused(Exception):
+    """The library refuses the scene, with its reason."""
+
+
+@dataclass
+class Row:
+    """One scene with one set of options. Growth, differences: over the scales of the scene; depth in h."""
+
+    scene: str
+    options: str
+    verdict: str = "ok"
+    reason: str = ""
+    growth: float = 0.0
+    depth: float = 0.0
+    held: float = -1.0
+    outer: float = -1.0
+    tiny: float = -1.0
+    same: float = -1.0
+    steps: int = 0
+    fraction: float = 0.0
+    warned: str = ""
+    seconds: float = 0.0
+
+    def fail(self, reason: str) -> None:
+        if self.verdict != "FAIL":
+            self.verdict, self.reason = "FAIL", reason
+
+
+@dataclass
+class Answer:
+    """What two runs of the same physics have in common."""
+
+    run: ct.Run
+    steps: int
+    fraction: float  # of the step without contact
+    depth: float
+    inside: int
+    warned: str
+
+    def bounce(self, names: list[str]) -> np.ndarray:
+        return np.array([self.run.state[name].velocity.mean(0) for name in names])
+
+    def place(self, names: list[str]) -> np.ndarray:
+        return np.array([self.run.state[name].displacement.mean(0) for name in names])
+
+    def peak(self, names: list[str]) -> float:
+        """Largest force on a body, as a mean over a tenth of the run."""
+        times = self.run.time
+        at = np.linspace(times[0], times[-1], 40)
+        most = 0.0
+        for name in names:
+            p = self.run.body_momentum(name)["p"]
+            own = np.stack([np.interp(at, times, p[:, c]) for c in range(3)], -1)
+            most = max(most, float(np.linalg.norm(own[4:] - own[:-4], axis=1).max()))
+        return most / (at[4] - at[0])
+
+
+def play(stage: Stage, title: str) -> Answer:
+    """Run a scene, and measure how deep its bodies are in obstacles and in each other."""
+    made = stage.scene(title)
+    try:
+        problem = made._built(None)
+    except (ct.SceneError, ct.Error) as error:
+        raise Refused(str(error)) from error
+    if problem.step_count > (MOST_EXPLICIT if "enforcement" in stage.law else MOST_STEPS):
+        raise TooSlow(problem.step_count, problem.dt / problem.stable.dt_without_contact)
+    made.set_output(every=max(1, problem.step_count // RECORDS), fields=[])
+    depth = Depth(stage)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        run = made.run(progress=False, output=False, watch=depth)
+    kinds = sorted({type(one.message).__name__ for one in told})
+    fraction = problem.dt / problem.stable.dt_without_contact
+    return Answer(run, problem.step_count, fraction, depth.deepest, depth.inside, ", ".join(kinds))
+
+
+class TooSlow(Exception):
+    """A scene that needs too many steps."""
+
+    def __init__(self, steps: int, fraction: float):
+        super().__init__(f"{steps} steps: {fraction:.2g} of the step without contact")
+
+
+class Depth:
+    """The deepest node of a body in an obstacle, or the deepest point of a small obstacle in a body, in h;
+    and the number of elements whose centre is in another body."""
+
+    def __init__(self, stage: Stage):
+        self.stage, self.deepest, self.inside, self.records = stage, 0.0, 0, 0
+        self.h = stage.h
+
+    def __call__(self, run: ct.Run) -> None:
+        now = float(run.state.time)
+        for wall in self.stage.walls:
+            body = run.state[wall.body]
+            deep = wall.depth(body.positions, now)
+            if wall.shape == "sphere":
+                deep = max(deep, self.of_sphere(wall, body, now))
+            self.deepest = max(self.deepest, deep / self.h)
+        if self.records % LOOK == 0:
+            self.look(run)
+        self.records += 1
+
+    def of_sphere(self, wall: stages.Wall, body: ct.run.BodyState, now: float) -> float:
+        """Depth of the sphere below the skin, at the point of the skin next to its centre."""
+        centre = np.array([wall.point]) + now * np.array([wall.velocity])
+        faces, _ = body.mesh.faces("outer")
+        near = ct.nearest(
+            "Q4" if body.mesh.element == "hex8" else "Q8", body.positions, faces, centre
+        )
+        return float(wall.radius - near.signed_distance[0])
+
+    def look(self, run: ct.Run) -> None:
+        for touch in self.stage.touches:
+            one, two = touch.one[0], touch.two[0]
+            for a, b in ((one, two), (two, one)) if one != two else ():
+                x, y = run.state[a], run.state[b]
+                centres = x.positions[x.elements[:, :8]].mean(1)
+                near = ((centres > y.positions.min(0)) & (centres < y.positions.max(0))).all(1)
+                if near.any():
+                    found = inside.within(centres[near], y.positions, y.elements)
+                    self.inside = max(self.inside, int(found.sum()))
+
+
+def growth(o: Options, animal: Animal, run: ct.Run) -> float:
+    """The most by which kinetic and strain energy, with that of the weight, exceed the start and the
+    external work. An overlap that is pushed out gives its energy, too."""
+    energy = run.energy
+    own = energy["kinetic"] + energy["strain"]
+    if "gravity" in energy.dtype.names:
+        own = own + energy["gravity"]
+    start = own[0] + (energy["contact"][0] if o.initial_penetration == "push" else 0.0)
+    unit = max(abs(start), float(np.abs(energy["external"]).max()), animal.scale)
+    return float((own - energy["external"] - start).max() / unit)
+
+
+def free(stage: Stage) -> list[str]:
+    return [name for name, part in stage.parts.items() if not part.held] or list(stage.parts)
+
+
+def difference(kind: str, animal: Animal, one: Answer, two: Answer) -> tuple[float, str]:
+    """The largest difference over its tolerance, and what differs."""
+    names = free(animal.stage)
+    end = animal.stage.time["end"]
+    way = max(animal.length, animal.speed * end)
+    v, x = (
+        float(np.abs(get(one) - get(two)).max() / unit)
+        for get, unit in (
+            (lambda a: a.bounce(names), animal.speed),
+            (lambda a: a.place(names), way),
+        )
+    )
+    p, q = one.peak(names), two.peak(names)
+    # A force that stops the scene within the run is the least that counts.
+    force = abs(p - q) / max(p, q, 2 * animal.scale / animal.speed / end)
+    layer = 0.5 / animal.layers if kind == "tiny" else 0.0
+    parts = [
+        (value / (limit + layer), f"{word} differs by {100 * value:.3g} %")
+        for value, limit, word in zip(
+            (v, x, force), TOLERANCE[kind], ("bounce", "place", "peak force")
+        )
+    ]
+    return max(parts)
+
+
+# The other forms of a scene.
+
+
+def tiny(stage: Stage) -> Stage:
+    """The explicit law with a soft penalty at a tenth of its step."""
+    law = {k: v for k, v in stage.law.items() if k not in ("dissipation", "beta")}
+    law |= {"enforcement": "penalty"}
+    time_ = {k: v for k, v in stage.time.items() if k != "integrator"} | {"fraction": 0.1}
+    return replace(stage, law=law, time=time_)
+
+
+TWINS: dict[str, Callable[[Stage], Stage]] = {
+    "held": stages.held_bodies,
+    "outer": stages.outer,
+    "tiny": tiny,
+}
+FORMS: dict[str, Callable[[Stage], Stage]] = {
+    "renamed": stages.renamed,
+    "reordered": stages.reordered,
+    "swapped": stages.swapped,
+    "mirrored": stages.mirrored,
+    "turned": lambda stage: stages.turned(stage, np.eye(3)[[1, 2, 0]]),
+}
+
+
+def compare_twins(row: Row, animal: Animal, own: Answer, o: Options) -> None:
+    for kind, form in TWINS.items():
+        if kind not in animal.twins or not suits(kind, o):
+            continue
+        try:
+            other = play(form(animal.stage), f"{row.scene}, {kind}")
+        except (Refused, TooSlow):
+            continue
+        except ct.Error as error:
+            row.fail(f"{kind}: {type(error).__name__}: {error}")
+            continue
+        value, what = difference(kind, animal, own, other)
+        setattr(row, kind, value)
+        if value > 1:
+            row.fail(f"{kind}: {what}")
+
+
+def suits(kind: str, o: Options) -> bool:
+    """Whether a twin says something about the options."""
+    if o.enforcement is not None:
+        return False
+    if kind == "outer":
+        return not (o.skin or o.way)
+    if kind == "tiny":
+        return (o.beta is None or o.beta >= 1) and o.integrator is None and o.fraction is None
+    return True
+
+
+def has_forms(o: Options) -> bool:
+    """Whether the other forms are run: they take as long as five scenes."""
+    return o in (
+        Options(),
+        Options(element="hex20"),
+        Options(element="reduced"),
+        Options(points="lobatto"),
+        Options(friction=0.5),
+        Options(beta=3e3),
+        Options(integrator="noh_bathe"),
+        Options(ratio=2),
+        Options(way=1),
+        Options(skin=True),
+    )
+
+
+def compare_forms(row: Row, animal: Animal, own: Answer) -> None:
+    names = list(animal.stage.parts)
+    x = {name: own.run.state[name].displacement for name in names}
+    for kind, form in FORMS.items():
+        if kind == "swapped" and not animal.stage.touches:
+            continue
+        changed = form(animal.stage)
+        try:
+            other = play(changed, f"{row.scene}, {kind}")
+        except (Refused, TooSlow, ct.Error) as error:
+            row.fail(f"{kind}: {type(error).__name__}: {error}")
+            continue
+        R = {"mirrored": np.diag([-1.0, 1, 1]), "turned": np.eye(3)[[1, 2, 0]]}.get(kind, np.eye(3))
+        back = dict(zip(sorted(names), sorted(changed.parts, key=lambda n: n.split("_", 1)[-1])))
+        back = back if kind == "renamed" else {name: name for name in names}
+        worst = max(
+            float(np.abs(other.run.state[back[name]].displacement @ R - x[name]).max())
+            for name in names
+        )
+        row.same = max(row.same, worst / animal.stage.h)
+        if worst / animal.stage.h > (0.0 if kind in BITS else SAME):
+            row.fail(f"{kind}: differs by {worst / animal.stage.h:.1e} h")
+
+
+def judge(make: Callable[[Options], Animal], o: Options, whole: bool) -> Row:
+    """Run a scene and all that is compared with it."""
+    begin = time.perf_counter()
+    row = Row(make.__name__, str(o))
+    animal = make(o)
+    try:
+        own = play(animal.stage, row.scene)
+        weigh(row, animal, own, o)
+        if whole:
+            compare_twins(row, animal, own, o)
+            if has_forms(o):
+                compare_forms(row, animal, own)
+    except Refused as error:
+        refuse(row, animal, o, str(error))
+    except TooSlow as error:
+        row.fail(str(error))
+    except (ct.run.StepTooLarge, ct.run.InvertedElement) as error:
+        refuse(row, animal, o, f"{type(error).__name__}: {error}")
+    except ct.Error as error:
+        row.fail(f"{type(error).__name__}: {error}")
+    row.seconds = time.perf_counter() - begin
+    return row
+
+
+def weigh(row: Row, animal: Animal, own: Answer, o: Options) -> None:
+    """The oracles that need one run."""
+    row.steps, row.fraction, row.warned = own.steps, own.fraction, own.warned
+    row.growth = growth(o, animal, own.run)
+    row.depth = own.depth - animal.overlap / animal.stage.h
+    if not np.isfinite(row.growth):
+        row.fail("not finite")
+    if row.growth > GROWTH and o.enforcement is None:
+        row.fail(f"the bodies' energy grows by {100 * row.growth:.3g} %")
+    if row.depth > animal.deep and (o.beta is None or o.beta >= 1):
+        row.fail(f"{row.depth:.2g} h deep")
+    least = FRICTION_STEP * (o.fraction or 0.9)
+    if 0 < o.friction <= LITTLE_FRICTION and own.fraction < least:
+        row.fail(f"friction leaves {own.fraction:.2g} of the step")
+    if own.inside:
+        row.fail(f"{own.inside} elements are inside another body")
+    for a, b, way in animal.apart:
+        x, y = (own.run.state[name].positions.mean(0) for name in (a, b))
+        if (y - x) @ np.array(way) <= 0:
+            row.fail(f"{b} has passed through {a}")
+
+
+# What the library may refuse before a run, by a part of its reason.
+TRUE_REASONS = ("initial_penetration", "inside at the start", "hex8 only", "reduced", "thin")
+
+
+def refuse(row: Row, animal: Animal, o: Options, reason: str) -> None:
+    """Refused if the options exceed a limit; else the refusal is a failure. A run that ends before its time
+    needs a limit of the scene, or a speed above its usual one."""
+    row.reason = reason
+    before = ": at t = " not in reason and any(word in reason for word in TRUE_REASONS)
+    row.verdict = "refused" if before or animal.limit or o.size > 1 else "FAIL"
+
+
+# The table.
+
+
+def collect(path: Path, draws: int, names: list[str], alone: bool = False) -> list[Row]:
+    """Run what the file does not have, and print each row as it comes. Scenes with options at random, and
+    ``alone`` all but the defaults, are compared with no other run."""
+    rows = {(row.scene, row.options): row for row in read(path)}
+    todo = [
+        (make, o)
+        for make, o in runs(draws)
+        if (not names or make.__name__ in names) and (make.__name__, str(o)) not in rows
+    ]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with path.open("a", encoding="utf-8") as file:
+            for i, (make, o) in enumerate(todo):
+                row = judge(make, o, whole=o == Options() if alone else o in ONE_AT_A_TIME)
+                rows[row.scene, row.options] = row
+                file.write(json.dumps(asdict(row)) + "\n")
+                file.flush()
+                print(f"{i + 1:4d}/{len(todo)} {line(row)}", flush=True)
+    except KeyboardInterrupt:
+        print("interrupted: the rows so far are kept; the same command continues", flush=True)
+    return list(rows.values())
+
+
+def read(path: Path) -> Iterator[Row]:
+    if path.exists():
+        for text in path.read_text(encoding="utf-8").splitlines():
+            yield Row(**json.loads(text))
+
+
+def line(row: Row) -> str:
+    return (
+        f"{row.verdict:<8} {row.scene:<22} {row.options:<40.40} {100 * row.growth:8.3g} % {row.depth:6.2f} h"
+        f" {row.steps:6d} steps {row.seconds:6.1f} s  {row.reason}"
+    )
+
+
+def summarise(rows: list[Row]) -> list[dict[str, str]]:
+    """A line for each scene with its worst values."""
+    out = []
+    for name in dict.fromkeys(row.scene for row in rows):
+        own = [row for row in rows if row.scene == name]
+        ended = [row for row in own if row.steps]
+
+        def most(key: str, form: str = ".2g", ended: list[Row] = ended) -> str:
+            values = [getattr(row, key) for row in ended if getattr(row, key) >= 0]
+            return format(max(values), form) if values else ""
+
+        verdicts = [row.verdict for row in own]
+        out.append(
+            {
+                "scene": name.replace("_", " "),
+                "runs": str(len(own)),
+                "ok": str(verdicts.count("ok")),
+                "refused": str(verdicts.count("refused")),
+                "fail": str(verdicts.count("FAIL")),
+                "bodies' energy grows by": most("growth"),
+                "depth / h": most("depth"),
+                "held body": most("held"),
+                "whole skin": most("outer"),
+                "tiny step": most("tiny"),
+                "other form / h": most("same", ".0e"),
+                "least step": format(min((row.fraction for row in ended), default=0.0), ".2g"),
+            }
+        )
+    return out
+
+
+def reasons(rows: list[Row]) -> list[dict[str, str]]:
+    """What was refused or failed, counted by scene and by the words of the reason."""
+    groups: dict[tuple[str, str, str], list[Row]] = {}
+    for row in rows:
+        if row.verdict != "ok":
+            words = re.sub(r"[-+]?\d[\d.e+-]*", "…", row.reason.split("[docs")[0].split(";")[0])
+            groups.setdefault((row.verdict, row.scene, words), []).append(row)
+    return [
+        {
+            "": verdict,
+            "scene": name.replace("_", " "),
+            "runs": str(len(own)),
+            "one of them": own[0].options,
+            "reason": own[0].reason.split("[docs")[0].strip(),
+        }
+        for (verdict, name, _), own in sorted(groups.items())
+    ]
+
+
+def write(rows: list[Row], folder: Path) -> None:
+    """The tables of the book: the worst of each scene, what did not end, and where it was computed."""
+    sys.path.append(str(Path(__file__).resolve().parents[1] / "accuracy"))
+    from table import where
+
+    here = where()
+    origin = {
+        "date": time.strftime("%Y-%m-%d"),
+        "machine": here["machine"],
+        "compiler": here["compiler"],
+        "revision": here["commit"],
+        "runs": str(len(rows)),
+    }
+    for name, table in (
+        ("zoo", summarise(rows)),
+        ("zoo_reasons", reasons(rows)),
+        ("zoo_where", [origin]),
+    ):
+        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(table[0]) if table else ["nothing"])
+            writer.writeheader()
+            writer.writerows(table)
+
+
+def main() -> int:
+    arguments = sys.argv[1:]
+    draws = 8
+    if "--draws" in arguments:
+        at = arguments.index("--draws")
+        draws = int(arguments[at + 1])
+        del arguments[at : at + 2]
+    plain = [argument for argument in arguments if not argument.startswith("--")]
+    folder, names = Path(plain[0]), plain[1:]
+    rows = collect(folder / "zoo.jsonl", draws, names, "--alone" in arguments)
+    if not rows:
+        return 1
+    for place in (folder, BOOK) if "--book" in arguments else (folder,):
+        write(rows, place)
+    counts = {word: sum(row.verdict == word for row in rows) for word in ("ok", "refused", "FAIL")}
+    print(f"\n{len(rows)} runs: " + ", ".join(f"{n} {word}" for word, n in counts.items()))
+    for row in rows:
+        if row.verdict == "FAIL":
+            print("  " + line(row))
+    return 1 if counts["FAIL"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
