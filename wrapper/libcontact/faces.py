@@ -205,6 +205,7 @@ class Faces:
         number = np.arange(len(self.outlines))
         colours = np.stack([number >> 16, number >> 8 & 255, number & 255], axis=1) / 255.0
         figure = Figure(figsize=(1, 1), dpi=PIXELS, facecolor="white")
+        figure.set_layout_engine("none")
         axes = figure.add_axes((0, 0, 1, 1), frameon=False)
         look: dict[str, Any] = {"edgecolors": "none", "linewidths": 0, "antialiaseds": False}
         faces: Any = PolyCollection([], **look)

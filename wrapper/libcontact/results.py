@@ -44,7 +44,7 @@ class Records(Sequence[State]):
             return [self[i] for i in range(*record.indices(self.length))]
         if not -self.length <= record < self.length:
             raise IndexError(f'"{self.path}" has {self.length} records')
-        return load(self.path, record % self.length).state
+        return _reading(self.path, lambda file: _state(file, record % self.length))
 
 
 def _reading(path: Path, read: Callable[[Any], T]) -> T:
@@ -76,7 +76,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
+    state = _state(file, record)
     probes, records = _probes(own, float(vtk["Steps/Values"][count - 1])), Records(path, count)
     # The rows of the recorded steps, or the whole history in a file that was saved from memory.
     if "history" in own:
@@ -87,11 +87,11 @@ def _read(path: Path, file: Any, record: int) -> Run:
         steps=own["step"][:count].astype(np.int64),
         energy=_energy(own, count),
         momentum=_momentum(own["momentum"][: count * len(bodies)]),
-        state=State(time, step, _bodies(vtk, bodies, record)),
+        state=state,
         states=records,
         path=path,
         scene=scene,
-        dt=dt / _parts(time, step, dt),
+        dt=dt / _parts(state.time, state.step, dt),
         probes=probes,
         pressure=NotInFile('record the field "contact_pressure" and read it from run.state'),
         impulse=NotInFile("record a [[probe]] of the resultant, or use run.momentum"),
@@ -101,6 +101,13 @@ def _read(path: Path, file: Any, record: int) -> Run:
 def _parts(time: float, step: int, dt: float) -> int:
     """The number of parts into which a run has divided the step of its file, :eq:`record-step`."""
     return max(1, round(dt * step / time)) if time > 0.0 and step > 0 else 1
+
+
+def _state(file: Any, record: int) -> State:
+    """The bodies at one record."""
+    own, vtk = file["libcontact"], file["VTKHDF"]
+    time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
+    return State(time, step, _bodies(vtk, own["body"][()], record))
 
 
 class NotInFile(dict[str, Any]):
