@@ -149,6 +149,16 @@ static pair sunk(ct_initial how)
   return p;
 }
 
+/* The same with a sphere that is smaller than a face of the block and hits it off its points. */
+static pair pierced(void)
+{
+  pair p = thrown(0.0);
+  p.wall[1].radius = 0.06;
+  p.wall[1].point[0] = 0.52, p.wall[1].point[1] = 0.37, p.wall[1].point[2] = 1.065;
+  p.wall[1].velocity[0] = 0.4, p.rub[1] = 0.0;
+  return p;
+}
+
 /* The same between a plane and a cylinder that comes by its amplitude, quadratic, without friction.
  */
 static pair squeezed(void)
@@ -921,6 +931,7 @@ static void with_parts(void)
         {rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "blocks with friction", 0.2},
         {rubbing(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), 0.3), "unlike blocks with friction", 0.2},
         {thrown(0.01), "a block, a plane and a sphere", 0.2},
+        {pierced(), "a block, a plane and a small sphere", 0.2},
         {sunk(CT_INITIAL_KEEP), "a block inside a plane and a sphere", 0.2},
         {squeezed(), "a block, a plane and a cylinder", 0.3},
         {stacked(), "two blocks, a plane and a sphere", 0.1}};
@@ -976,6 +987,7 @@ int main(void)
   never_grows(stacked(), "two blocks, a plane and a sphere", 0.06, 1e-12, -1.0);
   restart(stacked(), "two blocks, a plane and a sphere", CT_ENFORCE_ENERGY_CONTROLLED);
   restart(thrown(0.0), "a block, a plane and a sphere", CT_ENFORCE_PENALTY);
+  restart(pierced(), "a block, a plane and a small sphere", CT_ENFORCE_ENERGY_CONTROLLED);
   restart(sunk(CT_INITIAL_REMOVE), "a block inside a plane and a sphere",
           CT_ENFORCE_ENERGY_CONTROLLED);
   restart(squeezed(), "a block, a plane and a cylinder", CT_ENFORCE_ENERGY_CONTROLLED);

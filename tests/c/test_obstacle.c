@@ -364,6 +364,86 @@ static void adjusted(void)
   end(&t);
 }
 
+/* A rigid sphere, or a cylinder along y, of radius R that comes down on a free plate of 4 x 4 x 1
+ * elements of 0.25 x 0.25 x `thick`, near (x, y). Returns the momentum of the plate at the end. */
+static double struck(ct_brick_kind kind, int shape, double radius, double speed, double x, double y,
+                     double thick, const char *name)
+{
+  const ct_material steel = {.young = 1.0, .poisson = 0.3, .density = 1.0};
+  against t = begin(box_mesh(kind, -0.5, -0.5, 0, 1, 1, thick, 4, 4, 1), &steel, 0, 0, 0);
+  ct_obstacle_def o = {COOKIE,
+                       .shape = (ct_obstacle_shape)shape,
+                       .point = {x, y, thick + 1.05 * radius},
+                       .axis = {0, 1, 0},
+                       .radius = radius,
+                       .epsilon = 40.0 * 1.35 / fmin(thick, 0.25),
+                       .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                       .dissipation = 0.15,
+                       .initial_penetration = CT_INITIAL_KEEP,
+                       .velocity = {0, 0, -speed}};
+  add_obstacle(&t, o, -1, 0.0, 0.0);
+  // A thin plate must bend before it moves as a whole.
+  const double last = (thick < 0.1 ? 15.0 : 1.5) * (thick + 2.0 * radius) / speed;
+  finish(&t, last, 0.5);
+  double most = 0.0, grown = 0.0, balance = 0.0;
+  int64_t unconverged = 0;
+  while (t.state->time < last - 1e-9 * last) {
+    advance(t.problem, t.state, 1);
+    ct_energy e = energy_of(t.problem, t.state);
+    most = fmax(most, fmax(e.kinetic + e.strain, fabs(e.external)));
+    grown = fmax(grown, e.kinetic + e.strain - e.external);
+    balance = worst(balance, e.balance);
+  }
+  unconverged = t.state->unconverged;
+  double p = momentum_of(t.problem, t.state, 0).p[2];
+  tap_ok(most > 0.0 && grown <= 2e-3 * most && balance < 1e-9 * most && unconverged == 0,
+         "%s: bodies gain %.1e over the work, balance %.1e", name, grown / most, balance / most);
+  end(&t);
+  return p;
+}
+
+/* Small obstacles pass neither between the points of a face nor through a thin plate.
+ * (eq:station-gap, eq:station-axis) */
+static void small(void)
+{
+  static const double AT[4][2] = {{0.0, 0.0}, {0.125, 0.125}, {0.1, 0.06}, {0.03, -0.11}};
+  for (int i = 0; i < 4; i++)
+    for (int kind = 0; kind < 2; kind++) {
+      double p = struck(kind ? CT_HEX20 : CT_HEX8, 1, 0.05, 0.01, AT[i][0], AT[i][1], 0.25,
+                        "small sphere");
+      tap_ok(p < -0.01 * 0.25 && p > -2.0 * 0.01 * 0.25,
+             "a sphere of R = h/5 at (%g, %g) throws the plate away with %.2f of its speed",
+             AT[i][0], AT[i][1], -p / (0.25 * 0.01));
+    }
+  for (int i = 0; i < 4; i++) {
+    double p = struck(CT_HEX8, 2, 0.0125, 0.01, AT[i][0], 0.0, 0.25, "thin cylinder");
+    tap_ok(p < -0.01 * 0.25, "a cylinder of R = h/20 as well, with %.2f", -p / (0.25 * 0.01));
+    p = struck(CT_HEX8, 1, 0.0125, 0.1, AT[i][0], AT[i][1], 0.05, "thin plate");
+    tap_ok(p < -0.1 * 0.05, "a sphere of R = h/20 a thin plate, with %.2f", -p / (0.05 * 0.1));
+  }
+  double left = struck(CT_HEX8, 1, 0.04, 0.02, 0.1, 0.07, 0.2, "a sphere"),
+         right = struck(CT_HEX8, 1, 0.04, 0.02, -0.1, 0.07, 0.2, "its mirror image");
+  tap_ok(left == right, "mirror images have the same bits (%.17g)", left);
+}
+
+/* An obstacle that moves too far in a step is refused, whatever its size. (eq:tunnelling) */
+static void too_far(double radius)
+{
+  against t = begin(box_mesh(CT_HEX8, -0.5, -0.5, -0.25, 1, 1, 0.25, 4, 4, 1), &SOFT, 0, 0, 0);
+  ct_error error = {0};
+  add_obstacle(&t,
+               (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_SPHERE, .radius = radius,
+                                 .point = {0, 0, 1.01 * radius}, .velocity = {0, 0, -9e3},
+                                 .epsilon = 100.0, .initial_penetration = CT_INITIAL_KEEP,
+                                 .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
+               -1, 0.0, 0.0);
+  finish(&t, 1.0, 0.9);
+  ct_status status = CT_OK;
+  for (int i = 0; i < 3 && status == CT_OK; i++) status = ct_step(t.problem, t.state, &error);
+  tap_ok(status == CT_ERROR_STEP, "R = %g: %s", radius, error.text);
+  end(&t);
+}
+
 /* A block on an inclined plane, all of whose points stay in contact. */
 static void incline(double mu, double vx, int slips)
 {
@@ -657,6 +737,9 @@ int main(void)
     for (int how = CT_INITIAL_PUSH; how <= CT_INITIAL_REMOVE; how++)
       overlap(shape, (ct_initial)how, NAMES[shape]);
   adjusted();
+  small();
+  too_far(0.05);
+  too_far(3.0);
   incline(0.3, 0.5, 1);
   incline(0.9, 0.0, 0);
   mirrored();

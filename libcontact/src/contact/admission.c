@@ -21,9 +21,9 @@ static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->se
 
 /* Whether the work of a row is minus what it stores and loses: only then an account says something
  * (eq:contact-step-work). */
-static int keeps_account(const ct_contact *contact)
+static int keeps_account(const ct_side *side)
 {
-  return contact->fixed->options.enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
+  return side->points[0].row.enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
 }
 
 /* The present start gap of a point, without that of the start. */
@@ -34,10 +34,10 @@ static double later(const ct_side *side, const ct_point *p)
   return open > p->admitted + unsure(side) ? fmin(open, 0.0) : p->admitted;
 }
 
-void ct_admission_shift(ct_contact *contact, int counted)
+void ct_admission_shift(ct_side *sides, int count, int counted)
 {
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
+  for (int s = 0; s < count; s++) {
+    const ct_side *side = &sides[s];
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       if (!counted) p->shift = 0.0;
       if (p->admitted == 0.0) continue;
@@ -49,29 +49,12 @@ void ct_admission_shift(ct_contact *contact, int counted)
   }
 }
 
-/* Largest displacement of a node since the last update. */
-static double largest_motion(const ct_side *side)
+double ct_side_motion(const ct_side *side)
 {
   double top = 0.0;
   for (int64_t n = 0; n < side->search->node_count; n++)
     top = fmax(top, ct_vector_dot(&side->moved[3 * n], &side->moved[3 * n]));
   return sqrt(top);
-}
-
-/* Gap of a point in the last step at its present place, as the solver computes it. Returns 0 if it
- * has no direction. */
-static int find_before(const ct_side *side, const ct_side *other, int64_t i)
-{
-  const int32_t face = (int32_t)(i / side->fixed->rule.count);
-  ct_point *p = &side->points[i];
-  ct_constraint *row = &p->row;
-  double own[3], theirs[3];
-  if (!ct_side_direction(side, p, row->normal)) return 0;
-  ct_side_interpolate(side->search, side->moved, face, row->own_shape, NULL, own);
-  ct_side_interpolate(other->search, other->moved, p->other, p->N, NULL, theirs);
-  row->before =
-      row->gap + p->closed - (ct_vector_dot(row->normal, own) - ct_vector_dot(row->normal, theirs));
-  return 1;
 }
 
 /* Let a point store no more than in the last step. */
@@ -88,69 +71,82 @@ static void admit(const ct_side *side, ct_point *p)
 }
 
 /* Count a point that was found inside, if it is deep. */
-static void note(ct_contact *contact, double depth)
+static void note(ct_admission *admission, double depth, double size)
 {
-  double size = fmax(contact->side[0].search->size, ct_contact_other(contact, 0)->search->size);
   if (!(depth > DEEP * size)) return;
-  contact->late++;
-  contact->late_depth = fmax(contact->late_depth, depth);
+  admission->late++;
+  admission->late_depth = fmax(admission->late_depth, depth);
 }
 
-/* Points that jumped; then the energy that each point claims to store, and their number. */
-static int64_t list_claims(ct_contact *contact, double reach)
+void ct_admission_bound(ct_side *sides, int count, ct_admission *admission, double reach,
+                        ct_find_before *find_before, const void *user, double *terms)
 {
-  int64_t count = 0;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s], *other = ct_contact_other(contact, s);
-    for (int64_t i = 0; i < side->fixed->point_count; i++) {
-      ct_point *p = &side->points[i];
-      p->claims = p->other >= 0 && p->row.gap < reach && find_before(side, other, i);
+  const double size = fmax(sides[0].search->size, sides[count - 1].search->size);
+  int64_t some = 0;
+  // -- Points that jumped; then the energy that each point claims to store
+  for (int s = 0; s < count; s++)
+    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
+      ct_point *p = &sides[s].points[i];
+      p->claims = p->other >= 0 && p->row.gap < reach && find_before(user, s, i);
       if (!p->claims) continue;
       if (p->jumped && p->row.gap < 0.0) {
-        note(contact, -ct_point_distance(p));
-        admit(side, p);
+        note(admission, -ct_point_distance(p), size);
+        admit(&sides[s], p);
       }
-      contact->terms[count] = ct_law_claim(&p->row);
-      count += contact->terms[count] != 0.0;
+      terms[some] = ct_law_claim(&p->row);
+      some += terms[some] != 0.0;
     }
-  }
-  return count;
+  // -- All points together store at most what the bodies have given (eq:admitted-store)
+  const ct_account *account = &admission->account;
+  if (!keeps_account(sides) || some == 0 ||
+      !(ct_sum(terms, some) > account->received + SLACK * account->most))
+    return;
+  for (const ct_side *side = sides; side < sides + count; side++)
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+      if (p->claims) admit(side, p);
+}
+
+/* Gap of a point of a contact in the last step at its present place, as the solver computes it. */
+static int find_before(const void *user, int s, int64_t i)
+{
+  const ct_contact *contact = user;
+  const ct_side *side = &contact->side[s], *other = &contact->side[contact->fixed->sides - 1 - s];
+  const int32_t face = (int32_t)(i / side->fixed->rule.count);
+  ct_point *p = &side->points[i];
+  ct_constraint *row = &p->row;
+  double own[3], theirs[3];
+  if (!ct_side_direction(side, p, row->normal)) return 0;
+  ct_side_interpolate(side->search, side->moved, face, row->own_shape, NULL, own);
+  ct_side_interpolate(other->search, other->moved, p->other, p->N, NULL, theirs);
+  row->before =
+      row->gap + p->closed - (ct_vector_dot(row->normal, own) - ct_vector_dot(row->normal, theirs));
+  return 1;
 }
 
 void ct_admission_limit(ct_contact *contact)
 {
-  const int sides = contact->fixed->sides;
-  double reach = largest_motion(&contact->side[0]) + largest_motion(ct_contact_other(contact, 0));
-  int64_t count = list_claims(contact, 4.0 * reach);
-  if (!keeps_account(contact) || count == 0) return;
-  // -- All points together store at most what the bodies have given (eq:admitted-store)
-  const ct_account *account = &contact->account;
-  if (!(ct_sum(contact->terms, count) > account->received + SLACK * account->most)) return;
-  for (int s = 0; s < sides; s++) {
-    const ct_side *side = &contact->side[s];
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      if (p->claims) admit(side, p);
-  }
+  double reach = ct_side_motion(&contact->side[0]) + ct_side_motion(ct_contact_other(contact, 0));
+  ct_admission_bound(contact->side, contact->fixed->sides, &contact->admission, 4.0 * reach,
+                     find_before, contact, contact->terms);
 }
 
-void ct_admission_count(ct_contact *contact, int starting)
+void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int solved,
+                        int starting, double *terms)
 {
-  const int controlled = keeps_account(contact);
-  int64_t count = 0;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
+  const int controlled = keeps_account(sides);
+  int64_t some = 0;
+  for (const ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       const ct_constraint *row = &p->row;
-      const int listed = p->other >= 0 && (p->listed || !contact->solved);
+      const int listed = p->other >= 0 && (p->listed || !solved);
       p->stored = !listed ? 0.0 : controlled ? ct_law_stored(row) : ct_law_claim(row);
       if (!listed || !controlled) continue;
       // -- Minus the work of the row (eq:admitted-account)
       double own = -0.5 * row->force * (row->after - row->before);
-      contact->terms[count] = own + (starting ? ct_law_claim(row) : 0.0);
-      count += contact->terms[count] != 0.0;
+      terms[some] = own + (starting ? ct_law_claim(row) : 0.0);
+      some += terms[some] != 0.0;
     }
-  }
-  const double given = ct_sum(contact->terms, count);
-  contact->account.received = given + (starting ? 0.0 : contact->account.received);
-  contact->account.most = fmax(contact->account.received, starting ? 0.0 : contact->account.most);
+  ct_account *account = &admission->account;
+  account->received = ct_sum(terms, some) + (starting ? 0.0 : account->received);
+  account->most = fmax(account->received, starting ? 0.0 : account->most);
 }

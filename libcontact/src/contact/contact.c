@@ -239,9 +239,7 @@ ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *
 {
   contact->start = !(now->time > 0.0);
   contact->stored = contact->time = contact->work = 0.0;
-  contact->account = (ct_account){0.0, 0.0};
-  contact->late = 0;
-  contact->late_depth = 0.0;
+  contact->admission = (ct_admission){.late = 0};
   forget(contact);
   if (!ct_start_gap_counts(&contact->fixed->start_rule)) return CT_OK;
   for (int s = 0; s < contact->fixed->sides; s++)
@@ -271,7 +269,8 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
     status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
   if (status == CT_OK && ct_start_gap_counts(rule))
     ct_start_gap_shift(rule, contact->side, contact->fixed->sides, now, contact->time);
-  if (status == CT_OK) ct_admission_shift(contact, ct_start_gap_counts(rule));
+  if (status == CT_OK)
+    ct_admission_shift(contact->side, contact->fixed->sides, ct_start_gap_counts(rule));
   if (status == CT_OK && !is_starting(now)) ct_admission_limit(contact);
   if (status != CT_OK || !now->first || rule->initial_penetration != CT_INITIAL_REFUSE)
     return status;
@@ -301,7 +300,8 @@ ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_e
   if (contact->solved)
     contact->held = ct_side_rows_energy(contact->side, sides, now->time, contact->stored,
                                         &contact->stored, contact->terms);
-  ct_admission_count(contact, is_starting(now));
+  ct_admission_count(contact->side, sides, &contact->admission, contact->solved, is_starting(now),
+                     contact->terms);
   if (ct_start_gap_fades(&contact->fixed->start_rule))
     contact->work += ct_start_gap_work(&contact->fixed->start_rule, contact->side, sides, now->time,
                                        now->first ? now->time : contact->time, contact->terms);

@@ -40,6 +40,14 @@ typedef struct ct_account {
   double received, most;
 } ct_account;
 
+/* The account, and the points that were found inside after the start and deep: their number and the
+ * largest depth. */
+typedef struct ct_admission {
+  ct_account account;
+  int64_t late;
+  double late_depth;
+} ct_admission;
+
 /* State of a contact: of a host, or of one state. */
 struct ct_contact {
   const ct_contact_fixed *fixed;
@@ -55,9 +63,7 @@ struct ct_contact {
   int solved;    /* whether the forces are those of solved rows */
   double held;   /* energy of the constraints then */
   double stored; /* energy that all rows stored at the middle of the last step */
-  ct_account account;
-  int64_t late;              /* points that were found deep inside after the start */
-  double late_depth;         /* the deepest of them */
+  ct_admission admission;
   double time;               /* of that step */
   double work;               /* work of fading start gaps since t = 0 */
   const double *velocity[2]; /* at the time of the last gaps */
@@ -137,6 +143,15 @@ void ct_pass_search(ct_contact *contact, int s);
  * and refuse a step of length `dt` to `time` with a larger approach, with velocities in the
  * numbering of the host (eq:tunnelling). */
 ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
+
+/* Width of the narrowest face of a surface, and the largest safe approach of a place to it in a
+ * step: this width, or 3/4 of the smallest thickness (eq:tunnelling). */
+ct_status ct_tunnelling_surface(const ct_search *search, double *narrowest, double *approach);
+
+/* Bounding box of `values` at the nodes of a surface, indexed by `nodes`, or in order if that is
+ * null. */
+void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const double *values,
+                       ct_bounds *box);
 ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error);
 
@@ -197,12 +212,23 @@ double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, d
  * measure the gaps from them; let no point store more than it did, if it jumped, and not all of
  * them more than the bodies have given (eq:admitted-store). `terms` has one number for each point.
  */
-void ct_admission_shift(ct_contact *contact, int counted);
+void ct_admission_shift(ct_side *sides, int count, int counted);
 void ct_admission_limit(ct_contact *contact);
 
-/* The account of the next step, once the rows are solved (eq:admitted-account). `starting`: there
- * was no earlier step. */
-void ct_admission_count(ct_contact *contact, int starting);
+/* The same for the sides of a contact or an obstacle. `find_before` writes the gap of a point in
+ * the last step, at its present place, to its row; it returns 0 if the point has no direction.
+ * Points farther out than `reach` store nothing. */
+typedef int ct_find_before(const void *user, int s, int64_t i);
+void ct_admission_bound(ct_side *sides, int count, ct_admission *admission, double reach,
+                        ct_find_before *find_before, const void *user, double *terms);
+
+/* Largest displacement of a node since the last update. */
+double ct_side_motion(const ct_side *side);
+
+/* The account of the next step, once the rows are solved (eq:admitted-account). `solved`: whether
+ * the forces are those of rows; `starting`: there was no earlier step. */
+void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int solved,
+                        int starting, double *terms);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
  * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal
@@ -217,18 +243,55 @@ ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_
 ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_a,
                                   const double *mass_b, double *omega2);
 
+/* Constant data of the stations of a sphere or cylinder that is smaller than the faces: places on
+ * its centre or axis, each with a row at the closest place of the surface (eq:station-gap). */
+typedef struct ct_stations {
+  ct_side_fixed
+      fixed;       /* the stations as points without faces, so its rule has none; or no points */
+  double spacing;  /* along the axis; 0: one station */
+  double area;     /* of a station: that of a mean face */
+  double approach; /* largest safe motion relative to the surface in a step */
+} ct_stations;
+
 /* An obstacle of one state: its points and its position. In each point `d` leads to the closest
- * point of the obstacle, and `other` is 0. */
+ * point of the obstacle, and `other` is 0, or -1 if the obstacle has passed it. */
 typedef struct ct_obstacle_state {
   const ct_obstacle_def *given; /* with an axis of length 1 */
-  ct_side side;
-  double place[3];    /* present point of the obstacle */
+  const ct_stations *stations;
+  int sides;
+  ct_side side[2]; /* the surface; and the stations, with its `search`: `other` and `xi` are
+                      their closest places on it */
+  double place[3]; /* present point of the obstacle */
+  double came[3];  /* its motion since the last step */
+  ct_admission admission;
   double reaction[3]; /* force of the bodies on it */
   double work;        /* of its motion since t = 0 */
   double removal;     /* work of fading start gaps since t = 0 */
   double held;        /* energy of the constraints */
   double *terms;      /* one number per point */
 } ct_obstacle_state;
+
+/* The stations of an obstacle, null if it has none. */
+static inline const ct_side *ct_obstacle_stations(const ct_obstacle_state *obstacle)
+{
+  return obstacle->sides == 2 ? &obstacle->side[1] : NULL;
+}
+
+/* Stations of an obstacle at a surface, none if it is large; their part of its row sums of
+ * stiffness at a node (eq:station-bound). */
+ct_status ct_stations_init(ct_stations *stations, const ct_obstacle_def *o,
+                           const ct_side_fixed *surface, ct_error *error);
+void ct_stations_clear(ct_stations *stations);
+double ct_stations_springs(const ct_stations *stations, const ct_search *search, double epsilon);
+
+/* The stations of a state: create them, let them forget their places, find the present gaps of
+ * those nearer than `reach`, which change by at most `motion` in a step; and refuse a step in which
+ * obstacle and surface may have passed through each other. */
+ct_status ct_stations_open(ct_obstacle_state *s, const ct_stations *stations,
+                           const ct_constraint *law);
+void ct_stations_forget(ct_obstacle_state *s);
+void ct_stations_meet(ct_obstacle_state *s, double reach, double motion, int first);
+ct_status ct_stations_check(const ct_obstacle_state *s, double time, ct_error *error);
 
 /* Signed distance of a place from an obstacle in its present position, and the normal there; NaN as
  * in ct_obstacle_gap. */

@@ -208,7 +208,7 @@ static void rub_obstacle(const call *now, int64_t i, const slip_record *last, sl
                          slip_point *p)
 {
   const ct_obstacle_state *obstacle = now->view->read;
-  const ct_side *side = &obstacle->side;
+  const ct_side *side = obstacle->side;
   const ct_point *point = &side->points[i];
   double y[3], first[3];
   ct_side_position(side, i, obstacle->place, y);
@@ -321,7 +321,7 @@ static call begin(const friction_data *data, const ct_view *view)
   memcpy(&last, &view->memory[at], sizeof last);
   for (int k = 0; k < data->sides; k++) {
     const ct_contact *contact = view->read;
-    now.side[k] = data->rigid ? &((const ct_obstacle_state *)view->read)->side : &contact->side[k];
+    now.side[k] = data->rigid ? ((const ct_obstacle_state *)view->read)->side : &contact->side[k];
     now.velocity[k] = data->rigid ? view->velocity : contact->velocity[k];
   }
   if (data->rigid)

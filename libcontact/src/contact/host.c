@@ -418,8 +418,8 @@ ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *o
                               .unconverged = (int64_t)record.unconverged,
                               .friction = contact->host->friction,
                               .motion = contact->host->motion,
-                              .late = contact->late,
-                              .late_depth = contact->late_depth};
+                              .late = contact->admission.late,
+                              .late_depth = contact->admission.late_depth};
   return CT_OK;
 }
 

@@ -66,9 +66,9 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   contact->stored = tail.stored;
   contact->time = tail.time;
   contact->work = tail.work;
-  contact->account = tail.account;
-  contact->late = (int64_t)tail.late;
-  contact->late_depth = tail.late_depth;
+  contact->admission.account = tail.account;
+  contact->admission.late = (int64_t)tail.late;
+  contact->admission.late_depth = tail.late_depth;
   memory += TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {
     ct_search *search = contact->side[s].search;
@@ -106,9 +106,9 @@ void ct_contact_store(const ct_contact *contact, double *memory)
                             contact->stored,
                             contact->time,
                             contact->work,
-                            contact->account,
-                            (double)contact->late,
-                            contact->late_depth};
+                            contact->admission.account,
+                            (double)contact->admission.late,
+                            contact->admission.late_depth};
   memcpy(memory, &tail, sizeof tail);
   memory += TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {

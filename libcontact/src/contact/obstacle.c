@@ -20,6 +20,7 @@ typedef struct obstacle_data {
   ct_obstacle_def given;
   double *time, *value; /* of the amplitude */
   ct_side_fixed side;
+  ct_stations stations;
   const double *mass; /* of the problem's nodes; null for a host, which passes it with the call */
   double *springs;    /* row sums of the stiffness with all points inside */
 } obstacle_data;
@@ -33,6 +34,8 @@ typedef struct obstacle_record {
   double stored;  /* energy that all rows stored at the middle of the last step */
   double time;    /* of that step */
   double removal; /* work of fading start gaps */
+  ct_account account;
+  double late, late_depth; /* stations that were found inside after the start */
 } obstacle_record;
 enum { RECORD = sizeof(obstacle_record) / sizeof(double) };
 
@@ -90,6 +93,7 @@ static void free_data(void *data)
   obstacle_data *d = data;
   if (d == NULL) return;
   ct_side_fixed_clear(&d->side);
+  ct_stations_clear(&d->stations);
   ct_release(d->time);
   ct_release(d->value);
   ct_release(d->springs);
@@ -100,7 +104,8 @@ static void free_scratch(void *scratch)
 {
   ct_obstacle_state *s = scratch;
   if (s == NULL) return;
-  ct_side_clear(&s->side);
+  ct_side_clear(&s->side[0]);
+  ct_release(s->side[1].points);
   ct_release(s->terms);
   ct_release(s);
 }
@@ -118,18 +123,26 @@ static ct_constraint law_of(const ct_obstacle_def *given)
                          .dissipation = given->dissipation};
 }
 
+/* Number of points and stations. */
+static int64_t points_of(const obstacle_data *data)
+{
+  return data->side.point_count + data->stations.fixed.point_count;
+}
+
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   const ct_constraint law = law_of(&data->given);
   ct_obstacle_state *s = ct_allocate(1, sizeof *s);
+  if (s != NULL) s->given = &data->given;
   if (s == NULL ||
-      (s->terms = ct_allocate((size_t)data->side.point_count, sizeof *s->terms)) == NULL ||
-      ct_side_init(&s->side, &data->side, &law) != CT_OK) {
+      (s->terms = ct_allocate((size_t)(points_of(data) + data->side.search->node_count),
+                              sizeof *s->terms)) == NULL ||
+      ct_side_init(&s->side[0], &data->side, &law) != CT_OK ||
+      ct_stations_open(s, &data->stations, &law) != CT_OK) {
     free_scratch(s);
     return CT_NO_MEMORY(error, "an obstacle");
   }
-  s->given = &data->given;
   *scratch = s;
   return CT_OK;
 }
@@ -141,27 +154,42 @@ double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3]
   return gap_of(obstacle->given, obstacle->given->axis, r, n);
 }
 
+/* Whether a small obstacle has passed a point, so that its normal points out of the body. */
+static int has_passed(const ct_obstacle_state *s, int64_t i)
+{
+  double own[3];
+  if (s->sides == 1) return 0;
+  ct_side_area(&s->side[0], i, own);
+  return ct_vector_dot(own, s->side[0].points[i].outward) > 0.0;
+}
+
 /* Gap of one point, and the vector to the obstacle. Returns 0 if there is none. */
-static int meet(const ct_obstacle_state *s, int64_t i)
+static int meet(const ct_obstacle_state *s, int64_t i, int first)
 {
   const ct_obstacle_def *o = s->given;
-  ct_point *point = &s->side.points[i];
+  ct_point *point = &s->side[0].points[i];
+  const int was = point->other >= 0;
   double r[3];
-  ct_side_position(&s->side, i, s->place, r);
+  ct_side_position(&s->side[0], i, s->place, r);
   point->row.gap = point->known = gap_of(o, o->axis, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; c < 3; c++) point->d[c] = -point->row.gap * point->outward[c];
-  return !isnan(point->d[0]);
+  point->jumped = !first && !was && point->row.gap < 0.0;
+  if (!has_passed(s, i)) return !isnan(point->d[0]);
+  point->other = -1;
+  if (point->row.gap < 0.0) point->status = CT_POINT_BURIED;
+  point->row.gap = NAN;
+  return 1;
 }
 
 /* Gaps of all points, with the nodes at their places and the obstacle where it is at a time. */
-static ct_status meet_all(ct_obstacle_state *s, double time, ct_error *error)
+static ct_status meet_all(ct_obstacle_state *s, double time, int first, ct_error *error)
 {
   ct_obstacle_motion(s->given, time, s->place);
   for (int c = 0; c < 3; c++) s->place[c] += s->given->point[c];
-  for (int64_t i = 0; i < s->side.fixed->point_count; i++)
-    if (!meet(s, i))
+  for (int64_t i = 0; i < s->side[0].fixed->point_count; i++)
+    if (!meet(s, i, first))
       return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
                      "obstacle: a point of the surface is at its centre");
   return CT_OK;
@@ -173,22 +201,30 @@ static ct_status begin(const obstacle_data *data, ct_obstacle_state *s, double t
 {
   const ct_start_rule rule = start_rule_of(s->given);
   const ct_search *search = data->side.search;
-  memcpy(s->side.search->x, search->x, 3 * (size_t)search->node_count * sizeof *search->x);
-  ct_status status = meet_all(s, time, error);
-  for (ct_point *p = s->side.points; p < s->side.points + data->side.point_count; p++)
-    p->start = p->row.force = p->force_size = p->admitted = p->stored = 0.0;
-  if (status == CT_OK && ct_start_gap_counts(&rule)) ct_start_gap_begin(&rule, &s->side, 1);
+  memcpy(s->side[0].search->x, search->x, 3 * (size_t)search->node_count * sizeof *search->x);
+  ct_stations_forget(s);
+  ct_status status = meet_all(s, time, 1, error);
+  if (status == CT_OK) ct_stations_meet(s, search->size, 0.0, 1);
+  for (int k = 0; k < s->sides; k++)
+    for (ct_point *p = s->side[k].points; p < s->side[k].points + s->side[k].fixed->point_count;
+         p++)
+      p->start = p->row.force = p->force_size = p->admitted = p->stored = 0.0;
+  s->admission = (ct_admission){.late = 0};
+  if (status == CT_OK && ct_start_gap_counts(&rule)) ct_start_gap_begin(&rule, s->side, s->sides);
+  ct_stations_forget(s);
   return status;
 }
 
-/* Current coordinates of the surface's nodes. */
+/* Current coordinates of the surface's nodes, and their motion since the last call. */
 static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_side *side,
                              ct_error *error)
 {
   for (int64_t i = 0; i < effect->node_count; i++)
     for (int64_t c = 0; c < 3; c++) {
       int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
+      const double last = side->search->x[3 * i + c];
       side->search->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
+      if (side->moved != NULL) side->moved[3 * i + c] = side->search->x[3 * i + c] - last;
       if (!isfinite(side->search->x[3 * i + c]))
         return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]},
                        "obstacle: node %d is not at a finite place", (int)effect->nodes[i]);
@@ -199,11 +235,13 @@ static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_si
 /* Force on the obstacle, and the work of its motion since the last step (eq:obstacle-work). */
 static void count_motion(ct_obstacle_state *s, const obstacle_record *last)
 {
-  int64_t points = s->side.fixed->point_count;
   s->work = last->work;
   for (int c = 0; c < 3; c++) {
-    for (int64_t i = 0; i < points; i++) s->terms[i] = -s->side.points[i].force[c];
-    s->reaction[c] = ct_sum(s->terms, points);
+    int64_t count = 0;
+    for (const ct_side *side = s->side; side < s->side + s->sides; side++)
+      for (int64_t i = 0; i < side->fixed->point_count; i++)
+        s->terms[count++] = -side->points[i].force[c];
+    s->reaction[c] = ct_sum(s->terms, count);
     // -- Minus the mean force on the obstacle times its motion (eq:obstacle-work)
     if (last->begun != 0.0)
       s->work -= 0.5 * (s->reaction[c] + last->reaction[c]) * (s->place[c] - last->place[c]);
@@ -219,24 +257,11 @@ static ct_status refuse(const ct_obstacle_state *s, const ct_start_rule *rule, c
   return ct_start_gap_refuse(rule, &found, "obstacle", 1, error);
 }
 
-/* Gaps of the points at the time of the view, measured from their start gaps. */
-static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
+/* Motion of the obstacle in the next step. */
+static void next_motion(const ct_obstacle_state *s, const ct_view *view, double moved[3])
 {
-  const obstacle_data *data = effect->data;
-  ct_obstacle_state *s = view->scratch;
-  const ct_start_rule rule = start_rule_of(s->given);
-  const obstacle_record last = load(view->memory);
-  const ct_moment now = {.time = view->time, .dt = view->dt, .first = last.begun == 0.0};
-  ct_status status = CT_OK;
-  if (now.first) status = begin(data, s, view->time, error);
-  else (void)ct_points_load(&s->side, 1, &view->memory[RECORD]);
-  for (int64_t i = 0; i < data->side.point_count; i++)
-    s->side.points[i].last_known = s->side.points[i].known;
-  if (status == CT_OK) status = place_nodes(effect, view, &s->side, error);
-  if (status == CT_OK) status = meet_all(s, view->time, error);
-  if (status == CT_OK && ct_start_gap_counts(&rule))
-    ct_start_gap_shift(&rule, &s->side, 1, &now, last.time);
-  return status == CT_OK && now.first ? refuse(s, &rule, error) : status;
+  ct_obstacle_motion(s->given, view->time + view->dt, moved);
+  for (int c = 0; c < 3; c++) moved[c] = (s->given->point[c] + moved[c]) - s->place[c];
 }
 
 /* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
@@ -252,22 +277,97 @@ static double reach_of(const ct_effect *effect, const ct_view *view, const ct_si
   return side->search->size + 2.0 * (view->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
 }
 
-static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view,
-                                    ct_constraint **rows, int64_t *count, ct_error *error)
+/* Memory of the nodes' coordinates, behind the records; null for planes, which need none. */
+static double *coordinates(const obstacle_data *data, double *memory)
+{
+  return data->given.shape == CT_OBSTACLE_PLANE ? NULL
+                                                : &memory[RECORD + CT_RECORD * points_of(data)];
+}
+
+/* The state after the last step. */
+static void load_state(ct_obstacle_state *s, const double *memory)
+{
+  const obstacle_record last = load(memory);
+  const ct_search *search = s->side[0].search;
+  const double *next = ct_points_load(&s->side[0], 1, &memory[RECORD]);
+  if (s->sides == 2) next = ct_points_load(&s->side[1], search->face_count, next);
+  if (s->side[0].moved != NULL)
+    memcpy(search->x, next, 3 * (size_t)search->node_count * sizeof *next);
+  s->admission = (ct_admission){last.account, (int64_t)last.late, last.late_depth};
+}
+
+/* Gap of a point in the last step at its present place, as the solver computes it. */
+static int find_before(const void *user, int k, int64_t i)
+{
+  const ct_obstacle_state *s = user;
+  const ct_side *surface = &s->side[0];
+  ct_point *p = &s->side[k].points[i];
+  const int32_t face = k == 1 ? p->other : (int32_t)(i / surface->fixed->rule.count);
+  double own[3];
+  if (!ct_side_direction(&s->side[k], p, p->row.normal)) return 0;
+  ct_side_interpolate(surface->search, surface->moved, face, p->row.own_shape, NULL, own);
+  p->row.before = p->row.gap + p->closed -
+                  (ct_vector_dot(p->row.normal, own) - ct_vector_dot(p->row.normal, s->came));
+  return 1;
+}
+
+/* Measure the gaps from their start gaps. Points of a small obstacle, whose gaps are not linear in
+ * the motion, store no more than the bodies have given. */
+static void shift(ct_obstacle_state *s, const ct_start_rule *rule, const ct_moment *now,
+                  double last, double motion)
+{
+  const int counted = ct_start_gap_counts(rule);
+  if (counted) ct_start_gap_shift(rule, s->side, s->sides, now, last);
+  if (s->sides == 1) return;
+  ct_admission_shift(s->side, s->sides, counted);
+  if (!now->first && now->before > 0.0)
+    ct_admission_bound(s->side, s->sides, &s->admission, 4.0 * motion, find_before, s, s->terms);
+}
+
+/* Gaps of the points at the time of the view, measured from their start gaps. */
+static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   ct_obstacle_state *s = view->scratch;
+  const ct_start_rule rule = start_rule_of(s->given);
   const obstacle_record last = load(view->memory);
-  double came[3], moved[3];
+  const ct_moment now = {.time = view->time,
+                         .before = view->time > 0.0 ? view->dt : 0.0,
+                         .dt = view->dt,
+                         .first = last.begun == 0.0};
+  ct_status status = CT_OK;
+  if (now.first) status = begin(data, s, view->time, error);
+  else load_state(s, view->memory);
+  for (int k = 0; k < s->sides; k++)
+    for (int64_t i = 0; i < s->side[k].fixed->point_count; i++)
+      s->side[k].points[i].last_known = s->side[k].points[i].known;
+  if (status == CT_OK) status = place_nodes(effect, view, &s->side[0], error);
+  if (status == CT_OK) status = meet_all(s, view->time, now.first, error);
+  if (status != CT_OK) return status;
+  double moved[3], motion = 0.0;
+  next_motion(s, view, moved);
+  for (int c = 0; c < 3; c++) s->came[c] = now.first ? 0.0 : s->place[c] - last.place[c];
+  if (s->side[0].moved != NULL)
+    motion = ct_side_motion(&s->side[0]) + sqrt(ct_vector_dot(s->came, s->came));
+  ct_stations_meet(s, reach_of(effect, view, &s->side[0], moved),
+                   3.0 * motion + CT_CLOSEST_POINT_ERROR * s->side[0].search->size, now.first);
+  if (now.before > 0.0 && !now.first) status = ct_stations_check(s, view->time, error);
+  shift(s, &rule, &now, last.time, motion);
+  return status == CT_OK && now.first ? refuse(s, &rule, error) : status;
+}
+
+static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view,
+                                    ct_constraint **rows, int64_t *count, ct_error *error)
+{
+  ct_obstacle_state *s = view->scratch;
+  double moved[3];
   ct_status status = measure(effect, view, error);
   if (status != CT_OK) return status;
-  ct_obstacle_motion(&data->given, view->time + view->dt, moved);
-  for (int c = 0; c < 3; c++) {
-    came[c] = last.begun != 0.0 ? s->place[c] - last.place[c] : 0.0;
-    moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
-  }
-  *count =
-      ct_side_list_rows(&s->side, NULL, reach_of(effect, view, &s->side, moved), came, moved, rows);
+  next_motion(s, view, moved);
+  const double reach = reach_of(effect, view, &s->side[0], moved);
+  *count = 0;
+  for (int k = 0; k < s->sides; k++)
+    *count += ct_side_list_rows(&s->side[k], NULL, reach, s->came, moved, &rows[*count]);
   return CT_OK;
 }
 
@@ -278,35 +378,55 @@ static int is_penalty(const ct_effect *effect)
   return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY;
 }
 
+/* The memory for the next step. */
+static void store_state(const obstacle_data *data, const ct_obstacle_state *s, double stored,
+                        double time, double *memory)
+{
+  obstacle_record next = {.begun = 1.0,
+                          .work = s->work,
+                          .stored = stored,
+                          .time = time,
+                          .removal = s->removal,
+                          .account = s->admission.account,
+                          .late = (double)s->admission.late,
+                          .late_depth = s->admission.late_depth};
+  memcpy(next.place, s->place, sizeof next.place);
+  memcpy(next.reaction, s->reaction, sizeof next.reaction);
+  memcpy(memory, &next, sizeof next);
+  double *end = &memory[RECORD], *x = coordinates(data, memory);
+  for (int k = 0; k < s->sides; k++) end = ct_points_store(&s->side[k], end);
+  if (x != NULL)
+    memcpy(x, s->side[0].search->x, 3 * (size_t)s->side[0].search->node_count * sizeof *x);
+}
+
 static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force,
                                 ct_error *error)
 {
   ct_obstacle_state *s = view->scratch;
-  int penalty = is_penalty(effect);
+  const int penalty = is_penalty(effect);
   const ct_start_rule rule = start_rule_of(s->given);
   const obstacle_record last = load(view->memory);
-  obstacle_record next = {.begun = 1.0, .time = view->time};
+  const int starting = last.begun == 0.0 || !(view->time > 0.0);
+  double stored = 0.0;
   ct_status status = penalty ? measure(effect, view, error) : CT_OK;
   if (status != CT_OK) return status;
-  if (penalty) ct_side_apply_penalty(&s->side);
-  else ct_side_take_rows(&s->side);
+  for (int k = 0; k < s->sides; k++)
+    if (penalty) ct_side_apply_penalty(&s->side[k]);
+    else ct_side_take_rows(&s->side[k]);
   if (!penalty)
-    s->held = ct_side_rows_energy(&s->side, 1, view->time, last.stored, &next.stored, s->terms);
-  status = ct_side_collect(&s->side, 1, 1, error);
+    s->held = ct_side_rows_energy(s->side, s->sides, view->time, last.stored, &stored, s->terms);
+  if (s->sides == 2)
+    ct_admission_count(s->side, s->sides, &s->admission, !penalty, starting, s->terms);
+  status = ct_side_collect(s->side, s->sides, 1, error);
   if (status != CT_OK) return status;
   for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++)
-    force[d] = s->side.force[d] + s->side.force_fine[d];
+    force[d] = s->side[0].force[d] + s->side[0].force_fine[d];
   count_motion(s, &last);
   s->removal = last.removal;
   if (ct_start_gap_fades(&rule))
-    s->removal += ct_start_gap_work(&rule, &s->side, 1, view->time,
+    s->removal += ct_start_gap_work(&rule, s->side, s->sides, view->time,
                                     last.begun != 0.0 ? last.time : view->time, s->terms);
-  memcpy(next.place, s->place, sizeof next.place);
-  memcpy(next.reaction, s->reaction, sizeof next.reaction);
-  next.work = s->work;
-  next.removal = s->removal;
-  memcpy(view->next_memory, &next, sizeof next);
-  (void)ct_points_store(&s->side, &view->next_memory[RECORD]);
+  store_state(effect->data, s, stored, view->time, view->next_memory);
   return CT_OK;
 }
 
@@ -315,7 +435,7 @@ static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, d
 {
   const ct_obstacle_state *s = view->scratch;
   (void)error;
-  *energy = is_penalty(effect) ? ct_side_potential(&s->side, 1) : s->held;
+  *energy = is_penalty(effect) ? ct_side_potential(s->side, s->sides) : s->held;
   return CT_OK;
 }
 
@@ -410,6 +530,8 @@ static ct_status sum_springs(obstacle_data *data, ct_error *error)
     for (int a = 0; a < search->per; a++)
       rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }
+  for (int32_t n = 0; data->stations.fixed.point_count > 0 && n < search->node_count; n++)
+    rows[n] += ct_stations_springs(&data->stations, search, data->given.epsilon);
   return CT_OK;
 }
 
@@ -430,15 +552,17 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
   if (!data->time || !data->value) return CT_NO_MEMORY(error, "an obstacle");
   ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
   data->mass = problem->mass;
+  if (status == CT_OK) status = ct_stations_init(&data->stations, &data->given, &data->side, error);
   if (status == CT_OK) status = sum_springs(data, error);
   if (status != CT_OK) return status;
   effect->nodes = data->side.search->nodes;
   effect->node_count = data->side.search->node_count;
-  effect->memory_count += CT_RECORD * data->side.point_count;
+  effect->memory_count += CT_RECORD * points_of(data);
+  if (o->shape != CT_OBSTACLE_PLANE) effect->memory_count += 3 * (int64_t)effect->node_count;
   if (!is_penalty(effect)) {
     effect->phase = CT_PHASE_CONSTRAINT;
     effect->constraints = &CONSTRAINTS;
-    effect->constraint_count = data->side.point_count;
+    effect->constraint_count = points_of(data);
     effect->constraint_nodes = data->side.search->per;
   }
   count_costs(effect, (double)data->side.point_count);
@@ -486,7 +610,7 @@ const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
 void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end)
 {
   *first = RECORD;
-  *end = effect->memory_count;
+  *end = RECORD + CT_RECORD * points_of(effect->data);
 }
 
 /* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
@@ -519,7 +643,8 @@ ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32
   if (traction == NULL || area == NULL) return CT_REFUSE(error, "obstacle: null argument");
   ct_status status = CT_OK;
   const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
-  return s == NULL ? status : ct_side_traction(&s->side, NULL, traction, area, error);
+  return s == NULL ? status
+                   : ct_side_traction(s->side, ct_obstacle_stations(s), traction, area, error);
 }
 
 ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,

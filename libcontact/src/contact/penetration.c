@@ -66,14 +66,17 @@ static void at_points(const ct_side *sides, int count, ct_penetration *out)
   for (int s = 0; s < count; s++) {
     const ct_side *side = &sides[s];
     for (int64_t i = 0; i < side->fixed->point_count; i++) {
-      int32_t face = (int32_t)(i / side->fixed->rule.count);
+      const int faceless = side->fixed->rule.count == 0; // a station
+      int32_t face = faceless ? side->points[i].other : (int32_t)(i / side->fixed->rule.count);
       double y[3];
       out->buried += side->points[i].status == CT_POINT_BURIED;
       out->inside += side->points[i].status == CT_POINT_BURIED;
       double distance = ct_point_distance(&side->points[i]);
       if (side->points[i].other < 0 || !(distance < 0.0)) continue;
-      ct_side_position(side, i, NULL, y);
-      take(out, -distance, s, face, y);
+      if (faceless)
+        ct_side_interpolate(side->search, side->search->x, face, side->points[i].N, NULL, y);
+      else ct_side_position(side, i, NULL, y);
+      take(out, -distance, faceless ? 0 : s, face, y);
     }
   }
 }
@@ -143,8 +146,8 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
     return CT_ERROR_ARGUMENT;
   const int sides = contact->fixed->sides;
   if (at == CT_AT_POINTS) {
-    out->late = contact->late;
-    out->late_depth = contact->late_depth;
+    out->late = contact->admission.late;
+    out->late_depth = contact->admission.late_depth;
     return CT_OK;
   }
   if (sides == 1) return CT_ERROR_UNSUPPORTED;
@@ -166,9 +169,12 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
 ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
                             ct_penetration *out)
 {
-  if (out == NULL || !begin(&obstacle->side, 1, at, out)) return CT_ERROR_ARGUMENT;
-  if (at != CT_AT_POINTS)
-    at_edges(&obstacle->side, 0, &(under){NULL, obstacle}, at == CT_AT_CORNERS ? 2 : 1, HUGE_VAL,
+  if (out == NULL || !begin(obstacle->side, obstacle->sides, at, out)) return CT_ERROR_ARGUMENT;
+  if (at == CT_AT_POINTS) {
+    out->late = obstacle->admission.late;
+    out->late_depth = obstacle->admission.late_depth;
+  } else
+    at_edges(obstacle->side, 0, &(under){NULL, obstacle}, at == CT_AT_CORNERS ? 2 : 1, HUGE_VAL,
              out);
   return CT_OK;
 }

@@ -148,6 +148,18 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
   else spread_faces(8, grid, side, other);
 }
 
+/* Add the forces of an obstacle's stations to the nodes of its surface. */
+static void spread_stations(const ct_grid *grid, const ct_side *stations, ct_side *surface)
+{
+  ct_heap heap = heap_of(surface);
+  for (int64_t i = 0; i < stations->fixed->point_count; i++) {
+    const ct_point *point = &stations->points[i];
+    if (!ct_point_has_force(point)) continue;
+    ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, point->force, &heap);
+  }
+  ct_heap_bring(8, &heap, NULL);
+}
+
 static double largest_force(const ct_side *side)
 {
   double top = 0.0;
@@ -167,6 +179,7 @@ ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error)
   for (int s = 0; s < count; s++) {
     points += sides[s].fixed->point_count;
     top = fmax(top, largest_force(&sides[s]));
+    if (sides[s].force == NULL) continue; // stations
     size_t size = 3 * (size_t)sides[s].search->node_count * sizeof(double);
     memset(sides[s].force, 0, size);
     memset(sides[s].force_fine, 0, size);
@@ -175,6 +188,8 @@ ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error)
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * top, (rigid ? 8 : 16) * points))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
-  for (int s = 0; s < count; s++) spread(&grid, &sides[s], rigid ? NULL : &sides[count - 1 - s]);
+  for (int s = 0; s < count; s++)
+    if (sides[s].force == NULL) spread_stations(&grid, &sides[s], &sides[0]);
+    else spread(&grid, &sides[s], rigid ? NULL : &sides[count - 1 - s]);
   return CT_OK;
 }

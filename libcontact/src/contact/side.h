@@ -152,8 +152,8 @@ double ct_side_potential(const ct_side *sides, int count);
 double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
                            double *after, double *terms);
 
-/* Nodal forces from those of the points: of an obstacle's one surface if `rigid`, else of both
- * sides, or of the one in contact with itself. */
+/* Nodal forces from those of the points: of an obstacle's surface, and of its stations if there are
+ * any, if `rigid`; else of both sides, or of the one in contact with itself. */
 ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error);
 
 /* Tractions and areas at the nodes of a side from its nodal forces, in the numbering of the host

@@ -147,8 +147,9 @@ static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part
   double *own = ct_allocate((size_t)search->node_count, 4 * sizeof *own),
          *own_area = own == NULL ? NULL : own + 3 * (int64_t)search->node_count;
   if (own == NULL) return CT_NO_MEMORY(error, "tractions");
-  ct_status status = ct_side_traction(&((const ct_obstacle_state *)part->scratch)->side, NULL, own,
-                                      own_area, error);
+  const ct_obstacle_state *obstacle = part->scratch;
+  ct_status status =
+      ct_side_traction(obstacle->side, ct_obstacle_stations(obstacle), own, own_area, error);
   for (int32_t n = 0; status == CT_OK && n < search->node_count; n++) {
     memcpy(&traction[3 * (int64_t)search->nodes[n]], &own[3 * (int64_t)n], 3 * sizeof *own);
     area[search->nodes[n]] = own_area[n];
@@ -188,7 +189,7 @@ static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t
 static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
 {
   if (effect->kind == CT_EFFECT_OBSTACLE) {
-    *sides = &((const ct_obstacle_state *)scratch)->side;
+    *sides = ((const ct_obstacle_state *)scratch)->side;
     return 1;
   }
   if (effect->kind != CT_EFFECT_CONTACT) return 0;
@@ -212,9 +213,11 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
     const ct_side *sides = NULL;
     int count = sides_of(effect, state->workspace->scratch[k], &sides);
     for (int s = 0; status == CT_OK && s < count; s++)
-      status =
-          add_pressure(&sides[s], effect->kind == CT_EFFECT_CONTACT ? &sides[count - 1 - s] : NULL,
-                       nodes, buffer, pressure, error);
+      status = add_pressure(&sides[s],
+                            effect->kind == CT_EFFECT_CONTACT
+                                ? &sides[count - 1 - s]
+                                : ct_obstacle_stations(state->workspace->scratch[k]),
+                            nodes, buffer, pressure, error);
   }
   ct_release(buffer);
   return status;

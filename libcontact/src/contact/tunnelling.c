@@ -68,6 +68,18 @@ static double width_of(const ct_search *search, int32_t face)
   return (search->edges == 4 ? 4.0 : 1.0) * J / longest;
 }
 
+ct_status ct_tunnelling_surface(const ct_search *search, double *narrowest, double *approach)
+{
+  *narrowest = INFINITY;
+  for (int32_t f = 0; f < search->face_count; f++)
+    *narrowest = fmin(*narrowest, width_of(search, f));
+  // -- Three quarters of a body's thickness, if that is less (eq:tunnelling)
+  double thin = *narrowest / 0.75;
+  ct_status status = find_thickness(search, &thin);
+  *approach = 0.75 * thin;
+  return status;
+}
+
 ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
 {
   ct_status status = CT_OK;
@@ -96,10 +108,8 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
   return status;
 }
 
-/* Bounding box of `values` at the nodes of a surface, indexed by `nodes`, or in order if that is
- * null. */
-static void box_of(const ct_search *search, const int32_t *nodes, const double *values,
-                   ct_bounds *box)
+void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const double *values,
+                       ct_bounds *box)
 {
   for (int c = 0; c < 3; c++) box->low[c] = INFINITY, box->high[c] = -INFINITY;
   for (int32_t n = 0; n < search->node_count; n++) {
@@ -227,12 +237,13 @@ ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[
   const int last = fixed->sides - 1;
   ct_bounds speed[2], place[2];
   ct_search *search[2] = {contact->side[0].search, contact->side[last].search};
-  for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity[s], &speed[s]);
+  for (int s = 0; s < 2; s++)
+    ct_tunnelling_box(search[s], search[s]->nodes, velocity[s], &speed[s]);
   // -- The largest approach in the step, and how much of it is safe: first of the whole surfaces
   // (eq:tunnelling)
   double most = dt * farthest(&speed[0], &speed[1]);
   if (!(most > fixed->approach)) return CT_OK;
-  for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
+  for (int s = 0; s < 2; s++) ct_tunnelling_box(search[s], NULL, search[s]->x, &place[s]);
   double deep = deepest(contact);
   if (closest(&place[0], &place[1]) > (most + deep) * (1.0 + 1e-12)) return CT_OK;
   for (int s = 0; s <= last; s++) {

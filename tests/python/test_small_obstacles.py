@@ -1,0 +1,83 @@
+"""A few of the random bodies of :file:`tests/fuzz/obstacle_scenes.py`: overlaps with obstacles at the start, and obstacles smaller than an element."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
+obstacle_scenes = pytest.importorskip("obstacle_scenes")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_body_that_begins_inside_an_obstacle_gains_nothing(seed):
+    found = obstacle_scenes.one("overlap", seed)
+    assert found["ended"] == "ok" or found["refused"]
+    assert found["growth"] <= obstacle_scenes.ALLOWED
+    # A corner may be inside where no point is.
+    assert found["told"] or not found["still"] or found["deepest"] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_small_obstacle_does_not_pass(seed):
+    found = obstacle_scenes.one("small", seed)
+    assert found["ended"] == "ok" and found["hit"] and found["impulse"] > 0.0
+    assert found["growth"] <= obstacle_scenes.ALLOWED and found["sunk"] < 0.0
+
+
+def plate(sphere_at, **time):
+    """A steel plate of elements of 250 mm, held at two sides, and a sphere of R = 50 mm at 0.008 c1."""
+    return ct.Scene(
+        {
+            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "material": [{"name": "steel", "young": 2.1e11, "poisson": 0.3, "density": 7800.0}],
+            "body": [
+                {
+                    "name": "plate",
+                    "material": "steel",
+                    "box": {"origin": [-0.5, -0.5, 0], "size": [1, 1, 0.25], "cells": [4, 4, 1]},
+                }
+            ],
+            "support": [
+                {"set": f"plate.x_{end}", "fix": ["x", "y", "z"]} for end in ("min", "max")
+            ],
+            "obstacle": [
+                {
+                    "surface": "plate.outer",
+                    "sphere": {"centre": [*sphere_at, 0.31], "radius": 0.05},
+                    "velocity": [0, 0, -48.0],
+                }
+            ],
+            "time": time or {"end": 4e-3},
+            "output": {"every": 20},
+        }
+    )
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0), (0.125, 0.125), (0.03, 0.11)])
+def test_a_sphere_of_a_fifth_of_an_element_does_not_pass_through_a_plate(at):
+    run = plate(at).run(progress=False, output=False)
+    # It has moved by 0.19 and carries the plate along: the middle is pressed in by almost as much.
+    u = run.state["plate"].displacement[:, 2]
+    assert u.min() < -0.5 * (48.0 * run.state.time - 0.01)
+    energy = run.energy
+    assert energy["external"][-1] > 0.0
+    assert ((energy["kinetic"] + energy["strain"]) <= 1.002 * energy["external"]).all()
+    # Its force is a pressure at the nodes around it, whose sum is the reaction.
+    pressure = run.pressure["obstacle"][0]
+    assert (pressure["area"][:, None] * pressure["traction"]).sum(axis=0)[2] < 0.0
+
+
+@needs_hdf5
+def test_a_restart_under_a_small_sphere_has_the_same_bits(tmp_path):
+    scene = plate((0.03, 0.11))
+    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
+    scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=2e-3)
+    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+    assert np.array_equal(whole.state["plate"].velocity, rest.state["plate"].velocity)
+    many = scene.run(progress=False, output=False, threads=3)
+    assert np.array_equal(whole.state["plate"].velocity, many.state["plate"].velocity)
