@@ -86,16 +86,8 @@ def plot_run(
         head, *above, below = _divided(figure or new_figure(), [BARS_HEIGHT])
         draw_bars(above[0].subplots(), run, axis)
     else:
-        states = chosen(run, instants)
-        drawings = [Drawing.of(run, field, view, scale, states)]
-        if field is None and drawings[0].field == "contact_pressure":
-            drawings.append(Drawing.of(run, "mises", drawings[0].view, scale, states))
-        grid, height = _grid(drawings[0], len(states), INSTANTS_HEIGHT / len(drawings))
-        head, *above, below = _divided(
-            figure or new_figure(), [height + BAR_HEIGHT] * len(drawings)
-        )
-        for part, drawing in zip(above, drawings):
-            _draw_instants(part, drawing, states, *grid)
+        drawn = _drawings(run, field, view, scale, chosen(run, instants))
+        head, below = _draw_rows(figure or new_figure(), *drawn)
     head.text(0.5, 0.4, title_of(run), fontsize="large", ha="center", va="center")
     draw_energies(below.subplots(), run)
     whole: Figure = below.get_figure(root=True)
@@ -210,6 +202,25 @@ def _grid(drawing: Drawing, count: int, most: float) -> tuple[tuple[int, int], f
     # Fewer rows are preferred.
     best = next(key for key, size in sizes.items() if size >= NEARLY * max(sizes.values()))
     return best, best[0] * (max(sizes[best], 0.0) * (top - bottom) + above)
+
+
+def _drawings(
+    run: Run, field: str | None, view: str | None, scale: float | None, states: list[State]
+) -> tuple[list[Drawing], list[State]]:
+    """The drawings of some states: of the field, and below a contact pressure of the von Mises stress."""
+    first = Drawing.of(run, field, view, scale, states)
+    if field is None and first.field == "contact_pressure":
+        return [first, Drawing.of(run, "mises", first.view, scale, states)], states
+    return [first], states
+
+
+def _draw_rows(figure: Any, drawings: Sequence[Drawing], states: Sequence[State]) -> Any:
+    """Draw the instants; return the parts of the figure for the title and the energies."""
+    grid, height = _grid(drawings[0], len(states), INSTANTS_HEIGHT / len(drawings))
+    head, *above, below = _divided(figure, [height + BAR_HEIGHT] * len(drawings))
+    for part, drawing in zip(above, drawings):
+        _draw_instants(part, drawing, states, *grid)
+    return head, below
 
 
 def _draw_instants(
