@@ -416,6 +416,7 @@ def summarise(rows: list[Row]) -> list[dict[str, str]]:
     for name in dict.fromkeys(row.scene for row in rows):
         own = [row for row in rows if row.scene == name]
         ended = [row for row in own if row.steps]
+        usual = [row for row in ended if "enforcement=" not in row.options]
 
         def most(key: str, form: str = ".2g", ended: list[Row] = ended) -> str:
             values = [getattr(row, key) for row in ended if getattr(row, key) >= 0]
@@ -429,7 +430,7 @@ def summarise(rows: list[Row]) -> list[dict[str, str]]:
                 "ok": str(verdicts.count("ok")),
                 "refused": str(verdicts.count("refused")),
                 "fail": str(verdicts.count("FAIL")),
-                "bodies' energy grows by": most("growth"),
+                "bodies' energy grows by": most("growth", ended=usual),
                 "depth / h": most("depth"),
                 "held body": most("held"),
                 "whole skin": most("outer"),
@@ -479,7 +480,9 @@ def write(rows: list[Row], folder: Path) -> None:
         ("zoo_where", [origin]),
     ):
         with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(table[0]) if table else ["nothing"])
+            writer = csv.DictWriter(
+                file, list(table[0]) if table else ["nothing"], lineterminator="\n"
+            )
             writer.writeheader()
             writer.writerows(table)
 

@@ -121,7 +121,7 @@ def main() -> int:
         (build / "coverage.csv", BOOK) if "--book" in sys.argv else (build / "coverage.csv",)
     ):
         with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(table[0]))
+            writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(table)
     for row in table:

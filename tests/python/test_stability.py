@@ -150,17 +150,7 @@ def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
 # The zoo: each scene at the defaults, each oracle once.
 
 
-# A sphere between the contact points of a face passes.
-KNOWN = {animals.small_sphere: pytest.mark.xfail(reason="obstacles pass between contact points")}
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        pytest.param(scene, marks=KNOWN.get(scene, ()), id=scene.__name__)
-        for scene in animals.ANIMALS
-    ],
-)
+@pytest.mark.parametrize("scene", animals.ANIMALS, ids=lambda scene: scene.__name__)
 def test_everyday_scene(scene):
     row = zoo.judge(scene, animals.Options(), whole=False)
     assert row.verdict == "ok", zoo.line(row)
