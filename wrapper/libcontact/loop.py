@@ -41,6 +41,7 @@ from .run import (
 )
 from .schema import Place, SceneError, is_number
 from .surfaces import contact_tables
+from .tables import as_table
 from .warned import Borders, Turning, whole_skin
 
 # Defaults of the recording interval: the number of records, the least number of steps between them in
@@ -263,10 +264,15 @@ class Loop:
             raise_held()
         elif self.problem.dt > stable.dt * (1.0 + 1e-9):
             text = f"The stable step has decreased to {stable.dt:.6g}, and the run uses {self.problem.dt:.6g}: choose a smaller step. "
-        text += f"The last good state, t = {good.time:.6g} (step {good.step}), is "
+        where = f"The last good state, t = {good.time:.6g} (step {good.step}), is "
         if path is None:
-            return f"{text}run.state of this error; without a results file nothing can be restarted"
-        return f'{text}in "{path}"; scene.run(restart="{path}", output="...") continues from it'
+            return f"{text}{where}run.state of this error; without a results file nothing can be restarted"
+        if good.step > self.recorded:  # the file takes no more
+            last = f"t = {self.energy[-1]['time'][0]:.6g} (step {self.recorded})"
+            where = f"{len(self.steps)} records are kept, the last one, {last}, "
+        return (
+            f'{text}{where}in "{path}"; scene.run(restart="{path}", output="...") continues from it'
+        )
 
     def record(self, checked: bool) -> None:
         """Record one row of each table, and one step of the file, for a state that may have been
@@ -587,8 +593,8 @@ class Loop:
             bodies=list(problem.bodies),
             units=problem.parts.units,
             steps=np.array(self.steps[-records:], np.int64),
-            energy=np.concatenate(self.energy[-records:]),
-            momentum=np.concatenate(self.momentum[-records:]),
+            energy=as_table(np.concatenate(self.energy[-records:])),
+            momentum=as_table(np.concatenate(self.momentum[-records:])),
             path=self.path,
             scene=self.scene_text,
             interrupted=self.interrupted,

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Rows, call, ints
+from .bridge import call, ints
 from .model import AXES, QUANTITIES, Probe
 from .parts import resultant_of
 from .schema import SceneError, word
+from .tables import Table, as_table
 
 if TYPE_CHECKING:
     from .problem import Problem
@@ -125,9 +126,9 @@ class Histories:
         call(lib.ct_probes_subdivide_step, self.pointer, problem.pointer, parts)
         self.kept.append(problem)
 
-    def tables(self, last: bool = False) -> dict[str, Rows]:
+    def tables(self, last: bool = False) -> dict[str, Table]:
         """Copies of the histories so far, or of their last rows, by name."""
-        found, history = {}, ffi.new("ct_probe_history *")
+        found, history = dict[str, Table](), ffi.new("ct_probe_history *")
         for i, name in enumerate(self.names):
             assert lib.ct_probes_history(self.pointer, i, history) == lib.CT_OK
             taken = [word(QUANTITIES, q) for q in range(len(QUANTITIES)) if history.column[q] >= 0]
@@ -137,7 +138,7 @@ class Histories:
             rows = np.zeros(history.row_count - first, row)
             if len(rows):
                 ffi.memmove(rows, history.rows + first * history.width, rows.nbytes)
-            found[name] = rows
+            found[name] = as_table(rows)
         return found
 
 

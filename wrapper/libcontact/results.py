@@ -14,6 +14,7 @@ from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import FIELDS, FILTERED, LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
+from .tables import Table, as_table
 from .units import Units
 
 LAYOUT = 1
@@ -45,6 +46,17 @@ class Records(Sequence[State]):
         if not -self.length <= record < self.length:
             raise IndexError(f'"{self.path}" has {self.length} records')
         return _reading(self.path, lambda file: _state(file, record % self.length))
+
+
+def in_file(path: Path) -> dict[str, Any]:
+    """The version of the library that wrote a run, and the fields that it recorded."""
+
+    def read(file: Any) -> dict[str, Any]:
+        groups = [file["VTKHDF"][name] for name in ("PointData", "CellData")]
+        fields = [name for name in (*FIELDS, *FILTERED) if any(name in group for group in groups)]
+        return {"version": text_in(file["libcontact"].attrs["version"]), "fields": fields}
+
+    return _reading(path, read)
 
 
 def _reading(path: Path, read: Callable[[Any], T]) -> T:
@@ -85,8 +97,8 @@ def _read(path: Path, file: Any, record: int) -> Run:
         bodies=[text_in(row["name"]) for row in bodies],
         units=_units(scene),
         steps=own["step"][:count].astype(np.int64),
-        energy=_energy(own, count),
-        momentum=_momentum(own["momentum"][: count * len(bodies)]),
+        energy=as_table(_energy(own, count)),
+        momentum=as_table(_momentum(own["momentum"][: count * len(bodies)])),
         state=state,
         states=records,
         path=path,
@@ -122,10 +134,10 @@ class NotInFile(dict[str, Any]):
         raise KeyError(f'a run from a file has no table for "{name}"; {self.instead}')
 
 
-def _probes(own: Any, last: float) -> dict[str, Rows]:
+def _probes(own: Any, last: float) -> dict[str, Table]:
     """The histories up to the last record; a killed run may have written further rows."""
     tables = {name: table[()] for name, table in own.get("probe", {}).items()}
-    return {name: rows[rows["time"] <= last] for name, rows in tables.items()}
+    return {name: as_table(rows[rows["time"] <= last]) for name, rows in tables.items()}
 
 
 def _momentum(held: Rows) -> Rows:

@@ -18,6 +18,7 @@ from .mesh import Mesh
 from .model import FILTERED, Material
 from .problem import c_material
 from .schema import is_number, suggestion
+from .tables import Table
 from .units import Units
 
 if TYPE_CHECKING:
@@ -383,11 +384,11 @@ class Run:
     steps: NDArray[np.int64]
     #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance,
     #: and a field for each further effect with its name: the energy that it stores, or its work if it
-    #: stores none.
-    energy: Rows
+    #: stores none. ``to_pandas()`` converts this table and the others to pandas.
+    energy: Table
     #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L,
     #: contact_impulse, obstacle_impulse, support_impulse.
-    momentum: Rows
+    momentum: Table
     #: The last recorded state.
     state: State | None
     #: Recorded states in the order of time, the last one included: those of the results file, read when
@@ -431,10 +432,10 @@ class Run:
     #: Each division of the time step, :eq:`step-change`: its time, and into how many parts the step with
     #: which the run began is divided from then on. Steps are counted in the present, divided step.
     divisions: list[tuple[float, int]] = field(default_factory=list)
-    #: The history of each ``[[probe]]`` by name, a structured array with one row per ``every`` steps:
+    #: The history of each ``[[probe]]`` by name, a table with one row per ``every`` steps:
     #: time, and the recorded quantities at that time, shape (rows, 3), stress (rows, 6) and pressure
     #: (rows,). The runs passed to ``watch`` have the last row only.
-    probes: dict[str, Rows] = field(default_factory=dict)
+    probes: dict[str, Table] = field(default_factory=dict)
     #: Penetration of each contact, and then of each obstacle, in the last state, a dict by place:
     #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only. Each place has the numbers
     #: ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
@@ -450,7 +451,7 @@ class Run:
         time: Floats = self.energy["time"]
         return time
 
-    def body_momentum(self, name: str) -> Rows:
+    def body_momentum(self, name: str) -> Table:
         """
         Select the rows of ``momentum`` that belong to one body.
 
@@ -471,7 +472,7 @@ class Run:
         """
         if name not in self.bodies:
             raise KeyError(f'no body is named "{name}"' + suggestion(name, self.bodies))
-        rows: Rows = self.momentum[self.momentum["body"] == self.bodies.index(name)]
+        rows: Table = self.momentum[self.momentum["body"] == self.bodies.index(name)]
         return rows
 
     def line(
