@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import math
 import os
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from inspect import Parameter, Signature, signature
@@ -21,7 +22,7 @@ from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
 from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run
-from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
+from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
 
 if TYPE_CHECKING:
     # Modules that compute are imported when a scene is built or run; reading a scene does not need
@@ -33,8 +34,14 @@ if TYPE_CHECKING:
 # Tables that may differ between a scene and the one whose run it continues, in addition to ``free``
 # keys.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
+# Endings of file formats that are not that of the results, and those to which results can be converted.
+EXPORTS = (".csv", ".vtu", ".xdmf")
+OTHER_FORMATS = (*EXPORTS, *".vtk .vtp .pvd .pvtu .xmf .exo .npz .mat".split())
+OTHER_FORMATS += tuple(".txt .json .toml .png .gif .mp4 .pdf .svg".split())
 # The largest scene file that is read.
 MOST_BYTES = 256e6
+# The largest one whose text is kept, for the lines in messages.
+MOST_WITH_LINES = 1e6
 
 
 def example(name: str) -> Path:
@@ -135,13 +142,13 @@ class Scene:
     ):
         if data is not None and (title is not None or units is not None):
             raise TypeError("give either the whole data or title and units")
-        self.file = None if file is None else str(file)
+        self._file = file if file is None or isinstance(file, Source) else str(file)
         self._problem: Problem | None = None
         self._own: list[Own] = []
         if data is None and units is None:
-            raise SceneError("is missing; give length, mass and time", "units", self.file)
+            raise SceneError("is missing; give length, mass and time", "units", self._file)
         tables = {"title": title or "", "units": units} if data is None else data
-        self._parts = read(tables, self.file, whole=data is not None)
+        self._parts = read(tables, self._file, whole=data is not None)
         self._data = _plain(tables)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -149,19 +156,19 @@ class Scene:
         name, as usual in pickle."""
         for own in self._own:
             own.check_pickle()
-        file = None if self.file is None else os.path.abspath(self.file)
+        file = None if self._file is None else os.path.abspath(self._file)
         return {"data": self._data, "file": file, "own": self._own}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self._data, self.file, self._own = state["data"], state["file"], state["own"]
+        self._data, self._file, self._own = state["data"], state["file"], state["own"]
         self._problem = None
-        self._parts = read(self._data, self.file, whole=False)
+        self._parts = read(self._data, self._file, whole=False)
 
     def __copy__(self) -> Scene:
         """A deep copy of the scene."""
         new = object.__new__(type(self))
         own = [replace(own) for own in self._own]
-        new.__setstate__({"file": self.file, "data": self.data, "own": own})
+        new.__setstate__({"file": self._file, "data": self.data, "own": own})
         return new
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
@@ -170,13 +177,18 @@ class Scene:
         return new
 
     @property
+    def file(self) -> str | None:
+        """The file of the scene, if it has one."""
+        return None if self._file is None else str(self._file)
+
+    @property
     def data(self) -> dict[str, Any]:
         """A copy of the scene's tables, which may be changed and passed to another
         ``Scene(data)``."""
         return copy.deepcopy(self._data)
 
     @classmethod
-    def load(cls, path: str | Path) -> Scene:
+    def load(cls, path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
         """
         Read a scene file.
 
@@ -184,6 +196,8 @@ class Scene:
         ----------
         path
             A TOML file in UTF-8 of at most 256 MB; larger meshes need a file of their own.
+        changes
+            Values that replace those of the file, by keys such as ``"time.end"`` and ``"contact.0.beta"``.
 
         Returns
         -------
@@ -195,13 +209,19 @@ class Scene:
         path = str(path)
         try:
             check_file(path, MOST_BYTES)
-            data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
+            text = Path(path).read_bytes().decode("utf-8")
+            data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"is not valid TOML: {error}", "", path) from None
+            found = re.search(r"at line (\d+)", str(error))
+            line = int(found[1]) if found else None
+            raise SceneError(f"is not valid TOML: {error}", "", path, line) from None
         except (OSError, ValueError, RecursionError) as error:
             reason = getattr(error, "strerror", None) or error
             raise SceneError(f"can't be read: {reason}", "", path) from None
-        return cls(data, file=path)
+        from .source import Text, set_values
+
+        changed = set_values(data, changes or {}, path)
+        return cls(data, file=path if len(text) > MOST_WITH_LINES else Text(path, text, changed))
 
     def save(self, path: str | Path) -> None:
         """
@@ -215,8 +235,8 @@ class Scene:
         self._whole()
         if self._own:
             reason = "is a Python function, which a scene file can't hold"
-            raise SceneError(reason, self._own[0].name, self.file)
-        old, new = Path(self.file or "scene").resolve().parent, Path(path).resolve().parent
+            raise SceneError(reason, self._own[0].name, self._file)
+        old, new = Path(self._file or "scene").resolve().parent, Path(path).resolve().parent
         data = self.data
         for body in data["body"]:
             if old != new and "mesh" in body and not os.path.isabs(body["mesh"]):
@@ -269,7 +289,7 @@ class Scene:
         --------
         >>> scene.add("gravity", acceleration=[0, 0, -9810])
         """
-        at = Place("", self.file)
+        at = Place("", self._file)
         if effect not in EFFECTS:
             raise at.error(f'no effect is named "{effect}"' + suggestion(effect, EFFECTS))
         if effect not in MANY and effect in self._data:
@@ -323,7 +343,7 @@ class Scene:
         own = Own(name, body, nodes, force, energy, omega_squared, rate)
         if name in {*IN_ENERGY, *(ENERGY.names or ()), *(other.name for other in self._own)}:
             raise SceneError(
-                "is already the name of another column of the energy balance", name, self.file
+                "is already the name of another column of the energy balance", name, self._file
             )
         self._own.append(own)
         self._problem = None
@@ -340,7 +360,8 @@ class Scene:
             new["fix"] = list(new["fix"])
         table = [*self._data.get(name, []), new] if name in MANY else new
         data = {**self._data, name: table}
-        self._parts = read(data, self.file, whole=False)
+        self._file = self.file  # what is added has no line in it
+        self._parts = read(data, self._file, whole=False)
         self._data = _plain(data)
         self._problem = None
         return self
@@ -488,7 +509,7 @@ class Scene:
 
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
-                threads, Place("run.threads", self.file)
+                threads, Place("run.threads", self._file)
             )
         path: Any = self._whole().output.file if output is None else (output or None)
         if path is not None:
@@ -506,7 +527,7 @@ class Scene:
     def _whole(self) -> Parts:
         """The parts of a complete scene; otherwise the error names what is missing."""
         if self._parts.time is None or not self._parts.bodies:
-            self._parts = read(self._data, self.file)
+            self._parts = read(self._data, self._file)
         return self._parts
 
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
@@ -516,7 +537,7 @@ class Scene:
         kept = self._problem
         if kept is not None and kept.threads == wanted and dt in (None, kept.dt):
             return kept
-        problem = Problem(parts, self.file, wanted, self._own, dt)
+        problem = Problem(parts, self._file, wanted, self._own, dt)
         if dt is None:
             self._problem = problem
         return problem
@@ -524,10 +545,15 @@ class Scene:
     def _check_output(self, path: Any, restart: Any) -> None:
         """Raise an error if the output would overwrite the restart, a mesh, or a file that is not a
         results file."""
-        at, folder = Place("output.file", self.file), Path(self.file or "").parent
+        at, folder = Place("output.file", self._file), Path(self._file or "").parent
         if not isinstance(path, (str, os.PathLike)):
             raise at.error(f"is {describe(path)}; it must be a path")
         path, reason = FileName().read(os.fspath(path), at), ""
+        if (ending := os.path.splitext(path)[1].lower()) in OTHER_FORMATS:
+            whole = os.path.splitext(path)[0] + ".vtkhdf"
+            reason = f'results are in VTKHDF, not in {ending}; write "{whole}"'
+            if ending in EXPORTS:
+                reason += f" and convert it: libcontact export {whole} --to {ending[1:]}"
         if restart is not None and _one_file(path, restart):
             reason = "is the file that the restart is read from, whose earlier records would be lost; choose another file"
         for body in self._parts.bodies.values():
@@ -543,7 +569,7 @@ class Scene:
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Raise an error for a run of another scene; return the step of the run, and the number of parts
         into which this scene divides it."""
-        at = Place("restart", self.file)
+        at = Place("restart", self._file)
         from .results import origin
 
         try:

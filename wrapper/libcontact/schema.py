@@ -32,6 +32,14 @@ LONGEST_NAME = 63
 MOST = 2**31 - 1
 
 
+class Source(str):
+    """The name of a file whose text is known."""
+
+    def line(self, key: str) -> int | None:
+        """The line of a key, counted from 1."""
+        raise NotImplementedError
+
+
 class SceneError(Error, ValueError):
     """A scene that can't be computed.
 
@@ -43,14 +51,20 @@ class SceneError(Error, ValueError):
         The key, such as ``body[1].material``, counted from 0.
     reason
         What is wrong.
+    line
+        The line of the key in the file, counted from 1; None if the scene was changed since it was read.
     """
 
-    def __init__(self, reason: str, key: str = "", file: str | None = None):
-        self.file, self.key, self.reason = file, key, bare(reason)
-        super().__init__(": ".join(part for part in (file or "scene", key, self.reason) if part))
+    def __init__(
+        self, reason: str, key: str = "", file: str | None = None, line: int | None = None
+    ):
+        self.line = file.line(key) if line is None and isinstance(file, Source) else line
+        self.file, self.key, self.reason = None if file is None else str(file), key, bare(reason)
+        where = f"{file or 'scene'}" + (f":{self.line}" if self.line else "")
+        super().__init__(": ".join(part for part in (where, key, self.reason) if part))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.reason, self.key, self.file)
+        return type(self), (self.reason, self.key, self.file, self.line)
 
 
 @dataclass(frozen=True)
