@@ -1,5 +1,6 @@
 """The command line: exit codes, output on stdout and stderr, and no traceback after a mistake of the user."""
 
+import csv
 import json
 import os
 import re
@@ -9,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from libcontact._core import lib
 from libcontact.command import main
@@ -323,11 +325,15 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
     command = [sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"]
     done = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
     assert done.returncode == 3, done.stderr
-    assert "the run failed: " in done.stderr and "Traceback" not in done.stderr
+    assert "Traceback" not in done.stderr
+    # One message, of what is in the file.
+    (told,) = [line for line in done.stderr.splitlines() if "energy" not in line]
+    assert told.startswith("the run failed: ") and "last good state" not in told
     from libcontact.run import Run
 
     kept = Run.load("out.vtkhdf")
-    assert 1 < len(kept.time) < 80 and f"{len(kept.time)} records" in done.stderr
+    assert 1 < len(kept.time) < 80 and f"{len(kept.time)} records" in told
+    assert f"t = {kept.time[-1]:.6g} (step {kept.steps[-1]})" in told
 
 
 @needs_hdf5
@@ -369,3 +375,266 @@ def test_the_schema_is_written_for_editors(capsys):
     poisson = schema["properties"]["material"]["items"]["properties"]["poisson"]
     assert (poisson["exclusiveMinimum"], poisson["exclusiveMaximum"]) == (-1, 0.5)
     assert poisson["description"].startswith("Poisson's ratio")
+
+
+# Information and exports.
+
+
+@pytest.fixture
+def run_file(scene):
+    """The results file of the scene, with a probe."""
+    probe = '\n[[probe]]\nname = "a wall"\nsurface = "right.x_min"\nquantities = ["velocity"]\n'
+    Path(scene).write_text(Path(scene).read_text() + probe)
+    assert main(["run", scene, "-o", "out.vtkhdf", "--until", "4e-8", "--quiet"]) == 0
+    return "out.vtkhdf"
+
+
+@needs_hdf5
+def test_info_tells_what_is_in_a_file(run_file, scene, capsys):
+    """Of results, of a scene, and of a mesh, for readers and for programs."""
+    run = ct.Run.load(run_file)
+    assert main(["info", run_file, "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    (body,) = facts["bodies"]
+    assert (body["name"], body["element"], body["elements"], body["nodes"]) == (
+        "right",
+        "hex8",
+        400,
+        882,
+    )
+    assert facts["kind"] == "results" and facts["version"] == ct.__version__
+    assert facts["records"] == len(run.steps) and facts["steps"] == run.steps[[0, -1]].tolist()
+    assert facts["times"] == run.time[[0, -1]].tolist() and facts["bytes"] == os.path.getsize(
+        run_file
+    )
+    assert facts["fields"] == ["displacement", "velocity", "stress"]
+    (probe,) = facts["probes"]
+    assert probe["rows"] == len(run.probes["a wall"]) and "velocity_x" in probe["columns"]
+    assert main(["info", scene, run_file]) == 0
+    out, err = capsys.readouterr()
+    assert "400 hex8, 882 nodes" in out and f"libcontact {ct.__version__}" in out
+    assert "steps    0 to " in out and out.count("time ") == 2
+    assert main(["info", "none.vtkhdf"]) == 2 and "none.vtkhdf" in capsys.readouterr().err
+
+
+def test_json_goes_to_stdout_and_messages_to_stderr(scene, capsys):
+    assert main(["run", scene, "--until", "2e-8", "--json"]) == 0
+    out, err = capsys.readouterr()
+    facts, run = json.loads(out), ct.Scene.load(scene).run(progress=False, output=False, until=2e-8)
+    assert facts["exit"] == 0 and facts["energy"]["total"] == run.energy["total"][-1]
+    assert facts["steps"] == run.steps[-1] and "work balance" in err
+    assert main(["explain", scene, "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["bodies"][0]["elements"] == 400 and facts["plan"][0]["name"] == "solid"
+    assert main(["explain", scene, "--json", "--set", "time.end=-1"]) == 2
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["exit"] == 2 and "time.end" in facts["error"]
+
+
+def test_json_has_no_numbers_that_json_lacks():
+    from libcontact.command import _json
+
+    assert json.loads(_json({"a": float("nan"), "b": [float("inf"), 1.5], "c": (True, None)})) == {
+        "a": None,
+        "b": [None, 1.5],
+        "c": [True, None],
+    }
+
+
+def test_several_scenes_in_one_call(scene, capsys):
+    """Each has its own results; a wrong one does not keep the others from running, and the worst exit code counts."""
+    text = Path(scene).read_text()
+    Path("other.toml").write_text(text.replace("plates_reference.vtkhdf", "other.vtkhdf"))
+    Path("wrong.toml").write_text("title = 3\n")
+    assert main(["run", "wrong.toml", scene, "other.toml", "--until", "1e-8", "--quiet"]) == 2
+    assert "wrong.toml" in capsys.readouterr().err
+    if ct.has("hdf5"):
+        assert Path("other.vtkhdf").exists() and Path("plates_reference.vtkhdf").exists()
+    assert main(["explain", scene, "other.toml", "--json"]) == 0
+    names = [json.loads(line)["scene"] for line in capsys.readouterr().out.splitlines()]
+    assert names == [scene, "other.toml"]
+
+
+def test_several_scenes_do_not_share_a_file(scene, capsys):
+    Path("other.toml").write_text(Path(scene).read_text())
+    assert main(["run", scene, "other.toml"]) == 2
+    assert "both write" in capsys.readouterr().err
+    assert main(["run", scene, "other.toml", "-o", "x.vtkhdf"]) == 2
+    assert sorted(os.listdir()) == ["other.toml", "scene.toml"]
+
+
+def test_set_replaces_values_of_the_scene(scene, capsys):
+    change = ["--set", "time.end_c1t_over.value=0.1", "--set", "body.0.box.cells=[10, 1, 10]"]
+    assert main(["explain", scene, "--json", *change, "--set", "output.every=7"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    data = ct.Scene.load(scene).data
+    data["time"]["end_c1t_over"]["value"], data["output"]["every"] = 0.1, 7
+    data["body"][0]["box"]["cells"] = [10, 1, 10]
+    wanted = ct.Scene(data).explain().data
+    assert facts["time"]["steps"] == wanted["time"]["steps"] and facts["output"]["every"] == 7
+    assert facts["bodies"][0]["elements"] == wanted["bodies"][0]["elements"] == 100
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        ("time.edn=1", "time.edn: unknown key"),
+        ("body.3.velocity=[0, 0, 0]", "body[3] does not exist"),
+        ("contact.0.beta=3", "there is no [[contact]]"),
+        ("title.x=3", "title is not a table"),
+        ("time.end", "KEY=VALUE"),
+        ("time.end=[1", "no value of TOML"),
+        ("body[0].element=hex21", 'body[0].element: "hex21"'),
+    ],
+)
+def test_a_wrong_set_names_its_key(scene, change, words, capsys):
+    assert main(["explain", scene, "--set", change]) == 2
+    err = capsys.readouterr().err
+    # A value that is not of the file has no line in it.
+    assert words in err and "Traceback" not in err and "scene.toml:1" not in err
+
+
+@pytest.mark.parametrize("name", ["x.vtu", "x.csv", "x.xdmf", "x.PNG"])
+def test_results_are_not_written_under_the_name_of_another_format(scene, name, capsys):
+    assert main(["run", scene, "-o", name]) == 2
+    assert "x.vtkhdf" in capsys.readouterr().err and os.listdir() == ["scene.toml"]
+
+
+@needs_hdf5
+def test_export_to_csv_has_all_rows(run_file):
+    assert main(["export", run_file, "--to", "csv", "-o", "tables"]) == 0
+    run = ct.Run.load(run_file)
+    assert sorted(os.listdir("tables")) == ["energy.csv", "momentum.csv", "probe_a_wall.csv"]
+    rows = list(csv.DictReader(open("tables/momentum.csv")))
+    assert [float(row["p_x"]) for row in rows] == run.momentum["p"][:, 0].tolist()
+    assert {row["body"] for row in rows} == {"right"}
+    rows = list(csv.DictReader(open("tables/probe_a_wall.csv")))
+    assert [float(row["velocity_x"]) for row in rows] == run.probes["a wall"]["velocity"][
+        :, 0
+    ].tolist()
+
+
+@needs_hdf5
+def test_export_to_vtu_and_xdmf_is_read_back(run_file):
+    """By meshio's own readers: the last record, and all of them."""
+    meshio = pytest.importorskip("meshio")
+    run = ct.Run.load(run_file)
+    assert main(["export", run_file, "--to", "vtu"]) == 0
+    grid, state = meshio.read("out.vtu"), run.state["right"]
+    assert (grid.points == state.nodes).all() and (grid.cells[0].data == state.elements).all()
+    assert (grid.point_data["velocity"] == state.velocity).all()
+    assert (grid.cell_data["stress"][0] == state.stress).all()
+    Path("folder").mkdir()
+    assert main(["export", run_file, "--to", "xdmf", "-o", "folder/all.xdmf"]) == 0
+    assert sorted(os.listdir("folder")) == ["all.h5", "all.xdmf"]
+    with meshio.xdmf.TimeSeriesReader("folder/all.xdmf") as reader:
+        points, cells = reader.read_points_cells()
+        assert reader.num_steps == len(run.steps) and (points == state.nodes).all()
+        for k in range(reader.num_steps):
+            time, at_points, at_cells = reader.read_data(k)
+            now = ct.Run.load(run_file, k).state
+            assert time == now.time
+            assert (at_points["displacement"] == now["right"].displacement).all()
+    assert main(["export", run_file, "--to", "xdmf", "-o", "out.xdmf"]) == 0
+    os.rename("out.vtkhdf", "run.h5")
+    before = Path("run.h5").read_bytes()
+    assert main(["export", "run.h5", "--to", "xdmf", "-o", "run.xdmf"]) == 2
+    assert Path("run.h5").read_bytes() == before
+
+
+@needs_hdf5
+@pytest.mark.parametrize(
+    "module, arguments, extra",
+    [
+        ("meshio", ["export", "out.vtkhdf", "--to", "vtu"], "libcontact[export]"),
+        ("shtab", ["completion", "bash"], "libcontact[completion]"),
+    ],
+)
+def test_a_missing_extra_is_named(run_file, module, arguments, extra, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, module, None)
+    assert main(arguments) == 2
+    assert extra in capsys.readouterr().err
+
+
+@needs_hdf5
+def test_animate_draws_the_records(run_file, capsys):
+    image = pytest.importorskip("PIL.Image")
+    pytest.importorskip("matplotlib")
+    assert main(["animate", run_file, "--instants", "3", "--field", "velocity_x"]) == 0
+    film = image.open("out.gif")
+    assert film.n_frames == 3
+    frames = []
+    for k in range(3):
+        film.seek(k)
+        frames.append(film.convert("RGB").tobytes())
+    assert len(set(frames)) == 3
+    assert main(["animate", run_file, "-o", "out.avi"]) == 2
+    assert ".gif and .mp4" in capsys.readouterr().err
+
+
+def test_completion_knows_every_command(capsys):
+    pytest.importorskip("shtab")
+    assert main(["completion", "bash"]) == 0
+    text = capsys.readouterr().out
+    for word in ("explain", "animate", "--restart", "--set"):
+        assert word in text
+    done = subprocess.run(["bash", "-n"], input=text, text=True, capture_output=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_tables_become_those_of_pandas(scene):
+    """One column per number: vectors and stresses are split, and nothing is lost."""
+    pytest.importorskip("pandas")
+    text = Path(scene).read_text()
+    probe = '\n[[probe]]\nname = "p"\nbody = "right"\npoint = [1.2, 0.01, 0.1]\nquantities = ["velocity", "stress"]\n'
+    Path(scene).write_text(text + probe)
+    run = ct.Scene.load(scene).run(progress=False, output=False, until=2e-8)
+    energy, momentum = run.energy.to_pandas(), run.momentum.to_pandas()
+    assert list(energy) == list(run.energy.dtype.names) and len(energy) == len(run.steps)
+    assert (momentum["p_x"] == run.momentum["p"][:, 0]).all()
+    assert {"L_z", "contact_impulse_y", "body"} <= {*momentum}
+    history = run.probes["p"].to_pandas()
+    assert (history["stress_zx"] == run.probes["p"]["stress"][:, 5]).all()
+    assert type(run.energy["total"]) is np.ndarray and len(run.body_momentum("right").to_pandas())
+
+
+@pytest.mark.parametrize(
+    "change, where",
+    [
+        (("young = 2.1e5", "yuong = 2.1e5"), "yuong"),
+        (("poisson = 0.3", "poisson = 0.7"), "poisson"),
+        (('element = "hex8"', 'element = "hex9"'), "element"),
+        (("[time]", "[time"), "[time"),
+        (("[-1000, 0, 0]", "[-1000,\n  0, 0, 1]"), "velocity"),
+    ],
+)
+def test_a_wrong_key_is_told_with_its_line(scene, change, where, capsys):
+    """Also behind values of several lines, and in tables that are given several times."""
+    head = '# A "comment" with [brackets]\ntitle = """\n[[body]]\n"""\n'
+    text = re.sub(r"^title.*\n", "", Path(scene).read_text(), flags=re.M)
+    assert change[0] in text
+    Path(scene).write_text(head + text.replace(*change))
+    assert main(["explain", scene]) == 2
+    lines = Path(scene).read_text().splitlines()
+    number = int(re.search(r"scene\.toml:(\d+): ", capsys.readouterr().err)[1])
+    assert where in lines[number - 1]
+
+
+def test_places_of_keys():
+    from libcontact.source import places
+
+    text = 'a = 1 # [x]\n[t]\nb.c = [1,\n [2], # ]\n]\n"d e" = \'#[\'\n[[m]]\nn = 1\n[[m]]\nn = """\nq = 2\n"""\no = {p = 1}\n[m.z]\nw = 1\n'
+    assert dict(places(text)) == {
+        "a": 1,
+        "t": 2,
+        "t.b.c": 3,
+        "t.b": 3,
+        "t.d e": 6,
+        "m[0]": 7,
+        "m[0].n": 8,
+        "m[1]": 9,
+        "m[1].n": 10,
+        "m[1].o": 13,
+        "m[1].z": 14,
+        "m[1].z.w": 15,
+    }

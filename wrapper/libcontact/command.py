@@ -1,21 +1,27 @@
-"""The command line: ``libcontact run | explain | plan | schema | plot``. Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
+"""The command line: ``libcontact run | explain | plan | info | plot | animate | export | schema | completion``. Exit codes: 0 ok, 2 bad input, 3 run
+failed, 130 Ctrl-C."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import importlib.util
+import math
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .run import Run
+    from .scene import Scene
 
 OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
+# Arguments that are files, for completion.
+FILES = ("SCENE.toml", "NEW.toml", "RUN.vtkhdf", "FILE", "PNG", "OUT")
 
 
 class BadInput(ValueError):
@@ -36,14 +42,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         The exit code. Errors of the user are reported in one line on stderr.
     """
-    try:
-        return _answer(arguments)
-    finally:
-        _drop_what_stdout_refuses()
+    return _attempt(lambda: _command(arguments))[0]
 
 
-def _answer(arguments: Sequence[str] | None) -> int:
-    """The exit code of one command, after a message for whatever went wrong."""
+def _attempt(action: Callable[[], int]) -> tuple[int, str]:
+    """The exit code of an action, after a message for whatever went wrong, and this message."""
     # Ctrl-C among these imports is left to the caller.
     from .errors import Error, NotBuiltIn, SceneWarning
     from .run import RunError
@@ -52,24 +55,31 @@ def _answer(arguments: Sequence[str] | None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda text, *rest, **more: _say(f"warning: {text}", "yellow")
-            code = _command(arguments)
+            code = action()
         if sys.stdout is not None:
             sys.stdout.flush()
-        return code
+        return code, ""
     except KeyboardInterrupt:
         _say("interrupted")
-        return INTERRUPTED
+        return INTERRUPTED, "interrupted"
     except BrokenPipeError:  # as in libcontact explain ... | head
-        return OK
+        _drop_what_stdout_refuses()
+        return OK, ""
     except (SceneError, NotBuiltIn, BadInput, OSError) as error:
-        _say(f"error: {getattr(error, 'strerror', None) or error}", "red")
-        return BAD_INPUT
+        file = getattr(error, "filename", None)
+        place = f'"{file}": ' if file else ""
+        text = f"{place}{getattr(error, 'strerror', None) or error}"
+        _drop_what_stdout_refuses()
+        _say(f"error: {text}", "red")
+        return BAD_INPUT, text
     except (Error, MemoryError, SceneWarning) as error:  # Python may be told to end at a warning
-        _say(f"the run failed: {error if str(error) else 'out of memory'}", "red")
+        text = str(error) or "out of memory"
+        _say(f"the run failed: {text}", "red")
         run = error.run if isinstance(error, RunError) else None
-        if run is not None and run.path is not None and len(run.steps):
+        told = run is None or str(run.path) in str(error)
+        if run is not None and run.path is not None and len(run.steps) and not told:
             _say(f'{len(run.steps)} records up to t = {run.time[-1]:.6g} are kept in "{run.path}"')
-        return RUN_FAILED
+        return RUN_FAILED, text
 
 
 def _command(arguments: Sequence[str] | None) -> int:
@@ -98,9 +108,10 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
     run = commands.add_parser("run", help="compute a scene and write its results file")
-    run.set_defaults(command=_run)
-    run.add_argument("scene", metavar="SCENE.toml")
-    run.add_argument("-o", "--output", metavar="FILE", help="results file, instead of the scene's")
+    run.set_defaults(command=_run_all)
+    _scene_options(run)
+    output = "results file (VTKHDF), instead of the scene's"
+    run.add_argument("-o", "--output", metavar="FILE", help=output)
     when = "time at which the run ends; the step stays the same"
     run.add_argument("--until", metavar="TIME", type=float, help=when)
     run.add_argument(
@@ -115,14 +126,14 @@ def _parser() -> argparse.ArgumentParser:
     _picture_options(run)
 
     explain = commands.add_parser("explain", help="show what a scene will compute, and why")
-    explain.set_defaults(command=_explain)
-    explain.add_argument("scene", metavar="SCENE.toml")
+    explain.set_defaults(command=lambda options: _each(options, _explain))
+    _scene_options(explain)
 
     plan = commands.add_parser(
         "plan", help="choose mesh, step and methods for a given error or run time"
     )
-    plan.set_defaults(command=_plan)
-    plan.add_argument("scene", metavar="SCENE.toml")
+    plan.set_defaults(command=lambda options: _each(options, _plan))
+    _scene_options(plan)
     goal = plan.add_mutually_exclusive_group(required=True)
     goal.add_argument("--error", metavar="5%", type=_fraction, help="relative error to meet")
     goal.add_argument("--seconds", metavar="S", type=float, help="longest run time")
@@ -134,6 +145,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     plan.add_argument("--write", metavar="NEW.toml", help="write the chosen scene to this file")
 
+    what = "show what is in results files, meshes and scenes"
+    info = commands.add_parser("info", help=what)
+    info.set_defaults(command=lambda options: _each(options, _info))
+    info.add_argument("scenes", metavar="FILE", nargs="+")
+    info.add_argument("--json", action="store_true", help="write JSON, one line per file")
+
     schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
     schema.set_defaults(command=_schema)
 
@@ -142,10 +159,46 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("file", metavar="RUN.vtkhdf")
     plot.add_argument("-o", "--output", metavar="PNG", help="picture, by default RUN.png")
     _picture_options(plot)
+
+    animate = commands.add_parser("animate", help="draw the records of a run as a film")
+    animate.set_defaults(command=_animate)
+    animate.add_argument("file", metavar="RUN.vtkhdf")
+    film = "film, a .gif or a .mp4 (needs ffmpeg), by default RUN.gif"
+    animate.add_argument("-o", "--output", metavar="FILE", help=film)
+    animate.add_argument("--rate", metavar="N", type=int, default=15, help="pictures per second")
+    _picture_options(animate, instants=60)
+
+    export = commands.add_parser("export", help="convert a run to CSV, VTU or XDMF")
+    export.set_defaults(command=_export)
+    export.add_argument("file", metavar="RUN.vtkhdf")
+    form = "csv: energy, momentum and probes; vtu: one record; xdmf: all records"
+    export.add_argument("--to", choices=("csv", "vtu", "xdmf"), required=True, help=form)
+    target = "file, or folder of the CSV files; by default named after the run"
+    export.add_argument("-o", "--output", metavar="OUT", help=target)
+    record = "number of the record for vtu, counted from 0 (default: the last one)"
+    export.add_argument("--record", metavar="N", type=int, default=-1, help=record)
+
+    completion = commands.add_parser("completion", help="write the completion of a shell")
+    completion.set_defaults(command=_completion)
+    completion.add_argument("shell", choices=("bash", "zsh", "tcsh"))
     return parser
 
 
-def _picture_options(parser: argparse.ArgumentParser) -> None:
+def _scene_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenes", metavar="SCENE.toml", nargs="+")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="replace a value of the scene, as in time.end=2e-7 or contact.0.beta=10",
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="write JSON to stdout, one line per scene"
+    )
+
+
+def _picture_options(parser: argparse.ArgumentParser, instants: int = 4) -> None:
     field = (
         "mises, contact_pressure, principal_max, stress_xx, velocity_z, ... (default: by the scene)"
     )
@@ -154,13 +207,104 @@ def _picture_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scale", type=float, help=scale)
     view = "sides that the viewer sees, such as y_min or x_max+y_min+z_max"
     parser.add_argument("--view", metavar="SIDES", help=view)
-    parser.add_argument("--instants", metavar="N", type=int, default=4, help="number of instants")
+    parser.add_argument(
+        "--instants", metavar="N", type=int, default=instants, help="number of instants"
+    )
 
 
-def _run(options: argparse.Namespace) -> int:
+def _each(
+    options: argparse.Namespace, action: Callable[[argparse.Namespace], dict[str, Any]]
+) -> int:
+    """Do one action for each scene; what it returns is written as JSON if that is wanted. The worst
+    exit code counts, and Ctrl-C ends all."""
+    worst = OK
+    for path in options.scenes:
+        one, found = argparse.Namespace(**vars(options), scene=path), dict[str, Any]()
+
+        def act(one: argparse.Namespace = one, found: dict[str, Any] = found) -> int:
+            found |= action(one)
+            return int(found["exit"])
+
+        if len(options.scenes) > 1 and not getattr(options, "quiet", False):
+            _say(path, "bold")
+        code, message = _attempt(act)
+        if options.json:
+            error = {"error": message} if message else {}
+            print(_json({"scene": path, **found, "exit": code, **error}), flush=True)
+        if code == INTERRUPTED:
+            return code
+        worst = max(worst, code)
+    return worst
+
+
+def _json(value: Any) -> str:
+    """JSON in one line; numbers that are not finite are null."""
+    import json
+
+    return json.dumps(_plain(value), allow_nan=False, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        return _plain({each.name: getattr(value, each.name) for each in fields(value)})
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, bool, int, float, type(None))) else str(value)
+
+
+def _load(options: argparse.Namespace) -> Scene:
+    """The scene of a command, with the values of ``--set``."""
+    import tomllib
+
     from .scene import Scene
+    from .source import value_of
 
-    scene = Scene.load(options.scene)
+    changes = {}
+    for text in options.set:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise BadInput(f'--set "{text}" is no KEY=VALUE')
+        try:
+            changes[key.strip()] = value_of(value.strip())
+        except tomllib.TOMLDecodeError as error:
+            raise BadInput(f'--set {key}: "{value}" is no value of TOML: {error}') from None
+    return Scene.load(options.scene, changes)
+
+
+def _run_all(options: argparse.Namespace) -> int:
+    """Run each scene, after a check that each has a file of its own."""
+    if len(options.scenes) > 1:
+        for name in ("output", "restart"):
+            if getattr(options, name) is not None:
+                raise BadInput(f"--{name} is one file; give one scene")
+        _check_files(options)
+    return _each(options, _run)
+
+
+def _check_files(options: argparse.Namespace) -> None:
+    """Refuse scenes of which one would overwrite the results of another one."""
+    from .schema import SceneError
+
+    writers: dict[Path, str] = {}
+    for path in options.scenes:
+        try:
+            scene = _load(argparse.Namespace(scene=path, set=options.set))
+        except SceneError:  # told when the scene is run
+            continue
+        if name := scene.data.get("output", {}).get("file"):
+            first = writers.setdefault(Path(name).resolve(), path)
+            if first is not path:
+                raise BadInput(f'{first} and {path} both write "{name}"')
+
+
+def _run(options: argparse.Namespace) -> dict[str, Any]:
+    scene = _load(options)
     if options.output == "":
         raise BadInput("the name of the output is empty")
     named = options.output or scene.data.get("output", {}).get("file")
@@ -170,6 +314,12 @@ def _run(options: argparse.Namespace) -> int:
     run = scene.run(progress=not options.quiet, **{key: getattr(options, key) for key in keys})
     if not options.quiet:
         _report(run)
+    code = _finish(run, named, options)
+    return _summary(run) | {"exit": code}
+
+
+def _finish(run: Run, named: str | None, options: argparse.Namespace) -> int:
+    """Messages and picture after a run, and its exit code."""
     if run.interrupted:
         kept = f'; {len(run.steps)} records are kept in "{run.path}"' if run.path else ""
         _say(f"interrupted at t = {run.time[-1]:.6g}{kept}")
@@ -180,6 +330,26 @@ def _run(options: argparse.Namespace) -> int:
         _say(f'the results file "{named}" was not written', "red")
         return RUN_FAILED
     return OK
+
+
+def _summary(run: Run) -> dict[str, Any]:
+    """The end of a run, for programs."""
+    last = run.energy[-1]
+    names = run.energy.dtype.names or ()
+    return {
+        "file": run.path,
+        "bodies": run.bodies,
+        "records": len(run.steps),
+        "steps": run.steps[-1],
+        "time": run.time[-1],
+        "dt": run.dt,
+        "seconds": run.seconds,
+        "interrupted": run.interrupted,
+        "energy": {name: last[name] for name in names if name != "time"},
+        "energy_change": last["total"] - run.energy["total"][0],
+        "costs": run.costs,
+        "penetration": run.penetration,
+    }
 
 
 def _report(run: Run) -> None:
@@ -197,14 +367,39 @@ def _report(run: Run) -> None:
         _say(f'results in "{run.path}"')
 
 
-def _explain(options: argparse.Namespace) -> int:
-    from .scene import Scene
-
-    text = Scene.load(options.scene).explain()
+def _explain(options: argparse.Namespace) -> dict[str, Any]:
+    text = _load(options).explain()
+    if options.json:
+        return {**text.data, "exit": OK}
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")
     print(text, flush=True)
-    return OK
+    return {"exit": OK}
+
+
+def _info(options: argparse.Namespace) -> dict[str, Any]:
+    from .info import describe_file, text
+
+    with _naming_what_is_wrong():
+        facts = describe_file(options.scene)
+    if not options.json:
+        print(text(facts), flush=True)
+    return {**facts, "exit": OK}
+
+
+@contextlib.contextmanager
+def _naming_what_is_wrong() -> Iterator[None]:
+    """A file that can't be read is bad input."""
+    from .schema import SceneError
+
+    try:
+        yield
+    except SceneError:
+        raise
+    except ImportError as error:
+        raise BadInput(f"reading a run needs h5py ({error})") from None
+    except ValueError as error:
+        raise BadInput(str(error)) from None
 
 
 def _fraction(text: str) -> float:
@@ -212,18 +407,22 @@ def _fraction(text: str) -> float:
     return float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
 
 
-def _plan(options: argparse.Namespace) -> int:
-    from .scene import Scene
-
+def _plan(options: argparse.Namespace) -> dict[str, Any]:
     if options.write is not None and Path(options.write).exists():
         raise BadInput(f'"{options.write}" exists already')
     keys = ("error", "seconds", "functional", "trials")
-    plan = Scene.load(options.scene).plan(**{key: getattr(options, key) for key in keys})
-    print(plan, flush=True)
+    plan = _load(options).plan(**{key: getattr(options, key) for key in keys})
+    if not options.json:
+        print(plan, flush=True)
     if options.write is not None:
         plan.scene.save(options.write)
         _say(f'scene in "{options.write}"')
-    return INTERRUPTED if plan.interrupted else OK
+    facts = {each.name: getattr(plan, each.name) for each in fields(plan)}
+    for name in ("choice", "cheaper", "dearer"):
+        offer = facts[name]
+        text = {"scene": offer.scene.toml(arrays=False)} if offer else {}
+        facts[name] = offer and {**vars(offer), **text}
+    return {**facts, "exit": INTERRUPTED if plan.interrupted else OK}
 
 
 def _schema(options: argparse.Namespace) -> int:
@@ -239,14 +438,65 @@ def _plot(options: argparse.Namespace) -> int:
     from .run import Run
 
     _check_picture(options)
-    try:
+    with _naming_what_is_wrong():
         run = Run.load(options.file)
-    except ImportError as error:
-        raise BadInput(f"plotting needs h5py ({error})") from None
-    except ValueError as error:
-        raise BadInput(str(error)) from None
     _draw(run, Path(options.output or Path(options.file).with_suffix(".png")), options)
     return OK
+
+
+def _animate(options: argparse.Namespace) -> int:
+    from .run import Run
+
+    _check_picture(options)
+    if options.rate < 1:
+        raise BadInput(f"--rate is {options.rate}; at least one picture per second is needed")
+    from .animation import animate
+
+    target = Path(options.output or Path(options.file).with_suffix(".gif"))
+    keys = ("field", "view", "scale", "rate")
+    with _naming_what_is_wrong():
+        run = Run.load(options.file)
+        shown = {key: getattr(options, key) for key in keys}
+        animate(run, target, frames=options.instants, **shown)
+    _say(f'film in "{target}"')
+    return OK
+
+
+def _export(options: argparse.Namespace) -> int:
+    from .export import FORMATS
+    from .run import Run
+
+    with _naming_what_is_wrong():
+        run = Run.load(options.file, options.record)
+        target = Path(options.output or Path(options.file).with_suffix(f".{options.to}"))
+        if not options.output and options.to == "csv":
+            target = target.with_suffix("")
+        FORMATS[options.to](run, target)
+    _say(f'{options.to} in "{target}"')
+    return OK
+
+
+def _completion(options: argparse.Namespace) -> int:
+    try:
+        import shtab
+    except ImportError:
+        text = 'completion needs shtab: pip install "libcontact[completion]"'
+        raise BadInput(text) from None
+
+    parser = _parser()
+    for each in _actions(parser):
+        if each.metavar in FILES:
+            each.complete = shtab.FILE  # type: ignore[attr-defined]
+    print(shtab.complete(parser, shell=options.shell), flush=True)
+    return OK
+
+
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """The arguments of all commands."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from command._actions
 
 
 def _check_picture(options: argparse.Namespace) -> None:
