@@ -54,7 +54,14 @@ def collect(build: Path) -> dict[Path, Counts]:
     gcov = shlex.split(os.environ.get("GCOV", "gcov"))
     for data in sorted(build.rglob("*.gcda")):
         told = subprocess.run(
-            [*gcov, "--json-format", "--branch-counts", "--stdout", str(data)],
+            [
+                *gcov,
+                "--json-format",
+                "--branch-probabilities",
+                "--branch-counts",
+                "--stdout",
+                str(data),
+            ],
             capture_output=True,
             text=True,
             check=True,
