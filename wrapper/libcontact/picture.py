@@ -44,8 +44,8 @@ def plot_run(
     view: str | None = None,
     scale: float | None = None,
     instants: int = INSTANTS,
-    figure: Figure | None = None,
-) -> Figure:
+    figure: Any = None,
+) -> Any:
     """
     Draw a row of instants and the energies.
 
@@ -90,8 +90,7 @@ def plot_run(
         head, below = _draw_rows(figure or new_figure(), *drawn)
     head.text(0.5, 0.4, title_of(run), fontsize="large", ha="center", va="center")
     draw_energies(below.subplots(), run)
-    whole: Figure = below.get_figure(root=True)
-    return whole
+    return below.get_figure(root=True)
 
 
 def picture(run: Run, path: str | Path, **options: Any) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from .problem import c_material
 from .schema import is_number, suggestion
 from .tables import Table
 from .units import Units
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 __all__ = [
     "BodyState",
@@ -545,8 +542,8 @@ class Run:
         view: str | None = None,
         scale: float | None = None,
         instants: int = 4,
-        figure: Figure | None = None,
-    ) -> Figure:
+        figure: Any = None,
+    ) -> Any:
         """
         Draw a row of instants and the energies, as :func:`libcontact.picture.plot_run`.
 
