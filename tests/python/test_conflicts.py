@@ -79,7 +79,8 @@ def test_a_conflict_is_refused_with_file_key_and_reason(more, key, reason, tmp_p
     with pytest.raises(ct.SceneError) as refused:
         ct.Scene.load(path)
     assert refused.value.key.startswith(key) and reason in refused.value.reason
-    assert str(refused.value).startswith(f"{path}: {refused.value.key}: ")
+    assert str(refused.value).startswith(f"{path}:{refused.value.line}: {refused.value.key}: ")
+    assert refused.value.line > 0
 
 
 @pytest.mark.parametrize(

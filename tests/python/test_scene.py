@@ -281,7 +281,7 @@ def test_the_file_is_named(tmp_path):
     with pytest.raises(SceneError) as caught:
         ct.Scene.load(file)
     assert caught.value.file == str(file)
-    assert str(caught.value).startswith(f"{file}: body[0].material: ")
+    assert str(caught.value).startswith(f"{file}:16: body[0].material: ")
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
 # Endings of file formats that are not that of the results, and those to which results can be converted.
 EXPORTS = (".csv", ".vtu", ".xdmf")
 OTHER_FORMATS = (*EXPORTS, *".vtk .vtp .pvd .pvtu .xmf .exo .npz .mat".split())
-OTHER_FORMATS += tuple(".txt .json .toml .png .gif .mp4 .pdf .svg".split())
+OTHER_FORMATS += tuple(".txt .json .png .gif .mp4 .pdf .svg".split())
 # The largest scene file that is read.
 MOST_BYTES = 256e6
 # The largest one whose text is kept, for the lines in messages.

@@ -37,7 +37,9 @@ class Text(Source):
             return None
         known = dict(places(self.text))
         outer = [key[: found.start()] for found in re.finditer(r"[.\[]", key)]
-        return next((known[name] for name in [key, *reversed(outer)] if name in known), None)
+        # Where all tables of one name are meant, the line of the first one.
+        names = [key, f"{key}[0]", *reversed(outer)]
+        return next((known[name] for name in names if name in known), None)
 
 
 def places(text: str) -> Iterator[tuple[str, int]]:
