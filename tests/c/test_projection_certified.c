@@ -2,6 +2,8 @@
 #include "faces.h"
 #include "tap.h"
 
+#include <string.h>
+
 #include "../../libcontact/src/projection/projection_internal.h"
 
 /* Random faces of a kind. */
@@ -285,6 +287,49 @@ static void attacks(void)
          proven, lies);
 }
 
+/* A face of a family: bent, folded, with coinciding nodes, on a line, stretched, or with mid-side
+ * nodes near the quarter points. */
+static ct_face face_of_family(int family, ct_face_kind kind)
+{
+  static const double amount[6] = {0.62, 1.0, 0.3, 0.5, 0.4, 0.2};
+  ct_face face = random_face(kind, amount[family]);
+  int n = ct_face_node_count(kind), corners = triangular(kind) ? 3 : 4;
+  double along[3] = {uniform(1), uniform(1), uniform(1)}, small = pow(10, -6 + uniform(3)),
+         large = pow(10, 3 + uniform(3)), quarter = 0.25 + uniform(0.15);
+  int i = (int)(fabs(uniform(1)) * n), j = (int)(fabs(uniform(1)) * n);
+  if (family == 2) memcpy(face.node[i], face.node[j], sizeof face.node[i]);
+  for (int a = 0; a < n; a++) {
+    double *x = face.node[a], s = x[0];
+    for (int k = 0; family == 3 && k < 3; k++) x[k] = s * along[k] + small * x[k];
+    if (family == 4) x[0] *= large;
+    if (family != 5 || a < corners) continue;
+    const double *b = face.node[a - corners], *c = face.node[(a - corners + 1) % corners];
+    for (int k = 0; k < 3; k++) x[k] = b[k] + quarter * (c[k] - b[k]);
+  }
+  return face;
+}
+
+/* The robust search reports success only if nothing is closer; otherwise it says so. */
+static void robust_is_right(void)
+{
+  enum { CASES = 24000 };
+  int wrong = 0, ok = 0;
+  for (int i = 0; i < CASES; i++) {
+    ct_face face = face_of_family(i % 6, i / 6 % 3 == 0 ? CT_Q8 : CT_T6);
+    ct_project_options options = ct_project_options_default();
+    ct_projection robust, certified;
+    double far = i % 2 ? 1.0 : 3.0, point[3] = {uniform(far), uniform(far), uniform(far)};
+    if (ct_project(&face, point, &options, &robust) != CT_OK) continue;
+    options.method = CT_CERTIFIED;
+    ct_project(&face, point, &options, &certified);
+    ok++;
+    wrong += robust.distance > certified.distance * (1 + 1e-7);
+  }
+  tap_ok(wrong == 0 && ok > CASES / 2,
+         "robust: of %d folded, collapsed and thin faces %d are ok, %d of them wrongly", CASES, ok,
+         wrong);
+}
+
 int main(void)
 {
   for (int k = 0; k < 4; k++) {
@@ -299,5 +344,6 @@ int main(void)
   centres_of_curvature();
   near_the_surface();
   attacks();
+  robust_is_right();
   return tap_done();
 }

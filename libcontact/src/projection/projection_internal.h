@@ -119,10 +119,6 @@ typedef void ct_local_rule(const ct_local *local, double w[2]);
 ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
                         ct_local_rule *rule, ct_closest *closest);
 
-/* Is it proved that no point of the face is closer than xi, if xi alone does not prove it, by
- * cutting the face into four at most `depth` times? Mirrored faces give the same result. */
-int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_closest *count);
-
 /* Unit vector q across a valley of f, the direction in which f with the Hessian (f,11 f,22 f,12) is
  * most curved, and the curvatures across and along. */
 void ct_principal(const double H[3], double q[2], double curvature[2]);
@@ -138,6 +134,10 @@ typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
  * most `budget` pieces of the face. After CT_CLOSER xi is a closer point. */
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2],
                            ct_closest *count);
+
+/* Try to prove with a few cuts of the face that no point is closer than xi, to the accuracy
+ * CT_PROVABLE. After CT_CLOSER xi is a closer point. A mirrored face has the mirrored result. */
+ct_outcome ct_proof_by_cuts(const ct_patch *patch, double xi[2], ct_closest *count);
 
 /* Point where the line through the given point meets the face, nearest to the given point; and its
  * distance along the direction. CT_NO_CONVERGENCE if the line misses the face. */

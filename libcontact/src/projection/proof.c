@@ -145,31 +145,58 @@ static slope slope_in_cell(const proof *p, const base *b, cell *c)
   return reduced ? REDUCED : OPEN;
 }
 
-/* Is a cell proved that the closest point alone does not prove, after at most `depth` cuts? All
- * parts are examined regardless of the others, so that a mirror changes nothing. */
-static int proven_by_cuts(const proof *p, const base *closest, cell c, int depth, ct_closest *count)
+/* A point is better if it is closer, or equally close and nearer the centre; a mirror does not
+ * change the result. */
+static int is_better(const double a[2], double fa, const double b[2], double fb)
 {
-  base b;
-  base_at(p->patch, c.centre, &b);
-  count->evaluations++;
-  if (b.f < p->target) return 0;
-  if (proven_from_centre(p, &b, &c) || slope_in_cell(p, &b, &c) == EMPTY) return 1;
-  if (depth == 0) return 0;
-  cell part[4];
-  int parts = divide(p->triangular, &c, part), all = 1;
-  for (int i = 0; i < parts; i++)
-    all &= proven_from_closest(p, closest, &part[i]) ||
-           proven_by_cuts(p, closest, part[i], depth - 1, count);
-  return all;
+  double ra = a[0] * a[0] + a[1] * a[1], rb = b[0] * b[0] + b[1] * b[1];
+  return fa < fb || (fa == fb && ra < rb);
 }
 
-int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_closest *count)
+/* Examine one cell that the closest point does not prove; store its parts that are still open.
+ * Returns their number. A centre that is closer than the target replaces `closer` if it is better.
+ */
+static int open_parts(const proof *p, const base *closest, cell c, cell part[4], base *closer,
+                      ct_closest *count)
 {
+  base b;
+  int open = 0;
+  base_at(p->patch, c.centre, &b);
+  count->evaluations++;
+  if (b.f < p->target) {
+    if (is_better(b.xi, b.f, closer->xi, closer->f)) *closer = b;
+    return 0;
+  }
+  if (proven_from_centre(p, &b, &c) || slope_in_cell(p, &b, &c) == EMPTY) return 0;
+  int parts = divide(p->triangular, &c, part);
+  for (int i = 0; i < parts; i++)
+    if (!proven_from_closest(p, closest, &part[i])) part[open++] = part[i];
+  return open;
+}
+
+ct_outcome ct_proof_by_cuts(const ct_patch *patch, double xi[2], ct_closest *count)
+{
+  enum { LEVELS = 24, CELLS = 32 };
+  cell list[2][4 * CELLS];
   proof p;
-  base closest;
+  base closest, closer = {.f = HUGE_VAL};
+  int open = 1;
   base_at(patch, xi, &closest);
-  return proof_about(&p, patch, CT_PROVABLE, closest.distance) &&
-         proven_by_cuts(&p, &closest, whole_face(p.triangular), depth, count);
+  if (!proof_about(&p, patch, CT_PROVABLE, closest.distance)) return CT_GAVE_UP;
+  list[0][0] = whole_face(p.triangular);
+  // -- All cells of a level are examined, so that a mirror changes nothing
+  for (int level = 0; level < LEVELS && open > 0 && open <= CELLS; level++) {
+    const cell *now = list[level % 2];
+    cell *next = list[1 - level % 2];
+    int parts = 0;
+    for (int i = 0; i < open; i++)
+      parts += open_parts(&p, &closest, now[i], &next[parts], &closer, count);
+    open = parts;
+    if (!(closer.f < HUGE_VAL)) continue;
+    xi[0] = closer.xi[0], xi[1] = closer.xi[1];
+    return CT_CLOSER;
+  }
+  return open == 0 ? CT_PROVEN : CT_GAVE_UP;
 }
 
 /* A long thin face relative to the closest point: u = e.d along it, with e across d at the closest

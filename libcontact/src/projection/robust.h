@@ -25,6 +25,9 @@ typedef struct counts {
   mask evaluations, iterations;
 } counts;
 
+/* Descents from closer points that a proof finds. */
+enum { RESTARTS = 8 };
+
 /* Sample points: the corners, the mid-sides, the centre. */
 static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
                                            {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
@@ -394,25 +397,45 @@ RARE ct_patch face_of(const patches *patch, int l)
   return own;
 }
 
-/* The wanted lanes in which it is easily proved that no point of the face is closer than xi: by the
- * closest point at once, or else after some cuts, one lane at a time. */
-RARE mask proven_at_sight(const patches *patch, const real xi[2], mask wanted, counts *count)
+/* Prove by cuts of the face that no point in lane `l` is closer, and descend from each closer point
+ * that this finds. Returns 0 without a proof. */
+RARE int prove_lane(int l, const patches *patch, const ct_project_options *options, double sought,
+                    counts *count, ends *best)
+{
+  ct_patch own = face_of(patch, l);
+  ct_closest cuts = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  ct_outcome outcome = CT_CLOSER;
+  mask mine = best->f != best->f;
+  set(&mine, l, whole(best->f == best->f, l));
+  for (int i = 0; i < RESTARTS && outcome == CT_CLOSER; i++) {
+    ends found;
+    double xi[2] = {lane(best->xi[0], l), lane(best->xi[1], l)};
+    outcome = ct_proof_by_cuts(&own, xi, &cuts);
+    if (outcome != CT_CLOSER) break;
+    real from[2] = {every(xi[0]), every(xi[1])};
+    descend(patch, options, sought, from, -1, mine, count, &found);
+    take(best, &found, sizeof found, mine & is_better(&found, best));
+  }
+  set(&count->evaluations, l, whole(count->evaluations, l) + cuts.evaluations);
+  return outcome == CT_PROVEN;
+}
+
+/* The wanted lanes in which it is proved that no point of the face is closer than the best end: by
+ * the closest point at once, or else by cuts, one lane at a time. */
+RARE mask proven_lanes(const patches *patch, const ct_project_options *options, double sought,
+                       mask wanted, counts *count, ends *best)
 {
   cell face = whole_face(ct_is_triangular(patch->kind));
   proof p;
   base closest;
-  base_at(patch, xi, &closest);
+  base_at(patch, best->xi, &closest);
   count->evaluations += masked(wanted, 1);
   mask possible = wanted & proof_about(&p, patch, CT_PROVABLE, closest.distance),
        proven = possible & (not(p.target > 0) | proven_from_closest(&p, &closest, &face)),
        doubtful = possible & not(proven);
-  for (int l = 0; l < WIDTH && any(doubtful); l++) {
-    if (!whole(doubtful, l)) continue;
-    ct_patch own = face_of(patch, l);
-    ct_closest cuts = {{lane(xi[0], l), lane(xi[1], l)}, {0, 0, 0}, 0, 0, 0};
-    if (ct_proof_by_cuts(&own, cuts.xi, 2, &cuts)) set(&proven, l, whole(doubtful, l));
-    set(&count->evaluations, l, whole(count->evaluations, l) + cuts.evaluations);
-  }
+  for (int l = 0; l < WIDTH && any(doubtful); l++)
+    if (whole(doubtful, l) && prove_lane(l, patch, options, sought, count, best))
+      set(&proven, l, whole(doubtful, l));
   return proven;
 }
 
@@ -437,9 +460,11 @@ RARE void search_samples(const patches *patch, const ct_project_options *options
   best->f = pick(cold, every(HUGE_VAL), best->f);
   descend_from(from, patch, options, sought, count, best);
   // -- Search again in lanes without a proof (eq:certified-bound)
-  mask hidden = cold & not(proven_at_sight(patch, best->xi, cold, count));
+  mask hidden = cold & not(proven_lanes(patch, options, sought, cold, count, best));
+  if (!any(hidden)) return;
   for (int i = 0; i < samples; i++) from[i] = hidden & not(valley[i]);
-  if (any(hidden)) descend_from(from, patch, options, sought, count, best);
+  descend_from(from, patch, options, sought, count, best);
+  best->status = pick(hidden, every(CT_NOT_CERTIFIED), best->status);
 }
 
 /* The closest points in the lanes that are active, from the given starts where it is warm. */
