@@ -488,7 +488,7 @@ static void too_stiff_for_the_step(void)
     double rate, omega2, part = k == 0 ? 0.999 : 1.001;
     need(ct_stable_share(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
     ct_friction_set_room((ct_effect *)t.problem->effects[t.friction], t.problem->mass,
-                         part * rho / 0.6 * omega2);
+                         (ct_friction_room){.bound = part * rho / 0.6 * omega2});
     ct_status status = ct_step_many(t.problem, t.state, 100, &error);
     if (k == 0)
       tap_ok(status == CT_ERROR_STEP && error.point >= 0 && strstr(error.text, "at most"),

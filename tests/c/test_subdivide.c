@@ -146,7 +146,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
-  add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.3, 1.0);
+  add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.3, 0.25);
   add_support(scene, 0, a, 0, -1.0, "y", 0.05);
   add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
   ct_problem coarse = *build(

@@ -319,9 +319,18 @@ double ct_obstacle_springs(const ct_effect *effect, const double *mass);
 ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
                              ct_effect **effect, ct_error *error);
 
-/* Let friction refuse steps in which the ω² of its active points exceeds `omega2`; `mass` has the
+/* ω² of the active points for which a step is stable: the bound at the start, and a share of what a
+ * step shorter than the stable one leaves (eq:friction-room). */
+typedef struct ct_friction_room {
+  double bound;
+  double limit; /* Ω of the integrator; 0: nothing is left */
+  double rate;  /* Ω / Δt_s of the stable step */
+  double share;
+} ct_friction_room;
+
+/* Let friction refuse steps in which the ω² of its active points exceeds the room; `mass` has the
  * problem's nodes and must outlive it. Without this call it refuses none (eq:friction-room). */
-void ct_friction_set_room(ct_effect *effect, const double *mass, double omega2);
+void ct_friction_set_room(ct_effect *effect, const double *mass, ct_friction_room room);
 
 /* The factor of these bounds for its own (eq:friction-bound); and its sums over all points of the
  * last force (eq:friction-dissipation). */

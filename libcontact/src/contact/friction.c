@@ -22,7 +22,7 @@ typedef struct friction_data {
   const ct_side_fixed *side[2];
   int64_t points;
   const double *mass; /* of the problem's nodes; null for a host */
-  double room;        /* largest ω² of the active points for which the step is stable */
+  ct_friction_room room;
 } friction_data;
 
 /* One point: its tangential traction, and the couple that balances its moment. */
@@ -355,6 +355,14 @@ static void add_rows(const call *now, int k, const slip_point *p, double *rows)
   }
 }
 
+/* The largest ω² of the active points for which a step is stable. */
+static double room_at(const ct_friction_room *room, double dt)
+{
+  const double rate = room->limit / dt;
+  // -- Ω² (1 / Δt² - 1 / Δt_s²) less the largest effect of damping (eq:friction-room)
+  return room->bound + room->share * fmax(rate * (rate - room->rate), 0.0);
+}
+
 /* Refuse a step for which the active points are too stiff: more of them than the bound expected
  * (eq:friction-room). */
 static ct_status check_room(const ct_effect *effect, const call *now, friction_scratch *s,
@@ -363,13 +371,14 @@ static ct_status check_room(const ct_effect *effect, const call *now, friction_s
   const friction_data *data = now->data;
   const double dt = now->view->dt;
   const slip_point *p = s->points;
-  if (data->room == HUGE_VAL || !(dt > 0.0)) return CT_OK;
+  if (data->room.bound == HUGE_VAL || !(dt > 0.0)) return CT_OK;
+  const double room = room_at(&data->room, dt);
   memset(s->rows, 0, (size_t)effect->node_count * sizeof *s->rows);
   for (int k = 0; k < data->sides; p += data->side[k++]->point_count) add_rows(now, k, p, s->rows);
   for (int32_t n = 0; n < effect->node_count; n++) {
-    double over = s->rows[n] / data->mass[effect->nodes[n]] - data->room;
+    double over = s->rows[n] / data->mass[effect->nodes[n]] - room;
     // -- 4 / Δt² must grow by what is too much (eq:friction-room)
-    if (over > 1e-9 * data->room)
+    if (over > 1e-9 * room)
       return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, effect->nodes[n]},
                      "friction: the points in contact at node %d are too stiff for the time step "
                      "%g, which may be %g at most",
@@ -417,11 +426,12 @@ static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *v
   return status;
 }
 
-void ct_friction_set_room(ct_effect *effect, const double *mass, double omega2)
+void ct_friction_set_room(ct_effect *effect, const double *mass, ct_friction_room room)
 {
   friction_data *data = effect->data;
   data->mass = mass;
-  data->room = data->rigid ? HUGE_VAL : omega2;
+  data->room = room;
+  if (data->rigid) data->room.bound = HUGE_VAL;
 }
 
 double ct_friction_stiffness(const ct_effect *effect)
@@ -474,7 +484,7 @@ ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed 
   *data = (friction_data){.on = def->on,
                           .mu = def->coefficient,
                           .rho = def->tangent,
-                          .room = HUGE_VAL,
+                          .room = {.bound = HUGE_VAL},
                           .rigid = contact == NULL,
                           .sides = contact == NULL ? 1 : contact->sides};
   for (int k = 0; k < data->sides; k++) {

@@ -588,19 +588,19 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
                          : status;
 }
 
-/* ω² that may come to the bounds of all effects at the step of the problem, which is smaller than
- * the stable one, whatever the damping; 0 if the sum of the bounds is not what limits the step
+/* What a step shorter than the stable one leaves for `count` frictions, without their bounds;
+ * nothing with an averaged mass, which enlarges the bounds by an unknown factor
  * (eq:friction-room). */
-static double spare_omega2(const ct_problem *p, double stable)
+static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t count)
 {
   ct_integrator first = p->integrator;
   first.push = 0.0;
+  ct_friction_room room = {.limit = ct_integrator_limit(&p->integrator),
+                           .rate = ct_integrator_limit(&first) / stable,
+                           .share = 1.0 / count};
   for (int32_t k = 0; k < p->effect_count; k++)
-    if (p->effects[k]->amplification != NULL || p->effects[k]->add_element != NULL) return 0.0;
-  double now = ct_integrator_limit(&p->integrator) / p->dt,
-         then = ct_integrator_limit(&first) / stable;
-  // -- Ω² (1 / Δt² - 1 / Δt_s²) less the largest effect of damping (eq:friction-room)
-  return fmax(now * now - then * then - then * (now - then), 0.0);
+    if (p->effects[k]->amplification != NULL) room.limit = 0.0;
+  return room;
 }
 
 /* Tell each friction of a contact for which ω² of its points the step is stable. */
@@ -610,11 +610,12 @@ static ct_status set_rooms(ct_scene *scene, ct_state *state, double stable, ct_e
   int32_t count = 0;
   for (int32_t k = 0; k < p->effect_count; k++) count += p->effects[k]->kind == CT_EFFECT_FRICTION;
   for (int32_t k = 0; k < p->effect_count; k++) {
-    double omega2, rate;
+    double rate;
+    ct_friction_room room = spare_room(p, stable, count);
     if (p->effects[k]->kind != CT_EFFECT_FRICTION) continue;
-    ct_status status = ct_stable_share(p, state, k, &omega2, &rate, error);
+    ct_status status = ct_stable_share(p, state, k, &room.bound, &rate, error);
     if (status != CT_OK) return status;
-    ct_friction_set_room(scene->effects[k], p->mass, omega2 + spare_omega2(p, stable) / count);
+    ct_friction_set_room(scene->effects[k], p->mass, room);
   }
   return CT_OK;
 }
