@@ -177,9 +177,11 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             where = ", ".join(f"{x:.4g}" for x in points["position"])
             count, how = points["inside"] - points["buried"], given.initial_penetration
             who = (
-                "the surfaces overlap" if key.startswith("contact") else "it overlaps the obstacle"
+                "the surfaces overlap by"
+                if key.startswith("contact")
+                else "it overlaps the obstacle by"
             )
-            text = f"{who} by {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
+            text = f"{who} {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
                 text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
             yield errors.OverlapWarning(f"{name}: {text}", key)
@@ -192,7 +194,7 @@ class Borders:
     """Finds contacts around whose surfaces the bodies have come into each other."""
 
     #: Looks at the corners in a run, and how deep one may be there, as a fraction of the shortest edge.
-    LOOKS, DEEP = 50, 0.1
+    LOOKS, LEAST_STEPS, DEEP = 50, 16, 0.1
 
     def __init__(self, problem: Problem):
         contacts = problem.parts.contact
@@ -201,7 +203,7 @@ class Borders:
         self._first = dict.fromkeys(self._open, 0.0)
         steps = max(1, problem.step_count)
         #: Steps between two looks.
-        self.every = -(-steps // self.LOOKS) if self._open else steps
+        self.every = max(self.LEAST_STEPS, steps // self.LOOKS) if self._open else steps
 
     def divide(self, problem: Problem, parts: int) -> None:
         """Continue with a problem whose step is divided by ``parts``."""
