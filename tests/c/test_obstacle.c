@@ -81,21 +81,22 @@ static void operations(void)
 }
 
 /* The bound of the largest ω² for blocks of one element: each corner has a quarter of the face and
- * an eighth of the mass, and shape functions of linear faces add up to 1 (eq:obstacle-bound). */
-static void stiffness(void)
+ * an eighth of the mass, and shape functions of linear faces add up to 1 (eq:obstacle-bound). A
+ * small sphere adds the whole face, a large one nothing (eq:station-needed, eq:station-bound). */
+static void stiffness(ct_obstacle_shape shape, double radius, double faces)
 {
   against t = begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 1, 1, 1), &SOFT, 0.0, 0.0, 0.0);
-  add_obstacle(
-      &t,
-      (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 700.0}, 2,
-      0.0, 0.0);
+  add_obstacle(&t,
+               (ct_obstacle_def){COOKIE, .shape = shape, .point = {0.5, 1.0, -radius},
+                                 .axis = {0, 0, 1}, .radius = radius, .epsilon = 700.0},
+               2, 0.0, 0.0);
   finish(&t, 1.0, 0.5);
   ct_error e;
   double omega2 = 0.0;
   ct_view view = {.threads = 1};
   need(t.problem->effects[1]->omega2_bound(t.problem->effects[1], &view, &omega2, &e), &e);
-  tap_close(omega2 / (700.0 * 0.5 / (6.0 * SOFT.density / 8.0)), 1.0, 1e-14,
-            "largest omega^2 of one face");
+  tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
+            "largest omega^2 of one face, R = %g", radius);
   end(&t);
 }
 
@@ -716,7 +717,10 @@ static void refusals(void)
 int main(void)
 {
   operations();
-  stiffness();
+  const double h = sqrt(2.5); // the diagonal of the face over the root of 2
+  stiffness(CT_OBSTACLE_PLANE, 0.0, 0.25);
+  stiffness(CT_OBSTACLE_SPHERE, 1.49 * h, 1.25);
+  stiffness(CT_OBSTACLE_SPHERE, 1.51 * h, 0.25);
   gaps();
   gradient(CT_HEX8, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}},
            "plane, Q4");

@@ -28,7 +28,7 @@ def test_a_corner_that_passes_beside_all_points_is_reported():
 
 
 def test_what_a_stiff_contact_stores_is_no_growth():
-    """A penalty factor of 4e5 on unlike closed meshes: the booked total rose by 31 %, and the run warned of growth, while the bodies had gained nothing. In loops of hosts it rose to 1.16 and 41 times the energy."""
+    """A penalty factor of 4e5 on unlike closed meshes: the booked total rose by 31 %, and the run warned of growth, while the bodies had gained nothing (eq:admitted-account). In loops of hosts it rose to 1.16 and 41 times the energy."""
     for family, seed in (("stiff", 138), ("stiff_hosts", 4), ("stiff_hosts", 82)):
         found = open_scenes.one(family, seed)
         assert found["ended"] == "ok" and "EnergyGrowth" not in found["told"]

@@ -490,7 +490,7 @@ def stacked(**contact):
 
 @pytest.mark.parametrize("mu, warned", [(0.1, False), (0.7, True)])
 def test_friction_that_shortens_the_step(mu, warned):
-    """The factor is that of the stable steps with and without friction."""
+    """The factor is that of the stable steps with and without friction. (eq:friction-cost)"""
     scene, free = (stacked(**rub).set_time(end=0.01) for rub in ({"friction": mu}, {}))
     factor = free._built(None).stable.dt / scene._built(None).stable.dt
     assert (factor >= 4.0) == warned
@@ -501,6 +501,7 @@ def test_friction_that_shortens_the_step(mu, warned):
 
 
 def test_a_run_of_very_many_steps():
+    """The number of steps is the end over the step, whatever the time that they take. (eq:long-run)"""
     scene = stacked().set_time(end=0.01)
     assert not kinds(scene)
     (warning,) = scene.set_time(end=2e7 * scene._built(None).stable.dt * 0.9).explain().warnings
@@ -509,7 +510,7 @@ def test_a_run_of_very_many_steps():
 
 
 def test_a_penalty_that_is_too_soft():
-    """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised penalty there is none."""
+    """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised penalty there is none. (eq:too-soft)"""
     pull = {"acceleration": [0, 0, -1000.0], "bodies": ["high"]}
 
     def warned(**contact):
