@@ -186,11 +186,12 @@ def test_bound_of_the_contact():
 
 
 def resting(**obstacle):
-    """A cube of hex8 that has an obstacle inside its lower face at t = 0: force and energy at the start."""
+    """A cube of hex8 that has a large obstacle inside its lower face at t = 0 and is pushed: force and energy at the start."""
     made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     made.add_material("elastic", young=1.0, poisson=0.3, density=1.0)
     made.add_body("body", material="elastic", box={"size": [1, 1, 1], "cells": [1, 1, 1]})
-    made.add("obstacle", surface="body.z_min", epsilon=EPSILON, enforcement="penalty", **obstacle)
+    given = {"epsilon": EPSILON, "enforcement": "penalty", "initial_penetration": "push"}
+    made.add("obstacle", surface="body.z_min", **given, **obstacle)
     model = Model(made.set_time(end=1.0, fraction=0.1))
     which, error = model.problem.effects.index("obstacle"), ffi.new("ct_error *")
     force, energy = np.zeros((8, 3)), ffi.new("double *")
@@ -202,8 +203,8 @@ def resting(**obstacle):
 
 SHAPES = {
     "plane": {"point": [0, 0, 0.1], "normal": [0.1, 0.2, 1]},
-    "sphere": {"centre": [0.4, 0.5, -0.9], "radius": 1.0},
-    "cylinder": {"centre": [0, 0.5, -0.9], "radius": 1.0, "axis": [1, 0.1, 0]},
+    "sphere": {"centre": [0.4, 0.5, -1.9], "radius": 2.0},
+    "cylinder": {"centre": [0, 0.5, -1.9], "radius": 2.0, "axis": [1, 0.1, 0]},
 }
 
 
