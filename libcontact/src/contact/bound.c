@@ -41,12 +41,10 @@ static int is_no_partner(void *user, int32_t face)
 {
   const seeker *s = user;
   const ct_search *now = s->pass->now;
-  ct_face nodes;
   double normal[3];
   if (s->pass->side == s->pass->other && ct_search_adjacent(now, s->face, face)) return 1;
   if (s->pass->reach == EVERY) return 0;
-  ct_search_face(now, face, &nodes);
-  return ct_segment_normal(&nodes, ct_search_middle(now), normal) != CT_OK ||
+  return !ct_search_middle_normal(now, face, normal) ||
          !(cosine(s->own, normal) < -0.25); // (eq:friction-facing)
 }
 

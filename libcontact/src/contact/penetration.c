@@ -17,10 +17,8 @@ typedef struct seeker {
 static int points_away(void *user, int32_t face)
 {
   const seeker *s = user;
-  ct_face nodes;
   double normal[3];
-  ct_search_face(s->search, face, &nodes);
-  return ct_segment_normal(&nodes, ct_search_middle(s->search), normal) != CT_OK ||
+  return !ct_search_middle_normal(s->search, face, normal) ||
          !(ct_vector_dot(s->own, normal) < 0.5);
 }
 

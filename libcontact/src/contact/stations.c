@@ -96,11 +96,8 @@ typedef struct station {
 static int is_far(void *user, int32_t face)
 {
   const station *s = user;
-  ct_face nodes;
   double normal[3];
-  ct_search_face(s->search, face, &nodes);
-  return ct_segment_normal(&nodes, ct_search_middle(s->search), normal) != CT_OK ||
-         ct_vector_dot(s->last, normal) < -0.5;
+  return !ct_search_middle_normal(s->search, face, normal) || ct_vector_dot(s->last, normal) < -0.5;
 }
 
 /* The closest place of the surface to a station, the vector r to it, and the outward normal there.

@@ -106,6 +106,13 @@ static int corner_normal(const ct_search *search, int32_t face, int a, double no
   return inside;
 }
 
+int ct_search_middle_normal(const ct_search *search, int32_t face, double normal[3])
+{
+  ct_face nodes;
+  ct_search_face(search, face, &nodes);
+  return ct_segment_normal(&nodes, ct_search_middle(search), normal) == CT_OK;
+}
+
 int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index,
                      const double xi[2], const double own[3], double normal[3])
 {

@@ -75,6 +75,9 @@ void ct_search_face(const ct_search *search, int32_t face, ct_face *out);
 /* Whether two faces have a node in common. */
 int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other);
 
+/* Unit normal at the middle of a face. Returns 0 if it has none. */
+int ct_search_middle_normal(const ct_search *search, int32_t face, double normal[3]);
+
 /* Outward direction at a closest point on a face: the normal inside the face, the sum of the two
  * normals on an edge, the sum weighted by the angles between tangents at a corner
  * (eq:pseudo-normal). Returns 0 if the closest point lies on the border of the surface; existing
