@@ -352,6 +352,7 @@ coverage:
 	@rm -rf $(BUILD)/coverage/tests && find $(BUILD) -path '*/coverage/*.gcda' -delete
 	+-$(MAKE) --no-print-directory $(JOBS) _check-c BUILD=$(BUILD)/coverage CC="$(CC) --coverage" OPT="-O1 -fno-early-inlining" \
 	  CFLAGS="-DCT_NO_CLONES -DCT_SHORT_LOOPS" SANITIZERS= HAVE_PKG_CONFIG=
+	@rm -f *.gcno # of the compiler's probes
 	$(PYTHON) tests/count_coverage.py $(BUILD)/coverage $(COVERAGE)
 
 # -- Threads and memory, looked at by other programs ----------------------------------------------------------------------------------
