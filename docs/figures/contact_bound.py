@@ -26,7 +26,7 @@ def delay():
     cells, at = 100, 0.01
     for beta, colour in ((0.2, BLUE), (1.0, ORANGE), (10.0, GREEN)):
         scene = bar_on_wall(cells, at, beta=beta).set_time(end=at + 0.3, fraction=0.2)
-        run = scene.run(progress=False, output=False)
+        run = done(scene)
         t = run.momentum["time"]
         p = np.gradient(run.momentum["p"][:, 0], t) / 0.05**2
         elements = cells * (t - at)

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, ORANGE, RED
-from shared.scenes import bar_on_wall
+from shared.scenes import bar_on_wall, done
 
 
 def ledger():
@@ -31,7 +31,7 @@ def drift():
             ("energy_controlled", BLUE, "energy-controlled"),
         ):
             scene = bar_on_wall(enforcement=law, beta=1.0).set_time(end=2.6, fraction=fraction)
-            run = scene.run(progress=False, output=False)
+            run = done(scene)
             ax.plot(
                 run.time,
                 100 * (run.energy["total"] / run.energy["total"][0] - 1),
