@@ -46,7 +46,17 @@ FLOORS = (
 )
 FLOOR = {room: len(FLOORS) - i for i, rooms in enumerate(FLOORS) for room in rooms}
 # Public headers that are not called as their room.
-ROOM_OF_HEADER = {"output": "hdf5", "series": "gsl"}
+ROOM_OF_HEADER = {
+    "output": "hdf5",
+    "series": "gsl",
+    "ray": "projection",
+    "batch": "projection",
+    "problem": "step",
+    "ledger": "step",
+    "observe": "step",
+    "contact_result": "contact",
+    "contact_effect": "contact",
+}
 
 
 def room_of_header(name: str) -> str:

@@ -1,2 +1,2 @@
-/* The older name of <libcontact.h>. */
-#include <libcontact.h>
+/* What a host with its own time loop needs: closest points, contact, obstacles, friction. */
+#include <libcontact/contact.h>

@@ -7,14 +7,21 @@
 #include <libcontact/shape.h>
 #include <libcontact/exact.h>
 #include <libcontact/projection.h>
+#include <libcontact/ray.h>
+#include <libcontact/batch.h>
 #include <libcontact/mesh.h>
 #include <libcontact/search.h>
 #include <libcontact/solid.h>
 #include <libcontact/constraint.h>
+#include <libcontact/problem.h>
 #include <libcontact/step.h>
+#include <libcontact/ledger.h>
+#include <libcontact/observe.h>
 #include <libcontact/effect.h>
 #include <libcontact/dispersion.h>
 #include <libcontact/contact.h>
+#include <libcontact/contact_result.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/scene.h>
 
 #endif

@@ -77,7 +77,7 @@ def members_that_show_others():
     return [
         name
         for name in ("total", "read", "constraints")
-        if re.search(rf"\*{name};", HEADERS["step.h"])
+        if re.search(rf"\*{name};", HEADERS["problem.h"])
     ]
 
 

@@ -64,3 +64,22 @@ def test_every_header_has_both_languages():
     for header in (ROOT / floors.HEADERS).glob("*.h"):
         text = header.read_text()
         assert text.count("CT_BEGIN_DECLS") >= 1 and text.count("CT_END_DECLS") >= 1, header
+
+
+def included_by(header, found):
+    """Add the public headers that a header brings in."""
+    for name in re.findall(r"^#include <(libcontact/\w+\.h)>", header.read_text(), re.M):
+        path = ROOT / "libcontact" / "include" / name
+        if path not in found:
+            found.add(path)
+            included_by(path, found)
+    return found
+
+
+def test_a_host_reads_at_most_a_thousand_lines():
+    """<contact.h> has what a host's own time loop needs, and neither a problem nor a state."""
+    headers = included_by(ROOT / "libcontact" / "include" / "contact.h", set())
+    text = "".join(path.read_text() for path in headers)
+    assert "ct_contact_step" in text and "ct_project(" in text
+    assert len(text.splitlines()) <= 1000
+    assert not re.search(r"\bct_(problem|state|effect)\b", text)

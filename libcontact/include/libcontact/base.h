@@ -1,4 +1,5 @@
-/* Statuses, errors, the version, the host's allocator, and sums that do not depend on the order.
+/* Statuses, errors, the version, the host's allocator, a factor in time, and sums that do not
+ * depend on the order.
  * Threads: ct_set_allocator only while no other thread is inside the library; all other calls at
  * any time. */
 #ifndef LIBCONTACT_BASE_H
@@ -136,6 +137,18 @@ CT_API const char *ct_version(void);
 /** Not zero if the library was compiled with OpenMP. Without OpenMP the library runs on one thread,
  * whatever number is requested. */
 CT_API int ct_has_openmp(void);
+
+/** A factor that depends on time, piecewise linear between given points, :eq:`amplitude`, and
+ * constant before the first and after the last. */
+typedef struct ct_amplitude {
+  /** Number of points; 0: the factor is 1 at all times. */
+  int32_t count;
+  /** Times [time], not descending, shape (count). Two equal times define a jump; at that time the
+   * later value applies. */
+  const double *time;
+  /** Values at these times, shape (count). */
+  const double *value;
+} ct_amplitude;
 
 /**
  * Sum of `count` numbers. The result has the same bits for any order of the numbers and for any

@@ -1,15 +1,12 @@
-/* Contact of two surfaces on a host's own arrays; contacts, obstacles and friction as effects.
+/* Contact of two surfaces, and of a surface with rigid obstacles, on a host's own arrays.
  * Threads: calls that take a const contact may use it at the same time. While ct_contact_update,
  * ct_contact_step, ct_contact_add_..., ct_contact_restore or ct_contact_free runs, no other call
  * may use that contact. Different contacts are independent. */
 #ifndef LIBCONTACT_CONTACT_H
 #define LIBCONTACT_CONTACT_H
 
-#include <libcontact/shape.h>
+#include <libcontact/constraint.h>
 #include <libcontact/projection.h>
-#include <libcontact/search.h>
-#include <libcontact/step.h>
-#include <libcontact/effect.h>
 
 CT_BEGIN_DECLS
 
@@ -287,146 +284,8 @@ CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double 
 CT_API ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
                                                const double *mass_b, double *dt);
 
-/** One contact point, for plots and tests; `ct_contact_points` writes all members. */
-typedef struct ct_contact_point {
-  /** 0: a point of surface a; 1: of surface b. */
-  int32_t side;
-  /** Face of the point. */
-  int32_t face;
-  /** Number of the point on its face. */
-  int32_t point;
-  /** Closest face of the other surface, or -1 if there is none within the search distance. */
-  int32_t other;
-  /** Position y [length]. */
-  double position[3];
-  /** Closest point ȳ on the other surface [length]; NaN when `other` is -1. */
-  double closest[3];
-  /** Reference coordinates of ȳ on the other face. */
-  double xi[2];
-  /**
-   * Gap in the contact law [length], negative where the point penetrates: the signed distance minus
-   * `start_gap`; NaN when `other` is -1.
-   */
-  double gap;
-  /** Contact pressure [stress]: ε⟨-g⟩ for the explicit penalty, otherwise that of the enforcement.
-   */
-  double pressure;
-  /** Weight w J_ref [area]. */
-  double weight;
-  /**
-   * Start gap [length] from which `gap` is measured, :eq:`initial-shift`: negative for an overlap
-   * that is kept, positive for a gap that was adjusted, else 0. The signed distance of the point
-   * from the other surface is `gap` + `start_gap`.
-   */
-  double start_gap;
-} ct_contact_point;
-
-/** Number of contact points of both surfaces. */
-CT_API int64_t ct_contact_point_count(const ct_contact *contact);
-
-/** Write the points of the last update or step, those of surface a first; `points` has the shape
- * (ct_contact_point_count). */
-CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
-
-/**
- * Tractions at the nodes of surface `side` (0 or 1), recovered from the forces of the last update
- * or step without friction, and averaged over both passes and the faces around a node,
- * :eq:`recovered-traction`. At the rim of a contact it is the mean over the faces around the node,
- * in contact or not. With `side` = 2 + k the tractions of obstacle k at the nodes of its
- * surface. The pressure at a node is the magnitude of its traction. The sum of area times traction
- * is the force on the surface; the sum of their moments is the moment of this force if edges are
- * straight. Entries of nodes that are not on the surface do not change.
- *
- * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
- * mid-side node the mean of the two corners, and 0 where no face has contact forces. `area` [area],
- * shape (node_count): the part of the faces around a corner that takes its force,
- * :eq:`recovered-fraction`; 0 at mid-sides and where no force is near. ``CT_ERROR_ARGUMENT``: null
- * argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
- */
-CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
-                                     double *area, ct_error *error);
-
-/** Positions at which penetration is measured. */
-typedef enum ct_penetration_at {
-  /** The points of the contact. */
-  CT_AT_POINTS,
-  /** The corners of all faces. */
-  CT_AT_CORNERS,
-  /** The middles of the edges of all faces. */
-  CT_AT_EDGES
-} ct_penetration_at;
-
-/**
- * Penetration of two surfaces by true distances, without start gaps; `ct_contact_penetration`
- * writes all members.
- */
-typedef struct ct_penetration {
-  /** Number of positions that penetrate; a corner or an edge counts once per face. */
-  int64_t inside;
-  /**
-   * Number of points among them that are not in contact, because they did not enter from outside,
-   * :eq:`point-status`; 0 at corners and edges.
-   */
-  int64_t buried;
-  /** Depth of the deepest position that is not buried [length]; 0 when there is none. */
-  double deepest;
-  /** Surface of the deepest position, 0 or 1; -1 when there is none. */
-  int32_t side;
-  /** Its face; -1 when there is none. */
-  int32_t face;
-  /** Its position [length]; NaN when there is none. */
-  double position[3];
-  /**
-   * Depth [length] up to which two surfaces count as touching: 1e-9 of the largest face, or the
-   * rounding of their coordinates if that is larger.
-   */
-  double touching;
-  /**
-   * Number of points that were found deeper than 0.01 of the largest face since the start, without
-   * having come in through the surface, :eq:`admitted`; a point counts each time; 0 at corners and
-   * edges.
-   */
-  int64_t late;
-  /** Largest of their depths [length]. */
-  double late_depth;
-} ct_penetration;
-
-/**
- * Penetration at the coordinates of the last update: at the contact points, or at corners or edges,
- * where a contact with Gauss points has no points. ``CT_ERROR_UNSUPPORTED``: corners or edges of a
- * surface in contact with itself.
- */
-CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
-                                        ct_penetration *out);
-
 /** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);
-
-/** A contact as an effect of a problem. Start from `ct_contact_def_default`. */
-typedef struct ct_contact_def {
-  /** Written by `ct_contact_def_default`. */
-  int32_t cookie;
-  /** Two surfaces, whose nodes and reference coordinates are the problem's; the same pointer twice
-   * for the contact of a surface with itself. */
-  const ct_surface *a, *b;
-  /** Options of the contact. */
-  ct_contact_options options;
-} ct_contact_def;
-
-/** Default options; the caller must set the surfaces and the penalty. */
-CT_API ct_contact_def ct_contact_def_default(void);
-
-/** The effect of a contact. The problem's masses and coordinates are not copied. */
-CT_API ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *problem,
-                                          ct_effect **effect, ct_error *error);
-
-/**
- * The contact of an effect at the state's time, for `ct_contact_points`, `ct_contact_resultant` and
- * other calls that read a contact. The state owns it; the next step changes it. Null, with `error`
- * written, if the effect is not a contact.
- */
-CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state,
-                                          int32_t effect, ct_error *error);
 
 /** Shape of a rigid obstacle. */
 typedef enum ct_obstacle_shape {
@@ -521,86 +380,6 @@ CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double
  */
 CT_API ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, double force[3],
                                      double *work);
-
-/**
- * The effect of one obstacle. It stores the energy of the penalty; the work of its motion counts as
- * external. ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of
- * range, amplitude not ascending, travel without an amplitude.
- */
-CT_API ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
-                                           ct_effect **effect, ct_error *error);
-
-/**
- * Force of the bodies on an obstacle at the state's time [force], and the work of its motion on the
- * bodies since t = 0 [energy], :eq:`obstacle-work`. ``CT_ERROR_ARGUMENT``: effect number `effect`
- * is not an obstacle.
- */
-CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
-                                      double force[3], double *work, ct_error *error);
-
-/**
- * Penetration of a surface into an obstacle at the state's time, by true distances, as
- * `ct_contact_penetration`; `side` is 0, or -1 when nothing is inside. ``CT_ERROR_ARGUMENT``: null
- * argument, unknown place, or effect number `effect` is not an obstacle.
- */
-CT_API ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
-                                         ct_penetration_at at, ct_penetration *out,
-                                         ct_error *error);
-
-/** The same of an obstacle of a host's contact after its last step. ``CT_ERROR_ARGUMENT``: null
- * argument, unknown obstacle or place, or the last call was not a successful step. */
-CT_API ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obstacle,
-                                                 ct_penetration_at at, ct_penetration *out);
-
-/**
- * Tractions of an obstacle at the nodes of its surface, at the state's time, as
- * `ct_contact_traction`; `traction` [stress] has the shape (node_count, 3) and `area` [area] the
- * shape (node_count) of the problem.
- */
-CT_API ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
-                                      double *traction, double *area, ct_error *error);
-
-/**
- * Contact pressure at the nodes of a problem at the state's time [stress], shape (node_count),
- * :eq:`recovered-traction`: the sum of the magnitudes of the tractions of all contacts and
- * obstacles at a node; 0 elsewhere.
- */
-CT_API ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
-                                   ct_error *error);
-
-/** Coulomb friction with stick on the points of a contact or of an obstacle. Start from
- * `ct_friction_def_default`. */
-typedef struct ct_friction_def {
-  /** Written by `ct_friction_def_default`. */
-  int32_t cookie;
-  /**
-   * The effect that friction acts on: one of `ct_contact_create_effect` or
-   * `ct_obstacle_create_effect`. It must outlive the friction and precede it in the problem's list.
-   */
-  const ct_effect *on;
-  /** Coefficient μ of friction, > 0. */
-  double coefficient;
-  /** Ratio ρ of the tangential penalty to the normal one, > 0. */
-  double tangent;
-} ct_friction_def;
-
-/** ρ = 1; the caller must set `on` and `coefficient`. */
-CT_API ct_friction_def ct_friction_def_default(void);
-
-/**
- * The effect of friction: tangential forces in stick and in slip. In the energy balance its stored
- * energy is 0, and its work counts as external: minus the sum of its elastic and its dissipated
- * energy. ``CT_ERROR_ARGUMENT``: `on` is not a contact or an obstacle, μ or ρ not positive.
- */
-CT_API ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
-                                           ct_effect **effect, ct_error *error);
-
-/**
- * Elastic energy of friction at the state's time, `held`, and the energy that friction has
- * dissipated since t = 0 [energy], :eq:`friction-dissipation`.
- */
-CT_API ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
-                                    double *held, double *dissipated, ct_error *error);
 
 CT_END_DECLS
 

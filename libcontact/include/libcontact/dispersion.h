@@ -4,8 +4,7 @@
 #ifndef LIBCONTACT_DISPERSION_H
 #define LIBCONTACT_DISPERSION_H
 
-#include <libcontact/mesh.h>
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 CT_BEGIN_DECLS
 

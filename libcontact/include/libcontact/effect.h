@@ -5,8 +5,6 @@
 #ifndef LIBCONTACT_EFFECT_H
 #define LIBCONTACT_EFFECT_H
 
-#include <libcontact/base.h>
-#include <libcontact/shape.h>
 #include <libcontact/solid.h>
 #include <libcontact/step.h>
 
@@ -86,18 +84,6 @@ CT_API ct_status ct_support_create_effect(const ct_support_def *def, const ct_pr
 /** Write zero inverse masses and the prescribed velocities, shapes (node_count of the problem, 3).
  */
 CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity);
-
-/** A factor that depends on time, piecewise linear between given points, :eq:`amplitude`, and
- * constant before the first and after the last. */
-typedef struct ct_amplitude {
-  /** Number of points; 0: the factor is 1 at all times. */
-  int32_t count;
-  /** Times [time], not descending, shape (count). Two equal times define a jump; at that time the
-   * later value applies. */
-  const double *time;
-  /** Values at these times, shape (count). */
-  const double *value;
-} ct_amplitude;
 
 /** A traction and a pressure on faces, with an amplitude in time. */
 typedef struct ct_load_def {

@@ -4,7 +4,7 @@
 #ifndef LIBCONTACT_OUTPUT_H
 #define LIBCONTACT_OUTPUT_H
 
-#include <libcontact/step.h>
+#include <libcontact/observe.h>
 
 /* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every call returns
  * CT_ERROR_UNSUPPORTED, also ct_output_close with a null output. */

@@ -5,11 +5,8 @@
 #ifndef LIBCONTACT_SCENE_H
 #define LIBCONTACT_SCENE_H
 
-#include <libcontact/mesh.h>
-#include <libcontact/solid.h>
-#include <libcontact/step.h>
 #include <libcontact/effect.h>
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 
 CT_BEGIN_DECLS
 

@@ -4,31 +4,9 @@
 #ifndef LIBCONTACT_SEARCH_H
 #define LIBCONTACT_SEARCH_H
 
-#include <libcontact/shape.h>
 #include <libcontact/projection.h>
 
 CT_BEGIN_DECLS
-
-/**
- * A surface: faces given by node numbers. The numbers are rows of the arrays of coordinates, forces
- * and masses that the host passes to a search or a contact; these arrays may contain the nodes of a
- * whole mesh.
- */
-typedef struct ct_surface {
-  /** All faces are of one kind. */
-  ct_face_kind kind;
-  /** Rows of the host's arrays. */
-  int32_t node_count;
-  /** Number of faces. */
-  int32_t face_count;
-  /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
-  const int32_t *faces;
-  /**
-   * Reference coordinates [length], shape (node_count, 3). A search starts with this shape; a
-   * contact computes the weights w J_ref of its Gauss points from it.
-   */
-  const double *reference;
-} ct_surface;
 
 /** A surface with its tree of bounding boxes, :eq:`bounding-tree`; opaque. */
 typedef struct ct_search ct_search;

@@ -1,4 +1,4 @@
-/* Shape functions, tangents and quadrature rules of one face and of one brick.
+/* Faces, surfaces and bricks: shape functions, tangents and quadrature rules.
  * Threads: every call is safe at any time; a call writes only its output arguments. */
 #ifndef LIBCONTACT_SHAPE_H
 #define LIBCONTACT_SHAPE_H
@@ -32,6 +32,27 @@ typedef struct ct_face {
   /** Node coordinates, shape (nodes, 3). */
   double node[8][3];
 } ct_face;
+
+/**
+ * A surface: faces given by node numbers. The numbers are rows of the arrays of coordinates, forces
+ * and masses that the host passes to a search or a contact; these arrays may contain the nodes of a
+ * whole mesh.
+ */
+typedef struct ct_surface {
+  /** All faces are of one kind. */
+  ct_face_kind kind;
+  /** Rows of the host's arrays. */
+  int32_t node_count;
+  /** Number of faces. */
+  int32_t face_count;
+  /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
+  const int32_t *faces;
+  /**
+   * Reference coordinates [length], shape (node_count, 3). A search starts with this shape; a
+   * contact computes the weights w J_ref of its Gauss points from it.
+   */
+  const double *reference;
+} ct_surface;
 
 /** Number of nodes of a face kind: 4, 8, 3 or 6, and 0 for an unknown kind. */
 CT_API int ct_face_node_count(ct_face_kind kind);

@@ -1,6 +1,6 @@
 /* The contact of two surfaces: both are slave once and master once (eq:contact-potential). Shared
  * by a host's contact and the effect. */
-#include <libcontact/contact.h>
+#include <libcontact/contact_result.h>
 
 #include "../constraint/law.h"
 #include "../base/error.h"

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_CONTACT_INTERNAL_H
 #define CT_SRC_CONTACT_INTERNAL_H
 
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/step.h>
 
 #include "side.h"

@@ -1,5 +1,5 @@
 /* The contact as an effect of a problem. */
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 
 #include "../base/error.h"
 #include "../base/memory.h"

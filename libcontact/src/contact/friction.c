@@ -1,5 +1,5 @@
 /* Coulomb friction with stick on the points of a contact or of an obstacle. */
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/base.h>
 
 #include "../base/error.h"

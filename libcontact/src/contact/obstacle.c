@@ -1,5 +1,5 @@
 /* Rigid planes, spheres and cylinders in contact with the surface of a body. */
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/base.h>
 
 #include "../constraint/law.h"

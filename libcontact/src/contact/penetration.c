@@ -1,5 +1,5 @@
 /* Depth of two surfaces inside each other. */
-#include <libcontact/contact.h>
+#include <libcontact/contact_result.h>
 
 #include "../base/vector.h"
 #include "contact_internal.h"

@@ -4,7 +4,7 @@
 #include "../base/lanes.h"
 #include "../shape/shape.h"
 
-#include <libcontact/projection.h>
+#include <libcontact/batch.h>
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_DISPERSION_CLOCK_H
 #define CT_SRC_DISPERSION_CLOCK_H
 
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 /* The response of an integrator's steps to an oscillator of the frequency ω_h, with Ω = ω_h Δt: the
  * angle ω Δt, the damping δ Δt, and the slope ∂ω/∂ω_h (eq:dispersion-root, eq:dispersion-slope). */

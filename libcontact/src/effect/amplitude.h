@@ -1,7 +1,7 @@
 #ifndef CT_SRC_AMPLITUDE_H
 #define CT_SRC_AMPLITUDE_H
 
-#include <libcontact/effect.h>
+#include <libcontact/base.h>
 
 #include "../base/memory.h"
 

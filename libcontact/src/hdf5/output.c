@@ -1,6 +1,6 @@
 #include "hdf5_internal.h"
 
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/solid.h>
 #include <libcontact/base.h>
 

@@ -1,4 +1,4 @@
-#include <libcontact/projection.h>
+#include <libcontact/ray.h>
 
 #include "projection_internal.h"
 #include "../base/vector.h"

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_PROJECTION_INTERNAL_H
 #define CT_SRC_PROJECTION_INTERNAL_H
 
-#include <libcontact/projection.h>
+#include <libcontact/batch.h>
 
 /* A face as a polynomial relative to the point that is projected:
  *   d(x, y) = y(x, y) - y_s = (c0 + c3 xy) + (c1 x + c2 y) + (c4 x^2 + c5 y^2) + xy (c6 x + c7 y).

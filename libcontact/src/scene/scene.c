@@ -1,4 +1,4 @@
-#include <libcontact/contact.h>
+#include <libcontact/contact_effect.h>
 #include <libcontact/scene.h>
 
 #include "../base/error.h"

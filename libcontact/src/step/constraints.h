@@ -1,7 +1,7 @@
 #ifndef CT_SRC_CONSTRAINTS_H
 #define CT_SRC_CONSTRAINTS_H
 
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 #include "../constraint/solve.h"
 #include "workspace.h"

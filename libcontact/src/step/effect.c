@@ -1,4 +1,4 @@
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 #include "effect_internal.h"
 #include "../base/error.h"

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_EFFECT_INTERNAL_H
 #define CT_SRC_EFFECT_INTERNAL_H
 
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 #include "../base/error.h"
 #include "../base/memory.h"

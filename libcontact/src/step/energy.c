@@ -1,4 +1,4 @@
-#include <libcontact/step.h>
+#include <libcontact/ledger.h>
 #include <libcontact/base.h>
 
 #include "../base/error.h"

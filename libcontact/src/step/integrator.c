@@ -1,5 +1,5 @@
 /* Common parts of the explicit methods: each is the leapfrog with another drift. */
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 #include "../base/error.h"
 #include "workspace.h"

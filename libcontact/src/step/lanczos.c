@@ -1,5 +1,5 @@
 /* The largest frequency of the assembled bodies: Lanczos' method with a bound on its error. */
-#include <libcontact/step.h>
+#include <libcontact/problem.h>
 
 #include "../base/error.h"
 #include "../base/memory.h"

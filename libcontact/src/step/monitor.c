@@ -1,6 +1,6 @@
 /* Checks of a state between steps: finite motion, spurious energy, and a solid that has become too
  * stiff for the step. */
-#include <libcontact/step.h>
+#include <libcontact/observe.h>
 #include <libcontact/base.h>
 
 #include "../base/error.h"

@@ -1,6 +1,6 @@
 /* Histories of points, surfaces and resultants, one row per step, recorded in the time loop. */
 #include <libcontact/base.h>
-#include <libcontact/step.h>
+#include <libcontact/observe.h>
 
 #include "../base/error.h"
 #include "../base/list.h"

@@ -1,5 +1,5 @@
 /* The moving part of a problem: creating, copying and freeing a state, and its forces. */
-#include <libcontact/step.h>
+#include <libcontact/ledger.h>
 
 #include "../base/bits.h"
 #include "../base/list.h"

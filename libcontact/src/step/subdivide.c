@@ -1,5 +1,5 @@
 /* Continuing with a smaller step. */
-#include <libcontact/step.h>
+#include <libcontact/ledger.h>
 
 #include "../base/error.h"
 #include "workspace.h"
