@@ -107,7 +107,7 @@ def bar_on_a_wall(short: bool) -> Iterator[Row]:
 def bar_with_each_integrator(short: bool) -> Iterator[Row]:
     """The same bar with the dissipative integrators: then the explicit penalty does not chatter either."""
     n = 50 if short else 100
-    for integrator in ("chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"):
+    for integrator in tuple(INTEGRATORS)[1:]:
         few = ((DEFAULT, None), ("penalty", 1.0))
         for enforcement, beta in (
             few if short else (*few, (DEFAULT, 1.0), (DEFAULT, 1e4), ("penalty", 10.0))
@@ -322,10 +322,7 @@ def plates_with_each_method(short: bool) -> Iterator[Row]:
     """The plates with each dissipative integrator and with the averaged mass, over the penalties of the
     default law."""
     cells = 12 if short else 24
-    for method in (
-        *({"integrator": name} for name in INTEGRATORS if name != "central_difference"),
-        {"averaged": True},
-    ):
+    for method in (*({"integrator": name} for name in tuple(INTEGRATORS)[1:]), {"averaged": True}):
         for beta in (None,) if short else (None, 4.0, 1e2, 1e4):
             for fraction in (0.5, 0.9) if short else (0.3, 0.5, 0.7, 0.9, 0.99):
                 yield plates(cells, DEFAULT, beta, fraction, **method)

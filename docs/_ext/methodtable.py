@@ -1,4 +1,5 @@
-"""The table of projection methods, measured when the book is built: ``.. method-table::``.
+"""Tables of methods, made when the book is built. ``.. integrator-table::`` prints the library's own table of integrators; ``.. method-table::``
+measures the projection methods.
 
 Each row is a method of the compiled package: median evaluations on the ordinary faces of the bench, and the share of the corpus of hard cases
 (``tests/data``) where it is right. Nothing is typed, so nothing can go stale. A book that is built without the package says so in place of the table.
@@ -60,6 +61,46 @@ class MethodTable(SphinxDirective):
         return self.parse_text_to_nodes("\n".join(text) + "\n")
 
 
+class IntegratorTable(SphinxDirective):
+    def run(self):
+        try:
+            from libcontact._core import ffi, lib
+            from libcontact.model import INTEGRATORS
+        except ImportError as error:
+            return self.parse_text_to_nodes(f"(Made with the Python package: {error}.)\n")
+        head = (
+            "``integrator``",
+            "parameter",
+            "range",
+            "usual",
+            "order",
+            "forces per step",
+            "limit",
+        )
+        text = [".. list-table::", "   :header-rows: 1", "", *_row(head)]
+        for name, scheme in INTEGRATORS.items():
+            facts, own = lib.ct_integrator_facts(scheme), lib.ct_integrator_default(scheme)
+            pointer, ranged = ffi.new("ct_integrator *", own), facts.most > facts.least
+            parameter = ffi.string(facts.parameter).decode()
+            text += _row(
+                (
+                    f"``{name}``",
+                    f"``{parameter}``" if ranged else "none",
+                    f"{facts.least:.4g} ... {facts.most:.4g}" if ranged else "",
+                    f"{facts.usual:.4g}" if ranged else "",
+                    facts.order,
+                    lib.ct_integrator_evaluations(pointer),
+                    f"{lib.ct_integrator_limit(pointer):.4g}",
+                )
+            )
+        return self.parse_text_to_nodes("\n".join(text) + "\n")
+
+
+def _row(cells):
+    return [f"   {'*' if i == 0 else ' '} - {cell}".rstrip() for i, cell in enumerate(cells)]
+
+
 def setup(app):
+    app.add_directive("integrator-table", IntegratorTable)
     app.add_directive("method-table", MethodTable)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

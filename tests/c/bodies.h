@@ -12,8 +12,7 @@
 #include <string.h>
 #include "defs.h"
 
-static const char *const SCHEME[] = {"central_difference", "chung_lee", "noh_bathe",
-                                     "tchamwa_wielgosz", "pushforward_pullback"};
+#define SCHEME(scheme) ct_integrator_facts((ct_scheme)(scheme))->name
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty"};
 enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 

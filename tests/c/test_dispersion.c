@@ -4,7 +4,7 @@
 
 static const double PI = 3.14159265358979323846;
 static const ct_material STEEL = {3.0, 0.3, 1.7, CT_LINEAR};
-enum { SCHEMES = 5, BRANCHES = 12 };
+enum { SCHEMES = CT_SCHEME_COUNT, BRANCHES = 12 };
 
 static ct_dispersion_def waves_of(ct_brick_kind kind, ct_mass_form mass)
 {
@@ -266,7 +266,7 @@ static void group_is_the_derivative(void)
       }
     }
     // The difference quotient: 1e-11 ω''', which is large where two branches or roots meet.
-    tap_close(off, 0.0, 1e-6, "group velocity is the slope of ω: %s", SCHEME[scheme]);
+    tap_close(off, 0.0, 1e-6, "group velocity is the slope of ω: %s", SCHEME(scheme));
   }
 }
 
@@ -323,7 +323,7 @@ static void integrators_by_their_polynomials(void)
       }
       off = worst(off, real / x), off = worst(off, imaginary / x);
     }
-    tap_close(off, 0.0, 1e-12, "a root of the polynomial of %s", SCHEME[scheme]);
+    tap_close(off, 0.0, 1e-12, "a root of the polynomial of %s", SCHEME(scheme));
   }
 }
 
@@ -418,7 +418,7 @@ static void front_of_a_run(const run *r)
                   half_height(near, s, predicted, &top[1])};
   tap_close(at[1], at[0], 1e-6,
             "hex%d, %s, %s, Courant %.2f: half height at %.3f elements, c1 t = %.2f",
-            r->kind ? 20 : 8, r->diagonal ? "45°" : "axis", SCHEME[r->scheme], r->courant, at[0],
+            r->kind ? 20 : 8, r->diagonal ? "45°" : "axis", SCHEME(r->scheme), r->courant, at[0],
             r->steps * r->courant);
   tap_close(top[1], top[0], 1e-6, "... overshoot %.1f %%", 100.0 * (top[0] - 1.0));
   tap_close(largest_difference(computed, predicted, near), 0.0, 1e-6, "... and all stresses");

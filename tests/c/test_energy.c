@@ -163,7 +163,7 @@ static void first_row(void)
     for (int k = 0; k < 4; k++) {
       double kinetic = 0.0, total = 0.0, balance = 0.0, work = 0.0, own;
       ct_error error;
-      for (int scheme = 0; scheme < 5; scheme++) {
+      for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++) {
         touching t = open_touching(k % 2 ? CT_HEX20 : CT_HEX8, k / 2, (ct_enforcement)e,
                                    (ct_scheme)scheme, 0.0);
         ct_state *state = new_state(t.problem);

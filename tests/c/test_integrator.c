@@ -5,7 +5,37 @@
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
-enum { SCHEMES = 5, MOST = 9 };
+enum { SCHEMES = CT_SCHEME_COUNT, MOST = 9 };
+
+static const ct_scheme_facts *facts(int scheme) { return ct_integrator_facts((ct_scheme)scheme); }
+
+/* Each row of the table is whole, and its stages need no more than it says (eq:stage). */
+static void rows(void)
+{
+  for (int s = 0; s < SCHEMES; s++) {
+    const ct_scheme_facts *f = facts(s);
+    tap_ok(f->name != NULL && f->parameter != NULL, "scheme %d has a row", s);
+    tap_ok(f->least <= f->usual && f->usual <= f->most && f->order >= 1, "%s: range and order",
+           SCHEME(s));
+    int leapfrogs = 0, stored = 0, whole = 1;
+    for (int k = 0; k <= 10; k++) {
+      ct_integrator g = {(ct_scheme)s, f->least + 0.1 * k * (f->most - f->least), 2.0};
+      ct_stage stage[2];
+      double tau = 0.0, c = 0.0;
+      int count = ct_integrator_stages(&g, stage);
+      for (int i = 0; i < count; i++) tau += stage[i].tau, c += stage[i].c;
+      whole &= fabs(tau - 1.0) < 1e-15 && fabs(c - 1.0) < 1e-15;
+      stored |= stage[0].l != 0.0 && !f->pushes;
+      leapfrogs += ct_integrator_is_leapfrog(&g);
+      whole &= ct_integrator_evaluations(&g) == count + f->pushes;
+    }
+    tap_ok(whole, "%s: its stages add up to a step", SCHEME(s));
+    tap_ok(f->stores == stored, "%s stores an acceleration if its first stage uses one", SCHEME(s));
+    tap_ok(s == CT_CENTRAL_DIFFERENCE ? leapfrogs == 11 : leapfrogs < 2, "%s: another drift",
+           SCHEME(s));
+  }
+  tap_ok(facts(-1) == NULL && facts(SCHEMES) == NULL, "no other scheme has a row");
+}
 
 /* -- Amplification of K and C (Δt² M⁻¹K, Δt M⁻¹C), n degrees of freedom: rows u, Δt v, Δt² a -- */
 
@@ -44,7 +74,7 @@ static matrix amplification(const ct_integrator *integrator, int n, double K[3][
       }
     }
     // The change of the acceleration over a push: K Δ with Δ = κ (Δt v + ½ (1 + κ) Δt² a).
-    for (int i = 0; integrator->scheme == CT_PUSHFORWARD_PULLBACK && i < n; i++) {
+    for (int i = 0; facts(integrator->scheme)->pushes && i < n; i++) {
       const double k = integrator->push, h = 0.5 * (1.0 + k);
       one.a[i][2 * n + i] = 0.0;
       for (int j = 0; j < n; j++)
@@ -87,27 +117,19 @@ static double radius(const ct_integrator *integrator, double x, double y)
 static void limits(void)
 {
   for (int s = 0; s < SCHEMES; s++) {
-    ct_integrator usual = ct_integrator_default((ct_scheme)s);
-    ct_integrator all[3] = {usual, usual, usual};
-    all[1].parameter = s == CT_CHUNG_LEE          ? 1.01
-                       : s == CT_NOH_BATHE        ? 0.52
-                       : s == CT_TCHAMWA_WIELGOSZ ? 0.3
-                                                  : 0.0;
-    all[2].parameter = s == CT_CHUNG_LEE          ? 1.0
-                       : s == CT_NOH_BATHE        ? 0.58
-                       : s == CT_TCHAMWA_WIELGOSZ ? 0.0
-                                                  : 0.0;
-    for (int i = 0; i < 3; i++) all[i].push = s == CT_PUSHFORWARD_PULLBACK ? 4.0 - i : 0.0;
-    if (s == CT_PUSHFORWARD_PULLBACK) all[1].parameter = 1.0, all[2].parameter = 0.3;
-    for (int i = 0; i < 3; i++) {
+    const ct_scheme_facts *f = facts(s);
+    const double value[4] = {f->usual, f->least, f->most, f->least + 0.3 * (f->most - f->least)};
+    ct_integrator all[4];
+    for (int i = 0; i < 4; i++) {
+      all[i] = (ct_integrator){(ct_scheme)s, value[i], f->pushes ? 4.0 - 0.5 * i : 0.0};
       double top = ct_integrator_limit(&all[i]), highest = 0.0;
       for (int k = 1; k < 1000; k++)
         highest = fmax(highest, radius(&all[i], top * top * k * k * 1e-6, 0.0));
       tap_ok(highest < 1.0 + 1e-9, "%s %.3g: spectral radius below Omega = %.4f is %.10f at most",
-             SCHEME[all[i].scheme], all[i].parameter, top, highest);
+             SCHEME(all[i].scheme), all[i].parameter, top, highest);
       double beyond = radius(&all[i], top * top * 1.002, 0.0);
       tap_ok(beyond > 1.001, "%s %.3g: spectral radius at 1.001 of the limit is %.4f",
-             SCHEME[all[i].scheme], all[i].parameter, beyond);
+             SCHEME(all[i].scheme), all[i].parameter, beyond);
     }
   }
   tap_close(ct_integrator_limit(&(ct_integrator){CT_NOH_BATHE, 0.54, 0.0}), 3.745, 5e-4,
@@ -151,16 +173,16 @@ static void damped_bounds(void)
       }
       double damping = 4.0 * fabs(uniform(1.0)), dt = ct_integrator_step(&g, 1.0, damping);
       ct_integrator now = g;
-      if (s == CT_PUSHFORWARD_PULLBACK)
+      if (facts(s)->pushes)
         now.push = 1.0 + 4.0 * fabs(uniform(1.0)) * (trial % 4 > 0), dt /= now.push;
       for (int i = 0; i < 9; i++) K[i / 3][i % 3] *= dt * dt, C[i / 3][i % 3] *= damping * dt;
       highest = fmax(highest, spectral_radius(amplification(&now, 3, K, C)));
       loosest = fmax(loosest, radius(&now, 1.02 * 1.02 * dt * dt, 1.02 * damping * dt));
     }
     tap_ok(highest < 1.0 + 1e-6,
-           "%s: with damping the spectral radius at the bound is %.9f at most", SCHEME[g.scheme],
+           "%s: with damping the spectral radius at the bound is %.9f at most", SCHEME(g.scheme),
            highest);
-    tap_ok(loosest > 1.0 + 1e-4, "%s: 2 %% above the bound it is up to %.4f", SCHEME[g.scheme],
+    tap_ok(loosest > 1.0 + 1e-4, "%s: 2 %% above the bound it is up to %.4f", SCHEME(g.scheme),
            loosest);
   }
 }
@@ -171,16 +193,18 @@ typedef struct point {
   double u, v, a;
 } point;
 
-static point chung_lee(point x, double w, double dt, double beta)
+static point chung_lee(point x, double w, double dt, double beta, double push)
 {
+  (void)push;
   point y = {0.0, 0.0, -w * x.u};
   y.u = x.u + dt * x.v + dt * dt * ((0.5 - beta) * x.a + beta * y.a);
   y.v = x.v + dt * (-0.5 * x.a + 1.5 * y.a);
   return y;
 }
 
-static point noh_bathe(point x, double w, double dt, double p)
+static point noh_bathe(point x, double w, double dt, double p, double push)
 {
+  (void)push;
   double q1 = (1.0 - 2.0 * p) / (2.0 * p * (1.0 - p)), q2 = 0.5 - p * q1, q0 = -q1 - q2 + 0.5,
          s = (1.0 - p) * dt;
   point m = {x.u + p * dt * x.v + 0.5 * p * p * dt * dt * x.a, 0.0, 0.0}, y;
@@ -192,8 +216,9 @@ static point noh_bathe(point x, double w, double dt, double p)
   return y;
 }
 
-static point tchamwa_wielgosz(point x, double w, double dt, double rho)
+static point tchamwa_wielgosz(point x, double w, double dt, double rho, double push)
 {
+  (void)push;
   double phi = 2.0 / (1.0 + rho), a = -w * x.u;
   return (point){x.u + dt * x.v + phi * dt * dt * a, x.v + dt * a, a};
 }
@@ -210,6 +235,16 @@ static point pushforward_pullback(point x, double w, double dt, double theta, do
   y.v = x.v + 0.5 * dt * (x.a + y.a);
   return y;
 }
+
+/* The methods as published, and whether the velocity of the formula is that at t_n; the leapfrog
+ * has a program of its own, test_step. */
+static const struct {
+  point (*step)(point x, double w, double dt, double parameter, double push);
+  int at_steps;
+} PUBLISHED[SCHEMES] = {[CT_CHUNG_LEE] = {chung_lee, 0},
+                        [CT_NOH_BATHE] = {noh_bathe, 1},
+                        [CT_TCHAMWA_WIELGOSZ] = {tchamwa_wielgosz, 0},
+                        [CT_PUSHFORWARD_PULLBACK] = {pushforward_pullback, 1}};
 
 /* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2); its runs against the
  * formulas of the papers (eq:stage, eq:chung-lee-drift, eq:tchamwa-wielgosz-drift,
@@ -230,10 +265,10 @@ static void textbook(ct_scheme scheme, double share)
       *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = g},
              &steps, &stable);
   tap_close(stable.dt * sqrt(w), ct_integrator_limit(&g), 1e-9,
-            "%s: the reported step is the limit over omega", SCHEME[scheme]);
+            "%s: the reported step is the limit over omega", SCHEME(scheme));
   q.initial_velocity = m->nodes;
   q.dt = share * stable.dt;
-  if (scheme == CT_PUSHFORWARD_PULLBACK) q.integrator.push = 1.0 / share;
+  if (facts(scheme)->pushes) q.integrator.push = 1.0 / share;
   ct_state *state = new_state(&q);
   point x = {0.0, 1.0, 0.0};
   double off = 0.0, top = 0.0, *v = numbers(24), wrong = 0.0, balance = 0.0,
@@ -242,22 +277,19 @@ static void textbook(ct_scheme scheme, double share)
     advance(&q, state, 1);
     balance = worst(balance, energy_of(&q, state).balance / kinetic);
     need(ct_state_velocity(&q, state, v, &e), &e);
-    x = scheme == CT_CHUNG_LEE   ? chung_lee(x, w, q.dt, g.parameter)
-        : scheme == CT_NOH_BATHE ? noh_bathe(x, w, q.dt, g.parameter)
-        : scheme == CT_PUSHFORWARD_PULLBACK
-            ? pushforward_pullback(x, w, q.dt, n > 1 ? g.parameter : 0.0, 1.0 / share)
-            : tchamwa_wielgosz(x, w, q.dt, g.parameter);
+    const double parameter = facts(scheme)->pushes && n == 1 ? 0.0 : g.parameter;
+    x = PUBLISHED[scheme].step(x, w, q.dt, parameter, 1.0 / share);
     for (int i = 0; i < 24; i++) off = worst(off, state->displacement[i] - x.u * m->nodes[i]);
-    int at_steps = scheme == CT_NOH_BATHE || scheme == CT_PUSHFORWARD_PULLBACK;
-    for (int i = 0; i < 24 && at_steps; i++) wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
+    for (int i = 0; i < 24 && PUBLISHED[scheme].at_steps; i++)
+      wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
     top = worst(top, x.u * h / 2);
   }
   tap_ok(off < 1e-11 * top,
          "%s at %.2f of its limit: 300 steps as its authors write them, off by %.2g",
-         SCHEME[scheme], share, off / top);
-  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: the velocities, too, off by %.2g", SCHEME[scheme],
+         SCHEME(scheme), share, off / top);
+  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: the velocities, too, off by %.2g", SCHEME(scheme),
          wrong);
-  tap_close(balance, 0.0, 1e-11, "%s: and the work balance closes", SCHEME[scheme]);
+  tap_close(balance, 0.0, 1e-11, "%s: and the work balance closes", SCHEME(scheme));
   free(v);
   close_run(state, scene, m);
 }
@@ -286,7 +318,7 @@ static void free_fall(ct_scheme scheme)
       fast = worst(fast, v[i + 2] - (2.0 - 3.0 * t));
   }
   tap_ok(off < 1e-14 * 20 && fast < 1e-14 * 20,
-         "%s: a thrown stone, position off by %.2g and velocity by %.2g", SCHEME[scheme], off,
+         "%s: a thrown stone, position off by %.2g and velocity by %.2g", SCHEME(scheme), off,
          fast);
   close_run(state, scene, m);
 }
@@ -314,7 +346,7 @@ static void pressed_start(ct_scheme scheme, double beta)
   double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
          push = largest(force, 3 * p->node_count);
   tap_ok(off < 1e-13 && push > 0.0, "%s, beta %g: pressed from the start, velocity off by %.2g",
-         SCHEME[scheme], beta, off);
+         SCHEME(scheme), beta, off);
   free(v);
   free(force);
   close_run(state, scene, a);
@@ -322,7 +354,7 @@ static void pressed_start(ct_scheme scheme, double beta)
 }
 
 /* A loaded, held, moving body: against a very fine run of the central difference method. */
-static void order_of(ct_scheme scheme, double least, double most)
+static void order_of(ct_scheme scheme)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   distort(m, 0.04);
@@ -352,9 +384,9 @@ static void order_of(ct_scheme scheme, double least, double most)
   }
   for (int i = 0; i < 2; i++) {
     double order = log(error[i][1] / error[i][2]) / log(2.0);
-    tap_ok(order > least && order < most, "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)",
-           SCHEME[scheme], i ? "velocity" : "displacement", order, error[i][0], error[i][1],
-           error[i][2]);
+    tap_ok(fabs(order - facts(scheme)->order) < 0.15,
+           "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)", SCHEME(scheme),
+           i ? "velocity" : "displacement", order, error[i][0], error[i][1], error[i][2]);
   }
   free(v0);
   free(fine);
@@ -434,13 +466,13 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
     }
     for (int i = 0; i < 3; i++) momentum = worst(momentum, sum[i] / all);
   }
-  tap_ok(touched > 0.1 * fabs(first[0].p[0]), "%s, %s: the bodies have met", SCHEME[scheme],
+  tap_ok(touched > 0.1 * fabs(first[0].p[0]), "%s, %s: the bodies have met", SCHEME(scheme),
          ENFORCEMENT[enforcement]);
-  tap_ok(balance < 1e-12, "%s, %s: work balance %.2g", SCHEME[scheme], ENFORCEMENT[enforcement],
+  tap_ok(balance < 1e-12, "%s, %s: work balance %.2g", SCHEME(scheme), ENFORCEMENT[enforcement],
          balance);
-  tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", SCHEME[scheme],
+  tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", SCHEME(scheme),
          ENFORCEMENT[enforcement], momentum);
-  tap_ok(path < 1e-15, "%s, %s: a prescribed motion is followed to %.2g", SCHEME[scheme],
+  tap_ok(path < 1e-15, "%s, %s: a prescribed motion is followed to %.2g", SCHEME(scheme),
          ENFORCEMENT[enforcement], path);
   ct_state_free(state);
   ct_scene_free(c.scene);
@@ -464,10 +496,10 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
     advance(&c.own, copied, 1);
     same &= same_state(straight, copied);
   }
-  tap_ok(same, "%s, %s: restarted after every step, the same bits", SCHEME[integrator.scheme],
+  tap_ok(same, "%s, %s: restarted after every step, the same bits", SCHEME(integrator.scheme),
          ENFORCEMENT[enforcement]);
   tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads",
-         SCHEME[integrator.scheme], ENFORCEMENT[enforcement]);
+         SCHEME(integrator.scheme), ENFORCEMENT[enforcement]);
   ct_state_free(straight);
   ct_state_free(copied);
   ct_state_free(threads);
@@ -488,7 +520,7 @@ static void is_central(ct_integrator integrator)
   tap_ok(c.own.dt == d.own.dt && !memcmp(x->displacement, y->displacement, n) &&
              !memcmp(x->velocity, y->velocity, n) &&
              energy_of(&c.own, x).balance == energy_of(&d.own, y).balance,
-         "%s %g: the bits of the central difference method", SCHEME[integrator.scheme],
+         "%s %g: the bits of the central difference method", SCHEME(integrator.scheme),
          integrator.parameter);
   ct_state_free(x);
   ct_state_free(y);
@@ -536,8 +568,8 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   }
   double rms = sqrt(sum / count), kept = energy_of(&q, state).total / start;
   tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f",
-         SCHEME[scheme], 100.0 * rms, kept);
-  tap_ok(kept < 1.001, "%s: bar on a wall, no spurious energy", SCHEME[scheme]);
+         SCHEME(scheme), 100.0 * rms, kept);
+  tap_ok(kept < 1.001, "%s: bar on a wall, no spurious energy", SCHEME(scheme));
   free(force);
   close_run(state, scene, bar);
 }
@@ -625,17 +657,18 @@ int main(void)
   limits();
   bifurcations();
   damped_bounds();
-  for (int s = CT_CHUNG_LEE; s < SCHEMES; s++) {
+  rows();
+  for (int s = 1; s < SCHEMES; s++) {
+    tap_ok(PUBLISHED[s].step != NULL, "%s: its published formula is here", SCHEME(s));
+    if (PUBLISHED[s].step == NULL) continue;
     textbook((ct_scheme)s, 0.2);
     textbook((ct_scheme)s, 0.95);
   }
-  for (int s = 0; s < CT_TCHAMWA_WIELGOSZ; s++) free_fall((ct_scheme)s);
+  for (int s = 0; s < SCHEMES; s++)
+    if (facts(s)->order > 1) free_fall((ct_scheme)s);
   for (int s = 0; s < SCHEMES; s++)
     for (int k = 0; k < 2; k++) pressed_start((ct_scheme)s, k ? 1e4 : 2.0);
-  order_of(CT_CHUNG_LEE, 1.9, 2.1);
-  order_of(CT_NOH_BATHE, 1.9, 2.1);
-  order_of(CT_TCHAMWA_WIELGOSZ, 0.9, 1.15);
-  order_of(CT_PUSHFORWARD_PULLBACK, 1.9, 2.1);
+  for (int s = 0; s < SCHEMES; s++) order_of((ct_scheme)s);
   for (int s = 0; s < SCHEMES; s++)
     for (int e = 0; e < ENFORCEMENTS; e++) {
       ledger((ct_scheme)s, (ct_enforcement)e);
@@ -649,7 +682,6 @@ int main(void)
   bar_on_wall(CT_NOH_BATHE, 0.0001, 0.0005);
   bar_on_wall(CT_TCHAMWA_WIELGOSZ, 0.003, 0.004);
   bar_on_wall(CT_PUSHFORWARD_PULLBACK, 0.0002, 0.001);
-  free_fall(CT_PUSHFORWARD_PULLBACK);
   within_a_step();
   refusals();
   return tap_done();

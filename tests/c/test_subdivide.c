@@ -104,10 +104,10 @@ static void order(ct_scheme scheme)
   }
   double got[2] = {log(error[0][0] / error[0][1]) / log(2.0),
                    log(error[1][0] / error[1][1]) / log(2.0)},
-         least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
+         least = ct_integrator_facts(scheme)->order - 0.1;
   tap_ok(got[0] > least && got[1] > least,
          "%s: a third of the step in the second half keeps the order, %.3f and %.3f",
-         SCHEME[scheme], got[0], got[1]);
+         SCHEME(scheme), got[0], got[1]);
   double *all[] = {v0, u[0], u[1], v[0], v[1]};
   for (int i = 0; i < 5; i++) free(all[i]);
   ct_scene_free(scene);
@@ -183,7 +183,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
          "%s, %s: balance and momentum do not change at the new step (%.2g) and close after it "
          "(%.2g); "
          "the work of all effects moves by %.2g",
-         SCHEME[scheme], ENFORCEMENT[enforcement], change / size, closes / size,
+         SCHEME(scheme), ENFORCEMENT[enforcement], change / size, closes / size,
          (after.work - before.work) / size);
   ct_state_free(state);
   close_run(rest, scene, a);
@@ -231,8 +231,9 @@ int main(void)
 {
   falling();
   // A push is as long as before, so it has no order in the step alone.
-  for (int scheme = 0; scheme < 4; scheme++) order((ct_scheme)scheme);
-  for (int scheme = 0; scheme < 5; scheme++)
+  for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
+    if (!ct_integrator_facts((ct_scheme)scheme)->pushes) order((ct_scheme)scheme);
+  for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
     for (int enforcement = 0; enforcement < ENFORCEMENTS; enforcement++)
       meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
   refusals();

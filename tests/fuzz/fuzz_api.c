@@ -402,9 +402,10 @@ static void build(play *p)
   *(chance(d, 3) ? &time.courant : chance(d, 6) ? &time.dt : &time.fraction) = value;
   if (d->wild && chance(d, 10)) time.courant = real(d), time.threads = below(d, 4) - 1;
   if (chance(d, 10)) time.keep_dt = 1;
-  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 5));
+  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 6)) time.integrator.parameter = between(d, 0.0, 1.1);
-  if (d->wild && chance(d, 10)) time.integrator.scheme = (ct_scheme)(below(d, 7) - 2);
+  if (d->wild && chance(d, 10))
+    time.integrator.scheme = (ct_scheme)(below(d, CT_SCHEME_COUNT + 3) - 2);
   if (chance(d, 3)) time.assembled = 1;
   drop_states(p);
   p->problem = NULL;

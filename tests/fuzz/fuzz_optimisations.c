@@ -501,7 +501,7 @@ static void build(run *r, dice *d, const variant *v)
   int64_t steps;
   ct_scene_time time = {
       .end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95), .threads = v->threads};
-  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 5));
+  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 8)) time.assembled = 1;
   int plane = !chance(d, 4);
   ct_optimisations optimisations = v->optimisations;

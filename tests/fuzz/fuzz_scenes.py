@@ -20,7 +20,8 @@ import traceback
 import warnings
 from pathlib import Path
 
-from libcontact.model import ENFORCEMENTS
+from libcontact._core import lib
+from libcontact.model import ENFORCEMENTS, INTEGRATORS
 from libcontact.run import Run, RunError
 
 import libcontact as ct
@@ -158,17 +159,10 @@ def time_choices(chance: random.Random) -> dict:
     """Keys of the time table beside the end and the step."""
     out: dict = {}
     if chance.random() < 0.5:
-        out["integrator"], low, high = chance.choice(
-            [
-                ("central_difference", 0, 0),
-                ("chung_lee", 1, 28 / 27),
-                ("noh_bathe", 0.5, 0.58),
-                ("tchamwa_wielgosz", 0, 1),
-                ("pushforward_pullback", 0, 1),
-            ]
-        )
-        if out["integrator"] != "central_difference" and chance.random() < 0.5:
-            out["integrator_parameter"] = chance.uniform(low, high)
+        out["integrator"] = chance.choice(list(INTEGRATORS))
+        facts = lib.ct_integrator_facts(INTEGRATORS[out["integrator"]])
+        if facts.most > facts.least and chance.random() < 0.5:
+            out["integrator_parameter"] = chance.uniform(facts.least, facts.most)
     if chance.random() < 0.3:
         out["stable_step"] = chance.choice(["elements", "assembled"])
     if chance.random() < 0.3:

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from libcontact._core import ffi, lib
+from libcontact.model import INTEGRATORS
 
 import libcontact as ct
 
-INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
-INTEGRATORS += ("pushforward_pullback",)
+ROOT = Path(__file__).parents[2]
 LIMITS = {
     "central_difference": 2.0,
     "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3),
@@ -24,7 +25,7 @@ UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 def imported(folder: str, name: str):
     """A module of a folder that is not a package."""
-    sys.path.insert(0, str(Path(__file__).parents[2] / folder))
+    sys.path.insert(0, str(ROOT / folder))
     try:
         return importlib.import_module(name)
     finally:
@@ -55,6 +56,16 @@ def run(made: ct.Scene, **keys) -> ct.Run:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return made.run(progress=False, **keys)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_word_of_the_enum_row_of_the_table_and_chapter(integrator):
+    facts = lib.ct_integrator_facts(INTEGRATORS[integrator])
+    assert facts != ffi.NULL, f"{integrator} has no row in libcontact/src/step/integrator.c"
+    assert ffi.string(facts.name).decode() == integrator
+    assert integrator in LIMITS
+    chapter = (ROOT / "docs/theory/integrator.rst").read_text(encoding="utf-8")
+    assert f"integrator.c {integrator}_stages" in chapter or (facts.most == facts.least)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)

@@ -374,7 +374,7 @@ def test_the_words_are_those_of_the_header(enum):
         "initial": model.INITIAL,
     }[enum]
     constants = ffi.typeof(f"ct_{enum}").elements
-    assert len(known) == len(constants)
+    assert len(known) == sum(not name.endswith("_COUNT") for name in constants.values())
     for word, value in known.items():
         assert (
             constants[value].lower().endswith(f"_{word}")

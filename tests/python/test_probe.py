@@ -5,6 +5,7 @@ import signal
 
 import numpy as np
 import pytest
+from libcontact.model import INTEGRATORS
 from libcontact.schema import SceneError
 
 import libcontact as ct
@@ -71,10 +72,7 @@ def test_the_force_of_a_wall_is_the_rate_of_momentum_and_that_of_a_plane_wave():
     assert np.abs(wall["moment"] - moment).max() <= 1e-12 * 300.0
 
 
-@pytest.mark.parametrize(
-    "integrator",
-    ["central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"],
-)
+@pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_point_has_the_bits_of_a_watch_at_every_step(integrator):
     scene = everywhere(bar_on_a_wall(end=0.5, fraction=0.5, integrator=integrator))
     seen = []

@@ -114,7 +114,7 @@ def _definition(
     out.integrator = lib.ct_integrator_default(chosen("integrator", integrator, SCHEMES))
     if parameter is not None:
         out.integrator.parameter = parameter
-    if out.integrator.scheme == lib.CT_PUSHFORWARD_PULLBACK and 0.0 < courant < 1.0:
+    if lib.ct_integrator_facts(out.integrator.scheme).pushes and 0.0 < courant < 1.0:
         out.integrator.push = 1.0 / courant
     out.step = float(courant) * min(out.size)
     return out

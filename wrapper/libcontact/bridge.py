@@ -34,8 +34,9 @@ def ask(kind: str, function: Any, *arguments: Any) -> Any:
 
 def names(enum: str) -> dict[str, int]:
     """The words of a C enum in the order of their numbers, for example "penalty" for
-    CT_ENFORCE_PENALTY."""
-    constants = sorted(ffi.typeof(enum).elements.items())
+    CT_ENFORCE_PENALTY. The number of values (CT_SCHEME_COUNT) is none of them."""
+    found = ffi.typeof(enum).elements.items()
+    constants = sorted((number, name) for number, name in found if not name.endswith("_COUNT"))
     prefix = os.path.commonprefix([name for _, name in constants]).rpartition("_")[0] + "_"
     return {name.removeprefix(prefix).lower(): number for number, name in constants}
 

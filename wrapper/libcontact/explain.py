@@ -9,7 +9,7 @@ from typing import Any
 
 from ._core import ffi, lib
 from .errors import SceneWarning
-from .model import Contact, ContactKeys, Support
+from .model import INTEGRATORS, Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
 from .probes import Located
@@ -241,7 +241,8 @@ def _text(data: dict[str, Any], units: Units) -> str:
     savings = ", ".join(data["savings"]) or "none, as set in the scene"
     output, time, cost = data["output"], data["time"], data["cost"]
     ((asked, value),), scheme = time["asked"].items(), time["integrator"]
-    if scheme != "central_difference":
+    facts = lib.ct_integrator_facts(INTEGRATORS[scheme])
+    if facts.most > facts.least:
         scheme += f" ({time['integrator_parameter']:.6g})"
     time = {**time, "asked": f"{asked} = {value:g}", "scheme": scheme}
     fields = ", ".join(output["fields"]) if output["fields"] and output["file"] else "the ledger"

@@ -593,11 +593,10 @@ class Time(Table):
     dt
         :math:`\Delta t` itself.
     integrator
-        ``"chung_lee"``, ``"noh_bathe"``, ``"tchamwa_wielgosz"`` and ``"pushforward_pullback"`` damp
-        oscillations of single elements (:doc:`/theory/integrator`).
+        All but ``"central_difference"`` damp oscillations of single elements
+        (:doc:`/theory/integrator`).
     integrator_parameter
-        Its parameter: :math:`\beta` (28/27), p (0.54), :math:`\rho_\infty` (0.9) or :math:`\theta`
-        (0.7).
+        Its parameter; the table of :doc:`/theory/integrator` has the ranges and the usual values.
     stable_step
         How the stable step is bounded. By default by single elements (:eq:`element-bound`), in
         boxes of equal hex8 by blocks of elements (:eq:`block-bound`). ``"assembled"`` bounds linear

@@ -34,10 +34,8 @@ from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
 # Bytes per point of a contact: the point, its memory, and its part of the faces and their search. An
-# obstacle needs no search. Bytes per node of an integrator: earlier accelerations.
+# obstacle needs no search.
 POINT_BYTES, OBSTACLE_POINT_BYTES = 640, 550
-CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
-CARRIED[lib.CT_PUSHFORWARD_PULLBACK] = 72
 # With shorter rows the layers follow one another along z: many short rows cost more than layers save.
 SHORTEST_ROW = 32
 # The library treats bodies with shorter rows as general ones (ct_force_ring_create).
@@ -117,6 +115,11 @@ def memory_of(problem: Problem) -> int:
     """Estimate the memory of a whole problem [bytes]: bodies, kernels, integrator, effects, contacts and
     their search."""
     total = 0
+    integrator = ffi.addressof(problem.pointer.integrator)
+    facts = lib.ct_integrator_facts(integrator.scheme)
+    # Earlier accelerations, also in the last good state, or a pushed displacement and its force.
+    leapfrog = lib.ct_integrator_is_leapfrog(integrator)
+    accelerations = 0 if leapfrog else 24 * (1 + facts.stores + 2 * facts.pushes)
     for name, body in problem.bodies.items():
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         given, width = problem.parts.bodies[name], WIDTH[body.mesh.element]
@@ -135,7 +138,7 @@ def memory_of(problem: Problem) -> int:
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
         # A scene holds the arrays of a mesh twice: in its tables and as it has read them.
         total += nodes * 24 + elements * width * 8 if given.elements is not None else 0
-        total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
+        total += nodes * accelerations
     for effect in problem.made[1:]:
         # Impulses in two parts, of the state and of the last good one. A support also has its nodes and
         # their owners; a force has its work, its value, and the correction of its sum.

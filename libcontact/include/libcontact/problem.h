@@ -244,21 +244,44 @@ CT_API ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, c
  */
 CT_API void ct_effect_free(ct_effect *effect);
 
-/** Explicit methods of time integration, :doc:`/theory/integrator`. */
+/** Explicit methods of time integration, :doc:`/theory/integrator`. `ct_integrator_facts` gives the
+ * range of the parameter. */
 typedef enum ct_scheme {
   /** Central difference in leapfrog form, :eq:`leapfrog`; no parameter (0). */
   CT_CENTRAL_DIFFERENCE,
-  /** Chung and Lee; parameter β, 1 ... 28/27, :eq:`chung-lee-drift`. */
+  /** Chung and Lee; parameter β, :eq:`chung-lee-drift`. */
   CT_CHUNG_LEE,
-  /** Noh and Bathe, two evaluations of the forces in a step; parameter p, 1/2 ... 2 - √2,
-     :eq:`noh-bathe-stages`. */
+  /** Noh and Bathe, two stages in a step; parameter p, :eq:`noh-bathe-stages`. */
   CT_NOH_BATHE,
-  /** Tchamwa and Wielgosz; parameter ρ∞, 0 ... 1, :eq:`tchamwa-wielgosz-drift`. */
+  /** Tchamwa and Wielgosz; parameter ρ∞, :eq:`tchamwa-wielgosz-drift`. */
   CT_TCHAMWA_WIELGOSZ,
   /** Pushforward-pullback of Park, Lim and Huh for linear bodies, two forces of the bodies in a
-     step; parameter θ, 0 ... 1, :eq:`pullback-drift`. */
-  CT_PUSHFORWARD_PULLBACK
+     step; parameter θ, :eq:`pullback-drift`. */
+  CT_PUSHFORWARD_PULLBACK,
+  /** Number of methods; it grows with later versions. */
+  CT_SCHEME_COUNT
 } ct_scheme;
+
+/** What a method is and needs: its row in the table of `libcontact/src/step/integrator.c`. */
+typedef struct ct_scheme_facts {
+  /** Its word in a scene. */
+  const char *name;
+  /** Name of its parameter. */
+  const char *parameter;
+  /** Least allowed parameter [-]. */
+  double least;
+  /** Largest allowed parameter [-]; equal to `least` if the method has none. */
+  double most;
+  /** Usual parameter [-]. */
+  double usual;
+  /** Order of accuracy in Δt. */
+  int order;
+  /** 1 if a step needs the acceleration of the step before, which the state then stores. */
+  int stores;
+  /** 1 if the accelerations before are those of a pushforward, :eq:`pullback-push`, which needs one
+   * more force of the bodies in each step, and linear bodies. */
+  int pushes;
+} ct_scheme_facts;
 
 /** A method and its one parameter. All bytes zero: central difference. */
 typedef struct ct_integrator {
@@ -267,7 +290,7 @@ typedef struct ct_integrator {
   /** Its parameter; see `ct_scheme`. */
   double parameter;
   /**
-   * For CT_PUSHFORWARD_PULLBACK: the time Δt_c of the pushforward divided by Δt, >= 1. 0 means 1,
+   * For a method that pushes: the time Δt_c of the pushforward divided by Δt, >= 1. 0 means 1,
    * with which the method is the central difference. `ct_scene_build` sets it to the stable step
    * divided by Δt.
    */
@@ -287,18 +310,26 @@ typedef struct ct_stage {
   double l;
 } ct_stage;
 
-/** A method with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9, θ = 0.7. */
+/** The facts of a method; null for an unknown one. */
+CT_API const ct_scheme_facts *ct_integrator_facts(ct_scheme scheme);
+
+/** A method with its usual parameter. */
 CT_API ct_integrator ct_integrator_default(ct_scheme scheme);
 
 /** Check a method. ``CT_ERROR_ARGUMENT``: unknown scheme, or parameter out of range (`error` gives
  * the range). */
 CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error);
 
-/** Number of force evaluations of the bodies per step (1 or 2). */
+/** Number of force evaluations of the bodies per step (1 or 2). This call and those below need a
+ * method that `ct_integrator_check` accepts. */
 CT_API int ct_integrator_evaluations(const ct_integrator *integrator);
 
 /** Write the stages of one step, shape (2), and return their number (1 or 2). */
 CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);
+
+/** Whether a method with this parameter is the leapfrog, :eq:`leapfrog`: one stage with τ = c = r =
+ * 1 and l = 0, and no pushforward. */
+CT_API int ct_integrator_is_leapfrog(const ct_integrator *integrator);
 
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
 CT_API double ct_integrator_limit(const ct_integrator *integrator);

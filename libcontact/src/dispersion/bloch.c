@@ -67,7 +67,7 @@ ct_status ct_bloch_init(const ct_dispersion_def *def, ct_bloch *bloch, ct_error 
   if ((int)def->mass < CT_MASS_LUMPED || (int)def->mass > CT_MASS_AVERAGED)
     return CT_REFUSE(error, "dispersion: there is no mass form %d", (int)def->mass);
   if (def->mass == CT_MASS_AVERAGED &&
-      (def->kind != CT_HEX8 || def->integrator.scheme != CT_CENTRAL_DIFFERENCE))
+      (def->kind != CT_HEX8 || !ct_integrator_is_leapfrog(&def->integrator)))
     return CT_REFUSE(error, "dispersion: averaged mass is for hex8 and central differences");
   ct_status status = ct_material_check(&def->material, error);
   if (status != CT_OK) return status;

@@ -639,7 +639,7 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
     count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
     p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)count;
     // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
-    if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK)
+    if (ct_integrator_facts(p->integrator.scheme)->pushes)
       p->integrator.push = fmax(1.0, stable->dt / p->dt);
     p->threads = time->threads;
     p->clock = time->clock;

@@ -129,8 +129,7 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
   // part of it (eq:stage-start)
   if (state->workspace->starting) {
-    int pulled = problem->integrator.scheme == CT_PUSHFORWARD_PULLBACK;
-    push = stage.r + (pulled ? 0.0 : stage.l) -
+    push = stage.r + (ct_scheme_of(problem)->pushes ? 0.0 : stage.l) -
            ct_integrator_share(&problem->integrator) * problem->dt;
     last_acceleration = NULL;
   }

@@ -115,10 +115,12 @@ static ct_status raise_step(const ct_problem *problem, const bounds *sum, double
   const ct_effect *solid = problem->effects[0];
   const double limit = ct_integrator_limit(&problem->integrator);
   int adding = 0;
+  ct_stage stages[2];
   for (int32_t k = 1; k < problem->effect_count; k++)
     adding |= problem->effects[k]->add_element != NULL;
   // For two stages the sums are tested, not proved.
-  if (!adding || solid->joint_bound == NULL || problem->integrator.scheme == CT_NOH_BATHE)
+  if (!adding || solid->joint_bound == NULL ||
+      ct_integrator_stages(&problem->integrator, stages) > 1)
     return CT_OK;
   for (int round = 0; round < FIXED_POINT_ROUNDS; round++) {
     double stiffness = 4.0 / (limit * limit) * *dt * *dt, largest;

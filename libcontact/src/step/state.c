@@ -32,7 +32,7 @@ ct_starts ct_state_starts(const ct_problem *problem, int32_t k)
 
 double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *state)
 {
-  return problem->integrator.scheme == CT_CHUNG_LEE
+  return ct_scheme_of(problem)->stores
              ? state->memory + ct_state_starts(problem, problem->effect_count).memory
              : state->workspace->last_acceleration;
 }
@@ -67,7 +67,7 @@ static ct_status check_enlarging(const ct_problem *p, int32_t k, ct_error *error
 {
   const ct_effect *effect = p->effects[k];
   if (effect->amplification == NULL) return CT_OK;
-  if (effect->phase != CT_PHASE_STATE || p->integrator.scheme != CT_CENTRAL_DIFFERENCE)
+  if (effect->phase != CT_PHASE_STATE || !ct_integrator_is_leapfrog(&p->integrator))
     return CT_REFUSE(error, "problem: effect %s is for central differences", effect->label);
   for (int32_t i = k + 1; i < p->effect_count; i++)
     if (p->effects[i]->phase == CT_PHASE_STATE)
@@ -85,6 +85,8 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
       p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
     return CT_REFUSE(error, "problem: the first effect must act on all nodes");
+  ct_status known = ct_integrator_check(&p->integrator, error);
+  if (known != CT_OK) return known;
   for (int32_t k = 0; k < p->effect_count; k++) {
     if (p->effects[k] == NULL) return CT_REFUSE(error, "problem: effect %d is null", (int)k);
     ct_status status = ct_effect_check(p->effects[k], error);
@@ -104,13 +106,13 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
                        "problem: effect %s reads one whose force does not come before its own",
                        effect->label);
   }
-  if (p->integrator.scheme == CT_PUSHFORWARD_PULLBACK &&
+  if (ct_scheme_of(p)->pushes &&
       (p->effects[0]->kind != CT_EFFECT_SOLID || !ct_problem_is_linear(p)))
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "integrator: pushforward_pullback is for linear bodies");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "integrator: %s is for linear bodies",
+                   ct_scheme_of(p)->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->threads);
-  return ct_integrator_check(&p->integrator, error);
+  return CT_OK;
 }
 
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
@@ -146,7 +148,7 @@ static void list_shared(const ct_problem *problem, ct_workspace *w)
 static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct_error *error)
 {
   size_t n = (size_t)problem->node_count, effects = (size_t)problem->effect_count;
-  ct_scheme scheme = problem->integrator.scheme;
+  const ct_scheme_facts *scheme = ct_scheme_of(problem);
   ct_status status = CT_OK;
   w->forces_at = -1;
   w->total = ct_pool_take(&w->pool, n, 3 * sizeof(double));
@@ -156,9 +158,10 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       &w->pool, (size_t)ct_state_starts(problem, problem->effect_count).memory, sizeof(double));
   w->grids = ct_pool_take(&w->pool, ct_sum_grids(problem), sizeof *w->grids);
   w->addends = ct_pool_take(&w->pool, (size_t)problem->body_count, 3 * sizeof *w->addends);
-  if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ || scheme == CT_PUSHFORWARD_PULLBACK)
+  w->leapfrog = ct_integrator_is_leapfrog(&problem->integrator);
+  if (!w->leapfrog && !scheme->stores)
     w->last_acceleration = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-  if (scheme == CT_PUSHFORWARD_PULLBACK) {
+  if (scheme->pushes) {
     w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     status = problem->effects[0]->create_scratch(problem->effects[0], &w->pushed_scratch, error);
@@ -176,7 +179,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
   // A pushforward moves sleeping elements, so none may sleep.
-  if (problem->effects[0]->kind == CT_EFFECT_SOLID && scheme != CT_PUSHFORWARD_PULLBACK)
+  if (problem->effects[0]->kind == CT_EFFECT_SOLID && !scheme->pushes)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
   return CT_OK;
@@ -206,7 +209,7 @@ ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error 
   s->node_count = problem->node_count;
   s->work_count = end.work;
   s->impulse_count = 2 * end.impulse;
-  s->memory_count = end.memory + (problem->integrator.scheme == CT_CHUNG_LEE ? dofs : 0);
+  s->memory_count = end.memory + (ct_scheme_of(problem)->stores ? dofs : 0);
   double **array[] = {&s->displacement, &s->velocity, &s->work,
                       &s->impulse,      &s->memory,   &s->effect_seconds};
   int64_t start[6],
@@ -248,7 +251,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = // (eq:leapfrog-start)
         ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                 state->workspace->total[d]);
-    if (last_acceleration != NULL && state->workspace->pushed == NULL)
+    if (last_acceleration != NULL && !ct_scheme_of(problem)->pushes)
       last_acceleration[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
   // A force that depends on velocity was computed with another one; a restart would use this one.
@@ -549,7 +552,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   ct_integrator_stages(&problem->integrator, stages);
   // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
   // the first step is a central difference.
-  if (w->pushed == NULL || stages[0].l == 0.0 || state->step == 0) return CT_OK;
+  if (!ct_scheme_of(problem)->pushes || stages[0].l == 0.0 || state->step == 0) return CT_OK;
   double begin = problem->clock == NULL ? 0.0 : problem->clock(),
          push = problem->integrator.push * problem->dt,
          share = ct_integrator_share(&problem->integrator) * problem->dt;

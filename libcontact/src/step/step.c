@@ -62,7 +62,7 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
   int64_t begin = 3 * (int64_t)first, end = 3 * (int64_t)last;
   const double *total = state->workspace->total;
   double *last_acceleration = ct_stage_last_acceleration(problem, state);
-  if (last_acceleration == NULL)
+  if (state->workspace->leapfrog)
     advance(begin, end, problem->dt, problem->inverse_mass, total, state->displacement,
             state->velocity, state->work);
   else

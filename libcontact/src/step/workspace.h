@@ -6,6 +6,12 @@
 #include "../base/grid.h"
 #include "effect_internal.h"
 
+/* The row of a problem's integrator. */
+static inline const ct_scheme_facts *ct_scheme_of(const ct_problem *problem)
+{
+  return ct_integrator_facts(problem->integrator.scheme);
+}
+
 /* Data of a state for steps that a restart does not need: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
@@ -17,6 +23,7 @@ typedef struct ct_workspace {
   int followed; /* whether one stage, and nothing else, has moved the state since the forces were
                    computed: the sleeping elements are known (eq:wake) */
   int known;    /* whether the sleeping elements are those of these forces */
+  int leapfrog; /* whether the integrator is the leapfrog: no acceleration before */
   int seen;     /* whether an effect of a host may read all nodes */
   struct ct_sleep *sleep; /* sleeping elements; the first effect's, null if none may sleep */
   double *total;          /* sum of all forces except reactions, shape (node_count, 3) */
@@ -29,8 +36,8 @@ typedef struct ct_workspace {
   double *shared_first; /* force of the first effect there, shape (shared_count, 3) */
   double *shared_velocity,
       *shared_work;          /* v_{n-1/2} and the first effect's work there, before the step */
-  double *last_acceleration; /* acceleration of the last evaluation, shape (node_count, 3), if the
-                   state does not store it; or null */
+  double *last_acceleration; /* acceleration of the last evaluation, shape (node_count, 3); null if
+                   the state stores it, and for the leapfrog */
   double *pushed, *pushed_force; /* of the pushforward, shape (node_count, 3), or null */
   void *pushed_scratch;
   ct_grid *grids;  /* of the sums for the last row of the energy balance (ct_sum_grids) */
@@ -89,8 +96,7 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
   return (ct_stage){s.tau * problem->dt, s.c * problem->dt, s.r * problem->dt, s.l * problem->dt};
 }
 
-/* Acceleration of the last evaluation, shape (node_count, 3); null for an integrator that does not
- * use it. */
+/* Acceleration of the last evaluation, shape (node_count, 3); null for the leapfrog. */
 double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *state);
 
 /* Fails for a state whose last step ended after its first stage. */
