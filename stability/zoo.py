@@ -360,7 +360,14 @@ def weigh(row: Row, animal: Animal, own: Answer, o: Options) -> None:
 
 
 # What the library may refuse before a run, by a part of its reason.
-TRUE_REASONS = ("initial_penetration", "inside at the start", "hex8 only", "reduced", "thin")
+TRUE_REASONS = (
+    "initial_penetration",
+    "inside at the start",
+    "hex8 only",
+    "reduced",
+    "thin",
+    "is for linear bodies",
+)
 
 
 def refuse(row: Row, animal: Animal, o: Options, reason: str) -> None:
