@@ -54,7 +54,7 @@ static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect *
   ct_support_def def = ct_support_def_default();
   def.supports = &hold, def.support_count = 1;
   need(ct_support_create_effect(&def, problem, effect, &error));
-  need(ct_support_apply(*effect, inverse, velocity));
+  need(ct_support_apply(*effect, inverse, velocity, NULL));
 #elif EFFECT == MOTION
   static const double at[2] = {0, 1}, value[2] = {0, 1};
   ct_motion hold = {
@@ -125,7 +125,7 @@ static void run(const ct_problem *problem, ct_mesh *const *mesh, ct_state *state
 
 int main(int count, char **argument)
 {
-  need(ct_set_allocator(&COUNTING));
+  need(ct_set_allocator(&COUNTING, NULL));
   ct_material material = {.young = 1e3, .poisson = 0.3, .density = 1.0};
   ct_mesh *mesh[2];
   ct_body body[2];

@@ -94,7 +94,7 @@ EXPORT double bench_ours(const pairs *p, int method)
   double start = seconds();
   for (int64_t i = 0; i < p->count; i++) {
     ct_projection out;
-    p->status[i] = (int32_t)ct_project(&p->face[i], p->point + 3 * i, &options, &out);
+    p->status[i] = (int32_t)ct_project(&p->face[i], p->point + 3 * i, &options, &out, NULL);
     p->distance[i] = out.distance;
     p->evaluations[i] = out.evaluations;
     for (int a = 0; a < 2; a++) p->xi[2 * i + a] = out.xi[a];
@@ -112,7 +112,7 @@ EXPORT double bench_warm(const pairs *p)
   for (int64_t i = 0; i < p->count; i++) {
     ct_projection out;
     for (int a = 0; a < 2; a++) options.start[a] = p->xi[2 * i + a];
-    ct_project(&p->face[i], p->point + 3 * i, &options, &out);
+    ct_project(&p->face[i], p->point + 3 * i, &options, &out, NULL);
     p->distance[i] = out.distance;
   }
   return seconds() - start;
@@ -124,7 +124,8 @@ EXPORT double bench_batch(int kind, int64_t count, const double *nodes, const do
   ct_project_options options = ct_project_options_default();
   options.tolerance = tolerance;
   double begin = seconds();
-  ct_project_batch((ct_face_kind)kind, (size_t)count, nodes, points, start, &options, closest);
+  ct_project_batch((ct_face_kind)kind, (size_t)count, nodes, points, start, &options, closest,
+                   NULL);
   return seconds() - begin;
 }
 

@@ -85,6 +85,8 @@ module libcontact
     real(c_double) :: energy, work, removal
     integer(c_int64_t) :: unconverged
     real(c_double) :: friction, motion
+    integer(c_int64_t) :: late
+    real(c_double) :: late_depth
   end type
 
   type, bind(C) :: ct_amplitude
@@ -123,12 +125,13 @@ module libcontact
       type(ct_project_options) :: options
     end function
 
-    function ct_project(face, point, options, out) bind(C) result(status)
-      import :: c_int, c_double, ct_face, ct_project_options, ct_projection
+    function ct_project(face, point, options, out, error) bind(C) result(status)
+      import :: c_int, c_double, ct_face, ct_project_options, ct_projection, ct_error
       type(ct_face), intent(in) :: face
       real(c_double), intent(in) :: point(3)
       type(ct_project_options), intent(in) :: options
       type(ct_projection), intent(out) :: out
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
@@ -200,11 +203,12 @@ module libcontact
       integer(c_int) :: status
     end function
 
-    function ct_contact_reaction(contact, obstacle, force, work) bind(C) result(status)
-      import :: c_int, c_int32_t, c_double, c_ptr
+    function ct_contact_reaction(contact, obstacle, force, work, error) bind(C) result(status)
+      import :: c_int, c_int32_t, c_double, c_ptr, ct_error
       type(c_ptr), value :: contact
       integer(c_int32_t), value :: obstacle
       real(c_double), intent(inout) :: force(3), work
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
@@ -234,24 +238,27 @@ module libcontact
       integer(c_int) :: status
     end function
 
-    function ct_contact_balance_of(contact, balance) bind(C) result(status)
-      import :: c_int, c_ptr, ct_contact_balance
+    function ct_contact_balance_of(contact, balance, error) bind(C) result(status)
+      import :: c_int, c_ptr, ct_contact_balance, ct_error
       type(c_ptr), value :: contact
       type(ct_contact_balance), intent(inout) :: balance
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
-    function ct_contact_add_force(contact, fa, fb) bind(C) result(status)
-      import :: c_int, c_double, c_ptr
+    function ct_contact_add_force(contact, fa, fb, error) bind(C) result(status)
+      import :: c_int, c_double, c_ptr, ct_error
       type(c_ptr), value :: contact
       real(c_double), intent(inout) :: fa(3, *), fb(3, *)
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
-    function ct_contact_resultant(contact, force_a, moment_a, force_b, moment_b) bind(C) result(status)
-      import :: c_int, c_double, c_ptr
+    function ct_contact_resultant(contact, force_a, moment_a, force_b, moment_b, error) bind(C) result(status)
+      import :: c_int, c_double, c_ptr, ct_error
       type(c_ptr), value :: contact
       real(c_double), intent(out) :: force_a(3), moment_a(3), force_b(3), moment_b(3)
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
@@ -261,19 +268,21 @@ module libcontact
       real(c_double) :: energy
     end function
 
-    function ct_contact_stable_step(contact, mass_a, mass_b, dt) bind(C) result(status)
-      import :: c_int, c_double, c_ptr
+    function ct_contact_stable_step(contact, mass_a, mass_b, dt, error) bind(C) result(status)
+      import :: c_int, c_double, c_ptr, ct_error
       type(c_ptr), value :: contact
       real(c_double), intent(in) :: mass_a(*), mass_b(*)
       real(c_double), intent(inout) :: dt
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 
-    function ct_contact_update_stable_step(contact, mass_a, mass_b, dt) bind(C) result(status)
-      import :: c_int, c_double, c_ptr
+    function ct_contact_update_stable_step(contact, mass_a, mass_b, dt, error) bind(C) result(status)
+      import :: c_int, c_double, c_ptr, ct_error
       type(c_ptr), value :: contact
       real(c_double), intent(in) :: mass_a(*), mass_b(*)
       real(c_double), intent(inout) :: dt
+      type(ct_error), intent(inout), optional :: error
       integer(c_int) :: status
     end function
 

@@ -88,7 +88,7 @@ static inline void forces(const ct_contact *contact, const patch *a, const patch
   ct_error e = {0};
   memset(fa, 0, 3 * (size_t)a->surface.node_count * sizeof *fa);
   memset(fb, 0, 3 * (size_t)b->surface.node_count * sizeof *fb);
-  need(ct_contact_add_force(contact, fa, fb), &e);
+  need(ct_contact_add_force(contact, fa, fb, NULL), &e);
 }
 
 static inline double total(const double *f, int nodes, int c)

@@ -54,7 +54,7 @@ static void take_steps(slide *s, int first, int last)
                                      .dt = dt,
                                      .kick = kick};
     need(ct_contact_step(s->contact, &p, &e), &e);
-    need(ct_contact_add_force(s->contact, force[0], other[0]), &e);
+    need(ct_contact_add_force(s->contact, force[0], other[0], NULL), &e);
     for (int32_t n = 0; n < s->moving.surface.node_count; n++)
       for (int c = 0; c < 3; c++) {
         s->v[n][c] += kick * force[n][c];

@@ -193,10 +193,12 @@ static void arguments(void)
 {
   ct_allocator half = COUNTING;
   half.release = NULL;
-  tap_ok(ct_set_allocator(&half) == CT_ERROR_ARGUMENT, "an allocator without release is refused");
+  tap_ok(ct_set_allocator(&half, NULL) == CT_ERROR_ARGUMENT,
+         "an allocator without release is refused");
   half = COUNTING;
   half.allocate = NULL;
-  tap_ok(ct_set_allocator(&half) == CT_ERROR_ARGUMENT, "an allocator without allocate is refused");
+  tap_ok(ct_set_allocator(&half, NULL) == CT_ERROR_ARGUMENT,
+         "an allocator without allocate is refused");
   long before = counted.calls;
   ct_mesh_free(box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1));
   tap_ok(counted.calls > before && counted.blocks == 0, "and the previous one stays");
@@ -207,12 +209,12 @@ int main(void)
   double moved[2];
   world w = {0};
   ct_error error = {0};
-  tap_ok(ct_set_allocator(&COUNTING) == CT_OK, "a host sets its allocator");
+  tap_ok(ct_set_allocator(&COUNTING, NULL) == CT_OK, "a host sets its allocator");
   long requests = all_given_back(&moved[0]);
   each_request_fails(requests);
   arguments();
   counted.calls = 0;
-  tap_ok(ct_set_allocator(NULL) == CT_OK && make(&w, &error) == CT_OK && counted.calls == 0,
+  tap_ok(ct_set_allocator(NULL, NULL) == CT_OK && make(&w, &error) == CT_OK && counted.calls == 0,
          "null: the C library's allocator again");
   moved[1] = w.copy->displacement[3 * w.problem->node_count - 1];
   tap_ok(moved[0] == moved[1], "and the same bits");

@@ -72,7 +72,7 @@ static ct_projection alone(const batch *b, int p, const double *start,
   memcpy(face.node, b->rows + 3 * b->per * p, sizeof(double) * 3 * (size_t)b->per);
   for (int a = 0; a < 2 && start != NULL; a++) own.start[a] = start[16 * (p / 8) + 8 * a + p % 8];
   own.use_start = start != NULL && fabs(own.start[0]) < HUGE_VAL && fabs(own.start[1]) < HUGE_VAL;
-  ct_project(&face, b->point + 3 * p, &own, &out);
+  ct_project(&face, b->point + 3 * p, &own, &out, NULL);
   return out;
 }
 
@@ -98,7 +98,7 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   ct_project_options options = ct_project_options_default();
   fill(b, kind, distortion);
   ct_batch_closest closest = closest_of(b);
-  ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
+  ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &closest, NULL);
   tap_ok(status == CT_OK && differing(b, NULL, &options) == 0,
          "%s, distortion %g: cold, each pair has the bits of ct_project", FACE_NAME[kind],
          distortion);
@@ -108,12 +108,12 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
          "%s: NaN, a face of no size and 1e200 are reported for their pair alone", FACE_NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
-  status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest);
+  status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest, NULL);
   tap_ok(status == CT_OK && differing(b, b->start, &options) == 0,
          "%s, distortion %g: also with a start", FACE_NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
-  ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest);
+  ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest, NULL);
   tap_ok(differing(b, b->start, &options) == 0,
          "%s: tolerance and iteration limit are those of the options", FACE_NAME[kind]);
 }
@@ -208,7 +208,7 @@ static void feet_on_a_parabolic_cylinder(batch *b)
   gather(8, b->rows, b->nodes);
   gather(1, b->point, b->points);
   ct_batch_closest closest = closest_of(b);
-  ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
+  ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &closest, NULL);
   for (int p = 0; p < PAIRS; p++) {
     for (int a = 0; a < 2; a++)
       error = fmax(error, fabs(b->xi[16 * (p / 8) + 8 * a + p % 8] - want[p][a]));
@@ -224,20 +224,23 @@ static void impossible_arguments(batch *b)
   ct_batch_closest closest = closest_of(b), none = {NULL, NULL, NULL, NULL, NULL, NULL};
   fill(b, CT_Q8, 0.6);
   b->status[0] = -7;
-  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &closest) ==
-             CT_ERROR_ARGUMENT;
-  good &= ct_project_batch(CT_Q8, 8, NULL, b->points, NULL, NULL, &closest) == CT_ERROR_ARGUMENT;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, NULL, NULL, NULL, &closest) == CT_ERROR_ARGUMENT;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, NULL, NULL) == CT_ERROR_ARGUMENT;
+  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &closest,
+                              NULL) == CT_ERROR_ARGUMENT;
+  good &=
+      ct_project_batch(CT_Q8, 8, NULL, b->points, NULL, NULL, &closest, NULL) == CT_ERROR_ARGUMENT;
+  good &=
+      ct_project_batch(CT_Q8, 8, b->nodes, NULL, NULL, NULL, &closest, NULL) == CT_ERROR_ARGUMENT;
+  good &=
+      ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT;
   options.tolerance = 0;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest) ==
+  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest, NULL) ==
           CT_ERROR_ARGUMENT;
   options.tolerance = 1e-10, options.iteration_limit = -1;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest) ==
+  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest, NULL) ==
           CT_ERROR_ARGUMENT;
   tap_ok(good && b->status[0] == -7, "invalid arguments are refused, and nothing is written");
-  good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &closest) == CT_OK;
-  good &= ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &none) == CT_OK;
+  good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &closest, NULL) == CT_OK;
+  good &= ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &none, NULL) == CT_OK;
   tap_ok(good, "no pairs, and no arrays to write to, are allowed");
 }
 

@@ -38,7 +38,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   int64_t points = ct_contact_point_count(contact);
   ct_contact_point *point = room(points, sizeof *point);
   int pressed[2] = {0, 0};
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int i = 0; i < points; i++) pressed[point[i].side] += point[i].pressure > 0.0;
   top = worst(largest(fa, 3 * a.surface.node_count), largest(fb, 3 * b.surface.node_count));
   for (int s = 0; s < 2; s++) {
@@ -79,7 +79,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   tap_ok(largest(moment, 3) < 1e-13 * size * arm, "%s on %s: angular momentum, %.2g", KIND[kb],
          KIND[ka], largest(moment, 3) / (size * arm));
   update(contact, &a, &b);
-  ct_contact_resultant(contact, fx[0], mx[0], fx[1], mx[1]);
+  ct_contact_resultant(contact, fx[0], mx[0], fx[1], mx[1], NULL);
   for (int c = 0; c < 3; c++) {
     resultant = worst(resultant, fx[0][c] - total(fa, a.surface.node_count, c));
     resultant = worst(resultant, fx[1][c] - total(fb, b.surface.node_count, c));
@@ -102,7 +102,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
 static void add_pass_of_b(const patch *a, int n, const patch *b, double pressure, double *f)
 {
   ct_rule rule;
-  ct_rule_face(b->surface.kind, &rule);
+  ct_rule_face(b->surface.kind, &rule, NULL);
   int triangle = a->surface.kind == CT_T3 || a->surface.kind == CT_T6,
       per = ct_face_node_count(b->surface.kind), own = ct_face_node_count(a->surface.kind);
   for (int i = 0; i < b->surface.face_count * rule.count; i++) {
@@ -215,7 +215,7 @@ static void bound_of_q8(void)
   double mass[9], row[8] = {0}, omega2;
   ct_rule rule;
   ct_error e;
-  ct_rule_face(CT_Q8, &rule);
+  ct_rule_face(CT_Q8, &rule, NULL);
   for (int q = 0; q < rule.count; q++) {
     double N[8], sum = 0.0;
     ct_segment_shape(CT_Q8, rule.xi[q], N);
@@ -247,7 +247,7 @@ static void gap_sweep(double h)
     for (int n = 0; n < 25; n++) b.x[3 * n + 2] = g;
     update(contact, &a, &b);
     forces(contact, &a, &b, fa, fb);
-    ct_contact_points(contact, point);
+    ct_contact_points(contact, point, NULL);
     int near = fabs(g) < sqrt(2.0) * h, pressed = near && g < 0.0;
     for (int k = 0; k < 32; k++) {
       wrong_pair += (point[k].other >= 0) != near || isnan(point[k].gap) == near;
@@ -316,7 +316,7 @@ static void far_side(double inside)
   update(below, &a, &up);
   ct_contact_point *point = room(ct_contact_point_count(below), sizeof *point);
   int same_way = 0;
-  ct_contact_points(below, point);
+  ct_contact_points(below, point, NULL);
   for (int i = 0; i < ct_contact_point_count(below); i++)
     same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
   tap_ok(same_way == 0,
@@ -342,7 +342,7 @@ static void border(void)
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
   int wrong = 0, in = 0;
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int i = 0; i < count; i++) {
     double x = point[i].position[0], y = point[i].position[1];
     int over = point[i].side == 1 ? x < 1.0 && y > 0.0 : x > 0.37 && y < 0.59;
@@ -407,7 +407,7 @@ static void fold(double c, double C, double z0, double q, const char *what)
   ct_contact_point *point = room(count, sizeof *point);
   int lost = 0, inside = 0, on_edge = 0, invented = 0;
   double off = 0.0, energy = 0.0;
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int i = 0; i < count; i++) {
     const double *p = point[i].position;
     double r = fabs(p[0]) + q * fabs(p[1]), closest[3] = {0};
@@ -517,14 +517,14 @@ static void sharp_bound(void)
   status = ct_contact_omega2_bound(contact, mass, mass, &bound);
   tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
          "fifty faces apart: the same bound");
-  tap_ok(ct_contact_update_stable_step(contact, mass, mass, &dt) == CT_OK &&
+  tap_ok(ct_contact_update_stable_step(contact, mass, mass, &dt, NULL) == CT_OK &&
              fabs(dt * sqrt(bound) - 2.0) < 1e-13,
          "the stable step of updates is 2 / omega");
-  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK && dt == INFINITY,
+  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt, NULL) == CT_OK && dt == INFINITY,
          "steps with the default law have no limit");
   mass[0] = 0.0;
   tap_ok(ct_contact_omega2_bound(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT &&
-             ct_contact_stable_step(contact, mass, mass, &dt) == CT_ERROR_ARGUMENT,
+             ct_contact_stable_step(contact, mass, mass, &dt, NULL) == CT_ERROR_ARGUMENT,
          "a node without mass is refused");
   ct_contact_free(contact);
   free_patch(&a);
@@ -730,7 +730,7 @@ static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_o
   update(contact, a, b);
   *count = ct_contact_point_count(contact);
   ct_contact_point *point = room(*count, sizeof *point);
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   ct_contact_free(contact);
   return point;
 }
@@ -791,7 +791,7 @@ static void between(ct_face_kind kind)
     int64_t count;
     ct_contact_point got[32];
     update(contact, &a, &b);
-    ct_contact_points(contact, got);
+    ct_contact_points(contact, got, NULL);
     ct_contact_point *want = all_points(&a, &b, options, &count);
     for (int64_t i = 0; i < count; i++) {
       wrong += got[i].other != want[i].other ||
@@ -851,7 +851,7 @@ static void tie(void)
   for (int k = 0; k < 2; k++) {
     for (int n = 0; n < 9; n++) b.x[3 * n] += k == 0 ? 0.25 : -0.25;
     update(contact, &a, &b);
-    ct_contact_points(contact, point);
+    ct_contact_points(contact, point, NULL);
     other[k] = point[8 + 4].other;
   }
   tap_ok(point[8 + 4].position[0] == 0.0 && other[0] == 1 && other[1] == 0,
@@ -1015,11 +1015,11 @@ static void refusals(void)
   refused(&a.surface, &b.surface, &good, CT_ERROR_GEOMETRY, 1, 2, "a face without area");
 
   tap_ok(ct_contact_update(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT &&
-             ct_contact_add_force(NULL, a.x, b.x) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_force(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT &&
              isnan(ct_contact_energy(NULL)) && ct_contact_point_count(NULL) == 0 &&
-             ct_contact_points(NULL, NULL) == CT_ERROR_ARGUMENT &&
-             ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT &&
-             ct_contact_update_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
+             ct_contact_points(NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_stable_step(NULL, a.x, b.x, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_update_stable_step(NULL, a.x, b.x, NULL, NULL) == CT_ERROR_ARGUMENT,
          "calls without a contact are refused");
   ct_contact_free(NULL);
   tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6,
@@ -1044,10 +1044,10 @@ static void shared_nodes(void)
   options.epsilon = EPSILON;
   need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
   need(ct_contact_update(contact, x, x, &e), &e);
-  ct_rule_face(CT_Q4, &rule);
+  ct_rule_face(CT_Q4, &rule, NULL);
   int64_t count = ct_contact_point_count(contact), met = 0;
   ct_contact_point *point = room(count, sizeof *point);
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int i = 0; i < count; i++) {
     double N[8], M[8];
     if (point[i].other < 0) continue;
@@ -1063,7 +1063,7 @@ static void shared_nodes(void)
   need(ct_contact_omega2_bound(contact, mass, mass, &got[0]), &e);
   tap_ok(met == count, "each point of an open book faces the other page");
   tap_close(got[0] / want, 1.0, 1e-13, "nodes of both pages have the sum of both rows");
-  need(ct_contact_add_force(contact, zero, zero), &e);
+  need(ct_contact_add_force(contact, zero, zero, NULL), &e);
   tap_ok(largest(zero, 18) == 0.0, "an open book has no contact force");
   ct_contact_free(contact);
   memcpy(copy, x, sizeof copy);

@@ -50,8 +50,8 @@ static void ask(const ct_contact *contact, const double *mass, double got[4])
   ct_error e = {0};
   got[0] = ct_contact_energy(contact);
   need(ct_contact_omega2_bound(contact, mass, mass, &got[1]), &e);
-  need(ct_contact_penetration(contact, CT_AT_CORNERS, &corners), &e);
-  need(ct_contact_penetration(contact, CT_AT_EDGES, &edges), &e);
+  need(ct_contact_penetration(contact, CT_AT_CORNERS, &corners, NULL), &e);
+  need(ct_contact_penetration(contact, CT_AT_EDGES, &edges, NULL), &e);
   got[2] = corners.deepest;
   got[3] = edges.deepest;
 }

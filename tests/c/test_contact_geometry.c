@@ -58,7 +58,7 @@ static void buried(void)
     lift(&b, z[i]);
     update(contact, &a, &b);
     wrong += (ct_contact_energy(contact) > 0.0) != (i > 4);
-    wrong += ct_contact_penetration(contact, CT_AT_POINTS, &found) != CT_OK ||
+    wrong += ct_contact_penetration(contact, CT_AT_POINTS, &found, NULL) != CT_OK ||
              found.buried != (i < 4 ? 32 : 0) || found.inside != (i == 4 ? 0 : 32);
     wrong += !(fabs(found.deepest - (i > 4 ? -z[i] : 0.0)) < 1e-15);
   }
@@ -109,7 +109,7 @@ static void thin_plates(void)
     for (int c = 0; c < 3; c++) low[c] = b.x[c], high[c] = b.x[c] + size_b[c];
     update(contact, &a, &b);
     forces(contact, &a, &b, fa, fb);
-    ct_contact_points(contact, point);
+    ct_contact_points(contact, point, NULL);
     for (int k = 0; k < count; k++) {
       const double *y = point[k].position;
       // Points of b that look up do not come in by a's top, nor those of a that look down by b's
@@ -189,7 +189,7 @@ static void patch_test(ct_face_kind kind)
   int nodes = a.surface.node_count, per = ct_face_node_count(kind);
   double *fa = numbers(3 * nodes), *fb = numbers(3 * nodes), *want = numbers(3 * nodes), off = 0.0;
   ct_rule gauss;
-  ct_rule_face(kind, &gauss);
+  ct_rule_face(kind, &gauss, NULL);
   for (int f = 0; f < a.surface.face_count; f++)
     for (int q = 0; q < gauss.count; q++) {
       double N[8], J = triangular(kind) ? 1.0 : 0.25;
@@ -230,7 +230,7 @@ static void lobatto_gradient(ct_face_kind kind)
   update(contact, &a, &b);
   forces(contact, &a, &b, fa, fb);
   top = largest(fb, 3 * nb);
-  need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1]), &(ct_error){0});
+  need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1], NULL), &(ct_error){0});
   for (int i = 0; i < 3 * (na + nb); i++) {
     double *x = i < 3 * na ? &a.x[i] : &b.x[i - 3 * na], keep = *x,
            f = i < 3 * na ? fa[i] : fb[i - 3 * na], up;
@@ -512,7 +512,7 @@ static void ratios(void)
         }
     }
     sum = total(f[1], p[1].surface.node_count, 2);
-    need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1]), &(ct_error){0});
+    need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1], NULL), &(ct_error){0});
     for (int c = 0; c < 3; c++)
       momentum = fmax(momentum, fmax(fabs(F[0][c] + F[1][c]), fabs(M[0][c] + M[1][c])));
     tap_ok(momentum < 1e-14 * EPSILON * delta * cells[k][1] &&
@@ -594,7 +594,7 @@ static void seen_before_it_comes_in(void)
     for (int n = 0; n < above->node_count; n++)
       for (int c = 0; c < 3; c++) x[3 * n + c] = above->nodes[3 * n + c] + (c == 2 ? height : 0.0);
     need(ct_contact_update(contact, below->nodes, x, &e), &e);
-    ct_contact_points(contact, now);
+    ct_contact_points(contact, now, NULL);
     for (int64_t i = 0; i < count; i++) {
       int facing = fabs(now[i].position[2] - (now[i].side == 1 ? height : 0.0)) < 1e-9 &&
                    now[i].position[0] > 7.5 && now[i].position[0] < 46.5 &&

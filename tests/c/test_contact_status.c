@@ -523,7 +523,7 @@ static void corner_turned_inside_out(void)
             m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0)
           x[i] += 0.5 * step / STEPS;
       need(ct_contact_update(contact, corners, x, &e), &e);
-      ct_contact_points(contact, point);
+      ct_contact_points(contact, point, NULL);
       for (int i = 0; i < 4; i++) lowest = fmin(lowest, point[i].gap);
       energy = fmax(energy, ct_contact_energy(contact));
     }

@@ -117,7 +117,7 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
   double want[2][6] = {{0}}, found[2][6] = {{0}}, size = 0.0, force = 0.0, moment = 0.0;
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int64_t i = 0; i < count; i++) {
     const ct_contact_point *p = &point[i];
     double f[3], back[3];

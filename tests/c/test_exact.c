@@ -30,7 +30,7 @@ static void at(double x, double z, double t, double nu, double f[5])
 static double front_distance(double x, double z, double t, double nu)
 {
   double c2, c_r, least = fabs(x - t);
-  ct_exact_speeds(nu, &c2, &c_r);
+  ct_exact_speeds(nu, &c2, &c_r, NULL);
   for (int side = -1; side <= 1; side += 2) {
     const double y = 1.0 + side * z, r = hypot(x, y), closest = c2 * c2 * t;
     least = fmin(least, fmin(fabs(r - t), fabs(r - c2 * t)));
@@ -59,7 +59,7 @@ static void derivative(const double p[3], int axis, double h, double nu, double 
 static int region(double x, double z, double t, double nu)
 {
   double c2;
-  ct_exact_speeds(nu, &c2, NULL);
+  ct_exact_speeds(nu, &c2, NULL, NULL);
   const double y = 1.0 - fabs(z), r = hypot(x, y);
   if (r >= t) return 0;
   if (r < c2 * t) return 3;
@@ -134,7 +134,7 @@ static void fronts_jump(double nu)
             "nu = %g: momentum across the plane front", nu);
   tap_close(b[SIGMA_Z] - a[SIGMA_Z], lambda * (b[SIGMA_X] - a[SIGMA_X]), 1e-12,
             "nu = %g: uniaxial strain behind it", nu);
-  ct_exact_speeds(nu, &c2, NULL);
+  ct_exact_speeds(nu, &c2, NULL, NULL);
   for (int i = 1; i < 15; i++) {
     const double angle = 0.1 * i, t = 0.8;
     for (int wave = 0; wave < 2; wave++) {
@@ -186,7 +186,7 @@ static void mirror_is_exact(double nu)
 static void rayleigh_speed(double nu)
 {
   double c2, c_r;
-  ct_exact_speeds(nu, &c2, &c_r);
+  ct_exact_speeds(nu, &c2, &c_r, NULL);
   tap_close(c2 * c2, (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu)), 1e-15, "nu = %g: c2", nu);
   const double x = c_r * c_r / (c2 * c2);
   tap_close((2.0 - x) * (2.0 - x), 4.0 * sqrt(1.0 - x) * sqrt(1.0 - c_r * c_r), 1e-14,
@@ -297,7 +297,7 @@ static void bad_input_is_refused(void)
     tap_ok(ct_exact_plates(1, &one, &one, &one, nus[i], INFINITY, field, &bad, &error) ==
                    CT_ERROR_ARGUMENT &&
                bad == 1 && strstr(error.text, "nu") != NULL &&
-               ct_exact_speeds(nus[i], NULL, NULL) != CT_OK,
+               ct_exact_speeds(nus[i], NULL, NULL, NULL) != CT_OK,
            "refused: nu = %g", nus[i]);
   tap_ok(ct_exact_plates(0, NULL, NULL, NULL, 0.3, INFINITY, NULL, NULL, NULL) == CT_OK,
          "no points are no error");

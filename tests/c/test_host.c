@@ -335,7 +335,7 @@ static void compare_obstacle(const ct_problem *problem, ct_state *state, const c
   double force[3], work, got[3], done, *t = numbers(4 * count), *u = numbers(4 * count);
   ct_error e;
   need(ct_obstacle_reaction(problem, state, effect, force, &work, &e), &e);
-  need(ct_contact_reaction(contact, k, got, &done), &e);
+  need(ct_contact_reaction(contact, k, got, &done, NULL), &e);
   const int rubs = effect + 1 < problem->effect_count &&
                    problem->effects[effect + 1]->kind == CT_EFFECT_FRICTION;
   for (int c = 0; c < 3; c++) {
@@ -362,7 +362,7 @@ static void compare(const ct_problem *problem, ct_state *state, const ct_contact
   ct_contact_balance balance;
   double energy = 0.0, lost = 0.0;
   ct_error e = {0};
-  need(ct_contact_balance_of(contact, &balance), &e);
+  need(ct_contact_balance_of(contact, &balance, NULL), &e);
   for (int32_t k = 0, wall = 0; k < problem->effect_count; k++) {
     double held = 0.0, gone = 0.0;
     const ct_effect_kind kind = problem->effects[k]->kind;
@@ -421,7 +421,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
                                           .kick = n == 0 ? 0.5 * problem->dt : problem->dt};
       need(ct_contact_step(contact[i], &prediction, &e), &e);
       memset(f, 0, 3 * (size_t)count * sizeof *f);
-      need(ct_contact_add_force(contact[i], f, f + next), &e);
+      need(ct_contact_add_force(contact[i], f, f + next, NULL), &e);
       for (int d = 0; d < 3 * count; d++)
         if (n >= from) off[i] = worst(off[i], f[d] - want[d]);
       if (n > from) compare(problem, state, contact[i], &so);
@@ -489,7 +489,7 @@ static host open_host(const pair *p, const ct_contact_options *options, double f
     for (int n = 0; n < p->mesh[0]->node_count; n++) mass[n] = h.mass[0][3 * n];
     for (int n = 0; n < p->mesh[p->bodies - 1]->node_count; n++)
       other[n] = h.mass[p->bodies - 1][3 * n];
-    need(ct_contact_stable_step(h.contact, mass, other, &dt), &e);
+    need(ct_contact_stable_step(h.contact, mass, other, &dt, NULL), &e);
     h.dt = fraction / sqrt(omega2 / 4.0 + 1.0 / (dt * dt));
     free(mass);
     free(other);
@@ -527,7 +527,7 @@ static double step_host(host *h, int64_t n)
                                       .dt = h->dt,
                                       .kick = kick};
   need(ct_contact_step(h->contact, &prediction, &e), &e);
-  need(ct_contact_add_force(h->contact, h->f[0], h->f[1]), &e);
+  need(ct_contact_add_force(h->contact, h->f[0], h->f[1], NULL), &e);
   for (int i = 0; i < h->p->bodies; i++)
     for (int d = 0; d < 3 * h->p->mesh[i]->node_count; d++) {
       double before = h->v[i][d];
@@ -554,7 +554,7 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
     double start = 0.0, lowest = INFINITY;
     for (steps = 0; (double)steps * h.dt < end; steps++) {
       double bodies = step_host(&h, steps);
-      need(ct_contact_balance_of(h.contact, &now), &e);
+      need(ct_contact_balance_of(h.contact, &now, NULL), &e);
       double total = bodies + now.energy - now.motion - now.removal;
       if (steps == 0) start = total;
       balance = worst(balance, (bodies - start - now.work) / start);
@@ -611,8 +611,8 @@ static void restart(pair p, const char *name, ct_enforcement enforcement)
   ct_contact_save(parts.contact, later);
   const int alike = memcmp(memory, later, (size_t)count * sizeof *memory) == 0;
   for (int64_t n = STEPS; n < 2 * STEPS; n++) step_host(&parts, n);
-  need(ct_contact_balance_of(whole.contact, &want), &e);
-  need(ct_contact_balance_of(parts.contact, &got), &e);
+  need(ct_contact_balance_of(whole.contact, &want, NULL), &e);
+  need(ct_contact_balance_of(parts.contact, &got, NULL), &e);
   tap_ok(alike && same_host(&whole, &parts) && want.work != 0.0 && want.work == got.work &&
              want.energy == got.energy && want.friction == got.friction &&
              want.motion == got.motion && want.removal == got.removal,
@@ -686,7 +686,7 @@ static ct_contact_options plain(void)
 static double lift(const ct_contact *contact)
 {
   double fa[12] = {0}, fb[12] = {0}, sum = 0.0;
-  ct_contact_add_force(contact, fa, fb);
+  ct_contact_add_force(contact, fa, fb, NULL);
   for (int n = 0; n < 4; n++) sum += fa[3 * n + 2];
   return sum;
 }
@@ -745,11 +745,11 @@ static void refusals(void)
   ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01), q = p;
   ct_contact_balance balance;
   ct_error e;
-  tap_ok(ct_contact_balance_of(contact, &balance) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_balance_of(contact, &balance, NULL) == CT_ERROR_ARGUMENT,
          "no balance before the first step");
   tap_ok(ct_contact_step(NULL, &p, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_step(contact, NULL, &e) == CT_ERROR_ARGUMENT &&
-             ct_contact_balance_of(contact, NULL) == CT_ERROR_ARGUMENT,
+             ct_contact_balance_of(contact, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null pointers are refused");
   q.velocity_b = NULL;
   tap_ok(ct_contact_step(contact, &q, &e) == CT_ERROR_ARGUMENT && e.body == 1,
@@ -843,13 +843,13 @@ static void refused_parts(void)
   need(ct_contact_add_obstacle(contact, 0, &wall, &e), &e);
   need(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e), &e);
   tap_ok(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
-  tap_ok(ct_contact_reaction(contact, 0, force, &work) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_reaction(contact, 0, force, &work, NULL) == CT_ERROR_ARGUMENT,
          "no reaction before the first step");
   ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.005);
   need(ct_contact_step(contact, &p, &e), &e);
-  tap_ok(ct_contact_reaction(contact, 1, force, &work) == CT_ERROR_ARGUMENT &&
-             ct_contact_reaction(contact, 0, NULL, &work) == CT_ERROR_ARGUMENT &&
-             ct_contact_reaction(contact, 0, force, &work) == CT_OK && force[2] < 0.0,
+  tap_ok(ct_contact_reaction(contact, 1, force, &work, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_reaction(contact, 0, NULL, &work, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_reaction(contact, 0, force, &work, NULL) == CT_OK && force[2] < 0.0,
          "and none of another obstacle");
   tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
@@ -873,7 +873,8 @@ static void refused_parts(void)
              ct_contact_save(NULL, memory) == 0,
          "another count of numbers: %s", e.text);
   need(ct_contact_restore(contact, memory, count, &e), &e);
-  tap_ok(at > 0.0 && ct_contact_balance_of(contact, &(ct_contact_balance){0}) == CT_ERROR_ARGUMENT,
+  tap_ok(at > 0.0 &&
+             ct_contact_balance_of(contact, &(ct_contact_balance){0}, NULL) == CT_ERROR_ARGUMENT,
          "after a restart there is no balance before the next step");
   ct_contact_free(contact);
   ct_contact_free(alone);
@@ -951,7 +952,7 @@ static void with_parts(void)
 
 int main(void)
 {
-  ct_set_allocator(&COUNTING);
+  ct_set_allocator(&COUNTING, NULL);
   pair o = rods(-0.01), w = rods(0.01), t = rods(0.05);
   pair r = rods(0.0), q = plates(0.05), b = blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), s = strip(),
        c = blocks(CT_HEX20, CT_HEX8, 0.005, 0.3);

@@ -309,7 +309,7 @@ static void no_room(void)
 
 int main(void)
 {
-  ct_set_allocator(&COUNTING);
+  ct_set_allocator(&COUNTING, NULL);
   no_room();
   for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) budget(&KINDS[k]);
   for (int k = 0; k < 5; k++) many_nodes(&KINDS[k]);

@@ -69,8 +69,8 @@ static void flight(ct_brick_kind kind, int self)
       need(ct_contact_update(c[k], x, x, &e), &e);
       if (k == 1 && c[1]->side[0].points[0].row.gap == 42.0)
         c[1]->side[0].points[0].row.gap = NAN, skipped++;
-      ct_contact_add_force(c[k], f[k], f[k]);
-      ct_contact_points(c[k], p[k]);
+      ct_contact_add_force(c[k], f[k], f[k], NULL);
+      ct_contact_points(c[k], p[k], NULL);
       if (step % 7 == 0) ct_contact_omega2_bound(c[k], mass, mass, &omega[k]);
     }
     looks += last != c[1]->side[0].x_built[0];

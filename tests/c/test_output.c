@@ -321,7 +321,7 @@ static int check_history(const rig *r, const char *path, long k)
   ct_error error;
   int good = ct_output_restart(path, &r->problem, state, &error) == CT_OK &&
              ct_output_restart_probes(path, state, probes, &error) == CT_OK &&
-             ct_probes_history(probes, 0, &history) == CT_OK && history.row_count == k + 1;
+             ct_probes_history(probes, 0, &history, NULL) == CT_OK && history.row_count == k + 1;
   for (long i = 0; good && i <= k; i++) {
     const double *row = &history.rows[i * history.width];
     good = row[0] == (double)(10 * i) * r->problem.dt;
@@ -433,7 +433,7 @@ static void test_step_of_a_record(void)
 static void test_restart_makes_no_state(void)
 {
   ct_error error;
-  need(ct_set_allocator(&COUNTING), NULL);
+  need(ct_set_allocator(&COUNTING, NULL), NULL);
   rig *r = rig_create(0, 1);
   write_file(r, in_folder("lean.vtkhdf"), 2);
   ct_state *state = new_state(&r->problem);
@@ -444,7 +444,8 @@ static void test_restart_makes_no_state(void)
          counted.calls - calls);
   ct_state_free(state);
   rig_free(r);
-  tap_ok(counted.blocks == 0 && ct_set_allocator(NULL) == CT_OK, "and no memory stays allocated");
+  tap_ok(counted.blocks == 0 && ct_set_allocator(NULL, NULL) == CT_OK,
+         "and no memory stays allocated");
 }
 
 /* tests/python/test_output.py reads the other contents of the file. */

@@ -130,7 +130,7 @@ static void read_run(const rig *r, outcome *o)
   ct_error error = {0};
   if (note(o, ct_output_restart(r->path, r->problem, state, &error), &error)) {
     note(o, ct_output_restart_probes(r->path, state, probes, &error), &error);
-    need(ct_probes_history(probes, 0, &history), &error);
+    need(ct_probes_history(probes, 0, &history, NULL), &error);
     o->older = same_state(state, r->want[RECORDS - 2]) && history.row_count == RECORDS - 1;
     o->whole = same_state(state, r->want[RECORDS - 1]) && history.row_count == RECORDS;
   } else o->spoiled = !same_state(state, r->old);
@@ -306,7 +306,7 @@ int main(void)
 {
   char folder[] = "/tmp/libcontact_faults_XXXXXX";
   rig r;
-  if (mkdtemp(folder) == NULL || ct_set_allocator(&COUNTING) != CT_OK) return 1;
+  if (mkdtemp(folder) == NULL || ct_set_allocator(&COUNTING, NULL) != CT_OK) return 1;
   rig_open(&r, folder);
   int whole = getenv("TAP_LONG") != NULL;
   each_call_fails(&r, 0, whole ? 1 : EVERY);

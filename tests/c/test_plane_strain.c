@@ -24,7 +24,7 @@ static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis, int t
 static ct_solid_kernel kernel_of(const ct_effect *effect)
 {
   ct_solid_kernel kernel = CT_KERNEL_AUTO;
-  ct_solid_body_plan(effect, 0, &kernel, NULL, NULL);
+  ct_solid_body_plan(effect, 0, &kernel, NULL, NULL, NULL);
   return kernel;
 }
 
@@ -284,7 +284,7 @@ static void runs(void)
     int64_t n = 3 * (int64_t)a.problem->node_count;
     size_t bytes = (size_t)n * sizeof(double);
     ct_solid_kernel kernel = CT_KERNEL_AUTO;
-    ct_solid_body_plan(a.problem->effects[0], 1, &kernel, NULL, NULL);
+    ct_solid_body_plan(a.problem->effects[0], 1, &kernel, NULL, NULL, NULL);
     ct_energy ea = energy_of(a.problem, a.state), eb = energy_of(b.problem, b.state);
     ct_momentum ma = momentum_of(a.problem, a.state, 1), mb = momentum_of(b.problem, b.state, 1);
     tap_ok(kernel == CT_KERNEL_PLANE &&
@@ -338,8 +338,8 @@ static void choice(void)
   }
   double cost[2], bytes[2];
   block box = open_held(one, CT_KERNEL_BOX, 1, 1);
-  ct_solid_body_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
-  ct_solid_body_plan(box.effect, 0, NULL, &cost[1], &bytes[1]);
+  ct_solid_body_plan(held.effect, 0, NULL, &cost[0], &bytes[0], NULL);
+  ct_solid_body_plan(box.effect, 0, NULL, &cost[1], &bytes[1], NULL);
   tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0],
          "the plan: %.0f operations and %.0f bytes per element, %.0f and %.0f for bricks", cost[0],
          bytes[0], cost[1], bytes[1]);

@@ -98,7 +98,7 @@ static ct_probes *probe_all(const rig *r, double side, int64_t every)
 static ct_probe_history history_of(const ct_probes *probes, int32_t i)
 {
   ct_probe_history history = {.rows = NULL};
-  ct_probes_history(probes, i, &history);
+  ct_probes_history(probes, i, &history, NULL);
   return history;
 }
 
@@ -305,7 +305,7 @@ static void refusals(void)
   need(ct_probes_create(r.problem, &good, 1, &probes, &e), &e);
   tap_ok(ct_probes_steps(probes, foreign, 1, &e) == CT_ERROR_ARGUMENT && foreign->step == 0,
          "a state of another problem: %s", e.text);
-  tap_ok(ct_probes_history(probes, 1, &history) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_probes_history(probes, 1, &history, NULL) == CT_ERROR_ARGUMENT &&
              ct_probes_restore(probes, 1, NULL, 0, &e) == CT_ERROR_ARGUMENT,
          "there is no second probe");
   ct_probes_free(probes);
@@ -340,7 +340,7 @@ static void a_divided_step_keeps_the_times(void)
   need(ct_probes_subdivide_step(probes, &fine, 3, &e), &e);
   need(ct_probes_steps(probes, next, 16, &e), &e);
   ct_probe_history history;
-  need(ct_probes_history(probes, 0, &history), &e);
+  need(ct_probes_history(probes, 0, &history, NULL), &e);
   double off = 0.0;
   for (int64_t i = 0; i < history.row_count; i++)
     off = worst(off, history.rows[i * history.width] / (2.0 * r.problem->dt) - (double)i);
@@ -353,7 +353,7 @@ static void a_divided_step_keeps_the_times(void)
 
 int main(void)
 {
-  ct_set_allocator(&COUNTING);
+  ct_set_allocator(&COUNTING, NULL);
   a_divided_step_keeps_the_times();
   for (int s = 0; s < CT_SCHEME_COUNT; s++) rows_are_what_a_host_sees((ct_scheme)s);
   monitor_takes_the_same_rows();

@@ -41,7 +41,7 @@ static void flat_face_edges_and_vertices(ct_face_kind kind)
       double distance = sqrt((point[0] - x[0]) * (point[0] - x[0]) +
                              (point[1] - x[1]) * (point[1] - x[1]) + 0.25);
       ct_projection out;
-      good &= ct_project(&face, point, NULL, &out) == CT_OK && (int)out.where == edges;
+      good &= ct_project(&face, point, NULL, &out, NULL) == CT_OK && (int)out.where == edges;
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - x[a]);
       error = worst(worst(error, out.signed_distance - distance), out.point[2]);
     }
@@ -63,12 +63,12 @@ static void numbers_of_edges_and_corners(ct_face_kind kind)
            direction[2] = {b[1] - a[1], a[0] - b[0]};
     double out_of_edge[3] = {middle[0] + direction[0], middle[1] + direction[1], 1};
     ct_projection out;
-    ct_project(&face, out_of_corner, NULL, &out);
+    ct_project(&face, out_of_corner, NULL, &out, NULL);
     good &= out.where == CT_VERTEX && out.index == i;
-    ct_project(&face, out_of_edge, NULL, &out);
+    ct_project(&face, out_of_edge, NULL, &out, NULL);
     good &= out.where == CT_EDGE && out.index == i;
     ct_project_options newton = with(CT_NEWTON);
-    ct_project(&face, out_of_edge, &newton, &out);
+    ct_project(&face, out_of_edge, &newton, &out, NULL);
     good &= out.where == CT_OUTSIDE && out.index == -1 && out.status == CT_OK;
   }
   tap_ok(good,
@@ -125,7 +125,7 @@ static void status_on_an_edge(ct_face_kind kind)
                      part = point_over_edge(face.node[i], face.node[j],
                                             face.node[(i + 2) % corners], height, point);
     ct_projection out;
-    ct_status status = ct_project(&face, point, NULL, &out);
+    ct_status status = ct_project(&face, point, NULL, &out, NULL);
     for (int a = 0; a < 2; a++)
       error = worst(error,
                     out.xi[a] - (1 - part) * reference(kind, i)[a] - part * reference(kind, j)[a]);
@@ -167,7 +167,7 @@ static void status_high_above(ct_face_kind kind)
     for (int high = 0; high < 2; high++) {
       for (int k = 0; k < 3; k++) point[k] = y[k] + (high ? 1.02 : 0.98) * height * n[k] / norm;
       ct_projection out;
-      ct_project(&face, point, NULL, &out);
+      ct_project(&face, point, NULL, &out, NULL);
       wrong += out.status != (high ? CT_NOT_CERTIFIED : CT_OK);
     }
   }
@@ -238,7 +238,7 @@ static void trace_shows_f(ct_face_kind kind)
       ct_projection out;
       options.trace = compare_f;
       options.user = &w;
-      ct_project(&face, point, &options, &out);
+      ct_project(&face, point, &options, &out, NULL);
       off = worst(off, w.off);
       calls += w.calls > 0;
     }
@@ -259,7 +259,7 @@ static void brute_force(ct_face_kind kind)
     ct_face face = random_face(kind, triangular(kind) ? 0.125 : 0.25);
     double point[3] = {uniform(1.5), uniform(1.5), uniform(1)}, g[2];
     ct_projection out;
-    bad += ct_project(&face, point, NULL, &out) != CT_OK;
+    bad += ct_project(&face, point, NULL, &out, NULL) != CT_OK;
     closer = fmax(closer, out.distance - sqrt(lowest_on_grid(&face, point, cells)));
     /* Inside, the gradient vanishes; on the boundary it must not point inwards. */
     function_at(&face, point, out.xi, NULL, g, NULL);
@@ -291,7 +291,7 @@ static void folded_faces(ct_face_kind kind)
       if (triangular(kind)) x = 2 * x - 0.7, y = 2 * y - 0.7;
       face.node[i][0] = x, face.node[i][1] = y, face.node[i][2] = p * x * x + q * y * y + r * x * y;
     }
-    ct_project(&face, point, NULL, &out);
+    ct_project(&face, point, NULL, &out, NULL);
     missed += out.distance > sqrt(lowest_on_grid(&face, point, cells)) + 1e-12;
   }
   tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", FACE_NAME[kind],
@@ -313,7 +313,7 @@ static void centres_of_curvature(ct_face_kind kind)
       face.node[i][0] = x, face.node[i][1] = y,
       face.node[i][2] = sqrt(radius * radius - x * x - y * y);
     }
-    ct_project(&face, point, NULL, &out);
+    ct_project(&face, point, NULL, &out, NULL);
     missed += out.distance > sqrt(lowest_on_grid(&face, point, cells)) * (1 + 1e-12);
   }
   tap_ok(missed == 0, "%s: robust misses %d of 400 closest points from near a centre of curvature",
@@ -334,14 +334,14 @@ static void costs_in_looks(ct_face_kind kind)
            point[3] = {uniform(1.5), uniform(1.5), uniform(1)};
     ct_project_options tight = with(CT_ROBUST), loose = tight;
     ct_projection a, b;
-    ct_project(&plain, above, &tight, &a);
+    ct_project(&plain, above, &tight, &a, NULL);
     most = a.evaluations > most ? a.evaluations : most;
     loose.tolerance = 1e-2;
     for (int warm = 0; warm < 2; warm++) {
       tight.use_start = loose.use_start = warm;
       tight.start[0] = loose.start[0] = 0.25;
-      ct_project(&bent, point, &tight, &a);
-      ct_project(&bent, point, &loose, &b);
+      ct_project(&bent, point, &tight, &a, NULL);
+      ct_project(&bent, point, &loose, &b, NULL);
       dearer += b.evaluations > a.evaluations;
     }
   }
@@ -373,7 +373,7 @@ static first robust_from(const ct_face *face, const double point[3], const doubl
   ct_projection out;
   options.use_start = 1, options.trace = look_at_first, options.user = &p;
   for (int a = 0; a < 2; a++) options.start[a] = xi[a];
-  ct_project(face, point, &options, &out);
+  ct_project(face, point, &options, &out, NULL);
   return p;
 }
 
@@ -390,7 +390,7 @@ static void last_step_of_robust(void)
     ct_projection out;
     options.tolerance = 1e-16;
     options.use_start = 1, options.trace = look_at_first, options.user = &p;
-    ct_project(&face, point, &options, &out);
+    ct_project(&face, point, &options, &out, NULL);
     if (p.count > 19 || out.where != CT_INTERIOR) continue;
     for (int a = 0; a < 2; a++) p.xi[p.count][a] = out.xi[a];
     for (int k = 0; k < p.count; k++) {
@@ -520,12 +520,12 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
     options.use_start = flipped.use_start = trial % 2;
     for (int a = 0; a < 2; a++)
       options.start[a] = flipped.start[a] = triangular(kind) ? 0.25 : uniform(1);
-    ct_project(&face, point, &options, &out);
+    ct_project(&face, point, &options, &out, NULL);
     double power = ldexp(1, trial % 61 - 30);
     for (int i = 0; i < 8; i++)
       for (int k = 0; k < 3; k++) copy.node[i][k] = power * face.node[i][k];
     for (int k = 0; k < 3; k++) other[k] = power * point[k];
-    ct_project(&copy, other, &options, &twin);
+    ct_project(&copy, other, &options, &twin, NULL);
     scaled &= same_bits(&out, &twin, one, one, power, zero);
     if (triangular(kind)) continue;
     int axis = trial % 3, second = (trial / 3) % 2;
@@ -536,7 +536,7 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
       for (int k = 0; k < 3; k++) copy.node[i][k] = sign[k] * face.node[map[i]][k];
     for (int k = 0; k < 3; k++) other[k] = sign[k] * point[k];
     for (int a = 0; a < 2; a++) flipped.start[a] = xi_sign[a] * options.start[a];
-    ct_project(&copy, other, &flipped, &twin);
+    ct_project(&copy, other, &flipped, &twin, NULL);
     mirrored &= same_bits(&out, &twin, xi_sign, sign, 1, zero);
   }
   tap_ok(scaled, "%s %s: a copy scaled by a power of two gives the scaled bits", FACE_NAME[kind],
@@ -564,8 +564,8 @@ static void moved_copies_give_the_same_bits(ct_face_kind kind, ct_method method)
       for (int k = 0; k < 3; k++) copy.node[i][k] += SHIFT[k];
     ct_project_options options = with(method);
     ct_projection out, twin;
-    ct_project(&face, point, &options, &out);
-    ct_project(&copy, other, &options, &twin);
+    ct_project(&face, point, &options, &out, NULL);
+    ct_project(&copy, other, &options, &twin, NULL);
     moved &= same_bits(&out, &twin, ONE, ONE, 1, SHIFT);
   }
   tap_ok(moved, "%s %s: a moved copy gives the same bits", FACE_NAME[kind], METHOD_NAME[method]);
@@ -588,7 +588,7 @@ static void newton_on_linear_triangles(void)
     double xi[2] = {(u * C - v * B) / (A * C - B * B), (v * A - u * B) / (A * C - B * B)};
     ct_project_options options = with(CT_NEWTON);
     ct_projection out;
-    ct_project(&face, point, &options, &out);
+    ct_project(&face, point, &options, &out, NULL);
     evaluations = out.evaluations > evaluations ? out.evaluations : evaluations;
     for (int a = 0; a < 2; a++) error = worst(error, (out.xi[a] - xi[a]) / (1 + fabs(xi[a])));
   }
@@ -604,7 +604,7 @@ static void simplex_floor(void)
   for (double gap = 1e-6; gap < 2e6; gap *= 100) {
     double point[3] = {0.3125, -0.4, gap};
     ct_projection out;
-    ct_project(&face, point, &options, &out);
+    ct_project(&face, point, &options, &out, NULL);
     double error = fmax(fabs(out.xi[0] - point[0]), fabs(out.xi[1] - point[1])),
            floor_ = 4 * sqrt(2.2e-16) * gap;
     tap_close(error, 0, 1e-10 + floor_,
@@ -618,7 +618,8 @@ static void simplex_floor(void)
   double near[3] = {0.3, 0.3, 0.1};
   ct_projection out;
   options.iteration_limit = 10;
-  tap_ok(ct_project(&face, near, &options, &out) == CT_ITERATION_LIMIT && out.iterations == 10,
+  tap_ok(ct_project(&face, near, &options, &out, NULL) == CT_ITERATION_LIMIT &&
+             out.iterations == 10,
          "simplex respects its budget");
 }
 
@@ -633,11 +634,11 @@ static void simplex_steps_by_hand(void)
   ct_project_options options = with(CT_SIMPLEX);
   ct_projection out;
   options.iteration_limit = 1;
-  ct_project(&face, point, &options, &out);
+  ct_project(&face, point, &options, &out, NULL);
   tap_ok(out.evaluations == 5,
          "simplex reflects the second highest vertex when the highest does not improve");
   options.iteration_limit = 0;
-  ct_project(&face, point, &options, &out);
+  ct_project(&face, point, &options, &out, NULL);
   tap_ok(out.status == CT_OK && out.iterations >= 4 * 35 - 1,
          "simplex halves when a vertex has stayed 4 times (%d iterations)", out.iterations);
 }
@@ -696,7 +697,7 @@ static void simplex_against_the_equations(void)
       ct_project_options options = with(CT_SIMPLEX);
       ct_projection out;
       options.iteration_limit = iterations;
-      ct_project(&face, point, &options, &out);
+      ct_project(&face, point, &options, &out, NULL);
       roll(&face, point, iterations, lowest);
       for (int a = 0; a < 2; a++) off = worst(off, out.xi[a] - lowest[a]);
     }
@@ -721,16 +722,17 @@ static void hard_cases(void)
   double above[3] = {0, 0.25, 1.125};
   ct_projection out;
   ct_project_options options = with(CT_ROBUST), newton = with(CT_NEWTON);
-  tap_ok(ct_project(&trough, above, &options, &out) == CT_OK, "trough: robust leaves the saddle");
+  tap_ok(ct_project(&trough, above, &options, &out, NULL) == CT_OK,
+         "trough: robust leaves the saddle");
   tap_close(fabs(out.xi[0]), 0.5, 1e-14, "trough: to one of the two closest points");
-  tap_ok(ct_project(&trough, above, &newton, &out) == CT_NO_CONVERGENCE,
+  tap_ok(ct_project(&trough, above, &newton, &out, NULL) == CT_NO_CONVERGENCE,
          "trough: newton ends on the saddle and reports it");
   double beside[3] = {0.01, 0.25, 1.125};
   options.use_start = 1, options.start[0] = -0.5, options.start[1] = 0.25;
-  ct_project(&trough, beside, &options, &out);
+  ct_project(&trough, beside, &options, &out, NULL);
   double left = out.distance;
   options.use_start = 0;
-  ct_project(&trough, beside, &options, &out);
+  ct_project(&trough, beside, &options, &out, NULL);
   tap_ok(out.xi[0] > 0.5 && out.distance < left,
          "trough: without a start, the lower of two minima is found");
 
@@ -747,32 +749,32 @@ static void hard_cases(void)
                       {-1, -0.5, 0}}};
   double point[3] = {-0.9, -0.85, 0.5};
   options.use_start = 1, options.start[0] = options.start[1] = -1;
-  tap_ok(ct_project(&quarter, point, &options, &out) == CT_OK,
+  tap_ok(ct_project(&quarter, point, &options, &out, NULL) == CT_OK,
          "quarter-point corner: robust leaves it");
   tap_close(out.distance, 0.5, 1e-15,
             "quarter-point corner: the gap is found from the corner itself");
   double behind[3] = {-2, -2, 0.5};
-  tap_ok(ct_project(&quarter, behind, NULL, &out) == CT_OK && out.where == CT_VERTEX &&
+  tap_ok(ct_project(&quarter, behind, NULL, &out, NULL) == CT_OK && out.where == CT_VERTEX &&
              out.index == 0 && out.normal[2] == 1,
          "quarter-point corner: as a closest point it has the normal of its neighbourhood");
 
   /* Two corners in one place. */
   ct_face collapsed = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {1, 1, 0}}};
   double at[3] = {0.5, 0, -2};
-  tap_ok(ct_project(&collapsed, at, NULL, &out) == CT_OK, "collapsed quadrilateral");
+  tap_ok(ct_project(&collapsed, at, NULL, &out, NULL) == CT_OK, "collapsed quadrilateral");
   tap_close(out.signed_distance, -2, 1e-15, "collapsed quadrilateral: gap");
 
   /* Offsets cost no digits, because the point is subtracted first. */
   ct_face away = {CT_Q4, {{1e6 - 1, -1, 0}, {1e6 + 1, -1, 0}, {1e6 + 1, 1, 0}, {1e6 - 1, 1, 0}}};
   double over[3] = {1e6 + 0.25, 0.5, 1e-9};
-  ct_project(&away, over, NULL, &out);
+  ct_project(&away, over, NULL, &out, NULL);
   tap_close(out.signed_distance, 1e-9, 1e-24, "a gap of 1e-9 at an offset of 1e6");
 
   /* So far away that rounding hides the position of the closest point on the face: the search must
    * end. */
   ct_face tilted = {CT_T3, {{0, 0, 0}, {1, 0.3, 0.7}, {-0.2, 1, 0.1}}};
   double far[3] = {-0.67e9 + 0.24, -0.24e9 + 0.39, 1.06e9 + 0.24};
-  ct_project(&tilted, far, NULL, &out);
+  ct_project(&tilted, far, NULL, &out, NULL);
   tap_ok(out.status == CT_NOT_CERTIFIED && out.evaluations < 50 && isfinite(out.distance),
          "a point 1e9 faces away ends in %d evaluations: %s", out.evaluations,
          ct_status_name(out.status));
@@ -785,25 +787,28 @@ static void bad_input(void)
   ct_projection out;
   ct_project_options options = ct_project_options_default();
   ct_face dot = {CT_T6, {{0}}}, line = {CT_Q4, {{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}};
-  tap_ok(ct_project(&dot, point, NULL, &out) == CT_INVALID, "a face shrunk to a point");
-  tap_ok(ct_project(&line, point, NULL, &out) == CT_INVALID, "a face shrunk to a line");
-  tap_ok(ct_project(NULL, point, NULL, &out) == CT_ERROR_ARGUMENT && isnan(out.xi[1]), "no face");
-  tap_ok(ct_project(&good, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
-             ct_project(&good, point, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_project(&dot, point, NULL, &out, NULL) == CT_INVALID, "a face shrunk to a point");
+  tap_ok(ct_project(&line, point, NULL, &out, NULL) == CT_INVALID, "a face shrunk to a line");
+  tap_ok(ct_project(NULL, point, NULL, &out, NULL) == CT_ERROR_ARGUMENT && isnan(out.xi[1]),
+         "no face");
+  tap_ok(ct_project(&good, NULL, NULL, &out, NULL) == CT_ERROR_ARGUMENT &&
+             ct_project(&good, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null pointers");
   face.kind = (ct_face_kind)12;
-  tap_ok(ct_project(&face, point, NULL, &out) == CT_ERROR_ARGUMENT, "an unknown kind");
+  tap_ok(ct_project(&face, point, NULL, &out, NULL) == CT_ERROR_ARGUMENT, "an unknown kind");
   options.tolerance = 0;
-  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "no tolerance");
+  tap_ok(ct_project(&good, point, &options, &out, NULL) == CT_ERROR_ARGUMENT, "no tolerance");
   options.tolerance = NAN;
-  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "a tolerance that is NaN");
+  tap_ok(ct_project(&good, point, &options, &out, NULL) == CT_ERROR_ARGUMENT,
+         "a tolerance that is NaN");
   options = ct_project_options_default();
   options.method = (ct_method)77;
-  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_project(&good, point, &options, &out, NULL) == CT_ERROR_ARGUMENT &&
              !ct_method_exists(options.method) && ct_method_exists(CT_TORUS),
          "an unknown method");
   options.method = CT_ROBUST, options.use_start = 1, options.start[0] = NAN;
-  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "a start that is NaN");
+  tap_ok(ct_project(&good, point, &options, &out, NULL) == CT_ERROR_ARGUMENT,
+         "a start that is NaN");
 }
 
 static void many_points_are_single_points(void)
@@ -816,19 +821,20 @@ static void many_points_are_single_points(void)
     for (int k = 0; k < 3; k++) points[i][k] = uniform(1);
     for (int a = 0; a < 2; a++) start[i][a] = uniform(1);
   }
-  tap_ok(ct_project_points(&face, 20, &points[0][0], NULL, &start[0][0], many) == CT_OK,
+  tap_ok(ct_project_points(&face, 20, &points[0][0], NULL, &start[0][0], many, NULL) == CT_OK,
          "20 points in one call");
   for (int i = 0; i < 20; i++) {
     ct_project_options options = ct_project_options_default();
     options.use_start = 1;
     for (int a = 0; a < 2; a++) options.start[a] = start[i][a];
-    ct_project(&face, points[i], &options, &one);
+    ct_project(&face, points[i], &options, &one, NULL);
     same &= one.xi[0] == many[i].xi[0] && one.distance == many[i].distance &&
             one.evaluations == many[i].evaluations;
   }
   tap_ok(same, "they equal those of single calls");
-  tap_ok(ct_project_points(&face, 2, NULL, NULL, NULL, many) == CT_ERROR_ARGUMENT, "no points");
-  tap_ok(ct_project_points(NULL, 2, &points[0][0], NULL, NULL, many) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_project_points(&face, 2, NULL, NULL, NULL, many, NULL) == CT_ERROR_ARGUMENT,
+         "no points");
+  tap_ok(ct_project_points(NULL, 2, &points[0][0], NULL, NULL, many, NULL) == CT_ERROR_ARGUMENT &&
              isnan(many[1].distance),
          "null faces are refused");
 }

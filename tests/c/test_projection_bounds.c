@@ -214,7 +214,7 @@ static void provers(ct_face_kind kind)
       ct_projection out;
       ct_project_options options = ct_project_options_default();
       options.method = CT_CERTIFIED;
-      ct_project(&s.face, s.point, &options, &out);
+      ct_project(&s.face, s.point, &options, &out, NULL);
       if (out.status != CT_OK) continue;
       if (trial % 6 == 0 && way < 2)
         for (int a = 0; a < 2; a++) s.piece.centre[a] = triangular(kind) ? 1.0 / 3 : 0;

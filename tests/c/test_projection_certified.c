@@ -21,7 +21,7 @@ static void check_certificates(const ct_face *face, const double point[3], int i
   options.method = CT_CERTIFIED;
   options.iteration_limit = iteration_limit;
   ct_projection out;
-  ct_project(face, point, &options, &out);
+  ct_project(face, point, &options, &out, NULL);
   if (out.status == CT_INVALID) return;
   s->proven += out.certified;
   s->disagree += (out.status == CT_OK) != (out.certified == 1) ||
@@ -146,7 +146,7 @@ static void narrow_valleys(void)
       ct_projection out;
       options.method = CT_CERTIFIED;
       options.iteration_limit = limit;
-      ct_project(&face, point, &options, &out);
+      ct_project(&face, point, &options, &out, NULL);
       s.proven += limit == 0 && out.certified;
       s.refuted += out.certified && out.distance > lowest + 1e-10;
       wrong += limit == 0 && !(out.distance <= lowest + 1e-10);
@@ -168,16 +168,16 @@ static void many_feet(void)
   ct_project_options options = ct_project_options_default();
   options.method = CT_CERTIFIED;
   ct_projection out;
-  tap_ok(ct_project(&collapsed, behind, &options, &out) == CT_OK && out.certified,
+  tap_ok(ct_project(&collapsed, behind, &options, &out, NULL) == CT_OK && out.certified,
          "all points of a collapsed edge are closest, and the distance is proved");
   tap_close(out.distance, 3, 1e-14, "it is the distance from the corner");
   ct_face flat = parabolic_face(CT_T3, 0, 0);
   double above[3] = {0.25, 0.25, 1};
-  ct_project(&flat, above, &options, &out);
+  ct_project(&flat, above, &options, &out, NULL);
   tap_ok(out.certified && out.evaluations < 20, "a plane needs no search (%d evaluations)",
          out.evaluations);
   double on[3] = {0.25, 0.25, 0};
-  ct_project(&flat, on, &options, &out);
+  ct_project(&flat, on, &options, &out, NULL);
   tap_ok(out.certified && out.distance == 0, "nothing is closer than zero");
 }
 
@@ -221,11 +221,11 @@ static void near_the_surface(void)
       for (int k = 0; k < 2; k++) face.node[i][k] += uniform(0.03);
     ct_project_options options = ct_project_options_default();
     ct_projection on, out;
-    ct_project(&face, point, &options, &on);
+    ct_project(&face, point, &options, &on, NULL);
     for (int k = 0; k < 3; k++) point[k] = on.point[k] + gap * on.normal[k];
-    ct_project(&face, point, &options, &on);
+    ct_project(&face, point, &options, &on, NULL);
     options.method = CT_CERTIFIED;
-    ct_project(&face, point, &options, &out);
+    ct_project(&face, point, &options, &out, NULL);
     certified += out.certified;
     evaluations += out.evaluations;
     robust += on.evaluations;
@@ -245,7 +245,7 @@ static void attack(const ct_face *face, const double point[3], double shift, int
   options.method = CT_CERTIFIED;
   ct_projection out;
   ct_patch patch;
-  if (ct_project(face, point, &options, &out) != CT_OK ||
+  if (ct_project(face, point, &options, &out, NULL) != CT_OK ||
       ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return;
   double xi[2] = {out.xi[0] + uniform(shift), out.xi[1] + uniform(shift)},
@@ -319,9 +319,9 @@ static void robust_is_right(void)
     ct_project_options options = ct_project_options_default();
     ct_projection robust, certified;
     double far = i % 2 ? 1.0 : 3.0, point[3] = {uniform(far), uniform(far), uniform(far)};
-    if (ct_project(&face, point, &options, &robust) != CT_OK) continue;
+    if (ct_project(&face, point, &options, &robust, NULL) != CT_OK) continue;
     options.method = CT_CERTIFIED;
-    ct_project(&face, point, &options, &certified);
+    ct_project(&face, point, &options, &certified, NULL);
     ok++;
     wrong += robust.distance > certified.distance * (1 + 1e-7);
   }

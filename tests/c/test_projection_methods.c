@@ -26,7 +26,7 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       parabolic_point(p, q, xi, g, point, n);
       ct_project_options options = with(m);
       ct_projection out;
-      ct_project(&face, point, &options, &out);
+      ct_project(&face, point, &options, &out, NULL);
       status &= out.status == CT_OK || (by_values(m) && out.status == CT_ITERATION_LIMIT);
       status &= out.certified == (m == CT_CERTIFIED) && out.evaluations > 0;
       status &= out.where == CT_INTERIOR && out.index == -1;
@@ -70,7 +70,7 @@ static path walk(int method, const ct_face *face, const double point[3], const d
   ct_project_options options = with(method);
   options.trace = record, options.user = &p, options.use_start = 1, options.start[0] = start[0],
   options.start[1] = start[1];
-  ct_project(face, point, &options, out);
+  ct_project(face, point, &options, out, NULL);
   return p;
 }
 
@@ -125,7 +125,7 @@ static void one_step(void)
     ct_project_options options = with(METHOD[i]);
     options.iteration_limit = 1;
     ct_projection out;
-    ct_project(&flat, point, &options, &out);
+    ct_project(&flat, point, &options, &out, NULL);
     tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15,
               "T3: %s needs one step", METHOD_NAME[METHOD[i]]);
   }
@@ -207,9 +207,9 @@ static void nelder_mead_changes_its_form(void)
   double xi[2] = {0.8, -0.3}, point[3] = {0.8, 0.02 * -0.3 + 0.3 * 0.64, 1e-5};
   ct_projection regular, changing;
   ct_project_options options = with(CT_NELDER_MEAD);
-  ct_project(&narrow, point, &options, &changing);
+  ct_project(&narrow, point, &options, &changing, NULL);
   options = with(CT_SIMPLEX);
-  ct_project(&narrow, point, &options, &regular);
+  ct_project(&narrow, point, &options, &regular, NULL);
   double e = fmax(fabs(changing.xi[0] - xi[0]), fabs(changing.xi[1] - xi[1]));
   tap_close(e, 0, 1e-8, "nelder_mead walks along a narrow bent valley (%d evaluations)",
             changing.evaluations);
@@ -387,10 +387,10 @@ static void simplex_then_newton(void)
                        both = with(CT_SIMPLEX_NEWTON);
     ct_projection a, b, c;
     first.tolerance = 1.0 / 8, second.use_start = 1;
-    ct_project(&face, point, &first, &a);
+    ct_project(&face, point, &first, &a, NULL);
     for (int k = 0; k < 2; k++) second.start[k] = a.xi[k];
-    ct_project(&face, point, &second, &b);
-    ct_project(&face, point, &both, &c);
+    ct_project(&face, point, &second, &b, NULL);
+    ct_project(&face, point, &both, &c, NULL);
     same &=
         c.xi[0] == b.xi[0] && c.xi[1] == b.xi[1] && c.evaluations == a.evaluations + b.evaluations;
   }
@@ -418,7 +418,7 @@ static void saddles_are_no_answers(void)
   for (int m = 0; m < method_count(); m++) {
     ct_project_options options = with(m);
     ct_projection out;
-    ct_project(&trough, above, &options, &out);
+    ct_project(&trough, above, &options, &out, NULL);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
     tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", METHOD_NAME[m],
            at_foot ? "finds a closest point" : "reports that it found none");
@@ -437,12 +437,12 @@ static void budgets_copies_and_bad_input(int m)
     double point[3], other[3], power = ldexp(1, 7 * trial % 401 - 200);
     for (int k = 0; k < 3; k++) point[k] = uniform(1.3), other[k] = power * point[k];
     for (int i = 0; i < 24; i++) copy.node[i / 3][i % 3] *= power;
-    ct_project(&face, point, &options, &out);
-    ct_project(&copy, other, &options, &twin);
+    ct_project(&face, point, &options, &out, NULL);
+    ct_project(&copy, other, &options, &twin, NULL);
     scaled &= out.status == twin.status && out.xi[0] == twin.xi[0] && out.xi[1] == twin.xi[1] &&
               twin.distance == power * out.distance;
     scaled &= out.evaluations == twin.evaluations && out.iterations == twin.iterations;
-    ct_project(&face, point, &two, &out);
+    ct_project(&face, point, &two, &out, NULL);
     sane &= out.distance == out.distance && out.evaluations < 4200;
     if (m != CT_ROBUST && m != CT_CERTIFIED && m != CT_SIMPLEX_NEWTON) sane &= out.iterations <= 2;
   }
@@ -453,12 +453,12 @@ static void budgets_copies_and_bad_input(int m)
   double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1}, far[3] = {0, 0, INFINITY};
   for (int i = 0; i < 4; i++) line.node[i][1] = 0;
   spoilt.node[2][1] = NAN;
-  tap_ok(ct_project(&spoilt, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+  tap_ok(ct_project(&spoilt, point, &options, &out, NULL) == CT_INVALID && isnan(out.xi[0]) &&
              isnan(out.distance),
          "%s: NaN in a node", name);
-  tap_ok(ct_project(&flat, far, &options, &out) == CT_INVALID && isnan(out.signed_distance),
+  tap_ok(ct_project(&flat, far, &options, &out, NULL) == CT_INVALID && isnan(out.signed_distance),
          "%s: an infinite point", name);
-  tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+  tap_ok(ct_project(&flat, nowhere, &options, &out, NULL) == CT_INVALID && isnan(out.xi[0]) &&
              isnan(out.distance) && isnan(out.normal[1]),
          "%s: NaN in the point", name);
   static const double HUGE_ONE[3] = {1e300, -1e300, 1.7e308},
@@ -468,13 +468,13 @@ static void budgets_copies_and_bad_input(int m)
     ct_face own = flat;
     double place[3] = {i < 3 ? HUGE_ONE[i] : 0.0, 0, 0};
     if (i < 3)
-      extreme &= ct_project(&flat, place, &options, &out) == CT_INVALID,
+      extreme &= ct_project(&flat, place, &options, &out, NULL) == CT_INVALID,
           own.node[1][2] = HUGE_ONE[i];
     for (int k = 0; k < 12 && i >= 3; k++) own.node[k / 3][k % 3] *= TINY[i - 3];
-    extreme &= ct_project(&own, point, &options, &out) == CT_INVALID;
+    extreme &= ct_project(&own, point, &options, &out, NULL) == CT_INVALID;
   }
   tap_ok(extreme, "%s: numbers whose fourth powers overflow are invalid", name);
-  ct_status status = ct_project(&line, point, &options, &out);
+  ct_status status = ct_project(&line, point, &options, &out, NULL);
   tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
 }
 

@@ -5,11 +5,13 @@
 #include "faces.h"
 #include "tap.h"
 
+#include <libcontact/ray.h>
+
 /* The result for one line. */
 static ct_status ray(const ct_face *face, const double point[3], const double direction[3],
                      double tolerance, ct_ray_hit *out)
 {
-  ct_status status = ct_project_rays(face, 1, point, direction, tolerance, out);
+  ct_status status = ct_project_rays(face, 1, point, direction, tolerance, out, NULL);
   return status == CT_OK ? out->status : status;
 }
 
@@ -188,8 +190,8 @@ static void bad_input(void)
   tap_ok(ray(&flat, point, up, 1e-10, NULL) == CT_ERROR_ARGUMENT, "a null output");
   double points[6] = {0, 0, 1, 0.5, 0.5, -2}, ups[6] = {0, 0, 1, 0, 0, 1};
   ct_ray_hit two[2];
-  tap_ok(ct_project_rays(&flat, 2, points, ups, 1e-10, two) == CT_OK && two[0].distance == -1 &&
-             two[1].distance == 2,
+  tap_ok(ct_project_rays(&flat, 2, points, ups, 1e-10, two, NULL) == CT_OK &&
+             two[0].distance == -1 && two[1].distance == 2,
          "two lines in one call");
 }
 

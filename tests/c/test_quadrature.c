@@ -31,7 +31,7 @@ static void quadrilateral_rule(ct_face_kind kind, int n)
 {
   ct_rule rule;
   double error = 0;
-  tap_ok(ct_rule_face(kind, &rule) == CT_OK && rule.count == n * n,
+  tap_ok(ct_rule_face(kind, &rule, NULL) == CT_OK && rule.count == n * n,
          "%d x %d points of a quadrilateral", n, n);
   for (int a = 0; a < 2 * n; a++)
     for (int b = 0; b < 2 * n; b++)
@@ -56,7 +56,7 @@ static void triangle_rule(ct_face_kind kind, int count, int degree)
 {
   ct_rule rule;
   double error = 0, beyond = 0;
-  tap_ok(ct_rule_face(kind, &rule) == CT_OK && rule.count == count, "%d points of a triangle",
+  tap_ok(ct_rule_face(kind, &rule, NULL) == CT_OK && rule.count == count, "%d points of a triangle",
          count);
   for (int a = 0; a <= degree + 1; a++)
     for (int b = 0; a + b <= degree + 1; b++) {
@@ -123,7 +123,7 @@ int main(void)
   brick_rule(CT_HEX8, 2);
   brick_rule(CT_HEX20, 3);
   ct_rule rule;
-  tap_ok(ct_rule_face((ct_face_kind)7, &rule) == CT_ERROR_ARGUMENT && rule.count == 0,
+  tap_ok(ct_rule_face((ct_face_kind)7, &rule, NULL) == CT_ERROR_ARGUMENT && rule.count == 0,
          "an unknown face is refused");
   tap_ok(ct_rule_brick((ct_brick_kind)7, &rule) == CT_ERROR_ARGUMENT &&
              ct_rule_brick(CT_HEX8, NULL) == CT_ERROR_ARGUMENT,

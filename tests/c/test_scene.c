@@ -58,11 +58,11 @@ static void times(void)
   tap_ok(stable.dt < stable.dt_without_contact && stable.dt_without_contact < stable.dt_courant,
          "the contact lowers the stable step, and it is below Courant number 1");
   double eps = 0.0;
-  tap_ok(ct_scene_contact_epsilon(p.scene, 0, &eps) == CT_OK &&
+  tap_ok(ct_scene_contact_epsilon(p.scene, 0, &eps, NULL) == CT_OK &&
              fabs(eps / (4.0 * 2.1e5 / 0.25) - 1.0) < 1e-13,
          "eps = beta E / h");
-  tap_ok(ct_scene_contact_epsilon(p.scene, 1, &eps) == CT_ERROR_ARGUMENT &&
-             ct_scene_contact_epsilon(p.scene, -1, &eps) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_scene_contact_epsilon(p.scene, 1, &eps, NULL) == CT_ERROR_ARGUMENT &&
+             ct_scene_contact_epsilon(p.scene, -1, &eps, NULL) == CT_ERROR_ARGUMENT,
          "there is no second contact");
 
   t.courant = 0.0, t.fraction = 1.0;
@@ -270,7 +270,7 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *points = room(count, sizeof *points);
   double area = 0.0;
-  need(ct_contact_points(contact, points), &e);
+  need(ct_contact_points(contact, points, NULL), &e);
   memset(centre, 0, 3 * sizeof *centre);
   for (int64_t q = 0; q < count; q++) {
     if (points[q].side == 0) continue;

@@ -334,7 +334,7 @@ static double by_all(const ct_surface *s, const double *x, const double point[3]
     ct_projection closest;
     for (int a = 0; a < per; a++)
       memcpy(face.node[a], &x[3 * s->faces[f * per + a]], sizeof face.node[a]);
-    ct_project(&face, point, NULL, &closest);
+    ct_project(&face, point, NULL, &closest, NULL);
     if (closest.distance < best) best = closest.distance;
   }
   return best;
@@ -379,7 +379,7 @@ static void nearest_faces(int k)
     for (int c = 0; c < 3; c++) points[3 * i + c] = uniform(c == 2 ? 0.6 : 1.3);
   // Some points exactly on nodes and on edges, where faces tie.
   for (int i = 0; i < 100; i++) memcpy(&points[3 * i], &p.x[3 * p.faces[i]], 3 * sizeof *points);
-  tap_ok(ct_search_nearest(search, CLOUD, points, NULL, NULL, out) == CT_OK,
+  tap_ok(ct_search_nearest(search, CLOUD, points, NULL, NULL, out, NULL) == CT_OK,
          "%s: a cloud of %d points", KIND[k].name, CLOUD);
   for (int i = 0; i < CLOUD; i++) {
     ct_face face;
@@ -396,17 +396,17 @@ static void nearest_faces(int k)
             KIND[k].name);
 
   ct_search_options options = (ct_search_options){1e-10, 1};
-  ct_search_nearest(search, CLOUD, points, start, &options, again);
+  ct_search_nearest(search, CLOUD, points, start, &options, again, NULL);
   tap_ok(same_bits(out, again, CLOUD), "%s: other starts, the same bits", KIND[k].name);
   options.threads = 3;
-  ct_search_nearest(search, CLOUD, points, NULL, &options, again);
+  ct_search_nearest(search, CLOUD, points, NULL, &options, again, NULL);
   tap_ok(same_bits(out, again, CLOUD), "%s: three threads, the same bits", KIND[k].name);
   ct_error e;
   double *moved = numbers(3 * p.surface.node_count);
   for (int i = 0; i < 3 * p.surface.node_count; i++) moved[i] = p.x[i] + uniform(1.0);
   need(ct_search_move(search, moved, &e), &e);
   need(ct_search_move(search, p.x, &e), &e);
-  ct_search_nearest(search, CLOUD, points, NULL, NULL, again);
+  ct_search_nearest(search, CLOUD, points, NULL, NULL, again, NULL);
   tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
          "%s: after a large deformation and back (%d builds), the same bits", KIND[k].name,
          (int)ct_search_builds(search));
@@ -449,7 +449,7 @@ static void cube(ct_face_kind kind)
     }
     double want = outside > 0.0 ? sqrt(outside) : -inside;
     ct_nearest got;
-    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
     off = worst(off, got.signed_distance - want);
     signs += (got.signed_distance > 0.0) != (want > 0.0);
     if (got.where != CT_OUTSIDE) found[got.where]++;
@@ -469,8 +469,8 @@ static void cube(ct_face_kind kind)
 
   double off_corner[3] = {2, 2, 2}, off_edge[3] = {0.5, 2, 2};
   ct_nearest a, b;
-  ct_search_nearest(search, 1, off_corner, NULL, NULL, &a);
-  ct_search_nearest(search, 1, off_edge, NULL, NULL, &b);
+  ct_search_nearest(search, 1, off_corner, NULL, NULL, &a, NULL);
+  ct_search_nearest(search, 1, off_edge, NULL, NULL, &b, NULL);
   // A corner weighs each side of the cube by a right angle, however its triangles cut it.
   for (int c = 0; c < 3; c++)
     tap_close(a.normal[c], 1.0 / sqrt(3.0), 1e-14, "a cube %s: the normal at the corner, %c", name,
@@ -492,7 +492,7 @@ static void spike(void)
   for (int i = 0; i < 500; i++) {
     double point[3] = {uniform(0.01), uniform(0.01), 1.0 + fabs(uniform(0.5)) + 0.02};
     ct_nearest got;
-    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
     wrong += !(got.signed_distance > 0.0) || got.where != CT_VERTEX;
   }
   tap_ok(wrong == 0, "points above the tip of a needle are outside, whichever face is found");
@@ -612,7 +612,7 @@ static void curved_corners(ct_face_kind kind, double middles)
       double point[3], reach = 0.02 + fabs(uniform(0.2));
       ct_nearest got;
       for (int c = 0; c < 3; c++) point[c] = corner[c] + uniform(reach);
-      ct_search_nearest(search, 1, point, NULL, NULL, &got);
+      ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
       if (got.distance < 4e-3) continue; // the sag of the small triangles
       asked++;
       corners += got.where == CT_VERTEX;
@@ -654,7 +654,7 @@ static void quarter_point_corner(ct_face_kind kind)
   for (int m = 0; m < 3; m++)
     for (int c = 0; c < 3; c++) s.x[MIDDLE[m]][c] = 0.5 * (1.0 + s.x[MIDDLE[m]][c]);
   ct_search *search = search_of(&s.surface);
-  ct_search_nearest(search, 1, point, NULL, NULL, &got);
+  ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
   double off = 0.0;
   for (int c = 0; c < 3; c++) off = worst(off, got.normal[c] - 1.0 / sqrt(3.0));
   tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0,
@@ -686,7 +686,7 @@ static double sphere_error(int n)
     for (int c = 0; c < 3; c++) point[c] *= scale;
     for (int c = 0; c < 3; c++) r += point[c] * point[c];
     ct_nearest got;
-    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
     off = worst(off, got.signed_distance - (sqrt(r) - 1.0));
   }
   ct_search_free(search);
@@ -723,7 +723,7 @@ static void triangles(void)
     ct_face face;
     ct_projection closest;
     ct_search_face(search, 0, &face);
-    ct_project(&face, point, NULL, &closest);
+    ct_project(&face, point, NULL, &closest, NULL);
     best = closest.distance;
     off = worst(off, sqrt(square) - best);
     double y[3];
@@ -759,29 +759,29 @@ static void refused(void)
   ct_nearest out;
   int32_t start = p.surface.face_count;
   ct_search_options options = (ct_search_options){1e-10, 1};
-  tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
-             ct_search_nearest(search, 1, NULL, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
-             ct_search_nearest(search, 1, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
-             ct_search_nearest(search, 0, NULL, NULL, NULL, NULL) == CT_OK,
+  tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out, NULL) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 1, NULL, NULL, NULL, &out, NULL) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 1, point, NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 0, NULL, NULL, NULL, NULL, NULL) == CT_OK,
          "null pointers are refused, no points are fine");
-  tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out, NULL) == CT_ERROR_ARGUMENT,
          "a start that is not a face is refused");
   options.tolerance = 0.0;
-  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out, NULL) == CT_ERROR_ARGUMENT,
          "a tolerance of 0 is refused");
   options = (ct_search_options){1e-10, 1};
   options.threads = 0;
-  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out, NULL) == CT_ERROR_ARGUMENT,
          "0 threads are refused");
 
   double strange[][3] = {{NAN, 0, 0}, {0, INFINITY, 0}, {0, 0, 1e300}, {1e71, 0, 0}};
   for (int i = 0; i < 4; i++) {
-    ct_search_nearest(search, 1, strange[i], NULL, NULL, &out);
+    ct_search_nearest(search, 1, strange[i], NULL, NULL, &out, NULL);
     tap_ok(out.status == CT_INVALID && out.face == -1 && isnan(out.distance) && isnan(out.point[0]),
            "a point of (%g, %g, %g) has no result", strange[i][0], strange[i][1], strange[i][2]);
   }
   double far[3] = {3e20, 0, 0};
-  ct_search_nearest(search, 1, far, NULL, NULL, &out);
+  ct_search_nearest(search, 1, far, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_OK && out.distance == 3e20, "a point 1e20 sizes away has one");
 
   double *x = numbers(3 * p.surface.node_count);
@@ -789,11 +789,11 @@ static void refused(void)
   x[3 * p.faces[1] + 2] = NAN;
   tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1],
          "a node moved to NaN is refused and named: %s", e.text);
-  ct_search_nearest(search, 1, point, NULL, NULL, &out);
+  ct_search_nearest(search, 1, point, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_OK && isfinite(out.distance), "and no node has moved");
   for (int i = 0; i < 3 * p.surface.node_count; i++) x[i] = 0.25;
   need(ct_search_move(search, x, &e), &e);
-  ct_search_nearest(search, 1, point, NULL, NULL, &out);
+  ct_search_nearest(search, 1, point, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_INVALID,
          "a surface that has shrunk to a point has no nearest face with a normal");
   ct_search_free(search);
@@ -833,7 +833,7 @@ static void repeated(void)
   double points[6] = {0.3, 0.4, 2.0, 0.3, 0.4, -2.0};
   int32_t start[2] = {49, 7};
   ct_nearest out[2];
-  ct_search_nearest(search, 2, points, start, NULL, out);
+  ct_search_nearest(search, 2, points, start, NULL, out, NULL);
   tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 &&
              out[1].signed_distance == -2.0,
          "of fifty equal faces the first is returned, for any start");

@@ -101,7 +101,7 @@ static void forces(const ct_contact *contact, int nodes, double *f)
 {
   ct_error e = {0};
   memset(f, 0, 3 * (size_t)nodes * sizeof *f);
-  need(ct_contact_add_force(contact, f, NULL), &e);
+  need(ct_contact_add_force(contact, f, NULL, NULL), &e);
 }
 
 /* Forces of a folded strip: minus the gradient of the energy; momentum; no point meets its
@@ -118,7 +118,7 @@ static void folded(ct_face_kind kind)
   forces(contact, nodes, f);
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
-  ct_contact_points(contact, point);
+  ct_contact_points(contact, point, NULL);
   for (int i = 0; i < count; i++) {
     if (!(point[i].pressure > 0.0)) continue;
     int cells = kind == CT_T3 || kind == CT_T6 ? 2 : 1,
@@ -153,8 +153,8 @@ static void folded(ct_face_kind kind)
          "%s strip: linear and angular momentum, %.2g and %.2g of the forces", KIND[kind],
          largest(sum, 3) / size, largest(moment, 3) / size);
   energy_at(contact, p.x);
-  tap_ok(ct_contact_resultant(contact, F, M, NULL, NULL) == CT_OK && largest(F, 3) < 1e-13 * size &&
-             largest(M, 3) < 1e-13 * size,
+  tap_ok(ct_contact_resultant(contact, F, M, NULL, NULL, NULL) == CT_OK &&
+             largest(F, 3) < 1e-13 * size && largest(M, 3) < 1e-13 * size,
          "%s strip: no resultant", KIND[kind]);
   ct_contact_free(contact);
   free(point);
@@ -182,7 +182,7 @@ static void like_two(ct_face_kind kind)
   need(ct_contact_update(two, p.x, p.x, &e), &e);
   b = ct_contact_energy(two);
   forces(one, nodes, f);
-  need(ct_contact_add_force(two, g, g), &e);
+  need(ct_contact_add_force(two, g, g, NULL), &e);
   tap_ok(a > 0.0 && fabs(a / b - 1.0) < 1e-12,
          "%s strip: the energy is that of its two layers as two surfaces, off by %.2g", KIND[kind],
          a / b - 1.0);
@@ -215,7 +215,7 @@ static void bound(ct_face_kind kind)
   forces(contact, n / 3, f0);
   for (int i = 0; i < n; i++) v[i] = uniform(1.0), mass[i] = 0.5 + 0.01 * (i % 7);
   need(ct_contact_omega2_bound(contact, mass, NULL, &square), &e);
-  need(ct_contact_update_stable_step(contact, mass, NULL, &dt), &e);
+  need(ct_contact_update_stable_step(contact, mass, NULL, &dt, NULL), &e);
   for (int k = 0; k < 60; k++) {
     double work = 0.0, kinetic = 0.0, top = largest(v, n);
     for (int i = 0; i < n; i++) x[i] = p.x[i] + h * (v[i] /= top);
@@ -400,7 +400,7 @@ static void c_shape(void)
   double got = energy_at(self, x);
   need(ct_contact_update(pair, x, x, &e), &e);
   forces(self, m->node_count, f);
-  need(ct_contact_add_force(pair, g, g), &e);
+  need(ct_contact_add_force(pair, g, g, NULL), &e);
   double want = ct_contact_energy(pair);
   tap_ok(want > 0.0 && fabs(got / want - 1.0) < 1e-12,
          "a C whose ends are pushed into each other has the energy of its two ends, off by %.2g",
@@ -620,7 +620,7 @@ static void refusals(void)
   p.surface.face_count = 1;
   need(ct_contact_create(&p.surface, &p.surface, &options, &contact, &e), &e);
   tap_ok(energy_at(contact, p.reference) == 0.0 &&
-             ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK,
+             ct_contact_resultant(contact, F, F, NULL, NULL, NULL) == CT_OK,
          "one face alone touches nothing");
   tap_ok(ct_contact_omega2_bound(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT,
          "nowhere to write: refused");

@@ -183,7 +183,7 @@ static void kernel_against_reference(ct_mesh *m, ct_solid_kernel kernel, const c
          *g = numbers(3 * m->node_count);
   double energy = block_force(&solid, u, f), want = reference_force(m, &STEEL, u, g);
   ct_solid_kernel chosen = CT_KERNEL_AUTO;
-  ct_solid_body_plan(solid.effect, 0, &chosen, NULL, NULL);
+  ct_solid_body_plan(solid.effect, 0, &chosen, NULL, NULL, NULL);
   double off = largest_difference(f, g, 3 * m->node_count) / largest(g, 3 * m->node_count);
   tap_ok(off < 1e-13 && chosen == kernel && fabs(energy / want - 1.0) < 1e-13,
          "%s, %d elements: force off by %.2g, energy by %.2g", name, m->element_count, off,
@@ -303,10 +303,10 @@ static void refusals(void)
   need(create_solid(&b, 1, &effect, &e), &e);
   ct_solid_kernel chosen = CT_KERNEL_BOX;
   double flops = 0, bytes = 0;
-  ct_solid_body_plan(effect, 0, &chosen, &flops, &bytes);
+  ct_solid_body_plan(effect, 0, &chosen, &flops, &bytes, NULL);
   tap_ok(chosen == CT_KERNEL_GENERAL && flops > 0 && bytes > 0,
          "the cheapest that fits a distorted mesh is the general one");
-  tap_ok(ct_solid_body_plan(effect, 1, &chosen, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_solid_body_plan(effect, 1, &chosen, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "there is no second block");
   ct_effect_free(effect);
   effect = NULL;
@@ -636,7 +636,7 @@ static void bytes_of_rows(void)
   distort(m, 0.03);
   block solid = open_block(m, &STEEL, CT_KERNEL_GENERAL);
   double bytes = 0.0;
-  ct_solid_body_plan(solid.effect, 0, NULL, NULL, &bytes);
+  ct_solid_body_plan(solid.effect, 0, NULL, NULL, &bytes, NULL);
   tap_close(bytes / (4.0 + 72.0 * m->node_count / m->element_count), 1.0, 1e-15,
             "bytes of an element in rows");
   close_block(&solid);

@@ -104,7 +104,7 @@ static int kernel_for(const ct_mesh *m, ct_solid_kernel asked, ct_law law, int h
   ct_status status = create_solid(&b, 1, &effect, e);
   if (status == CT_ERROR_UNSUPPORTED) return -1;
   need(status, e);
-  ct_solid_body_plan(effect, 0, &chosen, NULL, NULL);
+  ct_solid_body_plan(effect, 0, &chosen, NULL, NULL, NULL);
   ct_effect_free(effect);
   return (int)chosen;
 }

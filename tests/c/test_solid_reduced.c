@@ -446,7 +446,7 @@ static void cost(void)
   for (int k = 0; k < 2; k++) {
     block solid = open_block(m, &STEEL, k == 0 ? CT_KERNEL_GENERAL : CT_KERNEL_REDUCED);
     ct_solid_kernel kernel;
-    ct_solid_body_plan(solid.effect, 0, &kernel, &flops[k], &bytes);
+    ct_solid_body_plan(solid.effect, 0, &kernel, &flops[k], &bytes, NULL);
     close_block(&solid);
   }
   tap_ok(flops[0] / flops[1] > 1.5, "full integration takes %.2f times the operations",

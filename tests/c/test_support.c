@@ -93,7 +93,7 @@ static void refusals(void)
          "the same velocity twice is one support: nodes 2 5 6 9");
   double inverse[30], velocity[30];
   for (int i = 0; i < 30; i++) inverse[i] = 4.0, velocity[i] = 3.0;
-  int right = ct_support_apply(effect, inverse, velocity) == CT_OK;
+  int right = ct_support_apply(effect, inverse, velocity, NULL) == CT_OK;
   for (int i = 0; i < 30; i++) {
     int held = i == 6 || i == 15 || i == 18 || i == 27;
     right &= inverse[i] == (held ? 0.0 : 4.0) && velocity[i] == (held ? 1.0 : 3.0);
@@ -101,8 +101,8 @@ static void refusals(void)
   tap_ok(
       right,
       "fixed degrees of freedom get inverse mass 0 and their velocity, the others do not change");
-  tap_ok(ct_support_apply(NULL, inverse, velocity) == CT_ERROR_ARGUMENT &&
-             ct_support_apply(effect, NULL, velocity) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_support_apply(NULL, inverse, velocity, NULL) == CT_ERROR_ARGUMENT &&
+             ct_support_apply(effect, NULL, velocity, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
   ct_effect_free(effect);
 
@@ -149,7 +149,7 @@ static void holds(void)
            "a support on %d of 10 nodes %s", (int)all, missing ? "lists them" : "needs no list");
     double inverse[30], velocity[30];
     for (int i = 0; i < 30; i++) inverse[i] = 4.0, velocity[i] = 3.0;
-    int right = ct_support_apply(effect, inverse, velocity) == CT_OK;
+    int right = ct_support_apply(effect, inverse, velocity, NULL) == CT_OK;
     for (int n = 0; n < 10; n++)
       for (int c = 0; c < 3; c++) {
         int there = !missing || n != 4, held = there && (c == 2 || c == n % 3);

@@ -126,9 +126,9 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
     /* The first step begins with v_0 and not half a step before. */
     p.kick = n == 0 ? 0.5 * dt : dt;
     if (ct_contact_step(contact, &p, &error) != CT_OK ||
-        ct_contact_add_force(contact, &left.f[0][0], &right.f[0][0]) != CT_OK ||
-        ct_contact_balance_of(contact, &balance) != CT_OK ||
-        ct_contact_resultant(contact, fa, ma, fb, mb) != CT_OK) {
+        ct_contact_add_force(contact, &left.f[0][0], &right.f[0][0], NULL) != CT_OK ||
+        ct_contact_balance_of(contact, &balance, NULL) != CT_OK ||
+        ct_contact_resultant(contact, fa, ma, fb, mb, NULL) != CT_OK) {
       tap_ok(0, "step %d: %s", n, error.text);
       break;
     }
@@ -186,7 +186,7 @@ static void slide(void)
     for (int d = 0; d < 12; d++) f[d] = d % 3 == 2 ? -2.5 : 0.0;
     p.kick = n == 0 ? 0.5 * dt : dt;
     bad += ct_contact_step(contact[now], &p, &error) != CT_OK ||
-           ct_contact_add_force(contact[now], f, NULL) != CT_OK;
+           ct_contact_add_force(contact[now], f, NULL, NULL) != CT_OK;
     for (int d = 0; d < 12; d++) v[d] += p.kick * free_mass[d] * f[d], x[d] += dt * v[d];
     if (n != 100) continue;
     int64_t count = ct_contact_save(contact[0], NULL);
@@ -194,8 +194,8 @@ static void slide(void)
     bad += count > 200 || ct_contact_save(contact[0], memory) != count ||
            ct_contact_restore(contact[1], memory, count, &error) != CT_OK;
   }
-  bad += ct_contact_balance_of(contact[now], &balance) != CT_OK ||
-         ct_contact_reaction(contact[now], 0, force, &motion) != CT_OK;
+  bad += ct_contact_balance_of(contact[now], &balance, NULL) != CT_OK ||
+         ct_contact_reaction(contact[now], 0, force, &motion, NULL) != CT_OK;
   if (!tap_ok(bad == 0, "a plate slides on a plane, with another contact from step 101 on")) return;
   tap_close(x[0], 0.0625, 5e-3 * 0.0625, "and stops after v^2 / (2 mu g)");
   tap_close(balance.friction, 0.25, 1e-3, "what friction has dissipated");
@@ -221,8 +221,8 @@ static int loop(bar *left, bar *right, ct_contact *contact, double dt, double en
     bar_forces(left);
     bar_forces(right);
     if (ct_contact_update(contact, &left->x[0][0], &right->x[0][0], &error) != CT_OK) return 0;
-    if (ct_contact_add_force(contact, &left->f[0][0], &right->f[0][0]) != CT_OK) return 0;
-    if (ct_contact_resultant(contact, fa, ma, fb, mb) != CT_OK) return 0;
+    if (ct_contact_add_force(contact, &left->f[0][0], &right->f[0][0], NULL) != CT_OK) return 0;
+    if (ct_contact_resultant(contact, fa, ma, fb, mb, NULL) != CT_OK) return 0;
     if (fa[0] != 0.0) {
       if (w->first_contact < 0.0) w->first_contact = t;
       w->last_contact = t;
@@ -269,7 +269,7 @@ int main(void)
   tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK,
          "a contact of two surfaces over the host's arrays");
   if (contact == NULL) return tap_done();
-  tap_ok(ct_contact_update_stable_step(contact, left.mass, right.mass, &dt_contact) == CT_OK,
+  tap_ok(ct_contact_update_stable_step(contact, left.mass, right.mass, &dt_contact, NULL) == CT_OK,
          "its stable step");
   /* Chain with lumped masses: h / c = h. With the contact: 1 / dt² = 1 / dt_contact² + 1 /
    * dt_host². */

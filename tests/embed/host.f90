@@ -256,7 +256,8 @@ contains
       at(c_loc(q%inverse_mass_b), c_loc(q)), at(c_loc(q%increment_a), c_loc(q)), at(c_loc(q%increment_b), c_loc(q)), &
       at(c_loc(q%dt), c_loc(q)), at(c_loc(q%kick), c_loc(q)), int(c_sizeof(q), c_int64_t), &
       at(c_loc(w%work), c_loc(w)), at(c_loc(w%removal), c_loc(w)), at(c_loc(w%unconverged), c_loc(w)), &
-      at(c_loc(w%friction), c_loc(w)), at(c_loc(w%motion), c_loc(w)), int(c_sizeof(w), c_int64_t), &
+      at(c_loc(w%friction), c_loc(w)), at(c_loc(w%motion), c_loc(w)), &
+      at(c_loc(w%late), c_loc(w)), at(c_loc(w%late_depth), c_loc(w)), int(c_sizeof(w), c_int64_t), &
       at(c_loc(m%time), c_loc(m)), at(c_loc(m%value), c_loc(m)), int(c_sizeof(m), c_int64_t), &
       at(c_loc(g%shape), c_loc(g)), at(c_loc(g%point), c_loc(g)), at(c_loc(g%axis), c_loc(g)), &
       at(c_loc(g%radius), c_loc(g)), at(c_loc(g%epsilon), c_loc(g)), at(c_loc(g%enforcement), c_loc(g)), &

@@ -68,6 +68,8 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_balance, unconverged),
                                  PLACE(ct_contact_balance, friction),
                                  PLACE(ct_contact_balance, motion),
+                                 PLACE(ct_contact_balance, late),
+                                 PLACE(ct_contact_balance, late_depth),
                                  (int64_t)sizeof(ct_contact_balance),
                                  PLACE(ct_amplitude, time),
                                  PLACE(ct_amplitude, value),

@@ -18,7 +18,7 @@ int main(void)
   for (int a = 0; a < 8; a++)
     for (int c = 0; c < 3; c++) face.node[a][c] = node[a][c];
 
-  status = ct_project(&face, point, &options, &closest);
+  status = ct_project(&face, point, &options, &closest, NULL);
   tap_ok(status == CT_OK, "the projection converges: %s", ct_status_name(status));
   tap_close(closest.distance, 0.5, 1e-12, "distance of a point above the top of the cylinder");
   tap_close(closest.xi[0], 0.0, 1e-9, "xi_1 of its closest point");
@@ -26,13 +26,13 @@ int main(void)
   tap_ok(closest.where == CT_INTERIOR, "the closest point lies inside the face");
 
   point[1] = -1.0;
-  status = ct_project(&face, point, NULL, &closest);
+  status = ct_project(&face, point, NULL, &closest, NULL);
   tap_ok(status == CT_OK && closest.where == CT_EDGE,
          "a point beyond the end is nearest to an edge");
   tap_close(closest.distance, sqrt(1.25), 1e-12, "its distance");
 
   point[0] = sqrt(-1.0);
-  status = ct_project(&face, point, NULL, &closest);
+  status = ct_project(&face, point, NULL, &closest, NULL);
   tap_ok(status == CT_INVALID && closest.distance != closest.distance,
          "NaN in, a status and NaN out");
   return tap_done();

@@ -45,8 +45,9 @@ static void *ask(void *argument)
   question *q = argument;
   ct_penetration corners;
   q->answer[0] = ct_contact_energy(q->contact);
-  q->status = ct_contact_update_stable_step(q->contact, q->mass, q->mass, &q->answer[1]);
-  if (q->status == CT_OK) q->status = ct_contact_penetration(q->contact, CT_AT_CORNERS, &corners);
+  q->status = ct_contact_update_stable_step(q->contact, q->mass, q->mass, &q->answer[1], NULL);
+  if (q->status == CT_OK)
+    q->status = ct_contact_penetration(q->contact, CT_AT_CORNERS, &corners, NULL);
   if (q->status == CT_OK) q->answer[2] = corners.deepest;
   return NULL;
 }

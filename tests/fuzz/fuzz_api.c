@@ -499,8 +499,9 @@ static void look_at_contact(play *p, ct_state *s)
   int64_t count = ct_contact_point_count(contact);
   double r[12];
   ct_contact_point *points = room((size_t)count, sizeof *points);
-  demand(ct_contact_points(contact, points) == CT_OK, "points of a contact");
-  demand(ct_contact_resultant(contact, r, r + 3, r + 6, r + 9) == CT_OK, "resultant of a contact");
+  demand(ct_contact_points(contact, points, NULL) == CT_OK, "points of a contact");
+  demand(ct_contact_resultant(contact, r, r + 3, r + 6, r + 9, NULL) == CT_OK,
+         "resultant of a contact");
   p->d->calls += 3;
   free(points);
 }
@@ -715,7 +716,7 @@ static void play_element(dice *d)
   ct_rule rule;
   ct_brick_shape(kind, xi, N);
   ct_brick_gradient(kind, xi, dN);
-  (void)ct_rule_face((ct_face_kind)below(d, 5), &rule);
+  (void)ct_rule_face((ct_face_kind)below(d, 5), &rule, NULL);
   d->calls += 3;
 }
 
@@ -735,8 +736,8 @@ static void play_faces(dice *d)
   if (chance(d, 3)) options.use_start = 1;
   ct_projection out[COUNT];
   ct_ray_hit hit[COUNT];
-  (void)ct_project_points(&face, COUNT, points, &options, chance(d, 2) ? start : NULL, out);
-  (void)ct_project_rays(&face, COUNT - 1, points, points + 3, 1e-10, hit);
+  (void)ct_project_points(&face, COUNT, points, &options, chance(d, 2) ? start : NULL, out, NULL);
+  (void)ct_project_rays(&face, COUNT - 1, points, points + 3, 1e-10, hit, NULL);
   ct_segment_point(&face, xi, y);
   d->calls += 3;
   double values[40];
@@ -750,7 +751,7 @@ static void play_exact(dice *d)
   double c2, c_r, x[4], z[4], t[4], fields[20];
   for (int i = 0; i < 4; i++) x[i] = 2.0 * real(d), z[i] = real(d), t[i] = between(d, 0.0, 2.0);
   (void)ct_exact_plates(4, x, z, t, between(d, 0.05, 0.45), 4.0, fields, NULL, NULL);
-  (void)ct_exact_speeds(between(d, 0.0, 0.49), &c2, &c_r);
+  (void)ct_exact_speeds(between(d, 0.0, 0.49), &c2, &c_r, NULL);
   for (int i = -1; i < 14; i++) (void)ct_status_name((ct_status)i);
   d->calls += 20;
 }
@@ -815,11 +816,11 @@ static void play_steps(play *p, ct_contact *contact, int two)
     for (int b = 0; b < 2; b++)
       memset(f[b], 0, 3 * (size_t)p->mesh[b]->node_count * sizeof(double));
     if (TRY(ct_contact_step(contact, &q, &e)) != CT_OK) return;
-    demand(ct_contact_add_force(contact, f[0], f[1]) == CT_OK &&
-               ct_contact_balance_of(contact, &balance) == CT_OK,
+    demand(ct_contact_add_force(contact, f[0], f[1], NULL) == CT_OK &&
+               ct_contact_balance_of(contact, &balance, NULL) == CT_OK,
            "forces and balance of a step");
     demand(all_finite(&balance.energy, 3) && all_finite(&balance.friction, 2), "a finite balance");
-    (void)ct_contact_reaction(contact, below(d, 3), force, &work);
+    (void)ct_contact_reaction(contact, below(d, 3), force, &work, NULL);
     d->calls += 3;
     for (int b = 0; b <= two; b++) {
       const int64_t dofs = 3 * (int64_t)p->mesh[b]->node_count;
@@ -851,9 +852,9 @@ static void play_surfaces(dice *d)
     int32_t start[5] = {-1, 0, 0, -1, 0};
     ct_search_options options = {1e-10, 1};
     for (int i = 0; i < 15; i++) points[i] = 2.0 * real(d);
-    (void)ct_search_nearest(search, 5, points, chance(d, 2) ? start : NULL, &options, near);
+    (void)ct_search_nearest(search, 5, points, chance(d, 2) ? start : NULL, &options, near, NULL);
     if (TRY(ct_search_move(search, whole.mesh[0]->nodes, &e)) == CT_OK)
-      (void)ct_search_nearest(search, 5, points, NULL, &options, near);
+      (void)ct_search_nearest(search, 5, points, NULL, &options, near, NULL);
     (void)ct_search_builds(search), (void)ct_search_cost(search);
     d->calls += 4;
   }
@@ -872,15 +873,15 @@ static void play_surfaces(dice *d)
       for (size_t i = 0; i < n; i++) x[b][i] = whole.mesh[b]->nodes[i] + 0.05 * real(d);
     }
     if (TRY(ct_contact_update(contact, x[0], x[1], &e)) != CT_OK) continue;
-    demand(ct_contact_add_force(contact, f[0], f[1]) == CT_OK, "forces of a contact");
+    demand(ct_contact_add_force(contact, f[0], f[1], NULL) == CT_OK, "forces of a contact");
     (void)ct_contact_energy(contact);
     double *mass = keep(p, (size_t)whole.mesh[0]->node_count + (size_t)whole.mesh[1]->node_count,
                         sizeof *mass);
     for (int i = 0; i < whole.mesh[0]->node_count + whole.mesh[1]->node_count; i++) mass[i] = 1.0;
-    (void)ct_contact_stable_step(contact, mass, mass, &omega);
-    (void)ct_contact_update_stable_step(contact, mass, mass, &omega);
+    (void)ct_contact_stable_step(contact, mass, mass, &omega, NULL);
+    (void)ct_contact_update_stable_step(contact, mass, mass, &omega, NULL);
     ct_penetration depth;
-    (void)ct_contact_penetration(contact, (ct_penetration_at)below(d, 3), &depth);
+    (void)ct_contact_penetration(contact, (ct_penetration_at)below(d, 3), &depth, NULL);
     d->calls += 5;
   }
 end:

@@ -5,6 +5,8 @@
  * takes the number of pseudo-random inputs. */
 #include "../../libcontact/src/projection/projection_internal.h"
 
+#include <libcontact/ray.h>
+
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -96,14 +98,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   if (flags & 8) options.iteration_limit = flags / 16;
   ct_projection out;
   memset(&out, 0x7f, sizeof out);
-  ct_status status = ct_project(&face, point, &options, &out);
+  ct_status status = ct_project(&face, point, &options, &out, NULL);
   demand(status == out.status, "the status is returned and written");
   check_projection(&out, &options);
   answers[status]++;
   for (int k = 0; k < 3; k++) direction[k] = number(&data, &size, raw);
   ct_ray_hit hit;
   memset(&hit, 0x7f, sizeof hit);
-  status = ct_project_rays(&face, 1, point, direction, 1e-10, &hit);
+  status = ct_project_rays(&face, 1, point, direction, 1e-10, &hit, NULL);
   demand(status == (hit.status < CT_ERROR_ARGUMENT ? CT_OK : hit.status) &&
              hit.evaluations <= 100000,
          "a ray ends");

@@ -48,6 +48,22 @@ def test_headers_library_and_packages_have_one_version():
         assert f"\nVersion: {version}\n" in package.read_text(), package
 
 
+def test_fortran_has_the_members_and_arguments_of_c():
+    """Also where there is no Fortran compiler to run tests/embed/host.f90."""
+    text = (ROOT / "libcontact" / "fortran" / "libcontact.f90").read_text()
+    text = re.sub(r"&\n\s*|!.*", "", text)
+    for name, body in re.findall(r"type, bind\(C\) :: (\w+)\n(.*?)end type", text, re.S):
+        rows = "".join(
+            re.sub(r"\(.*?\)", "", row.partition("::")[2]) + "," for row in body.split("\n")
+        )
+        members = [word.partition("=")[0].strip() for word in rows.split(",") if word.strip()]
+        assert members == [name for name, _ in ffi.typeof(name).fields], name
+    calls = re.findall(r"(?:function|subroutine) (\w+)\((.*?)\) bind\(C(?:, name=\"(\w+)\")?", text)
+    for name, arguments, other in calls:
+        count = len([word for word in arguments.split(",") if word.strip()])
+        assert count == len(ffi.typeof(getattr(lib, other or name)).args), name
+
+
 def test_the_umbrella_includes_every_core_header():
     umbrella = (INCLUDE / "libcontact.h").read_text()
     for header in (INCLUDE / "libcontact").glob("*.h"):

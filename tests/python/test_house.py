@@ -83,3 +83,9 @@ def test_a_host_reads_at_most_a_thousand_lines():
     assert "ct_contact_step" in text and "ct_project(" in text
     assert len(text.splitlines()) <= 1000
     assert not re.search(r"\bct_(problem|state|effect)\b", text)
+
+
+def test_every_call_that_can_fail_can_say_why():
+    headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
+    calls = re.findall(r"^CT_API ct_status (ct_\w+)\(([^;]*)\);", headers, re.M)
+    assert calls and [name for name, last in calls if not last.endswith("ct_error *error")] == []

@@ -92,8 +92,8 @@ int main(void)
     springs(&left), springs(&right);
     p.kick = step == 0 ? 0.5 * dt : dt; /* the first step begins with v_0 */
     failed = ct_contact_step(contact, &p, &e) != CT_OK ||
-             ct_contact_add_force(contact, left.f[0], right.f[0]) != CT_OK ||
-             ct_contact_resultant(contact, force[0], moment[0], force[1], moment[1]) != CT_OK;
+             ct_contact_add_force(contact, left.f[0], right.f[0], NULL) != CT_OK ||
+             ct_contact_resultant(contact, force[0], moment[0], force[1], moment[1], NULL) != CT_OK;
     advance(&left, dt, p.kick);
     momentum = advance(&right, dt, p.kick);
     if (step % 55 == 25)
@@ -102,7 +102,7 @@ int main(void)
   }
   if (failed) puts(e.text);
   ct_contact_balance balance;
-  if (!failed && ct_contact_balance_of(contact, &balance) == CT_OK)
+  if (!failed && ct_contact_balance_of(contact, &balance, NULL) == CT_OK)
     printf("the contact has taken %.4f of the energy 0.1\n", -balance.work);
   ct_contact_free(contact);
   return failed;

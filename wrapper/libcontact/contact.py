@@ -23,7 +23,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import BorderWarning, InsideOutWarning, came_in_late, check, issue
+from .errors import BorderWarning, InsideOutWarning, came_in_late, issue
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -439,7 +439,7 @@ class Contact:
             ):
                 raise TypeError("force must be a writable, aligned array of float64 in C order")
             arrays.append(doubles(real("force", part, (count, 3))))
-        check(lib.ct_contact_add_force(self._contact, arrays[0], arrays[-1]))
+        call(lib.ct_contact_add_force, self._contact, arrays[0], arrays[-1])
 
     @property
     def energy(self) -> float:
@@ -450,7 +450,7 @@ class Contact:
     def balance(self) -> Balance:
         """Energy balance since the first step."""
         out = ffi.new("ct_contact_balance *")
-        check(lib.ct_contact_balance_of(self._contact, out))
+        call(lib.ct_contact_balance_of, self._contact, out)
         return Balance(*(getattr(out, each.name) for each in fields(Balance)))
 
     def save(self) -> Floats:
@@ -506,7 +506,7 @@ class Contact:
         number = index("obstacle", obstacle)
         if not 0 <= number < len(self._sides):
             raise ValueError(f"there is no obstacle {obstacle!r}")
-        check(lib.ct_contact_reaction(self._contact, number, doubles(force), work))
+        call(lib.ct_contact_reaction, self._contact, number, doubles(force), work)
         return force, float(work[0])
 
     def penetration(self, at: str = "points", obstacle: int | None = None) -> dict[str, Any]:
@@ -535,12 +535,12 @@ class Contact:
         """
         place, found = chosen("at", at, PLACES), ffi.new("ct_penetration *")
         if obstacle is None:
-            check(lib.ct_contact_penetration(self._contact, place, found))
+            call(lib.ct_contact_penetration, self._contact, place, found)
             return depths(found) | {"surface": found.side if found.side >= 0 else None}
         number = index("obstacle", obstacle)
         if not 0 <= number < len(self._sides):
             raise ValueError(f"there is no obstacle {obstacle!r}")
-        check(lib.ct_contact_obstacle_penetration(self._contact, number, place, found))
+        call(lib.ct_contact_obstacle_penetration, self._contact, number, place, found)
         return depths(found) | {"surface": self._sides[number] if found.side >= 0 else None}
 
     def traction(self, surface: int = 0, obstacle: int | None = None) -> tuple[Floats, Floats]:
@@ -583,14 +583,14 @@ class Contact:
         ``ct_contact_point``."""
         count = lib.ct_contact_point_count(self._contact)
         rows = np.empty(count, row("ct_contact_point"))
-        check(lib.ct_contact_points(self._contact, ffi.from_buffer("ct_contact_point[]", rows)))
+        call(lib.ct_contact_points, self._contact, ffi.from_buffer("ct_contact_point[]", rows))
         return rows
 
     @property
     def resultant(self) -> Floats:
         """Resultant force on each surface and its moment about the origin, without obstacles and friction, shape (surfaces, 2, 3) [force, force · length]."""
         out = np.zeros((2, 2, 3))
-        check(lib.ct_contact_resultant(self._contact, *map(doubles, out.reshape(4, 3))))
+        call(lib.ct_contact_resultant, self._contact, *map(doubles, out.reshape(4, 3)))
         return out[: len(self._counts)]
 
     def stable_step(self, mass: Any) -> float:
@@ -621,7 +621,7 @@ class Contact:
         parts = zip(self._parts("mass", mass), self._counts)
         arrays = [doubles(real("mass", part, (count,))) for part, count in parts]
         dt = ffi.new("double *")
-        check(lib.ct_contact_stable_step(self._contact, arrays[0], arrays[-1], dt))
+        call(lib.ct_contact_stable_step, self._contact, arrays[0], arrays[-1], dt)
         return float(dt[0])
 
     def _parts(self, name: str, values: Any) -> list[Any]:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._core import ffi, lib
-from .bridge import Floats, doubles, real
+from .bridge import Floats, call, doubles, real
 from .errors import ArgumentError, check, new_error, text_of
 
 __all__ = ["Stress", "Velocity", "Fields", "Speeds", "plates", "plates_series", "speeds", "fronts"]
@@ -160,8 +160,7 @@ def speeds(nu: float = 0.3) -> Speeds:
     (3.5, 0.495723)
     """
     c = ffi.new("double[2]")
-    if lib.ct_exact_speeds(float(nu), c, c + 1) != lib.CT_OK:
-        raise ArgumentError(f"nu = {nu}, Poisson's ratio must be in (0, 0.49]")
+    call(lib.ct_exact_speeds, float(nu), c, c + 1)
     return Speeds(*c)
 
 

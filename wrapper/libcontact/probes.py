@@ -130,7 +130,7 @@ class Histories:
         """Copies of the histories so far, or of their last rows, by name."""
         found, history = dict[str, Table](), ffi.new("ct_probe_history *")
         for i, name in enumerate(self.names):
-            assert lib.ct_probes_history(self.pointer, i, history) == lib.CT_OK
+            call(lib.ct_probes_history, self.pointer, i, history)
             taken = [word(QUANTITIES, q) for q in range(len(QUANTITIES)) if history.column[q] >= 0]
             width = {name: WIDTH.get(name, 3) for name in taken}
             row = np.dtype([(name, "f8", (n,) if n > 1 else ()) for name, n in width.items()])

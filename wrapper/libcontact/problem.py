@@ -451,7 +451,7 @@ class Problem:
     def _built_body(self, i: int, name: str) -> BuiltBody:
         body = self.pointer.bodies[i]
         kernel, cost = ffi.new("ct_solid_kernel *"), ffi.new("double[2]")
-        lib.ct_solid_body_plan(self.pointer.effects[0], i, kernel, cost, cost + 1)
+        call(lib.ct_solid_body_plan, self.pointer.effects[0], i, kernel, cost, cost + 1)
         rows = slice(body.first_node, body.first_node + body.mesh.node_count)
         material = self.parts.materials[self.parts.bodies[name].material]
         mesh = self._meshes[name]
@@ -459,11 +459,12 @@ class Problem:
 
     def _built_contact(self, i: int, contact: Contact) -> BuiltContact:
         epsilon = ffi.new("double *")
-        lib.ct_scene_contact_epsilon(self._scene, i, epsilon)
+        call(lib.ct_scene_contact_epsilon, self._scene, i, epsilon)
         rule = ffi.new("ct_rule *")
         points = []
         for (body, _), faces in zip(contact.surfaces, self.faces[i]):
-            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), rule)
+            kind = lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element])
+            call(lib.ct_rule_face, kind, rule)
             points.append(len(faces) * rule.count)
         first, second = (".".join(surface) for surface in contact.surfaces)
         counts = tuple(len(faces) for faces in self.faces[i])
@@ -614,7 +615,7 @@ def contact_points(problem: Problem, state: Any) -> list[NDArray[Any]]:
     out = []
     for contact in _contacts(problem, state):
         points = np.zeros(lib.ct_contact_point_count(contact), POINT)
-        check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
+        call(lib.ct_contact_points, contact, ffi.cast("ct_contact_point *", points.ctypes.data))
         out.append(points)
     return out
 
@@ -665,31 +666,27 @@ def penetrations(
     out: list[dict[str, dict[str, Any]]] = []
     for built, contact in zip(problem.contacts, _contacts(problem, state)):
         there = [place for place in asked if place == "points" or not built.with_itself]
-        out.append(_depths(built.surfaces, there, partial(lib.ct_contact_penetration, contact)))
+        out.append(
+            _depths(built.surfaces, there, partial(call, lib.ct_contact_penetration, contact))
+        )
     numbers = [k for k, made in enumerate(problem.made) if made.kind == lib.CT_EFFECT_OBSTACLE]
     for given, k in zip(problem.parts.obstacle, numbers):
-        measure = partial(_obstacle_depth, problem, state, k)
+        measure = partial(call, lib.ct_obstacle_penetration, problem.pointer, state, k)
         out.append(_depths((".".join(given.surface),), asked, measure))
     return out
 
 
 def _depths(
-    surfaces: Sequence[str], asked: Iterable[str], measure: Callable[..., int]
+    surfaces: Sequence[str], asked: Iterable[str], measure: Callable[..., None]
 ) -> dict[str, dict[str, Any]]:
     """Penetration at the places ``asked``, from a function of a place and the struct to
     fill."""
     found, table = ffi.new("ct_penetration *"), {}
     for place in asked:
-        check(measure(PLACES[place], found))
+        measure(PLACES[place], found)
         surface = surfaces[found.side] if found.side >= 0 else None
         table[place] = {**depths(found), "surface": surface}
     return table
-
-
-def _obstacle_depth(problem: Problem, state: Any, k: int, place: int, found: Any) -> int:
-    """Fill the penetration of the obstacle with effect number ``k``."""
-    call(lib.ct_obstacle_penetration, problem.pointer, state, k, place, found)
-    return int(lib.CT_OK)
 
 
 def new_state(problem: Problem) -> Any:

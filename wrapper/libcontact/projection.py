@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, chosen, doubles, names, positive, real, table
-from .errors import check
+from .bridge import Floats, Ints, call, chosen, doubles, names, positive, real, table
 
 __all__ = [
     "Projection",
@@ -149,7 +148,7 @@ def project(
     options = _options(method, tolerance)
     first = ffi.NULL if start is None else doubles(_start(start, len(points)))
     rows, out = table("ct_projection", len(points))
-    check(lib.ct_project_points(face, len(points), doubles(points), options, first, out))
+    call(lib.ct_project_points, face, len(points), doubles(points), options, first, out)
     return columns(Projection, rows)
 
 
@@ -192,7 +191,7 @@ def project_path(
     if start is not None:
         options.use_start, options.start = 1, list(_start(start, 1)[0])
     rows, out = table("ct_projection", 1)
-    lib.ct_project(face, doubles(points), options, out)
+    lib.ct_project(face, doubles(points), options, out, ffi.NULL)
     found = columns(Projection, rows)
     return np.array([*iterates, tuple(found.xi[0])]), found
 
@@ -275,7 +274,7 @@ def project_ray(
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
     rows, out = table("ct_ray_hit", len(points))
     to = doubles(_each("directions", directions, (len(points), 3)))
-    lib.ct_project_rays(face, len(points), doubles(points), to, float(tolerance), out)
+    call(lib.ct_project_rays, face, len(points), doubles(points), to, float(tolerance), out)
     return columns(RayHits, rows)
 
 

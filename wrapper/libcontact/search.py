@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .bridge import Floats, Ints, ask, call, doubles, ints, positive, real, table, whole
-from .errors import check
 from .projection import columns, face_kind
 
 __all__ = ["Nearest", "Surface", "nearest"]
@@ -172,7 +171,7 @@ class Surface:
         rows, out = table("ct_nearest", len(points))
         first = ffi.NULL if start is None else ints(start)
         x = doubles(points)
-        check(lib.ct_search_nearest(self._search, len(points), x, first, options, out))
+        call(lib.ct_search_nearest, self._search, len(points), x, first, options, out)
         return columns(Nearest, rows)
 
 

@@ -118,7 +118,7 @@ typedef struct ct_allocator {
  * libraries (results files and the series) use the C library, as HDF5 and GSL do; OpenMP allocates
  * its own memory. ``CT_ERROR_ARGUMENT``: a function is missing; the setting stays as it was.
  */
-CT_API ct_status ct_set_allocator(const ct_allocator *allocator);
+CT_API ct_status ct_set_allocator(const ct_allocator *allocator, ct_error *error);
 
 /** Version of the headers; each number is below 10. */
 typedef enum ct_version_number {

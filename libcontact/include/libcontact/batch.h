@@ -44,7 +44,7 @@ typedef struct ct_batch_closest {
 CT_API ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                                   const double *points, const double *start,
                                   const ct_project_options *options,
-                                  const ct_batch_closest *closest);
+                                  const ct_batch_closest *closest, ct_error *error);
 
 CT_END_DECLS
 

@@ -148,7 +148,8 @@ CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const 
  * calls below that take a const contact only read it, so several threads may use one contact at the
  * same time.
  */
-CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
+CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb,
+                                      ct_error *error);
 
 /**
  * Energy stored by the contact after the last update or step [energy]: the potential Π of
@@ -240,7 +241,8 @@ typedef struct ct_contact_balance {
 
 /** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: the last call was
  * not a successful step. */
-CT_API ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out);
+CT_API ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out,
+                                       ct_error *error);
 
 /**
  * Write into `memory` what the contact needs to continue after the last successful step with the
@@ -261,7 +263,8 @@ CT_API ct_status ct_contact_restore(ct_contact *contact, const double *memory, i
 /** Resultant force on each surface and its moment about the origin [force, force · length], without
  * obstacles and friction. The sums over both surfaces are zero to round-off. */
 CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3],
-                                      double moment_a[3], double force_b[3], double moment_b[3]);
+                                      double moment_a[3], double force_b[3], double moment_b[3],
+                                      ct_error *error);
 
 /**
  * Largest stable step of `ct_contact_step` for the contact alone [time], 2 / ω. Only friction,
@@ -275,14 +278,14 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
  * mass that is not positive.
  */
 CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
-                                        const double *mass_b, double *dt);
+                                        const double *mass_b, double *dt, ct_error *error);
 
 /**
  * The same for the explicit penalty of `ct_contact_update`, whatever the enforcement, with every
  * point active on its closest face, :eq:`contact-bound`.
  */
 CT_API ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
-                                               const double *mass_b, double *dt);
+                                               const double *mass_b, double *dt, ct_error *error);
 
 /** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);
@@ -379,7 +382,7 @@ CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double
  * step.
  */
 CT_API ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, double force[3],
-                                     double *work);
+                                     double *work, ct_error *error);
 
 CT_END_DECLS
 

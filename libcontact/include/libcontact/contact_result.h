@@ -47,7 +47,8 @@ CT_API int64_t ct_contact_point_count(const ct_contact *contact);
 
 /** Write the points of the last update or step, those of surface a first; `points` has the shape
  * (ct_contact_point_count). */
-CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
+CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points,
+                                   ct_error *error);
 
 /**
  * Tractions at the nodes of surface `side` (0 or 1), recovered from the forces of the last update
@@ -118,12 +119,13 @@ typedef struct ct_penetration {
  * surface in contact with itself.
  */
 CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
-                                        ct_penetration *out);
+                                        ct_penetration *out, ct_error *error);
 
 /** Penetration into an obstacle of a host's contact after its last step. ``CT_ERROR_ARGUMENT``:
  * null argument, unknown obstacle or place, or the last call was not a successful step. */
 CT_API ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obstacle,
-                                                 ct_penetration_at at, ct_penetration *out);
+                                                 ct_penetration_at at, ct_penetration *out,
+                                                 ct_error *error);
 
 CT_END_DECLS
 

@@ -44,7 +44,7 @@ CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **e
 /** Write the kernel that the effect uses for a body, and the flops and bytes per update of one
  * element (estimates). */
 CT_API ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
-                                    double *flops, double *bytes);
+                                    double *flops, double *bytes, ct_error *error);
 
 /** Prescribed constant velocity of some components of a set of nodes; 0 for a fixed end or a plane
  * of symmetry. */
@@ -83,7 +83,8 @@ CT_API ct_status ct_support_create_effect(const ct_support_def *def, const ct_pr
 
 /** Write zero inverse masses and the prescribed velocities, shapes (node_count of the problem, 3).
  */
-CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity);
+CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity,
+                                  ct_error *error);
 
 /** A traction and a pressure on faces, with an amplitude in time. */
 typedef struct ct_load_def {

@@ -13,7 +13,7 @@ CT_BEGIN_DECLS
  *
  * ``nu`` is Poisson's ratio in (0, 0.49]. Errors: ``CT_ERROR_ARGUMENT`` for another ``nu``.
  */
-CT_API ct_status ct_exact_speeds(double nu, double *c2, double *c_r);
+CT_API ct_status ct_exact_speeds(double nu, double *c2, double *c_r, ct_error *error);
 
 /**
  * Closed form of the longitudinal impact of two thick plates at ``n`` points (:eq:`exact-sum`):

@@ -108,7 +108,7 @@ CT_API ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *
 
 /** The history of one probe. ``CT_ERROR_ARGUMENT``: unknown probe. */
 CT_API ct_status ct_probes_history(const ct_probes *probes, int32_t probe,
-                                   ct_probe_history *history);
+                                   ct_probe_history *history, ct_error *error);
 
 /**
  * Continue with a problem whose step is Δt divided by `parts`, after `ct_state_subdivide_step`:

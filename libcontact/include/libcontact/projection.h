@@ -126,13 +126,14 @@ CT_API ct_project_options ct_project_options_default(void);
  * Find the point of a face that is closest to ``point``, :eq:`projection-minimum`. Null ``options``
  * select the defaults.
  *
- * Returns ``out->status``. CT_ERROR_ARGUMENT, with all floating-point members NaN: a null pointer,
- * an unknown face kind or method, a tolerance that is not positive, a start that is not finite, or
- * a negative limit. With CT_ROBUST and CT_NEWTON a mirrored face and point give the mirrored result
- * bit by bit, and a scaling by a power of two gives the scaled result.
+ * Returns ``out->status``. CT_ERROR_ARGUMENT, which alone writes `error`, with all floating-point
+ * members NaN: a null pointer, an unknown face kind or method, a tolerance that is not positive, a
+ * start that is not finite, or a negative limit. With CT_ROBUST and CT_NEWTON a mirrored face and
+ * point give the mirrored result bit by bit, and a scaling by a power of two gives the scaled
+ * result.
  */
 CT_API ct_status ct_project(const ct_face *face, const double point[3],
-                            const ct_project_options *options, ct_projection *out);
+                            const ct_project_options *options, ct_projection *out, ct_error *error);
 
 /**
  * Closest point of one face to each of ``count`` points, shape (count, 3), into ``out[count]``.
@@ -142,7 +143,7 @@ CT_API ct_status ct_project(const ct_face *face, const double point[3],
  */
 CT_API ct_status ct_project_points(const ct_face *face, size_t count, const double *points,
                                    const ct_project_options *options, const double *start,
-                                   ct_projection *out);
+                                   ct_projection *out, ct_error *error);
 
 CT_END_DECLS
 

@@ -46,7 +46,8 @@ typedef struct ct_ray_hit {
  * outputs NaN: a null pointer, an unknown kind, or a tolerance that is not positive and below 1.
  */
 CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
-                                 const double *directions, double tolerance, ct_ray_hit *out);
+                                 const double *directions, double tolerance, ct_ray_hit *out,
+                                 ct_error *error);
 
 CT_END_DECLS
 

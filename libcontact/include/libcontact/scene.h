@@ -195,7 +195,8 @@ CT_API ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time,
                                 ct_stable_step *stable, ct_state **state, ct_error *error);
 
 /** Write the penalty ε of contact number `contact` after `ct_scene_build` [stress / length]. */
-CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
+CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon,
+                                          ct_error *error);
 
 /** Free a scene and its problem; null is allowed. Free the states of the problem first. */
 CT_API void ct_scene_free(ct_scene *scene);

@@ -81,7 +81,7 @@ typedef struct ct_search_options {
  */
 CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                                    const int32_t *start, const ct_search_options *options,
-                                   ct_nearest *out);
+                                   ct_nearest *out, ct_error *error);
 
 /**
  * Find a closed part of the surface whose faces point inwards, at the present coordinates: it

@@ -112,7 +112,7 @@ typedef struct ct_rule {
  * The Gauss rule that contact uses on a face: 2 x 2 points for Q4, 3 x 3 for Q8, 3 for T3, 6 for
  * T6. CT_ERROR_ARGUMENT: unknown kind or null pointer; ``rule`` then has no points.
  */
-CT_API ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule);
+CT_API ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule, ct_error *error);
 
 CT_END_DECLS
 

@@ -1,4 +1,5 @@
 #include "memory.h"
+#include "error.h"
 
 #include <libcontact/base.h>
 
@@ -12,11 +13,11 @@ enum { ALIGNMENT = 64, HEADER = 2 * sizeof(void *) };
  * process. A host writes it before it creates any object. */
 static ct_allocator host;
 
-ct_status ct_set_allocator(const ct_allocator *allocator)
+ct_status ct_set_allocator(const ct_allocator *allocator, ct_error *error)
 {
   static const ct_allocator none;
   if (allocator != NULL && (allocator->allocate == NULL || allocator->release == NULL))
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "allocator: allocate and release must be given together");
   host = allocator == NULL ? none : *allocator;
   return CT_OK;
 }

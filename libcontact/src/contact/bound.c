@@ -2,6 +2,7 @@
  * friction the points that face the other surface where the two touch. */
 #include <libcontact/contact.h>
 
+#include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
 #include "host.h"
@@ -214,25 +215,50 @@ ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_
   return find_bound(contact, mass_a, mass_b, NEAR, last, omega2);
 }
 
-ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
-                                        const double *mass_b, double *dt)
+static ct_status check_masses(const ct_contact *contact, const double *const mass[2],
+                              const double *dt, ct_error *error)
 {
-  double omega2;
-  if (dt == NULL) return CT_ERROR_ARGUMENT;
-  ct_status status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
+  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2) ||
+      dt == NULL)
+    return CT_REFUSE(error, "contact: null argument");
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t n = 0; n < search->node_count; n++)
+      if (!(mass[s][search->nodes[n]] > 0.0))
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, search->nodes[n]},
+                       "contact: the mass of node %d of surface %c is not positive",
+                       (int)search->nodes[n], "ab"[s]);
+  }
+  return CT_OK;
+}
+
+static ct_status step_of(ct_status status, double omega2, double *dt, ct_error *error)
+{
+  if (status != CT_OK)
+    return ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
   // -- Δt = 2 / ω (eq:step-bound)
-  if (status == CT_OK) *dt = 2.0 / sqrt(omega2);
-  return status;
+  *dt = 2.0 / sqrt(omega2);
+  return CT_OK;
+}
+
+ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
+                                        const double *mass_b, double *dt, ct_error *error)
+{
+  const double *const mass[2] = {mass_a, mass_b};
+  double omega2 = 0.0;
+  ct_status status = check_masses(contact, mass, dt, error);
+  if (status != CT_OK) return status;
+  status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
+  return step_of(status, omega2, dt, error);
 }
 
 ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
-                                 const double *mass_b, double *dt)
+                                 const double *mass_b, double *dt, ct_error *error)
 {
   const double *const mass[2] = {mass_a, mass_b};
-  double omega2;
-  if (dt == NULL) return CT_ERROR_ARGUMENT;
-  ct_status status = ct_host_omega2_bound(contact, mass, &omega2);
-  // -- Δt = 2 / ω (eq:step-bound)
-  if (status == CT_OK) *dt = 2.0 / sqrt(omega2);
-  return status;
+  double omega2 = 0.0;
+  ct_status status = check_masses(contact, mass, dt, error);
+  if (status != CT_OK) return status;
+  status = ct_host_omega2_bound(contact, mass, &omega2);
+  return step_of(status, omega2, dt, error);
 }

@@ -275,7 +275,7 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
   if (status != CT_OK || !now->first || rule->initial_penetration != CT_INITIAL_REFUSE)
     return status;
   ct_penetration found;
-  status = ct_contact_penetration(contact, CT_AT_POINTS, &found);
+  status = ct_contact_penetration(contact, CT_AT_POINTS, &found, error);
   if (status != CT_OK) return status;
   return ct_start_gap_refuse(rule, &found, "contact", contact->fixed->sides, error);
 }
@@ -309,10 +309,10 @@ ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_e
   return ct_side_collect(contact->side, sides, 0, error);
 }
 
-ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb)
+ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
 {
   if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->sides == 2))
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "contact: null argument");
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     double *f = s == 0 ? fa : fb;
@@ -321,7 +321,7 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
         f[3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
   }
   if (contact->host == NULL || !contact->host->current) return CT_OK;
-  return ct_host_add_force(contact, (double *const[2]){fa, fb});
+  return ct_host_add_force(contact, (double *const[2]){fa, fb}, error);
 }
 
 double ct_contact_energy(const ct_contact *contact)
@@ -333,11 +333,11 @@ double ct_contact_energy(const ct_contact *contact)
 }
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3],
-                               double force_b[3], double moment_b[3])
+                               double force_b[3], double moment_b[3], ct_error *error)
 {
   if (contact == NULL || force_a == NULL || moment_a == NULL ||
       (contact->fixed->sides == 2 && (force_b == NULL || moment_b == NULL)))
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "contact: null argument");
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     double *force = s == 0 ? force_a : force_b, *moment = s == 0 ? moment_a : moment_b;
@@ -363,9 +363,9 @@ int64_t ct_contact_point_count(const ct_contact *contact)
   return count;
 }
 
-ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
+ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points, ct_error *error)
 {
-  if (contact == NULL || points == NULL) return CT_ERROR_ARGUMENT;
+  if (contact == NULL || points == NULL) return CT_REFUSE(error, "contact: null argument");
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     for (int64_t i = 0; i < side->fixed->point_count; i++, points++) {

@@ -299,7 +299,7 @@ double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3]
 
 /* Depth of a surface inside an obstacle, as ct_contact_penetration. */
 ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
-                            ct_penetration *out);
+                            ct_penetration *out, ct_error *error);
 
 /* First record of a point in the memory of an obstacle, and the number after the last one. */
 void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end);

@@ -407,10 +407,11 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   return status == CT_OK ? take_step(contact, p, side, error) : status;
 }
 
-ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out)
+ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out, ct_error *error)
 {
-  if (contact == NULL || out == NULL || contact->host == NULL || !contact->host->current)
-    return CT_ERROR_ARGUMENT;
+  if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact->host == NULL || !contact->host->current)
+    return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
   const ct_host_record record = record_of(contact->host);
   *out = (ct_contact_balance){.energy = ct_contact_energy(contact),
                               .work = record.work,

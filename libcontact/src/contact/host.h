@@ -82,7 +82,7 @@ ct_status ct_host_find_forces(ct_contact *contact, const ct_contact_prediction *
 void ct_host_sum_parts(ct_host *host);
 
 /* Add the forces of all parts. */
-ct_status ct_host_add_force(const ct_contact *contact, double *const f[2]);
+ct_status ct_host_add_force(const ct_contact *contact, double *const f[2], ct_error *error);
 
 /* Bound of ω² for the forces of a step: of friction and of explicit penalties (eq:contact-bound,
  * eq:friction-bound, eq:obstacle-bound). */

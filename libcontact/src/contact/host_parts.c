@@ -163,11 +163,13 @@ void ct_host_sum_parts(ct_host *host)
 }
 
 ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, double force[3],
-                              double *work)
+                              double *work, ct_error *error)
 {
   const ct_host_part *part = contact == NULL ? NULL : ct_host_obstacle(contact, obstacle);
-  if (part == NULL || force == NULL || work == NULL || !contact->host->current)
-    return CT_ERROR_ARGUMENT;
+  if (part == NULL || force == NULL || work == NULL)
+    return CT_REFUSE(error, "contact: null argument, or no obstacle %d", (int)obstacle);
+  if (!contact->host->current)
+    return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
   const ct_obstacle_state *state = part->scratch;
   memcpy(force, state->reaction, sizeof state->reaction);
   *work = state->work;
@@ -181,11 +183,15 @@ ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, doubl
 }
 
 ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obstacle,
-                                          ct_penetration_at at, ct_penetration *out)
+                                          ct_penetration_at at, ct_penetration *out,
+                                          ct_error *error)
 {
   const ct_host_part *part = contact == NULL ? NULL : ct_host_obstacle(contact, obstacle);
-  if (part == NULL || !contact->host->current) return CT_ERROR_ARGUMENT;
-  return ct_obstacle_depth(part->scratch, at, out);
+  if (part == NULL || out == NULL)
+    return CT_REFUSE(error, "contact: null argument, or no obstacle %d", (int)obstacle);
+  if (!contact->host->current)
+    return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
+  return ct_obstacle_depth(part->scratch, at, out, error);
 }
 
 /* Node `n` of a part in the host's arrays: its surface, and its number there. */
@@ -199,11 +205,11 @@ static int32_t node_of(const ct_contact *contact, const ct_host_part *part, int3
   return *side == 1 ? node - first : node;
 }
 
-ct_status ct_host_add_force(const ct_contact *contact, double *const f[2])
+ct_status ct_host_add_force(const ct_contact *contact, double *const f[2], ct_error *error)
 {
   const ct_host *h = contact->host;
   if (h->parts != NULL && contact->fixed->sides == 2 && contact->fixed->one_array && f[0] != f[1])
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
   for (const ct_host_part *part = h->parts; part != NULL; part = part->next)
     for (int32_t n = 0; n < part->effect->node_count; n++) {
       int side;
@@ -245,13 +251,6 @@ ct_status ct_host_omega2_bound(const ct_contact *contact, const double *const ma
                                double *omega2)
 {
   *omega2 = 0.0;
-  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2))
-    return CT_ERROR_ARGUMENT;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    for (int32_t n = 0; n < search->node_count; n++)
-      if (!(mass[s][search->nodes[n]] > 0.0)) return CT_ERROR_ARGUMENT;
-  }
   // -- Only forces that follow from gaps and slips of now limit the step (eq:controlled-energy)
   ct_status status = CT_OK;
   if (ct_contact_is_penalty(contact->fixed))

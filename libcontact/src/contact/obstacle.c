@@ -253,7 +253,7 @@ static ct_status refuse(const ct_obstacle_state *s, const ct_start_rule *rule, c
 {
   ct_penetration found;
   if (rule->initial_penetration != CT_INITIAL_REFUSE) return CT_OK;
-  (void)ct_obstacle_depth(s, CT_AT_POINTS, &found);
+  (void)ct_obstacle_depth(s, CT_AT_POINTS, &found, error);
   return ct_start_gap_refuse(rule, &found, "obstacle", 1, error);
 }
 
@@ -653,6 +653,5 @@ ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, in
   ct_status status = CT_OK;
   const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
   if (s == NULL) return status;
-  status = ct_obstacle_depth(s, at, out);
-  return status == CT_OK ? CT_OK : CT_REFUSE(error, "obstacle: null argument, or unknown place");
+  return ct_obstacle_depth(s, at, out, error);
 }

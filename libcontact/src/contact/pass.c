@@ -151,7 +151,7 @@ static int project(const ct_pass *p, int64_t i, int32_t target, const double *st
     options.start[0] = start[0];
     options.start[1] = start[1];
   }
-  ct_status status = ct_project(&shifted, y, &options, closest);
+  ct_status status = ct_project(&shifted, y, &options, closest, NULL);
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) &&
          closest->where != CT_OUTSIDE;
 }

@@ -1,5 +1,6 @@
 /* Depth of two surfaces inside each other. */
 #include <libcontact/contact_result.h>
+#include "../base/error.h"
 
 #include "../base/vector.h"
 #include "contact_internal.h"
@@ -136,19 +137,27 @@ static int begin(const ct_side *sides, int count, ct_penetration_at at, ct_penet
   return at == CT_AT_POINTS || at == CT_AT_CORNERS || at == CT_AT_EDGES;
 }
 
+static ct_status no_place(ct_penetration_at at, ct_error *error)
+{
+  return CT_REFUSE(error, "penetration: unknown place %d", (int)at);
+}
+
 ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
-                                 ct_penetration *out)
+                                 ct_penetration *out, ct_error *error)
 {
   ct_penetration points;
-  if (contact == NULL || out == NULL || !begin(contact->side, contact->fixed->sides, at, out))
-    return CT_ERROR_ARGUMENT;
+  if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (!begin(contact->side, contact->fixed->sides, at, out)) return no_place(at, error);
   const int sides = contact->fixed->sides;
   if (at == CT_AT_POINTS) {
     out->late = contact->admission.late;
     out->late_depth = contact->admission.late_depth;
     return CT_OK;
   }
-  if (sides == 1) return CT_ERROR_UNSUPPORTED;
+  if (sides == 1)
+    return ct_fail(
+        error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+        "contact: a surface in contact with itself has no penetration at corners or edges");
   // A place deeper than any point in contact and than the search distance is on a far side.
   (void)begin(contact->side, sides, CT_AT_POINTS, &points);
   double limit = fmax(contact->fixed->depth, 2.0 * points.deepest);
@@ -161,13 +170,14 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
              limit, out);
   ct_search_free(now[0]);
   ct_search_free(now[1]);
-  return status;
+  return status == CT_OK ? CT_OK : CT_NO_MEMORY(error, "the search for penetration");
 }
 
 ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
-                            ct_penetration *out)
+                            ct_penetration *out, ct_error *error)
 {
-  if (out == NULL || !begin(obstacle->side, obstacle->sides, at, out)) return CT_ERROR_ARGUMENT;
+  if (out == NULL) return CT_REFUSE(error, "obstacle: null argument");
+  if (!begin(obstacle->side, obstacle->sides, at, out)) return no_place(at, error);
   if (at == CT_AT_POINTS) {
     out->late = obstacle->admission.late;
     out->late_depth = obstacle->admission.late_depth;

@@ -52,7 +52,7 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
   if (status != CT_OK) return status;
   fixed->on_edges = on_edges;
   (void)(on_edges ? ct_rule_lobatto(surface->kind, &fixed->rule)
-                  : ct_rule_face(surface->kind, &fixed->rule));
+                  : ct_rule_face(surface->kind, &fixed->rule, NULL));
   fixed->point_count = (int64_t)surface->face_count * fixed->rule.count;
   fixed->weight = ct_allocate((size_t)fixed->point_count, sizeof *fixed->weight);
   status =

@@ -217,7 +217,7 @@ unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
   const ct_batch_closest closest = {
       .xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
   if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project,
-                       &closest) != CT_OK)
+                       &closest, NULL) != CT_OK)
     return 0;
   measure_block(p, &b);
   for (int l = 0; l < count; l++) {

@@ -390,11 +390,13 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
 }
 
 ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
-                             double *flops, double *bytes)
+                             double *flops, double *bytes, ct_error *error)
 {
-  if (effect == NULL || effect->kind != CT_EFFECT_SOLID || block < 0) return CT_ERROR_ARGUMENT;
+  if (effect == NULL || effect->kind != CT_EFFECT_SOLID)
+    return CT_REFUSE(error, "solid: null argument, or another effect");
   const solid_data *solid = effect->data;
-  if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
+  if (block < 0 || block >= solid->part_count)
+    return CT_REFUSE(error, "solid: no body %d", (int)block);
   const ct_solid_part *part = &solid->parts[block];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;

@@ -42,11 +42,12 @@ ct_status ct_support_create_effect(const ct_support_def *def, const ct_problem *
   return ct_effect_finish(status, &filled, effect, error);
 }
 
-ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity)
+ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity,
+                           ct_error *error)
 {
   if (effect == NULL || effect->kind != CT_EFFECT_SUPPORT || inverse_mass == NULL ||
       velocity == NULL)
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "support: null argument, or another effect");
   const ct_held *held = effect->data;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int c = 0; c < 3; c++) {

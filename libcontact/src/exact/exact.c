@@ -5,6 +5,7 @@
  * = sqrt(kappa^2 - q). All of them are elliptic functions of one variable u with modulus 1/kappa: p
  * = sn u, gamma1 = cn u, gamma2 = kappa dn u; K and iK' are the quarter periods and W = u - K. */
 #include <libcontact/exact.h>
+#include "../base/error.h"
 
 #include "points.h"
 
@@ -518,9 +519,10 @@ static void plates_point(const ct_plates *e, double x, double z, double t, doubl
     out[VY] = -z * rayleigh_infinity(e);
 }
 
-ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
+ct_status ct_exact_speeds(double nu, double *c2, double *c_r, ct_error *error)
 {
-  if (!(nu > 0.0 && nu <= 0.49)) return CT_ERROR_ARGUMENT;
+  if (!(nu > 0.0 && nu <= 0.49))
+    return CT_REFUSE(error, "Poisson's ratio must be above 0 and at most 0.49, not %g", nu);
   const double kappa2 = 2.0 + 2.0 * nu / (1.0 - 2.0 * nu);
   if (c2 != NULL) *c2 = sqrt(1.0 / kappa2);
   if (c_r != NULL) *c_r = sqrt(rayleigh_root(kappa2) / kappa2);

@@ -213,7 +213,7 @@ static ct_status tabulated(double nu, size_t branches, double reach, ct_series *
   const double width = fmin(1.0, 4.0 / reach);
   ct_branches how = {NULL, 0.0, width, 3e-8 * width};
   double c2;
-  if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
+  if (ct_exact_speeds(nu, &c2, &how.c_r, error) != CT_OK)
     return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   if (branches < 1 || branches > 1000)
     return CT_REFUSE(error, "branches = %zu, must be 1 to 1000", branches);

@@ -42,7 +42,7 @@ static int32_t count_of(const ct_probes *probes)
 {
   ct_probe_history history;
   int32_t count = 0;
-  while (ct_probes_history(probes, count, &history) == CT_OK) count++;
+  while (ct_probes_history(probes, count, &history, NULL) == CT_OK) count++;
   return count;
 }
 
@@ -62,7 +62,7 @@ void ct_probe_create_tables(ct_task *task, ct_output *o)
   ct_hdf5_create_group(task, GROUP);
   for (; o->probe_count < count; o->probe_count++) {
     ct_column *column = &o->probe[o->probe_count].column;
-    ct_probes_history(o->probes, o->probe_count, &history);
+    ct_probes_history(o->probes, o->probe_count, &history, NULL);
     path_of(&history, path);
     column->rows = ROWS_A_CHUNK;
     column->type = row_type(&history);
@@ -84,7 +84,7 @@ int64_t ct_probe_bytes(const ct_output *o, double time)
   int64_t bytes = 0;
   ct_probe_history history;
   for (int32_t i = 0; i < o->probe_count; i++) {
-    ct_probes_history(o->probes, i, &history);
+    ct_probes_history(o->probes, i, &history, NULL);
     int64_t more = rows_until(&history, time) - o->probe[i].written;
     // The rows, and the rest of a chunk before and after them.
     if (more > 0) bytes += (more + 2 * ROWS_A_CHUNK) * o->probe[i].column.row_bytes;
@@ -97,7 +97,7 @@ void ct_probe_write(ct_task *task, ct_output *o, double time)
   ct_probe_history history;
   for (int32_t i = 0; i < o->probe_count; i++) {
     ct_probe_table *table = &o->probe[i];
-    ct_probes_history(o->probes, i, &history);
+    ct_probes_history(o->probes, i, &history, NULL);
     int64_t count = rows_until(&history, time);
     if (count <= table->written) continue;
     ct_hdf5_extend(task, &table->column, count);
@@ -139,7 +139,7 @@ static void read_table(ct_task *task, const ct_state *state, ct_probes *probes, 
 {
   ct_probe_history history;
   char path[LONGEST];
-  ct_probes_history(probes, i, &history);
+  ct_probes_history(probes, i, &history, NULL);
   path_of(&history, path);
   if (!exists(task, path)) return;
   hid_t set = H5Dopen2(task->file, path, H5P_DEFAULT), type = row_type(&history),

@@ -1,4 +1,5 @@
 #include "projection_internal.h"
+#include "../base/error.h"
 
 #include <math.h>
 
@@ -27,15 +28,18 @@ static size_t blocks_of(size_t count) { return (count + 7) / 8; }
 
 ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                            const double *points, const double *start,
-                           const ct_project_options *options, const ct_batch_closest *closest)
+                           const ct_project_options *options, const ct_batch_closest *closest,
+                           ct_error *error)
 {
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
   size_t per = (size_t)ct_face_node_count(kind);
   if (per == 0 || closest == NULL || !(options->tolerance > 0 && options->tolerance < HUGE_VAL) ||
       options->iteration_limit < 0)
-    return CT_ERROR_ARGUMENT;
-  if (count > 0 && (nodes == NULL || points == NULL)) return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(error, "batch: null argument, kind %d, tolerance %g, or iteration limit %d",
+                     (int)kind, options->tolerance, options->iteration_limit);
+  if (count > 0 && (nodes == NULL || points == NULL))
+    return CT_REFUSE(error, "batch: null argument");
   ct_batch_kernel *kernel = widest_kernel();
   for (size_t block = 0; block < blocks_of(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block,

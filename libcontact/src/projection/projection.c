@@ -1,6 +1,7 @@
 #include <libcontact/ray.h>
 
 #include "projection_internal.h"
+#include "../base/error.h"
 #include "../base/vector.h"
 
 #include <math.h>
@@ -47,15 +48,29 @@ static int are_possible(const ct_project_options *options)
           (fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL));
 }
 
-ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
-                     ct_projection *out)
+/* The reason why a call is rejected. */
+static ct_status refuse(const ct_face *face, const double *point, const ct_project_options *options,
+                        ct_error *error)
 {
-  if (out == NULL) return CT_ERROR_ARGUMENT;
+  if (face == NULL || point == NULL) return CT_REFUSE(error, "projection: null argument");
+  if (ct_face_node_count(face->kind) == 0)
+    return CT_REFUSE(error, "projection: unknown kind %d of a face", (int)face->kind);
+  if (!ct_method_exists(options->method))
+    return CT_REFUSE(error, "projection: unknown method %d", (int)options->method);
+  return CT_REFUSE(error,
+                   "projection: tolerance %g, iteration limit %d, or a start that is not finite",
+                   options->tolerance, options->iteration_limit);
+}
+
+ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
+                     ct_projection *out, ct_error *error)
+{
+  if (out == NULL) return CT_REFUSE(error, "projection: null argument");
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
   if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0 ||
       !are_possible(options))
-    return nothing(out, CT_ERROR_ARGUMENT);
+    return nothing(out, refuse(face, point, options, error));
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return nothing(out, CT_INVALID);
@@ -82,16 +97,17 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
 
 ct_status ct_project_points(const ct_face *face, size_t count, const double *points,
                             const ct_project_options *options, const double *start,
-                            ct_projection *out)
+                            ct_projection *out, ct_error *error)
 {
   if (count == 0) return CT_OK;
-  if (points == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  if (points == NULL || out == NULL) return CT_REFUSE(error, "projection: null argument");
   ct_project_options own = options != NULL ? *options : ct_project_options_default();
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
     if (start != NULL)
       own.use_start = 1, own.start[0] = start[2 * i], own.start[1] = start[2 * i + 1];
-    ct_status status = ct_project(face, points + 3 * i, &own, &out[i]);
+    ct_status status =
+        ct_project(face, points + 3 * i, &own, &out[i], first == CT_OK ? error : NULL);
     if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
   }
   return first;
@@ -107,7 +123,6 @@ static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
 static ct_status project_ray(const ct_face *face, const double point[3], const double direction[3],
                              double tolerance, ct_ray_hit *out)
 {
-  if (out == NULL) return CT_ERROR_ARGUMENT;
   if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0 ||
       !(tolerance > 0 && tolerance < 1))
     return no_hit(out, CT_ERROR_ARGUMENT, 0);
@@ -131,14 +146,18 @@ static ct_status project_ray(const ct_face *face, const double point[3], const d
 }
 
 ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
-                          const double *directions, double tolerance, ct_ray_hit *out)
+                          const double *directions, double tolerance, ct_ray_hit *out,
+                          ct_error *error)
 {
   if (count == 0) return CT_OK;
-  if (points == NULL || directions == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  if (points == NULL || directions == NULL || out == NULL)
+    return CT_REFUSE(error, "ray: null argument");
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
     ct_status status = project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);
     if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
   }
-  return first;
+  return first == CT_OK
+             ? CT_OK
+             : CT_REFUSE(error, "ray: no face, an unknown kind, or tolerance %g", tolerance);
 }

@@ -509,7 +509,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
   def.support_count = scene->support_count;
   if (def.support_count == 0) return CT_OK;
   ct_status status = ct_support_create_effect(&def, &scene->problem, effect, error);
-  return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
+  return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity, error)
+                         : status;
 }
 
 static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
@@ -659,10 +660,12 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   return ct_scene_start(scene, time, problem, step_count, stable, NULL, error);
 }
 
-ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)
+ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon,
+                                   ct_error *error)
 {
-  if (scene == NULL || epsilon == NULL || contact < 0 || contact >= scene->contact_count)
-    return CT_ERROR_ARGUMENT;
+  if (scene == NULL || epsilon == NULL) return CT_REFUSE(error, "scene: null argument");
+  if (contact < 0 || contact >= scene->contact_count)
+    return CT_REFUSE(error, "scene: no contact %d", (int)contact);
   *epsilon = scene->contacts[contact].epsilon;
   return CT_OK;
 }

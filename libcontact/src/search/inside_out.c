@@ -23,7 +23,7 @@ static double volume_of(const ct_search *search, int32_t f, const double origin[
   ct_rule rule;
   double sum = 0.0;
   ct_search_face(search, f, &face);
-  (void)ct_rule_face(search->kind, &rule);
+  (void)ct_rule_face(search->kind, &rule, NULL);
   for (int q = 0; q < rule.count; q++) {
     double x[3], t1[3], t2[3], n[3];
     ct_segment_point(&face, rule.xi[q], x);

@@ -1,5 +1,6 @@
 /* The nearest face of a surface for each point of a cloud. */
 #include "search_internal.h"
+#include "../base/error.h"
 
 #include "../projection/projection_internal.h"
 #include "../base/threads.h"
@@ -41,7 +42,7 @@ static double try_face(seeker *s, int32_t face)
   } else {
     ct_face own;
     ct_search_face(s->search, face, &own);
-    ct_project(&own, s->point, &s->project, &closest);
+    ct_project(&own, s->point, &s->project, &closest, NULL);
     square = closest.distance * closest.distance;
     for (int c = 0; c < 3; c++) d[c] = closest.point[c] - s->point[c];
   }
@@ -174,14 +175,21 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
 }
 
 ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
-                            const int32_t *start, const ct_search_options *options, ct_nearest *out)
+                            const int32_t *start, const ct_search_options *options, ct_nearest *out,
+                            ct_error *error)
 {
   ct_search_options own = options != NULL ? *options : (ct_search_options){CT_SEARCH_TOLERANCE, 1};
-  if (search == NULL || (count > 0 && (points == NULL || out == NULL))) return CT_ERROR_ARGUMENT;
+  if (search == NULL || (count > 0 && (points == NULL || out == NULL)))
+    return CT_REFUSE(error, "search: null argument");
   if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)
-    return CT_ERROR_ARGUMENT;
+    return CT_REFUSE(
+        error, "search: the tolerance must be positive, not %g, and the threads at least 1, not %d",
+        own.tolerance, own.threads);
   for (size_t i = 0; start != NULL && i < count; i++)
-    if (start[i] < -1 || start[i] >= search->face_count) return CT_ERROR_ARGUMENT;
+    if (start[i] < -1 || start[i] >= search->face_count)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
+                     "search: point %zu starts at face %d, which the surface does not have", i,
+                     (int)start[i]);
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
 #ifdef _OPENMP
   int threads = ct_threads_for(own.threads, blocks, 1);

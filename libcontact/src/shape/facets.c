@@ -48,7 +48,7 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
   out->kind = kind, out->per = per, out->face_count = face_count;
   out->faces = ct_pool_copy(pool, faces, entries * sizeof *faces);
   if (out->faces == NULL) return CT_NO_MEMORY(error, "%s", name);
-  ct_rule_face(kind, &out->rule);
+  ct_rule_face(kind, &out->rule, NULL);
   for (int q = 0; q < out->rule.count; q++) {
     ct_segment_shape(kind, out->rule.xi[q], out->N[q]);
     ct_segment_gradient(kind, out->rule.xi[q], out->dN[q]);

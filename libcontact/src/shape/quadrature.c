@@ -1,4 +1,5 @@
 #include "shape.h"
+#include "../base/error.h"
 
 #include <math.h>
 
@@ -43,9 +44,9 @@ static void add_orbit(ct_rule *rule, double a, double w)
   }
 }
 
-ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule)
+ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule, ct_error *error)
 {
-  if (rule == NULL) return CT_ERROR_ARGUMENT;
+  if (rule == NULL) return CT_REFUSE(error, "rule: null argument");
   rule->count = 0;
   if (kind == CT_Q4 || kind == CT_Q8) {
     gauss_product(2, kind == CT_Q4 ? 2 : 3, rule);
@@ -59,7 +60,7 @@ ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule)
     add_orbit(rule, (8 - sqrt(10) + root) / 18, (620 + share) / 7440);
     add_orbit(rule, (8 - sqrt(10) - root) / 18, (620 - share) / 7440);
   }
-  return rule->count > 0 ? CT_OK : CT_ERROR_ARGUMENT;
+  return rule->count > 0 ? CT_OK : CT_REFUSE(error, "rule: unknown kind %d of a face", (int)kind);
 }
 
 ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule)

@@ -369,9 +369,11 @@ ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error)
 
 /* -- What was taken -- */
 
-ct_status ct_probes_history(const ct_probes *probes, int32_t i, ct_probe_history *history)
+ct_status ct_probes_history(const ct_probes *probes, int32_t i, ct_probe_history *history,
+                            ct_error *error)
 {
-  if (probes == NULL || history == NULL || i < 0 || i >= probes->count) return CT_ERROR_ARGUMENT;
+  if (probes == NULL || history == NULL) return CT_REFUSE(error, "probe: null argument");
+  if (i < 0 || i >= probes->count) return CT_REFUSE(error, "probe: no probe %d", (int)i);
   const probe *p = &probes->list[i];
   *history = (ct_probe_history){
       .name = p->name, .width = p->width, .row_count = p->row_count, .rows = p->rows};
