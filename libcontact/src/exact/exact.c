@@ -522,7 +522,7 @@ static void plates_point(const ct_plates *e, double x, double z, double t, doubl
 ct_status ct_exact_speeds(double nu, double *c2, double *c_r, ct_error *error)
 {
   if (!(nu > 0.0 && nu <= 0.49))
-    return CT_REFUSE(error, "Poisson's ratio must be above 0 and at most 0.49, not %g", nu);
+    return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   const double kappa2 = 2.0 + 2.0 * nu / (1.0 - 2.0 * nu);
   if (c2 != NULL) *c2 = sqrt(1.0 / kappa2);
   if (c_r != NULL) *c_r = sqrt(rayleigh_root(kappa2) / kappa2);
