@@ -43,6 +43,7 @@ module libcontact
   end type
 
   type, bind(C) :: ct_project_options
+    integer(c_int32_t) :: cookie
     integer(c_int) :: method
     real(c_double) :: tolerance
     integer(c_int) :: use_start
@@ -64,6 +65,7 @@ module libcontact
   end type
 
   type, bind(C) :: ct_contact_options
+    integer(c_int32_t) :: cookie
     real(c_double) :: epsilon
     integer(c_int) :: method
     real(c_double) :: tolerance, depth

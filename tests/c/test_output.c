@@ -167,7 +167,13 @@ static void pose(const rig *r, ct_state *state, int k)
   ct_state_free(hand);
 }
 
-static const ct_output_options ALL = {1, 1, 1, "title = \"Zwei Platten: \xce\xb1\"\n", 1, NULL, 0};
+static ct_output_options all_fields(void)
+{
+  ct_output_options options = ct_output_options_default();
+  options.displacement = options.velocity = options.stress = options.contact_pressure = 1;
+  options.scene = "title = \"Zwei Platten: \xce\xb1\"\n";
+  return options;
+}
 
 /* -- Reading with HDF5 itself -- */
 
@@ -285,7 +291,7 @@ static ct_output *must_create_with(const rig *r, const char *path, const ct_prob
 {
   ct_output *output;
   ct_error error;
-  ct_output_options options = ALL;
+  ct_output_options options = all_fields();
   options.probes = probes;
   need(ct_output_create(path, &r->problem, &options, &output, &error), &error);
   return output;
@@ -556,6 +562,7 @@ static int descriptor_count(void)
  * number for the fault. */
 static int full_disk_child(const rig *r, const char *path, long from, const char *errors)
 {
+  const ct_output_options all = all_fields();
   int said = open(errors, O_RDWR | O_CREAT | O_TRUNC, 0666);
   dup2(said, 2);
   int before = descriptor_count(), failed = 0, k = 0;
@@ -564,7 +571,7 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
   ct_state *state = new_state(&r->problem);
   disk.writes = 0;
   disk.fail_from = from;
-  ct_status status = ct_output_create(path, &r->problem, &ALL, &output, &error);
+  ct_status status = ct_output_create(path, &r->problem, &all, &output, &error);
   for (; k < 6 && status == CT_OK; k++) {
     pose(r, state, k);
     status = ct_output_append(output, &r->problem, state, &error);
@@ -622,6 +629,7 @@ static void test_failing_writes(void)
 
 static void test_full_disk(void)
 {
+  const ct_output_options all = all_fields();
   rig *r = rig_create(0, 1);
   char mount_point[320], command[800], path[400], ballast[400];
   snprintf(mount_point, sizeof mount_point, "%s/small", folder);
@@ -661,7 +669,7 @@ static void test_full_disk(void)
   while (file != NULL && fputc('x', file) != EOF && fflush(file) == 0) continue;
   if (file != NULL) fclose(file);
   ct_output *none = NULL;
-  tap_ok(ct_output_create(path, &r->problem, &ALL, &none, &error) == CT_ERROR_FILE && none == NULL,
+  tap_ok(ct_output_create(path, &r->problem, &all, &none, &error) == CT_ERROR_FILE && none == NULL,
          "no space to create: %s", error.text);
   tap_ok(check_steps(r, path) == k, "the old file is unchanged");
   snprintf(command, sizeof command, "umount -l '%s'", mount_point);
@@ -672,9 +680,10 @@ static void test_full_disk(void)
 
 static void refuse_create(const rig *r, const char *path, ct_status want, const char *reason)
 {
+  const ct_output_options all = all_fields();
   ct_output *output = NULL;
   ct_error error = {0};
-  ct_status status = ct_output_create(path, &r->problem, &ALL, &output, &error);
+  ct_status status = ct_output_create(path, &r->problem, &all, &output, &error);
   tap_ok(status == want && output == NULL && error.code == want &&
              strstr(error.text, reason) != NULL,
          "create '%.30s': %s", path == NULL ? "(null)" : path, error.text);
@@ -682,6 +691,7 @@ static void refuse_create(const rig *r, const char *path, ct_status want, const 
 
 static void test_bad_paths(void)
 {
+  const ct_output_options all = all_fields();
   rig *r = rig_create(0, 0);
   char blocked[320];
   snprintf(blocked, sizeof blocked, "%s/blocked.vtkhdf", folder);
@@ -696,7 +706,7 @@ static void test_bad_paths(void)
   refuse_create(r, blocked, CT_ERROR_FILE, "Is a directory");
   tap_ok(access(in_folder("blocked.vtkhdf.part"), F_OK) == 0,
          "the object in the way is not removed");
-  tap_ok(ct_output_create(blocked, NULL, &ALL, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_output_create(blocked, NULL, &all, NULL, NULL) == CT_ERROR_ARGUMENT,
          "nulls are refused");
   tap_ok(ct_output_append(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
          "append with nulls is refused");

@@ -113,7 +113,10 @@ static int note(outcome *o, ct_status status, const ct_error *error)
 
 static void write_run(const rig *r, const ct_probes *probes, outcome *o)
 {
-  const ct_output_options options = {1, 0, 1, "title = \"block\"\n", 1, probes, 1};
+  ct_output_options options = ct_output_options_default();
+  options.displacement = options.stress = options.contact_pressure = options.filter = 1;
+  options.scene = "title = \"block\"\n";
+  options.probes = probes;
   ct_output *output = NULL;
   ct_error error = {0};
   if (!note(o, ct_output_create(r->path, r->problem, &options, &output, &error), &error)) return;
@@ -148,7 +151,8 @@ static outcome cycle(const rig *r, int old, long fail_at)
   remove(r->path);
   remove(r->part);
   if (old) {
-    const ct_output_options options = {1, 0, 0, NULL, 0, NULL, 0};
+    ct_output_options options = ct_output_options_default();
+    options.displacement = 1;
     ct_output *output;
     need(ct_output_create(r->path, r->problem, &options, &output, &error), &error);
     need(ct_output_append(output, r->problem, r->old, &error), &error);

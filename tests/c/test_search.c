@@ -395,7 +395,7 @@ static void nearest_faces(int k)
   tap_close(closest, 0.0, 1e-14, "%s: the closest point is the point of that face at xi",
             KIND[k].name);
 
-  ct_search_options options = (ct_search_options){1e-10, 1};
+  ct_search_options options = ct_search_options_default();
   ct_search_nearest(search, CLOUD, points, start, &options, again, NULL);
   tap_ok(same_bits(out, again, CLOUD), "%s: other starts, the same bits", KIND[k].name);
   options.threads = 3;
@@ -758,7 +758,7 @@ static void refused(void)
   double point[3] = {0, 0, 1};
   ct_nearest out;
   int32_t start = p.surface.face_count;
-  ct_search_options options = (ct_search_options){1e-10, 1};
+  ct_search_options options = ct_search_options_default();
   tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out, NULL) == CT_ERROR_ARGUMENT &&
              ct_search_nearest(search, 1, NULL, NULL, NULL, &out, NULL) == CT_ERROR_ARGUMENT &&
              ct_search_nearest(search, 1, point, NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
@@ -769,7 +769,7 @@ static void refused(void)
   options.tolerance = 0.0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out, NULL) == CT_ERROR_ARGUMENT,
          "a tolerance of 0 is refused");
-  options = (ct_search_options){1e-10, 1};
+  options = ct_search_options_default();
   options.threads = 0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out, NULL) == CT_ERROR_ARGUMENT,
          "0 threads are refused");

@@ -236,7 +236,7 @@ contains
       at(c_loc(e%text), c_loc(e)), at(c_loc(e%part), c_loc(e)), at(c_loc(e%number), c_loc(e)), &
       int(c_sizeof(e), c_int64_t), &
       at(c_loc(f%node), c_loc(f)), int(c_sizeof(f), c_int64_t), &
-      at(c_loc(o%tolerance), c_loc(o)), at(c_loc(o%use_start), c_loc(o)), &
+      at(c_loc(o%method), c_loc(o)), at(c_loc(o%tolerance), c_loc(o)), at(c_loc(o%use_start), c_loc(o)), &
       at(c_loc(o%start), c_loc(o)), at(c_loc(o%iteration_limit), c_loc(o)), &
       at(c_loc(o%trace), c_loc(o)), at(c_loc(o%user), c_loc(o)), int(c_sizeof(o), c_int64_t), &
       at(c_loc(p%where), c_loc(p)), at(c_loc(p%index), c_loc(p)), &
@@ -246,7 +246,7 @@ contains
       at(c_loc(p%normal), c_loc(p)), int(c_sizeof(p), c_int64_t), &
       at(c_loc(s%node_count), c_loc(s)), at(c_loc(s%face_count), c_loc(s)), &
       at(c_loc(s%faces), c_loc(s)), at(c_loc(s%reference), c_loc(s)), int(c_sizeof(s), c_int64_t), &
-      at(c_loc(k%method), c_loc(k)), at(c_loc(k%tolerance), c_loc(k)), at(c_loc(k%depth), c_loc(k)), &
+      at(c_loc(k%epsilon), c_loc(k)), at(c_loc(k%method), c_loc(k)), at(c_loc(k%tolerance), c_loc(k)), at(c_loc(k%depth), c_loc(k)), &
       at(c_loc(k%threads), c_loc(k)), at(c_loc(k%separated), c_loc(k)), &
       at(c_loc(k%enforcement), c_loc(k)), at(c_loc(k%dissipation), c_loc(k)), &
       at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial_penetration), c_loc(k)), at(c_loc(k%removal_time), c_loc(k)), &

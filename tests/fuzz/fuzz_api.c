@@ -596,13 +596,13 @@ static void files(play *p, ct_state *s)
   ct_error e = {0};
   char path[300];
   ct_output *out = NULL;
-  ct_output_options options = {below(d, 2),
-                               below(d, 2),
-                               below(d, 2),
-                               chance(d, 2) ? "a scene" : NULL,
-                               below(d, 2),
-                               NULL,
-                               chance(d, 4) ? below(d, 10) : 0};
+  ct_output_options options = ct_output_options_default();
+  options.displacement = below(d, 2);
+  options.velocity = below(d, 2);
+  options.stress = below(d, 2);
+  options.scene = chance(d, 2) ? "a scene" : NULL;
+  options.contact_pressure = below(d, 2);
+  options.filter = chance(d, 4) ? below(d, 10) : 0;
   if (folder == NULL) return;
   snprintf(path, sizeof path, "%s/fuzz.vtkhdf", folder);
   if (TRY(ct_output_create(path, p->problem, &options, &out, &e)) != CT_OK) return;
@@ -850,7 +850,7 @@ static void play_surfaces(dice *d)
     ct_nearest near[5];
     double points[15];
     int32_t start[5] = {-1, 0, 0, -1, 0};
-    ct_search_options options = {1e-10, 1};
+    ct_search_options options = ct_search_options_default();
     for (int i = 0; i < 15; i++) points[i] = 2.0 * real(d);
     (void)ct_search_nearest(search, 5, points, chance(d, 2) ? start : NULL, &options, near, NULL);
     if (TRY(ct_search_move(search, whole.mesh[0]->nodes, &e)) == CT_OK)

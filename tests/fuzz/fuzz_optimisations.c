@@ -596,11 +596,10 @@ static void change_state(run *r, dice *d)
 static ct_status watched_steps(run *r, int64_t count, int64_t every)
 {
   ct_monitor *watch = NULL;
-  ct_monitor_options options = {.every = every,
-                                .energy_limit = INFINITY,
-                                .omega_limit = INFINITY,
-                                .stable = r->problem->dt,
-                                .growth_limit = INFINITY};
+  ct_monitor_options options = ct_monitor_options_default();
+  options.every = every;
+  options.energy_limit = options.omega_limit = options.growth_limit = INFINITY;
+  options.stable = r->problem->dt;
   ct_status status = ct_monitor_create(r->problem, r->state, &options, &watch, &r->error);
   if (status == CT_OK) status = ct_monitor_steps(watch, r->state, count, &r->error);
   ct_monitor_free(watch);

@@ -64,6 +64,64 @@ def test_fortran_has_the_members_and_arguments_of_c():
         assert count == len(ffi.typeof(getattr(lib, other or name)).args), name
 
 
+def test_every_definition_and_all_options_begin_with_a_cookie():
+    text = "".join(path.read_text() for path in (INCLUDE / "libcontact").glob("*.h"))
+    names = re.findall(r"^typedef struct (ct_\w+_(?:def|options)) ", text, re.M)
+    assert len(names) > 15
+    for name in names:
+        assert ffi.typeof(name).fields[0][0] == "cookie", name
+        assert getattr(lib, f"{name}_default")().cookie != 0, name
+
+
+def without_default(name):
+    """All options of the default, but the cookie of a struct that was only set to zero."""
+    options = ffi.new(f"{name} *", getattr(lib, f"{name}_default")())
+    options.cookie = 0
+    return options
+
+
+def test_options_without_their_default_are_refused(tmp_path):
+    error, scene = ffi.new("ct_error *"), ffi.new("ct_scene **")
+    face, point = ffi.new("ct_face *"), ffi.new("double[3]")
+    face.node = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]] + 4 * [[0, 0, 0]]
+    nodes, quad = ffi.new("double[192]"), ffi.new("int32_t[4]", [0, 1, 2, 3])
+    corners = ffi.new("double[12]", [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0])
+    surface = ffi.new("ct_surface *", [lib.CT_Q4, 4, 1, quad, corners])
+    search, problem = ffi.new("ct_search **"), ffi.new("ct_problem *")
+    assert lib.ct_search_create(surface, search, error) == lib.CT_OK
+    assert lib.ct_scene_create(scene, error) == lib.CT_OK
+    state, contact = ffi.new("ct_state *", {"problem": problem}), ffi.new("ct_scene_contact *")
+    bare = without_default("ct_contact_options")
+    bare.epsilon = 1.0
+    project = without_default("ct_project_options")
+    monitor, out = without_default("ct_monitor_options"), ffi.new("ct_projection *")
+    calls = {
+        "ct_project": (face, point, project, out),
+        "ct_project_points": (face, 1, point, project, ffi.NULL, out),
+        "ct_project_batch": (0, 1, nodes, nodes, ffi.NULL, project, ffi.new("ct_batch_closest *")),
+        "ct_search_nearest": (
+            search[0],
+            1,
+            point,
+            ffi.NULL,
+            without_default("ct_search_options"),
+            ffi.new("ct_nearest *"),
+        ),
+        "ct_contact_create": (surface, surface, bare, ffi.new("ct_contact **")),
+        "ct_scene_add_contact": (scene[0], contact),
+        "ct_monitor_create": (problem, state, monitor, ffi.new("ct_monitor **")),
+    }
+    if ct.has("hdf5"):
+        output = without_default("ct_output_options"), ffi.new("ct_output **")
+        calls["ct_output_create"] = (bytes(tmp_path / "x.vtkhdf"), problem, *output)
+    for name, arguments in calls.items():
+        assert getattr(lib, name)(*arguments, error) == lib.CT_ERROR_ARGUMENT, name
+        text = ffi.string(error.text).decode()
+        assert re.search(r"do not start from ct_\w+_options_default", text), (name, text)
+    lib.ct_search_free(search[0])
+    lib.ct_scene_free(scene[0])
+
+
 def test_the_umbrella_includes_every_core_header():
     umbrella = (INCLUDE / "libcontact.h").read_text()
     for header in (INCLUDE / "libcontact").glob("*.h"):
@@ -236,7 +294,7 @@ def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
     """For any build: the source that replaces a missing add-on, with each prototype of its header called with zeros."""
     text = (INCLUDE / "libcontact" / ADDON[part]).read_text()
     calls = re.findall(r"^CT_API ct_status (ct_\w+)\(([^;]*)\);", text, re.M)
-    assert len(calls) == text.count("CT_API ")
+    assert len(calls) == text.count("CT_API ct_status ")
     source, program = tmp_path / "refused.c", tmp_path / "refused"
     source.write_text(
         f"#include <libcontact/{ADDON[part]}>\n"

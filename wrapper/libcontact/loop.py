@@ -201,9 +201,10 @@ class Loop:
 
     def _create(self, path: str | Path) -> Any:
         text, output = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output
-        wanted: dict[str, Any] = {name: name in output.fields for name in FIELDS}
-        wanted |= {"scene": text, "probes": self.probes.pointer, "filter": output.filter}
-        options = ffi.new("ct_output_options *", wanted)
+        options = ffi.new("ct_output_options *", lib.ct_output_options_default())
+        for name in FIELDS:
+            setattr(options, name, name in output.fields)
+        options.scene, options.probes, options.filter = text, self.probes.pointer, output.filter
         pointer = self.first.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
 

@@ -167,7 +167,8 @@ class Surface:
                 raise ValueError(f"start must be {faces} for each of {len(points)} points")
         if int(threads) < 1:
             raise ValueError(f"threads must be at least 1, not {threads!r}")
-        options = ffi.new("ct_search_options *", [positive("tolerance", tolerance), int(threads)])
+        options = ffi.new("ct_search_options *", lib.ct_search_options_default())
+        options.tolerance, options.threads = positive("tolerance", tolerance), int(threads)
         rows, out = table("ct_nearest", len(points))
         first = ffi.NULL if start is None else ints(start)
         x = doubles(points)

@@ -39,6 +39,8 @@ typedef enum ct_initial {
 
 /** Options of a contact. Start from `ct_contact_options_default`. */
 typedef struct ct_contact_options {
+  /** Set by `ct_contact_options_default`. */
+  int32_t cookie;
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
   double epsilon;
   /** Method that finds the closest point. The unconstrained methods miss points whose closest point

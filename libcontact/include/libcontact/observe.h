@@ -124,6 +124,8 @@ CT_API ct_status ct_probes_restore(ct_probes *probes, int32_t probe, const doubl
 
 /** What a monitor checks, and how often. Start from `ct_monitor_options_default`. */
 typedef struct ct_monitor_options {
+  /** Set by `ct_monitor_options_default`. */
+  int32_t cookie;
   /** Steps between two checks, >= 1: the state is checked whenever its number of steps is a
    * multiple of this. */
   int64_t every;

@@ -6,7 +6,7 @@
 
 #include <libcontact/observe.h>
 
-/* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every call returns
+/* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every status is
  * CT_ERROR_UNSUPPORTED, also ct_output_close with a null output. */
 
 CT_BEGIN_DECLS
@@ -14,8 +14,10 @@ CT_BEGIN_DECLS
 /** A results file that is open for writing; opaque. One thread at a time may use it. */
 typedef struct ct_output ct_output;
 
-/** Content of a results file. */
+/** Content of a results file. Start from `ct_output_options_default`. */
 typedef struct ct_output_options {
+  /** Set by `ct_output_options_default`. */
+  int32_t cookie;
   /** Fields of each recorded step (0 or 1). A viewer needs the displacement to show the motion. */
   int displacement;
   int velocity;
@@ -34,6 +36,9 @@ typedef struct ct_output_options {
    */
   int filter;
 } ct_output_options;
+
+/** No fields, no text, no probes, no filter: the energy balance and the restart record alone. */
+CT_API ct_output_options ct_output_options_default(void);
 
 /**
  * Create a transient VTKHDF file (UnstructuredGrid, static points) for the problem. Until the first

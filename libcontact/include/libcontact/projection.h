@@ -54,6 +54,8 @@ typedef void (*ct_project_trace)(const double xi[2], double f, void *user);
 
 /** Options of a projection. Start from ct_project_options_default. */
 typedef struct ct_project_options {
+  /** Set by `ct_project_options_default`. */
+  int32_t cookie;
   /** The method; default CT_ROBUST. */
   ct_method method;
   /** Bound on the error of xi, in half-widths of the face (1 on quadrilaterals, 1/2 on triangles),

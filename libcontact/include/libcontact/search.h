@@ -62,17 +62,23 @@ typedef struct ct_nearest {
   double normal[3];
 } ct_nearest;
 
-/** Options of a query. */
+/** Options of a query. Start from `ct_search_options_default`. */
 typedef struct ct_search_options {
+  /** Set by `ct_search_options_default`. */
+  int32_t cookie;
   /** Bound on the error of xi in half-widths of the face, as of ct_project, > 0. */
   double tolerance;
   /** Number of threads, >= 1; results do not depend on it. */
   int threads;
 } ct_search_options;
 
+/** A tolerance of 1e-10 and one thread. */
+CT_API ct_search_options ct_search_options_default(void);
+
 /**
  * Find the closest face of the surface for each of ``count`` points, shape (count, 3), and write it
- * to ``out[count]``. Null ``options`` select a tolerance of 1e-10 and one thread. ``start`` is
+ * to ``out[count]``. Null ``options`` select the
+ * defaults. ``start`` is
  * null, or has for each point a face that is probably close, for example that of the last step,
  * shape (count); -1 means none. Without ``start`` the search of each point begins with the face of
  * the previous point. Good starts, and consecutive points that are close to each other, save time

@@ -29,6 +29,12 @@ ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *f
   return code;
 }
 
+ct_status ct_check_options(int32_t cookie, const char *standard, ct_error *error)
+{
+  if (cookie == CT_DEF_COOKIE) return CT_OK;
+  return CT_REFUSE(error, "the options do not start from %s", standard);
+}
+
 ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number)
 {
   if (status != CT_OK && error != NULL) {

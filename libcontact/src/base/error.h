@@ -25,6 +25,12 @@ ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *f
 #define CT_NO_MEMORY(error, ...) \
   ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for " __VA_ARGS__)
 
+/* The first member of every definition and of all options, set by their default. */
+enum { CT_DEF_COOKIE = 0x63745f64 };
+
+/* Refuse options whose cookie shows that they do not start from `standard`, their default. */
+ct_status ct_check_options(int32_t cookie, const char *standard, ct_error *error);
+
 /** Name the part of a scene to which a status other than CT_OK belongs; returns the status. */
 ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number);
 

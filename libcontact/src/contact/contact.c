@@ -14,7 +14,8 @@
 
 ct_contact_options ct_contact_options_default(void)
 {
-  return (ct_contact_options){.epsilon = 0.0,
+  return (ct_contact_options){.cookie = CT_DEF_COOKIE,
+                              .epsilon = 0.0,
                               .method = CT_ROBUST,
                               .tolerance = 1e-10,
                               .depth = 0.0,
@@ -52,6 +53,8 @@ static ct_start_rule start_rule_of(const ct_contact_options *options)
 
 static ct_status check_options(const ct_contact_options *options, ct_error *error)
 {
+  ct_status known = ct_check_options(options->cookie, "ct_contact_options_default", error);
+  if (known != CT_OK) return known;
   if (!(options->epsilon > 0.0) || !isfinite(options->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "contact: the penalty must be positive, not %g", options->epsilon);

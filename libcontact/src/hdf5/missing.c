@@ -10,6 +10,11 @@ static ct_status refuse(ct_error *error)
                  "libcontact was built without HDF5, so it can't write or read a results file");
 }
 
+ct_output_options ct_output_options_default(void)
+{
+  return (ct_output_options){.cookie = CT_DEF_COOKIE};
+}
+
 ct_status ct_output_create(const char *path, const ct_problem *problem,
                            const ct_output_options *options, ct_output **output, ct_error *error)
 {

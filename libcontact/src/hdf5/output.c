@@ -153,13 +153,19 @@ static ct_status create(const char *path, const ct_problem *problem,
   return task.status;
 }
 
+ct_output_options ct_output_options_default(void)
+{
+  return (ct_output_options){.cookie = CT_DEF_COOKIE};
+}
+
 ct_status ct_output_create(const char *path, const ct_problem *problem,
                            const ct_output_options *options, ct_output **output, ct_error *error)
 {
   if (output != NULL) *output = NULL;
   if (path == NULL || *path == 0 || problem == NULL || options == NULL || output == NULL)
     return CT_REFUSE(error, "ct_output_create needs a path, a problem, options and an output");
-  ct_status status = check_problem(problem, error);
+  ct_status status = ct_check_options(options->cookie, "ct_output_options_default", error);
+  if (status == CT_OK) status = check_problem(problem, error);
   if (status == CT_OK) status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = create(path, problem, options, output, error); }

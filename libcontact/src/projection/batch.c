@@ -34,6 +34,8 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
   size_t per = (size_t)ct_face_node_count(kind);
+  ct_status status = ct_check_options(options->cookie, "ct_project_options_default", error);
+  if (status != CT_OK) return status;
   if (per == 0 || closest == NULL || !(options->tolerance > 0 && options->tolerance < HUGE_VAL) ||
       options->iteration_limit < 0)
     return CT_REFUSE(error, "batch: null argument, kind %d, tolerance %g, or iteration limit %d",

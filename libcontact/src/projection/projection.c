@@ -28,7 +28,7 @@ int ct_method_exists(ct_method method)
 
 ct_project_options ct_project_options_default(void)
 {
-  return (ct_project_options){.method = CT_ROBUST, .tolerance = 1e-10};
+  return (ct_project_options){.cookie = CT_DEF_COOKIE, .method = CT_ROBUST, .tolerance = 1e-10};
 }
 
 /* The result of an invalid input. */
@@ -42,8 +42,8 @@ static ct_status nothing(ct_projection *out, ct_status status)
 /* Check the method and the other options. */
 static int are_possible(const ct_project_options *options)
 {
-  return ct_method_exists(options->method) && options->iteration_limit >= 0 &&
-         options->tolerance > 0 && options->tolerance < HUGE_VAL &&
+  return options->cookie == CT_DEF_COOKIE && ct_method_exists(options->method) &&
+         options->iteration_limit >= 0 && options->tolerance > 0 && options->tolerance < HUGE_VAL &&
          (!options->use_start ||
           (fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL));
 }
@@ -55,6 +55,8 @@ static ct_status refuse(const ct_face *face, const double *point, const ct_proje
   if (face == NULL || point == NULL) return CT_REFUSE(error, "projection: null argument");
   if (ct_face_node_count(face->kind) == 0)
     return CT_REFUSE(error, "projection: unknown kind %d of a face", (int)face->kind);
+  if (options->cookie != CT_DEF_COOKIE)
+    return ct_check_options(options->cookie, "ct_project_options_default", error);
   if (!ct_method_exists(options->method))
     return CT_REFUSE(error, "projection: unknown method %d", (int)options->method);
   return CT_REFUSE(error,

@@ -257,6 +257,8 @@ static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, cons
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
   if (scene == NULL || contact == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (ct_check_options(contact->options.cookie, "ct_contact_options_default", error) != CT_OK)
+    return CT_ERROR_ARGUMENT;
   if (!(contact->beta >= 0.0) || !(contact->options.epsilon >= 0.0) ||
       (contact->beta > 0.0 && contact->options.epsilon > 0.0))
     return CT_REFUSE(error,

@@ -174,11 +174,18 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
   }
 }
 
+ct_search_options ct_search_options_default(void)
+{
+  return (ct_search_options){CT_DEF_COOKIE, CT_SEARCH_TOLERANCE, 1};
+}
+
 ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                             const int32_t *start, const ct_search_options *options, ct_nearest *out,
                             ct_error *error)
 {
-  ct_search_options own = options != NULL ? *options : (ct_search_options){CT_SEARCH_TOLERANCE, 1};
+  ct_search_options own = options != NULL ? *options : ct_search_options_default();
+  ct_status status = ct_check_options(own.cookie, "ct_search_options_default", error);
+  if (status != CT_OK) return status;
   if (search == NULL || (count > 0 && (points == NULL || out == NULL)))
     return CT_REFUSE(error, "search: null argument");
   if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)

@@ -21,9 +21,6 @@ int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
 /* Place of a node: its body, and its number there. */
 ct_place ct_effect_place(const ct_problem *problem, int32_t node);
 
-/* The first member of every definition of an effect, set by its default. */
-enum { CT_DEF_COOKIE = 0x63745f64 };
-
 /* ``CT_ERROR_ARGUMENT`` for a null argument of a factory, or a definition that does not start from
  * its default (shown by its cookie). */
 ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,

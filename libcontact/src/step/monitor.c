@@ -43,8 +43,11 @@ struct ct_monitor {
 
 ct_monitor_options ct_monitor_options_default(void)
 {
-  return (ct_monitor_options){
-      .every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
+  return (ct_monitor_options){.cookie = CT_DEF_COOKIE,
+                              .every = 1024,
+                              .energy_limit = 1.0,
+                              .omega_limit = 2.0,
+                              .growth_limit = 0.01};
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
@@ -407,6 +410,8 @@ ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
   if (problem == NULL || state == NULL || options == NULL || out == NULL ||
       state->problem != problem)
     return CT_REFUSE(error, "monitor: null argument, or a state of another problem");
+  ct_status status = ct_check_options(options->cookie, "ct_monitor_options_default", error);
+  if (status != CT_OK) return status;
   if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) ||
       !(options->stable >= 0.0) || !(options->growth_limit >= 0.0))
     return CT_REFUSE(error,
@@ -419,7 +424,7 @@ ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
-  ct_status status = prepare(w, state, error);
+  status = prepare(w, state, error);
   if (status != CT_OK) ct_monitor_free(w);
   else *out = w;
   return status;
