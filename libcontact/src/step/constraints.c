@@ -3,6 +3,7 @@
 
 #include "../base/bits.h"
 #include "../constraint/law.h"
+#include "../constraint/problem.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "workspace.h"
@@ -55,8 +56,11 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
     int32_t **place = ct_pool_take(&w->pool, effects, sizeof *place);
     uint64_t *begun =
         ct_pool_take(&w->pool, (size_t)ct_bits_words(problem->node_count), sizeof *begun);
+    int32_t *listing = ct_pool_take(&w->pool, (size_t)count, sizeof *listing);
     if (!w->pool.failed) {
-      c->place = place, c->begun = begun;
+      c->place = place, c->begun = begun, c->effects = listing;
+      for (int32_t k = 0; k < problem->effect_count; k++)
+        if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT) *listing++ = k;
       w->pool.failed =
           ct_solver_create(sets, count, problem->node_count, number, &c->solver) != CT_OK;
       find_places(problem, number, c, &w->pool);
@@ -92,58 +96,53 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
                    effect->label, (long long)count, (long long)effect->constraint_count);
 }
 
-/* Let each effect list the rows that may be active. */
-static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver *s,
+/* A state whose effects list their rows. */
+typedef struct lister {
+  const ct_problem *problem;
+  ct_state *state;
+} lister;
+
+/* Let an effect list the rows that may be active. */
+static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_t *count,
                            ct_error *error)
 {
-  int32_t set = 0;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    int64_t count = 0;
-    if (effect->phase != CT_PHASE_CONSTRAINT) continue;
-    ct_view view = ct_workspace_view(problem, state, k);
-    double begin = problem->clock == NULL ? 0.0 : problem->clock();
-    ct_status status =
-        effect->constraints->list(effect, &view, s->rows + s->first[set], &count, error);
-    if (status == CT_OK) status = check_rows(effect, s->rows + s->first[set], count, error);
-    if (status != CT_OK) return status;
-    if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
-    s->first[set + 1] = s->first[set] + count;
-    set++;
-  }
-  return CT_OK;
+  const lister *from = user;
+  const ct_problem *problem = from->problem;
+  const int32_t k = from->state->workspace->constraints->effects[set];
+  const ct_effect *effect = problem->effects[k];
+  ct_view view = ct_workspace_view(problem, from->state, k);
+  double begin = problem->clock == NULL ? 0.0 : problem->clock();
+  ct_status status = effect->constraints->list(effect, &view, rows, count, error);
+  if (status == CT_OK) status = check_rows(effect, rows, *count, error);
+  if (problem->clock != NULL) from->state->effect_seconds[k] += problem->clock() - begin;
+  return status;
 }
 
-/* Displacement increment of each node until t_{n+1} without the constraints, further increment of
- * each component per unit force, and its increment since t_{n-1} (eq:constraint-problem, eq:stage).
- */
-static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
+/* The motion of the present stage without the constraints (eq:stage). */
+static ct_prediction predict(const ct_problem *problem, const ct_state *state)
 {
   // With two stages the last evaluation was in the other one.
   ct_stage stages[2], stage = ct_stage_now(problem, state);
   int count = ct_integrator_stages(&problem->integrator, stages);
-  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt, push = stage.r;
+  ct_prediction p = {.tau = stage.tau,
+                     .push = stage.r,
+                     .l = stage.l,
+                     .whole = stage.r,
+                     .before = stages[count - 1 - state->workspace->stage].tau * problem->dt,
+                     .velocity = state->velocity,
+                     .inverse_mass = problem->inverse_mass,
+                     .force = state->workspace->total,
+                     .acceleration = ct_stage_last_acceleration(problem, state)};
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
-  if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
-  const double *last_acceleration = ct_stage_last_acceleration(problem, state);
+  if (state->step == 0 && state->workspace->stage == 0) p.before = 0.0;
   // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
   // part of it (eq:stage-start)
   if (state->workspace->starting) {
-    push = stage.r + (ct_scheme_of(problem)->pushes ? 0.0 : stage.l) -
-           ct_integrator_share(&problem->integrator) * problem->dt;
-    last_acceleration = NULL;
+    p.push = stage.r + (ct_scheme_of(problem)->pushes ? 0.0 : stage.l) -
+             ct_integrator_share(&problem->integrator) * problem->dt;
+    p.acceleration = NULL;
   }
-  s->share = push / stage.r;
-  for (int32_t i = 0; i < s->node_count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t own = CT_SOLVER_WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
-      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
-                                state->workspace->total[dof]);
-      if (last_acceleration != NULL) velocity += stage.l * last_acceleration[dof];
-      s->increment[own] = stage.tau * velocity;
-      s->mobility[own] = stage.tau * push * problem->inverse_mass[dof];
-      s->last_increment[own] = before * state->velocity[dof];
-    }
+  return p;
 }
 
 /* Degrees of freedom with prescribed motion, which no force moves. */
@@ -183,27 +182,24 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
 {
   ct_constraints *c = state->workspace->constraints;
   ct_solver *s = c->solver;
-  ct_status status = list_rows(problem, state, s, error);
+  ct_status status = ct_rows_list_all(s, list_rows, &(lister){problem, state}, error);
   if (state->step == 0)
     memset(c->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *c->begun);
   int64_t rows = s->first[s->set_count];
   if (status != CT_OK || rows == 0) return status;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
-  predict(problem, state, s);
+  const ct_prediction p = predict(problem, state);
+  ct_rows_predict(s, &p);
   status = prescribe(problem, state, error);
+  if (status == CT_OK) status = ct_rows_solve(s, state->time, error);
   if (status != CT_OK) return status;
-  if (!ct_solver_solve(s))
-    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
-                   "the contact forces stopped being finite at t = %g", state->time);
   if (state->step == 0) mark_start(s, c->begun);
   state->unconverged += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
   // The time is charged to each effect in proportion to its rows.
-  for (int32_t k = 0, set = 0; problem->clock != NULL && k < problem->effect_count; k++)
-    if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT) {
-      double share = (double)(s->first[set + 1] - s->first[set]) / (double)rows;
-      state->effect_seconds[k] += (problem->clock() - begin) * share;
-      set++;
-    }
+  for (int32_t set = 0; problem->clock != NULL && set < s->set_count; set++) {
+    double share = (double)(s->first[set + 1] - s->first[set]) / (double)rows;
+    state->effect_seconds[c->effects[set]] += (problem->clock() - begin) * share;
+  }
   return CT_OK;
 }

@@ -9,6 +9,7 @@
 /* The constraints of a problem in a state: input and output of the solver. */
 typedef struct ct_constraints {
   ct_solver *solver;
+  int32_t *effects;  /* the effect of each set of rows */
   int32_t **place;   /* of each effect that prescribes motion: its nodes' places among the solver's,
                         or -1 */
   double *increment; /* prescribed by one effect; null if none does */
