@@ -19,14 +19,19 @@ HEADERS = Path("libcontact/include/libcontact")
 # From the top down: the rooms of a floor, and what they know.
 FLOORS = (
     ({"scene": "bodies, effects and time put together", "hdf5": "results files and restart"}),
-    ({"contact": "surfaces in contact, obstacles, friction"}),
     (
         {
-            "effect": "solid, support, motion, gravity, load, damping, viscosity, absorb, averaging",
+            "effect": "solid, contact, support, motion, gravity, load, damping, viscosity, absorb, averaging",
             "dispersion": "waves of a mesh in space and time",
         }
     ),
-    ({"step": "contract of effects, problem, state, time loop, energy, monitor, probes"}),
+    (
+        {
+            "step": "contract of effects, problem, state, time loop, energy, monitor, probes",
+            "host": "contact in the time loop of a host",
+        }
+    ),
+    ({"contact": "contract of interactions: surfaces in contact, obstacles, friction"}),
     (
         {
             "solid": "elements and their kernels",
@@ -45,6 +50,8 @@ FLOORS = (
     ({"base": "status, errors, memory, sums"}),
 )
 FLOOR = {room: len(FLOORS) - i for i, rooms in enumerate(FLOORS) for room in rooms}
+# Rooms whose calls are in the public header of a lower room.
+WITHOUT_HEADER = {"host"}
 # Public headers that are not called as their room.
 ROOM_OF_HEADER = {
     "output": "hdf5",
@@ -55,7 +62,7 @@ ROOM_OF_HEADER = {
     "ledger": "step",
     "observe": "step",
     "contact_result": "contact",
-    "contact_effect": "contact",
+    "contact_effect": "effect",
 }
 
 

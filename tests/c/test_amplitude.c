@@ -1,5 +1,5 @@
 /* Factors that change with time. */
-#include "../../libcontact/src/effect/amplitude.h"
+#include "../../libcontact/src/base/amplitude.h"
 #include "bodies.h"
 
 /* Before, on and after its points, and at a jump (eq:amplitude). */

@@ -2,6 +2,7 @@
  * borders, the bound on the step. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "patches.h"
+#include "springs.h"
 
 #include <float.h>
 
@@ -223,7 +224,7 @@ static void bound_of_q8(void)
     for (int i = 0; i < 8; i++) row[i] += EPSILON * 0.25 * rule.weight[q] * fabs(N[i]) * sum;
   }
   for (int i = 0; i < 9; i++) mass[i] = 1.0;
-  need(ct_contact_omega2_bound(contact, mass, mass, &omega2), &e);
+  need(springs_of(contact, mass, mass, &omega2), &e);
   tap_close(omega2 / largest(row, 8), 1.0, 1e-12, "a pair of Q8 faces: the bound by hand");
   ct_contact_free(contact);
   free_patch(&a);
@@ -469,7 +470,7 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
       skew = worst(skew, K[(int64_t)i * dofs + j] - K[(int64_t)j * dofs + i]);
   // Power iteration on M^-1 K + bound, whose largest eigenvalue belongs to the largest positive one
   // of M^-1 K.
-  ct_status status = ct_contact_omega2_bound(contact, mass, mass + na, &bound);
+  ct_status status = springs_of(contact, mass, mass + na, &bound);
   double value = 0.0, *v = numbers(dofs), *w = numbers(dofs);
   for (int i = 0; i < dofs; i++) v[i] = uniform(1.0);
   for (int k = 0; k < 2000; k++) {
@@ -509,12 +510,12 @@ static void sharp_bound(void)
   double mass[9] = {2, 2, 2, 2, 2, 2, 2, 2, 2}, bound = 0.0, dt = 0.0;
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 0.125;
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  ct_status status = ct_contact_omega2_bound(contact, mass, mass, &bound);
+  ct_status status = springs_of(contact, mass, mass, &bound);
   tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
          "two squares before the first update: omega^2 = eps A / 2 m");
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 50.0;
   update(contact, &a, &b);
-  status = ct_contact_omega2_bound(contact, mass, mass, &bound);
+  status = springs_of(contact, mass, mass, &bound);
   tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
          "fifty faces apart: the same bound");
   tap_ok(ct_contact_update_stable_step(contact, mass, mass, &dt, NULL) == CT_OK &&
@@ -523,7 +524,7 @@ static void sharp_bound(void)
   tap_ok(ct_contact_stable_step(contact, mass, mass, &dt, NULL) == CT_OK && dt == INFINITY,
          "steps with the default law have no limit");
   mass[0] = 0.0;
-  tap_ok(ct_contact_omega2_bound(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT &&
+  tap_ok(springs_of(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT &&
              ct_contact_stable_step(contact, mass, mass, &dt, NULL) == CT_ERROR_ARGUMENT,
          "a node without mass is refused");
   ct_contact_free(contact);
@@ -554,7 +555,7 @@ static void bound_on_ties(void)
   for (int k = 0; k < 2; k++) {
     ct_contact *contact = open_contact(k == 0 ? &a : &swapped, &b, ct_contact_options_default());
     ct_error e = {0};
-    need(ct_contact_omega2_bound(contact, mass_a, mass_b, &bound[k]), &e);
+    need(springs_of(contact, mass_a, mass_b, &bound[k]), &e);
     ct_contact_free(contact);
   }
   tap_close(
@@ -1060,7 +1061,7 @@ static void shared_nodes(void)
     }
   }
   for (int n = 0; n < 6; n++) want = fmax(want, row[n] / mass[n]);
-  need(ct_contact_omega2_bound(contact, mass, mass, &got[0]), &e);
+  need(springs_of(contact, mass, mass, &got[0]), &e);
   tap_ok(met == count, "each point of an open book faces the other page");
   tap_close(got[0] / want, 1.0, 1e-13, "nodes of both pages have the sum of both rows");
   need(ct_contact_add_force(contact, zero, zero, NULL), &e);
@@ -1069,7 +1070,7 @@ static void shared_nodes(void)
   memcpy(copy, x, sizeof copy);
   b.reference = copy;
   need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
-  need(ct_contact_omega2_bound(contact, mass, mass, &got[1]), &e);
+  need(springs_of(contact, mass, mass, &got[1]), &e);
   tap_ok(got[1] < 0.9 * got[0], "with two arrays they are separate nodes");
   ct_contact_free(contact);
   free(point);

@@ -649,20 +649,21 @@ static void safe_approach(void)
   lift(&b, 0.1);
   ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
   update(contact, &a, &b);
-  int nodes =
-      a.surface.node_count > b.surface.node_count ? a.surface.node_count : b.surface.node_count;
-  double *up = numbers(3 * nodes), *down = numbers(3 * nodes);
-  for (int n = 0; n < nodes; n++) up[3 * n + 2] = 3.0, down[3 * n + 2] = -2.0;
-  const double *const velocity[2] = {up, down};
+  // The nodes of the second surface follow those of the first.
+  double *v = numbers(3 * contact->fixed->node_count);
+  for (int n = 0; n < contact->fixed->node_count; n++)
+    v[3 * n + 2] = n < contact->fixed->side[0].search->node_count ? 3.0 : -2.0;
   const double limit = contact->fixed->approach / 5.0;
   ct_error e;
-  tap_ok(ct_tunnelling_check(contact, velocity, 0.999 * limit, 0.0, &e) == CT_OK &&
-             ct_tunnelling_check(contact, velocity, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
+  const ct_surface_motion safe = {.before = 0.999 * limit, .velocity = v},
+                          unsafe = {.before = 1.001 * limit, .velocity = v};
+  tap_ok(ct_tunnelling_check(contact, &safe, &e) == CT_OK &&
+             ct_tunnelling_check(contact, &unsafe, &e) == CT_ERROR_STEP,
          "a larger approach in a step is refused");
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
-  free(up), free(down);
+  free(v);
 }
 
 /* Two blocks with the same outline press on each other and slide slightly, so that points of side

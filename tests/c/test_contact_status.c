@@ -1,6 +1,6 @@
 /* Memory of a contact for its points, step by step by hand: all numbers that one step leaves for
  * the next go through the effect's memory here. */
-#include "../../libcontact/src/contact/contact_internal.h"
+#include "../../libcontact/src/effect/contact.h"
 #include "patches.h"
 
 /* The contact effect of two surfaces of one problem, evaluated step by step; only its memory is
@@ -452,7 +452,7 @@ static void states_share(void)
   void *scratch[2] = {NULL, NULL};
   ct_error e;
   for (int k = 0; k < 2; k++) need(h.effect->create_scratch(h.effect, &scratch[k], &e), &e);
-  const ct_contact *a = scratch[0], *b = scratch[1];
+  const ct_contact *a = ct_touch_state(scratch[0]), *b = ct_touch_state(scratch[1]);
   int shared = a->fixed == b->fixed, own = a->own == NULL && b->own == NULL;
   for (int s = 0; s < 2; s++) {
     const ct_side *x = &a->side[s], *y = &b->side[s];

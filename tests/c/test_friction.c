@@ -1,6 +1,6 @@
 /* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
  * restarts, the bound on the step. */
-#include "../../libcontact/src/contact/contact_internal.h"
+#include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 4000.0, .poisson = 0.0, .density = 1.0};
@@ -427,7 +427,8 @@ static void bound(double rho)
     need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
   double facing = 0.0;
   const ct_contact *contact = ct_state_contact(t.problem, state, 1, &error);
-  need(ct_contact_facing_bound(contact, t.problem->mass, t.problem->mass, &facing), &error);
+  const ct_masses mass = {t.problem->mass, contact->fixed->nodes};
+  need(ct_contact_find_springs(contact, 1, mass, &facing), &error);
   tap_close(shares[1] / facing, fmax(rho, 0.5), 1e-14,
             "rho = %g: its bound is the larger of rho and mu, times that of the facing points",
             rho);
@@ -487,7 +488,7 @@ static void too_stiff_for_the_step(void)
     ct_error error = {0};
     double rate, omega2, part = k == 0 ? 0.999 : 1.001;
     need(ct_stable_share(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
-    ct_friction_set_room((ct_effect *)t.problem->effects[t.friction], t.problem->mass,
+    ct_friction_set_room((ct_effect *)t.problem->effects[t.friction],
                          (ct_friction_room){.bound = part * rho / 0.6 * omega2});
     ct_status status = ct_step_many(t.problem, t.state, 100, &error);
     if (k == 0)

@@ -1,6 +1,6 @@
 /* Integrators compared with the algorithms of their authors, closed forms of their amplification;
  * orders, energy balances, and equal bits. */
-#include "../../libcontact/src/effect/amplitude.h"
+#include "../../libcontact/src/base/amplitude.h"
 #include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
 

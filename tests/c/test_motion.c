@@ -1,5 +1,5 @@
 /* Displacements that follow an amplitude, the forces for that, and refused definitions. */
-#include "../../libcontact/src/effect/amplitude.h"
+#include "../../libcontact/src/base/amplitude.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0},

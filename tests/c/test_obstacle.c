@@ -1,6 +1,6 @@
 /* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall,
  * impulse, work of motion, depth, friction, Hertz. */
-#include "../../libcontact/src/contact/contact_internal.h"
+#include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -93,8 +93,11 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   finish(&t, 1.0, 0.5);
   ct_error e;
   double omega2 = 0.0;
+  const ct_effect *effect = t.problem->effects[1];
   ct_view view = {.threads = 1};
-  need(t.problem->effects[1]->omega2_bound(t.problem->effects[1], &view, &omega2, &e), &e);
+  need(effect->create_scratch(effect, &view.scratch, &e), &e);
+  need(effect->omega2_bound(effect, &view, &omega2, &e), &e);
+  effect->free_scratch(view.scratch);
   tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
             "largest omega^2 of one face, R = %g", radius);
   end(&t);
@@ -307,7 +310,7 @@ static void overlap(int shape, ct_initial how, const char *name)
   }
   finish(&t, 0.4, 0.8);
   double stored = 0.0, most = 0.0, least = 0.0, n[3];
-  const ct_side_fixed *side = ct_obstacle_side(t.problem->effects[1]);
+  const ct_side_fixed *side = ct_obstacle_side(((const ct_touch *)t.problem->effects[1]->data)->is);
   for (int64_t i = 0; i < side->point_count; i++) {
     double y[3];
     ct_side_interpolate(side->search, side->search->x, (int32_t)(i / side->rule.count),

@@ -2,6 +2,7 @@
  * without contact. */
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "bodies.h"
+#include "springs.h"
 
 static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
 static const double EPSILON = 1000.0;
@@ -214,7 +215,7 @@ static void bound(ct_face_kind kind)
   energy_at(contact, p.x);
   forces(contact, n / 3, f0);
   for (int i = 0; i < n; i++) v[i] = uniform(1.0), mass[i] = 0.5 + 0.01 * (i % 7);
-  need(ct_contact_omega2_bound(contact, mass, NULL, &square), &e);
+  need(springs_of(contact, mass, NULL, &square), &e);
   need(ct_contact_update_stable_step(contact, mass, NULL, &dt, NULL), &e);
   for (int k = 0; k < 60; k++) {
     double work = 0.0, kinetic = 0.0, top = largest(v, n);
@@ -556,18 +557,21 @@ static void made_in_each_other(ct_face_kind kind)
 static ct_status pass_in_a_step(const fold *p, double z, double down, double rate, ct_error *e)
 {
   ct_contact *contact = open_self(&p->surface);
-  double *v = numbers(3 * p->surface.node_count);
+  double *v = numbers(3 * contact->fixed->node_count);
   for (int n = 0; n < p->surface.node_count; n++) {
     const double *X = &p->reference[3 * n];
-    double end = fmin(fmax((1.0 - X[0]) / 0.6, 0.0), 1.0);
     memcpy(&p->x[3 * n], X, 3 * sizeof *X);
     p->x[3 * n + 2] = z * X[2] / 0.3;
-    v[3 * n] = rate * X[0];
-    v[3 * n + 2] = X[2] > 0.29 ? -down * end : 0.0;
+  }
+  for (int i = 0; i < contact->fixed->node_count; i++) {
+    const double *X = &p->reference[3 * contact->fixed->nodes[i]];
+    double end = fmin(fmax((1.0 - X[0]) / 0.6, 0.0), 1.0);
+    v[3 * i] = rate * X[0];
+    v[3 * i + 2] = X[2] > 0.29 ? -down * end : 0.0;
   }
   need(ct_contact_update(contact, p->x, NULL, e), e);
-  const double *const velocity[2] = {v, v};
-  ct_status status = ct_tunnelling_check(contact, velocity, 1.0, 0.0, e);
+  const ct_surface_motion step = {.before = 1.0, .velocity = v};
+  ct_status status = ct_tunnelling_check(contact, &step, e);
   free(v);
   ct_contact_free(contact);
   return status;
@@ -622,8 +626,7 @@ static void refusals(void)
   tap_ok(energy_at(contact, p.reference) == 0.0 &&
              ct_contact_resultant(contact, F, F, NULL, NULL, NULL) == CT_OK,
          "one face alone touches nothing");
-  tap_ok(ct_contact_omega2_bound(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT,
-         "nowhere to write: refused");
+  tap_ok(springs_of(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT, "nowhere to write: refused");
   ct_contact_free(contact);
   free_fold(&p);
 }

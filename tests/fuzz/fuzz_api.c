@@ -9,7 +9,7 @@
 #include <libcontact/output.h>
 #endif
 
-#include "../../libcontact/src/effect/amplitude.h"
+#include "../../libcontact/src/base/amplitude.h"
 #include "../../libcontact/src/mesh/mesh_internal.h"
 #include "../c/defs.h"
 #include "dice.h"

@@ -1,11 +1,8 @@
 /* The contact's part of the largest ω²: every point taken as active at its nearest face, or for
  * friction the points that face the other surface where the two touch. */
-#include <libcontact/contact.h>
-
-#include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
-#include "host.h"
+#include "contact_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -146,8 +143,8 @@ static void find_shift(ct_search *const now[2], double shift[3])
 
 /* Row sums of both passes, and their largest value over the mass. Returns whether a point counts;
  * -1: a mass is not positive. */
-static int find_rows(const ct_contact *contact, const double *const mass[2], reach which,
-                     double *rows[2], ct_search *const now[2], double *omega2)
+static int find_rows(const ct_contact *contact, ct_masses mass, reach which, double *rows[2],
+                     ct_search *const now[2], double *omega2)
 {
   const ct_contact_fixed *fixed = contact->fixed;
   const int sides = fixed->sides;
@@ -165,25 +162,24 @@ static int find_rows(const ct_contact *contact, const double *const mass[2], rea
   *omega2 = 0.0;
   for (int s = 0; s < sides; s++)
     for (int32_t n = 0; n < now[s]->node_count; n++) {
-      double m = mass[s][now[s]->nodes[n]];
+      double m = ct_mass_at(mass, fixed->place[s][n]);
       if (!(m > 0.0)) return -1;
       *omega2 = fmax(*omega2, rows[s][n] / m);
     }
   return found;
 }
 
-/* The bound with the points of the first reach that has any, up to the last one. Trees are built
- * for the current shape, so that this also works before the first update. */
-static ct_status find_bound(const ct_contact *contact, const double *mass_a, const double *mass_b,
-                            reach first, reach last, double *omega2)
+ct_status ct_contact_find_springs(const void *state, int facing, ct_masses mass, double *omega2)
 {
-  const double *const mass[2] = {mass_a, mass_b};
+  const ct_contact *contact = state;
+  // The points of the first reach that has any, up to the last one; a surface without parts that
+  // face each other does not touch itself yet.
+  const reach first = facing ? NEAR : EVERY,
+              last = facing && contact->fixed->sides == 1 ? FACING : EVERY;
   double *rows[2] = {NULL, NULL};
   ct_search *now[2] = {NULL, NULL};
-  if (contact == NULL || mass_a == NULL || (mass_b == NULL && contact->fixed->sides == 2) ||
-      omega2 == NULL)
-    return CT_ERROR_ARGUMENT;
   ct_status status = CT_OK;
+  // Trees are built for the current shape, so that this also works before the first update.
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_search *search = contact->side[s].search;
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
@@ -199,66 +195,4 @@ static ct_status find_bound(const ct_contact *contact, const double *mass_a, con
     ct_search_free(now[s]);
   }
   return status;
-}
-
-ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
-                                  const double *mass_b, double *omega2)
-{
-  return find_bound(contact, mass_a, mass_b, EVERY, EVERY, omega2);
-}
-
-ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_a,
-                                  const double *mass_b, double *omega2)
-{
-  // A surface without parts that face each other does not touch itself yet.
-  const reach last = contact != NULL && contact->fixed->sides == 1 ? FACING : EVERY;
-  return find_bound(contact, mass_a, mass_b, NEAR, last, omega2);
-}
-
-static ct_status check_masses(const ct_contact *contact, const double *const mass[2],
-                              const double *dt, ct_error *error)
-{
-  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2) ||
-      dt == NULL)
-    return CT_REFUSE(error, "contact: null argument");
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    for (int32_t n = 0; n < search->node_count; n++)
-      if (!(mass[s][search->nodes[n]] > 0.0))
-        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, search->nodes[n]},
-                       "contact: the mass of node %d of surface %c is not positive",
-                       (int)search->nodes[n], "ab"[s]);
-  }
-  return CT_OK;
-}
-
-static ct_status step_of(ct_status status, double omega2, double *dt, ct_error *error)
-{
-  if (status != CT_OK)
-    return ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
-  // -- Δt = 2 / ω (eq:step-bound)
-  *dt = 2.0 / sqrt(omega2);
-  return CT_OK;
-}
-
-ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
-                                        const double *mass_b, double *dt, ct_error *error)
-{
-  const double *const mass[2] = {mass_a, mass_b};
-  double omega2 = 0.0;
-  ct_status status = check_masses(contact, mass, dt, error);
-  if (status != CT_OK) return status;
-  status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
-  return step_of(status, omega2, dt, error);
-}
-
-ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
-                                 const double *mass_b, double *dt, ct_error *error)
-{
-  const double *const mass[2] = {mass_a, mass_b};
-  double omega2 = 0.0;
-  ct_status status = check_masses(contact, mass, dt, error);
-  if (status != CT_OK) return status;
-  status = ct_host_omega2_bound(contact, mass, &omega2);
-  return step_of(status, omega2, dt, error);
 }

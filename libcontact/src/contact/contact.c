@@ -7,7 +7,7 @@
 #include "../base/memory.h"
 #include "../base/vector.h"
 #include "../projection/projection_internal.h"
-#include "host.h"
+#include "contact_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -118,6 +118,26 @@ static ct_status list_nodes(ct_contact_fixed *fixed, int32_t offset)
   return CT_OK;
 }
 
+/* The contact as an interaction. Flops and bytes were counted in a contact of two plane surfaces
+ * (eq:round-flops). */
+static void describe(ct_contact_fixed *fixed)
+{
+  const double points = (double)fixed->point_count;
+  const int penalty = ct_contact_is_penalty(fixed);
+  double bytes = 2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record);
+  fixed->is = (ct_interaction){.calls = &ct_contact_calls,
+                               .nodes = fixed->nodes,
+                               .node_count = fixed->node_count,
+                               .explicit = penalty,
+                               .row_count = penalty ? 0 : fixed->point_count,
+                               .row_nodes = ct_contact_row_nodes(fixed),
+                               .memory_count = ct_contact_fixed_memory(fixed),
+                               .end_record = CT_RECORD * fixed->point_count,
+                               .stiffness = 1.0,
+                               .flops = (penalty ? 800.0 : 1200.0) * points,
+                               .bytes = bytes * points + 250.0 * fixed->node_count};
+}
+
 ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                                   const ct_contact_options *options, ct_contact_fixed **out,
                                   ct_error *error)
@@ -151,17 +171,16 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                      fixed->depth, options->adjust);
   if (status == CT_OK && ct_tunnelling_init(fixed) != CT_OK)
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  if (status == CT_OK) *out = fixed;
+  if (status == CT_OK) describe(fixed), *out = fixed;
   else ct_contact_fixed_free(fixed);
   return status;
 }
 
-void ct_contact_free(ct_contact *contact)
+void ct_contact_close(void *state)
 {
+  ct_contact *contact = state;
   if (contact == NULL) return;
   for (int s = 0; s < 2; s++) ct_side_clear(&contact->side[s]);
-  ct_contact_fixed_free(contact->own);
-  ct_host_free(contact->host);
   ct_release(contact->terms);
   ct_release(contact);
 }
@@ -181,7 +200,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
     contact->terms = ct_allocate((size_t)fixed->point_count, sizeof *contact->terms);
   }
   if (status != CT_OK || contact->terms == NULL) {
-    ct_contact_free(contact);
+    ct_contact_close(contact);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   }
   *out = contact;
@@ -238,7 +257,9 @@ static void forget(ct_contact *contact)
   }
 }
 
-ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *error)
+/* No point has touched anything, the nodes are at the reference shape, and start gaps are those of
+ * this shape (eq:initial-adjust). */
+static ct_status begin(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   contact->start = !(now->time > 0.0);
   contact->stored = contact->time = contact->work = 0.0;
@@ -255,26 +276,27 @@ ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *
   return status;
 }
 
-/* Whether no step led here. A scene computes the gaps of t = 0 twice. */
-static int is_starting(const ct_moment *now) { return now->first || now->before == 0.0; }
-
-ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error)
+ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   const ct_start_rule *rule = &contact->fixed->start_rule;
   contact->start = !(now->time > 0.0);
+  contact->threads = now->threads;
   for (int s = 0; s < contact->fixed->sides; s++) {
-    contact->velocity[s] = now->velocity[s];
-    ct_point *p = contact->side[s].points;
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) p[i].last_known = p[i].known;
+    ct_side *side = &contact->side[s];
+    const int32_t *place = contact->fixed->place[s];
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+      p->last_known = p->known;
+    for (int32_t n = 0; n < side->search->node_count; n++)
+      memcpy(&side->moved[3 * (int64_t)n], &now->x[3 * (int64_t)place[n]], 3 * sizeof *now->x);
   }
   ct_status status = ct_contact_measure(contact, error);
   if (status == CT_OK && now->before > 0.0 && !contact->fixed->alone)
-    status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
+    status = ct_tunnelling_check(contact, now, error);
   if (status == CT_OK && ct_start_gap_counts(rule))
     ct_start_gap_shift(rule, contact->side, contact->fixed->sides, now, contact->time);
   if (status == CT_OK)
     ct_admission_shift(contact->side, contact->fixed->sides, ct_start_gap_counts(rule));
-  if (status == CT_OK && !is_starting(now)) ct_admission_limit(contact);
+  if (status == CT_OK && !now->first && now->before > 0.0) ct_admission_limit(contact);
   if (status != CT_OK || !now->first || rule->initial_penetration != CT_INITIAL_REFUSE)
     return status;
   ct_penetration found;
@@ -283,19 +305,47 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
   return ct_start_gap_refuse(rule, &found, "contact", contact->fixed->sides, error);
 }
 
-int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
+/* Nodes move from their places in the last step, in the first one from the reference shape, to the
+ * current coordinates (eq:gap-bound). */
+static ct_status place(void *state, const ct_surface_motion *now, ct_error *error)
+{
+  ct_contact *contact = state;
+  ct_surface_motion at = *now;
+  at.first = !ct_contact_memory_begun(contact->fixed, now->memory);
+  ct_status status =
+      at.first ? begin(contact, &at, error) : ct_contact_load(contact, now->memory, error);
+  return status == CT_OK ? ct_contact_find_gaps(contact, &at, error) : status;
+}
+
+static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constraint **rows)
 {
   static const double at_rest[3] = {0.0, 0.0, 0.0};
+  ct_contact *contact = state;
   int64_t count = 0;
+  (void)now;
   for (int s = 0; s < contact->fixed->sides; s++)
     count += ct_side_list_rows(&contact->side[s], ct_contact_other(contact, s), HUGE_VAL, at_rest,
                                at_rest, &rows[count]);
   return count;
 }
 
-ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_error *error)
+/* Sum of the forces of both sides on each node. */
+static void add_sides(const ct_contact *contact, double *force)
 {
-  const int sides = contact->fixed->sides;
+  const ct_contact_fixed *fixed = contact->fixed;
+  memset(force, 0, 3 * (size_t)fixed->node_count * sizeof *force);
+  for (int s = 0; s < fixed->sides; s++)
+    for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
+      for (int c = 0; c < 3; c++)
+        force[3 * (int64_t)fixed->place[s][n] + c] += ct_side_force(&contact->side[s], n, c);
+}
+
+static ct_status find_forces(void *state, const ct_surface_motion *now, double *force,
+                             ct_error *error)
+{
+  ct_contact *contact = state;
+  const int sides = contact->fixed->sides,
+            first = !ct_contact_memory_begun(contact->fixed, now->memory);
   contact->solved = !ct_contact_is_penalty(contact->fixed);
   for (int s = 0; s < sides; s++)
     if (contact->solved) ct_side_take_rows(&contact->side[s]);
@@ -303,37 +353,52 @@ ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_e
   if (contact->solved)
     contact->held = ct_side_rows_energy(contact->side, sides, now->time, contact->stored,
                                         &contact->stored, contact->terms);
-  ct_admission_count(contact->side, sides, &contact->admission, contact->solved, is_starting(now),
-                     contact->terms);
+  ct_admission_count(contact->side, sides, &contact->admission, contact->solved,
+                     first || now->before == 0.0, contact->terms);
   if (ct_start_gap_fades(&contact->fixed->start_rule))
     contact->work += ct_start_gap_work(&contact->fixed->start_rule, contact->side, sides, now->time,
-                                       now->first ? now->time : contact->time, contact->terms);
+                                       first ? now->time : contact->time, contact->terms);
   contact->time = now->time;
-  return ct_side_collect(contact->side, sides, 0, error);
+  ct_status status = ct_side_collect(contact->side, sides, 0, error);
+  if (status != CT_OK) return status;
+  add_sides(contact, force);
+  ct_contact_store(contact, now->next_memory);
+  return CT_OK;
 }
 
-ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
+double ct_contact_own_energy(const ct_contact *contact)
 {
-  if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->sides == 2))
-    return CT_REFUSE(error, "contact: null argument");
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
-    double *f = s == 0 ? fa : fb;
-    for (int64_t n = 0; n < side->search->node_count; n++)
-      for (int c = 0; c < 3; c++)
-        f[3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
-  }
-  if (contact->host == NULL || !contact->host->current) return CT_OK;
-  return ct_host_add_force(contact, (double *const[2]){fa, fb}, error);
+  return contact->solved ? contact->held : ct_side_potential(contact->side, contact->fixed->sides);
 }
 
-double ct_contact_energy(const ct_contact *contact)
+static void find_energy(const void *state, ct_interaction_energy *energy)
 {
-  if (contact == NULL) return NAN;
-  double own =
-      contact->solved ? contact->held : ct_side_potential(contact->side, contact->fixed->sides);
-  return contact->host != NULL && contact->host->current ? own + contact->host->held : own;
+  const ct_contact *contact = state;
+  *energy =
+      (ct_interaction_energy){.stored = ct_contact_own_energy(contact), .removal = contact->work};
 }
+
+static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)
+{
+  ct_contact *contact = NULL;
+  ct_status status = ct_contact_open((const ct_contact_fixed *)interaction, &contact, error);
+  *state = contact;
+  return status;
+}
+
+static void free_fixed(ct_interaction *interaction)
+{
+  ct_contact_fixed_free((ct_contact_fixed *)interaction);
+}
+
+const ct_interaction_calls ct_contact_calls = {.free = free_fixed,
+                                               .open = open_state,
+                                               .close = ct_contact_close,
+                                               .place = place,
+                                               .list_rows = list_rows,
+                                               .find_forces = find_forces,
+                                               .find_energy = find_energy,
+                                               .find_springs = ct_contact_find_springs};
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3],
                                double force_b[3], double moment_b[3], ct_error *error)

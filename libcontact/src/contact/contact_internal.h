@@ -1,9 +1,9 @@
 #ifndef CT_SRC_CONTACT_INTERNAL_H
 #define CT_SRC_CONTACT_INTERNAL_H
 
-#include <libcontact/contact_effect.h>
-#include <libcontact/step.h>
+#include <libcontact/contact_result.h>
 
+#include "interaction.h"
 #include "side.h"
 
 #include <string.h>
@@ -16,6 +16,7 @@ typedef struct ct_start_rule {
 
 /* Constant data of a contact, shared by all states of an effect. */
 typedef struct ct_contact_fixed {
+  ct_interaction is;
   ct_contact_options options;
   ct_start_rule start_rule; /* from the options */
   double depth; /* search distance of points at the start, and largest depth at which a point comes
@@ -64,33 +65,13 @@ struct ct_contact {
   double held;   /* energy of the constraints then */
   double stored; /* energy that all rows stored at the middle of the last step */
   ct_admission admission;
-  double time;               /* of that step */
-  double work;               /* work of fading start gaps since t = 0 */
-  const double *velocity[2]; /* at the time of the last gaps */
-  struct ct_host *host;      /* of a host that calls ct_contact_step; else null */
+  double time;          /* of that step */
+  double work;          /* work of fading start gaps since t = 0 */
+  struct ct_host *host; /* of a host that calls ct_contact_step; else null */
 };
 
-/* A time t_n of a contact. */
-typedef struct ct_moment {
-  double time;
-  double before;             /* Δt of the step that led here; 0: none */
-  double dt;                 /* of the next step */
-  const double *velocity[2]; /* v_{n-1/2} in the numbering of the host, of each side */
-  int first;                 /* whether this is the first time */
-} ct_moment;
-
-/* Begin: no point has touched anything, the nodes are at the reference shape, and start gaps are
- * those of this shape (eq:initial-adjust). */
-ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *error);
-
-/* Gaps of the points at a time, measured from their start gaps, at the coordinates in `moved` of
- * the sides; and after the rows are solved, or for the explicit penalty at once, forces, energies
- * and nodal forces. */
-ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error);
-ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_error *error);
-
-/* List the rows of all points that may be active; returns their number. */
-int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows);
+/* Gaps of the points at a time, measured from their start gaps. */
+ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now, ct_error *error);
 
 /* Force on node `n` of a side. */
 static inline double ct_side_force(const ct_side *side, int64_t n, int c)
@@ -109,8 +90,6 @@ static inline int32_t ct_contact_row_nodes(const ct_contact_fixed *fixed)
   return fixed->side[0].search->per + fixed->side[fixed->sides - 1].search->per;
 }
 
-void ct_host_free(struct ct_host *host);
-
 /* The side opposite to side `s`. */
 static inline ct_side *ct_contact_other(ct_contact *contact, int s)
 {
@@ -123,6 +102,10 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                                   ct_error *error);
 void ct_contact_fixed_free(ct_contact_fixed *fixed);
 ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_error *error);
+void ct_contact_close(void *state);
+
+/* Energy of the contact alone, after forces are known. */
+double ct_contact_own_energy(const ct_contact *contact);
 
 /* Update the candidates of all faces; and whether the update is not needed, because the surfaces
  * are too far apart to touch (eq:contact-clear). */
@@ -140,8 +123,7 @@ ct_status ct_contact_measure(ct_contact *contact, ct_error *error);
 void ct_pass_search(ct_contact *contact, int s);
 
 /* Search distance of points after the start, and largest safe approach of two surfaces in a step;
- * and refuse a step of length `dt` to `time` with a larger approach, with velocities in the
- * numbering of the host (eq:tunnelling). */
+ * and refuse a last step with a larger approach (eq:tunnelling). */
 ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
 
 /* Width of the narrowest face of a surface, and the largest safe approach of a place to it in a
@@ -152,8 +134,7 @@ ct_status ct_tunnelling_surface(const ct_search *search, double *narrowest, doub
  * null. */
 void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const double *values,
                        ct_bounds *box);
-ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[2], double dt,
-                              double time, ct_error *error);
+ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now, ct_error *error);
 
 /* Refuse a rule with values out of range; `label` names the effect. */
 ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error);
@@ -200,8 +181,8 @@ void ct_contact_store(const ct_contact *contact, double *memory);
 void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count);
 
 /* Measure the gaps of all points from their start gaps. `last`: time of the last step. */
-void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count, const ct_moment *now,
-                        double last);
+void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
+                        const ct_surface_motion *now, double last);
 
 /* Work of fading start gaps since the time `last` of the last step, once the forces of the points
  * are known (eq:initial-work). `terms` has one number for each point. */
@@ -231,17 +212,11 @@ void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int 
                         int starting, double *terms);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
- * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal
- * masses in the host's numbering. If both surfaces were given with one array of reference
- * coordinates, a node of both gets the sum of its two rows. */
-ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
-                                  const double *mass_b, double *omega2);
-
-/* The same for friction: with the points that face the other surface where the two touch. If they
- * are apart, those where they would touch (eq:friction-facing); 0 if no parts of a surface face
- * each other. */
-ct_status ct_contact_facing_bound(const ct_contact *contact, const double *mass_a,
-                                  const double *mass_b, double *omega2);
+ * at its nearest face, whatever the enforcement (eq:contact-bound); `mass`: of its nodes. If
+ * `facing`, that of friction: with the points that face the other surface where the two touch. If
+ * they are apart, those where they would touch (eq:friction-facing); 0 if no parts of a surface
+ * face each other. */
+ct_status ct_contact_find_springs(const void *state, int facing, ct_masses mass, double *omega2);
 
 /* Constant data of the stations of a sphere or cylinder that is smaller than the faces: places on
  * its centre or axis, each with a row at the closest place of the surface (eq:station-gap). */
@@ -256,6 +231,7 @@ typedef struct ct_stations {
 /* An obstacle of one state: its points and its position. In each point `d` leads to the closest
  * point of the obstacle, and `other` is 0, or -1 if the obstacle has passed it. */
 typedef struct ct_obstacle_state {
+  const struct ct_obstacle *data;
   const ct_obstacle_def *given; /* with an axis of length 1 */
   const ct_stations *stations;
   int sides;
@@ -301,23 +277,18 @@ double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3]
 ct_status ct_obstacle_depth(const ct_obstacle_state *obstacle, ct_penetration_at at,
                             ct_penetration *out, ct_error *error);
 
-/* First record of a point in the memory of an obstacle, and the number after the last one. */
-void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end);
+/* A new obstacle at a surface, whose faces are not those of the definition; free it with its
+ * call. */
+ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surface,
+                             ct_interaction **out, ct_error *error);
 
-/* Data that friction needs of the contact or obstacle it acts on: the constant data of a contact,
- * or the side of an obstacle; and bounds of ω² with all points as springs, or if `facing` those of
- * ct_contact_facing_bound, for any enforcement.
- * `mass`: of the nodes that the obstacle's surface numbers; null: the problem's. */
-const ct_contact_fixed *ct_contact_fixed_of(const ct_effect *effect);
-const ct_side_fixed *ct_obstacle_side(const ct_effect *effect);
-ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, int facing,
-                             double *omega2, ct_error *error);
-double ct_obstacle_springs(const ct_effect *effect, const double *mass);
+/* Friction on a contact or an obstacle, which must outlive it. Its state reads that of `on`. */
+ct_status ct_friction_create(double coefficient, double tangent, const ct_interaction *on,
+                             ct_interaction **out, ct_error *error);
+extern const ct_interaction_calls ct_contact_calls;
 
-/* The effect of friction on a contact, or, if that is null, on the obstacle `def->on`. A host's
- * contact is not an effect; then `on` is null, and the view's `read` gives the contact. */
-ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
-                             ct_effect **effect, ct_error *error);
+/* The surface of an obstacle. */
+const ct_side_fixed *ct_obstacle_side(const ct_interaction *obstacle);
 
 /* ω² of the active points for which a step is stable: the bound at the start, and a share of what a
  * step shorter than the stable one leaves (eq:friction-room). */
@@ -329,13 +300,9 @@ typedef struct ct_friction_room {
 } ct_friction_room;
 
 /* Let friction refuse steps in which the ω² of its active points exceeds the room; `mass` has the
- * problem's nodes and must outlive it. Without this call it refuses none (eq:friction-room). */
-void ct_friction_set_room(ct_effect *effect, const double *mass, ct_friction_room room);
-
-/* The factor of these bounds for its own (eq:friction-bound); and its sums over all points of the
- * last force (eq:friction-dissipation). */
-double ct_friction_stiffness(const ct_effect *effect);
-void ct_friction_sums(const ct_effect *effect, void *scratch, double *held, double *dissipated);
+ * numbering of its surfaces and must outlive it. Without this call it refuses none
+ * (eq:friction-room). */
+void ct_friction_limit(ct_interaction *friction, const double *mass, ct_friction_room room);
 
 /* Position of the obstacle at a time, relative to `point` at t = 0 (eq:obstacle-motion); and the
  * signed distance of a point from it in its position at t = 0, negative inside, with the unit

@@ -1,29 +1,27 @@
 /* Coulomb friction with stick on the points of a contact or of an obstacle. */
-#include <libcontact/contact_effect.h>
 #include <libcontact/base.h>
 
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/threads.h"
 #include "../base/vector.h"
-#include "../step/effect_internal.h"
-#include "../step/workspace.h"
 #include "contact_internal.h"
 #include "heap.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Where friction acts: a contact or, if `rigid`, an obstacle, with one or two sides. */
-typedef struct friction_data {
-  const ct_effect *on; /* null in the contact of a host */
+/* Constant data: friction acts on a contact or, if `rigid`, on an obstacle, with one or two sides.
+ */
+typedef struct friction {
+  ct_interaction is;
   double mu, rho;
   int rigid, sides;
   const ct_side_fixed *side[2];
   int64_t points;
-  const double *mass; /* of the problem's nodes; null for a host */
+  const double *mass; /* in the numbering of the surfaces; null without a limit */
   ct_friction_room room;
-} friction_data;
+} friction;
 
 /* One point: its tangential traction, and the couple that balances its moment. */
 typedef struct slip_point {
@@ -50,21 +48,21 @@ typedef struct tail_record {
 } tail_record;
 enum { RECORD = sizeof(slip_record) / sizeof(double), TAIL = sizeof(tail_record) / sizeof(double) };
 
-typedef struct friction_scratch {
+typedef struct friction_state {
   ct_pool pool;
+  const friction *data;
   slip_point *points;
-  double *coarse, *fine; /* sums at the effect's nodes */
+  double *coarse, *fine; /* sums at the nodes */
   double *rows;          /* row sums of the stiffness there */
   double *terms;
-} friction_scratch;
+} friction_state;
 
 /* Data shared by the points of one call: the sides now, and the time since the last call (0: there
  * was none). */
 typedef struct call {
-  const friction_data *data;
-  const ct_view *view;
+  const friction *data;
+  const ct_surface_motion *at;
   const ct_side *side[2];
-  const double *velocity[2]; /* v_{n-1/2} of each side, in the numbering of its nodes */
   double dt;
   double moved[3]; /* motion of the obstacle in that time */
 } call;
@@ -111,13 +109,12 @@ static int is_inside(ct_face_kind kind, const double xi[2])
  * v_{n-1/2}. */
 static void increment_of(const call *now, int s, int64_t face, const double N[8], double out[3])
 {
-  const ct_search *search = now->side[s]->search;
-  const int32_t *node = &search->faces[face * search->per];
+  const int per = now->side[s]->search->per;
+  const int32_t *node = ct_side_row_nodes(now->side[s]->fixed, face);
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
-    for (int a = 0; a < search->per; a++)
-      t[a] = N[a] * now->velocity[s][3 * (int64_t)search->nodes[node[a]] + c];
-    out[c] = now->dt * ct_side_sum(search->per, t);
+    for (int a = 0; a < per; a++) t[a] = N[a] * now->at->velocity[3 * (int64_t)node[a] + c];
+    out[c] = now->dt * ct_side_sum(per, t);
   }
 }
 
@@ -164,7 +161,7 @@ static void make_tangential(const double d[3], double v[3])
 
 /* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force
  * k times the depth below the closest point. */
-static void rub(const friction_data *data, double k, const double normal[3], slip_point *p)
+static void rub(const friction *data, double k, const double normal[3], slip_point *p)
 {
   double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);
   p->k = data->rho * k;
@@ -207,7 +204,7 @@ static void rub_contact(const call *now, int s, int64_t i, const slip_record *la
 static void rub_obstacle(const call *now, int64_t i, const slip_record *last, slip_record *next,
                          slip_point *p)
 {
-  const ct_obstacle_state *obstacle = now->view->read;
+  const ct_obstacle_state *obstacle = now->at->on;
   const ct_side *side = obstacle->side;
   const ct_point *point = &side->points[i];
   double y[3], first[3];
@@ -228,18 +225,18 @@ static void rub_obstacle(const call *now, int64_t i, const slip_record *last, sl
 static void rub_point(const call *now, int s, int64_t i, int64_t at, slip_point *p)
 {
   slip_record last, next = {.other = 0.0};
-  memcpy(&last, &now->view->memory[at], sizeof last);
+  memcpy(&last, &now->at->memory[at], sizeof last);
   *p = (slip_point){.lost = last.lost};
   if (ct_point_has_force(&now->side[s]->points[i])) {
     if (now->data->rigid) rub_obstacle(now, i, &last, &next, p);
     else rub_contact(now, s, i, &last, &next, p);
   }
   next.lost = p->lost;
-  memcpy(&now->view->next_memory[at], &next, sizeof next);
+  memcpy(&now->at->next_memory[at], &next, sizeof next);
 }
 
 /* Largest force at a node of a point. */
-static double largest(const friction_scratch *s, int64_t count)
+static double largest(const friction_state *s, int64_t count)
 {
   double top = 0.0;
   for (const slip_point *p = s->points; p < s->points + count; p++) {
@@ -256,7 +253,7 @@ static double largest(const friction_scratch *s, int64_t count)
 
 /* Add the tractions and couples of the points of side `k` to the sums at the nodes. */
 CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid,
-                        const slip_point *p, friction_scratch *s)
+                        const slip_point *p, friction_state *s)
 {
   const ct_side_fixed *side = now->data->side[k],
                       *other = now->data->side[now->data->sides - 1 - k];
@@ -281,7 +278,7 @@ CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid,
  */
 CT_CLONES
 static void push(const call *now, int k, const ct_grid *grid, const slip_point *p,
-                 friction_scratch *s)
+                 friction_state *s)
 {
   if (now->data->side[0]->search->per <= 4 &&
       now->data->side[now->data->sides - 1]->search->per <= 4)
@@ -291,10 +288,10 @@ static void push(const call *now, int k, const ct_grid *grid, const slip_point *
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
  * (eq:friction-force). */
-static ct_status gather(const call *now, friction_scratch *s, int32_t nodes, double *force,
+static ct_status gather(const call *now, friction_state *s, int32_t nodes, double *force,
                         ct_error *error)
 {
-  const friction_data *data = now->data;
+  const friction *data = now->data;
   const size_t size = 3 * (size_t)nodes * sizeof *force;
   double top = largest(s, data->points);
   ct_grid grid;
@@ -313,24 +310,22 @@ static ct_status gather(const call *now, friction_scratch *s, int32_t nodes, dou
 
 /* The sides now, the time since the last call and the obstacle's motion in it, from the tail of the
  * memory; and the tail for the next call. */
-static call begin(const friction_data *data, const ct_view *view)
+static call begin(const friction *data, const ct_surface_motion *at)
 {
-  int64_t at = RECORD * data->points;
-  tail_record last, next = {.begun = 1.0, .time = view->time};
-  call now = {.data = data, .view = view};
-  memcpy(&last, &view->memory[at], sizeof last);
-  for (int k = 0; k < data->sides; k++) {
-    const ct_contact *contact = view->read;
-    now.side[k] = data->rigid ? ((const ct_obstacle_state *)view->read)->side : &contact->side[k];
-    now.velocity[k] = data->rigid ? view->velocity : contact->velocity[k];
-  }
+  const int64_t place = RECORD * data->points;
+  tail_record last, next = {.begun = 1.0, .time = at->time};
+  call now = {.data = data, .at = at};
+  memcpy(&last, &at->memory[place], sizeof last);
+  for (int k = 0; k < data->sides; k++)
+    now.side[k] = data->rigid ? ((const ct_obstacle_state *)at->on)->side
+                              : &((const ct_contact *)at->on)->side[k];
   if (data->rigid)
-    memcpy(next.place, ((const ct_obstacle_state *)view->read)->place, sizeof next.place);
+    memcpy(next.place, ((const ct_obstacle_state *)at->on)->place, sizeof next.place);
   if (last.begun != 0.0) {
-    now.dt = view->time - last.time;
+    now.dt = at->time - last.time;
     for (int c = 0; c < 3; c++) now.moved[c] = next.place[c] - last.place[c];
   }
-  memcpy(&view->next_memory[at], &next, sizeof next);
+  memcpy(&at->next_memory[place], &next, sizeof next);
   return now;
 }
 
@@ -365,24 +360,24 @@ static double room_at(const ct_friction_room *room, double dt)
 
 /* Refuse a step for which the active points are too stiff: more of them than the bound expected
  * (eq:friction-room). */
-static ct_status check_room(const ct_effect *effect, const call *now, friction_scratch *s,
-                            ct_error *error)
+static ct_status check_room(const call *now, friction_state *s, ct_error *error)
 {
-  const friction_data *data = now->data;
-  const double dt = now->view->dt;
+  const friction *data = now->data;
+  const ct_interaction *is = &data->is;
+  const double dt = now->at->dt;
   const slip_point *p = s->points;
   if (data->room.bound == HUGE_VAL || !(dt > 0.0)) return CT_OK;
   const double room = room_at(&data->room, dt);
-  memset(s->rows, 0, (size_t)effect->node_count * sizeof *s->rows);
+  memset(s->rows, 0, (size_t)is->node_count * sizeof *s->rows);
   for (int k = 0; k < data->sides; p += data->side[k++]->point_count) add_rows(now, k, p, s->rows);
-  for (int32_t n = 0; n < effect->node_count; n++) {
-    double over = s->rows[n] / data->mass[effect->nodes[n]] - room;
+  for (int32_t n = 0; n < is->node_count; n++) {
+    double over = s->rows[n] / data->mass[is->nodes[n]] - room;
     // -- 4 / Δt² must grow by what is too much (eq:friction-room)
     if (over > 1e-9 * room)
-      return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, effect->nodes[n]},
+      return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, is->nodes[n]},
                      "friction: the points in contact at node %d are too stiff for the time step "
                      "%g, which may be %g at most",
-                     (int)effect->nodes[n], dt, 2.0 / sqrt(4.0 / (dt * dt) + over));
+                     (int)is->nodes[n], dt, 2.0 / sqrt(4.0 / (dt * dt) + over));
   }
   return CT_OK;
 }
@@ -390,164 +385,119 @@ static ct_status check_room(const ct_effect *effect, const call *now, friction_s
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-static ct_status friction_force(const ct_effect *effect, const ct_view *view, double *force,
-                                ct_error *error)
+static ct_status find_forces(void *state, const ct_surface_motion *at, double *force,
+                             ct_error *error)
 {
-  const friction_data *data = effect->data;
-  friction_scratch *s = view->scratch;
-  if (view->read == NULL)
-    return CT_REFUSE(error, "friction: what it acts on is not in the problem");
+  friction_state *s = state;
+  const friction *data = s->data;
+  if (at->on == NULL) return CT_REFUSE(error, "friction: what it acts on is not in the problem");
   int64_t first = 0;
-  call now = begin(data, view);
+  call now = begin(data, at);
   for (int k = 0; k < data->sides; k++) {
     int64_t count = data->side[k]->point_count;
 #ifdef _OPENMP
-    int threads = ct_threads_for(view->threads, count, LEAST_POINTS);
+    int threads = ct_threads_for(at->threads, count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
     for (int64_t i = 0; i < count; i++)
       rub_point(&now, k, i, RECORD * (first + i), &s->points[first + i]);
     first += count;
   }
-  ct_status status = check_room(effect, &now, s, error);
-  return status == CT_OK ? gather(&now, s, effect->node_count, force, error) : status;
+  ct_status status = check_room(&now, s, error);
+  return status == CT_OK ? gather(&now, s, data->is.node_count, force, error) : status;
 }
 
-/* max(ρ, μ) times the bound of the points of its contact that face the other surface, or of its
- * obstacle (eq:friction-bound). */
-static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
-                                       ct_error *error)
+/* Elastic and dissipated energy of all points (eq:friction-dissipation). */
+static void find_energy(const void *state, ct_interaction_energy *energy)
 {
-  const friction_data *data = effect->data;
-  ct_status status = CT_OK;
-  if (data->rigid) *omega2 = ct_obstacle_springs(data->on, NULL);
-  else status = ct_contact_springs(data->on, view->read, 1, omega2, error);
-  *omega2 *= ct_friction_stiffness(effect);
-  return status;
+  const friction_state *s = state;
+  const int64_t count = s->data->points;
+  *energy = (ct_interaction_energy){.stored = 0.0};
+  for (int64_t i = 0; i < count; i++)
+    s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
+  energy->stored = ct_sum(s->terms, count);
+  for (int64_t i = 0; i < count; i++) s->terms[i] = s->points[i].lost;
+  energy->dissipated = ct_sum(s->terms, count);
 }
 
-void ct_friction_set_room(ct_effect *effect, const double *mass, ct_friction_room room)
+void ct_friction_limit(ct_interaction *interaction, const double *mass, ct_friction_room room)
 {
-  friction_data *data = effect->data;
+  friction *data = (friction *)interaction;
   data->mass = mass;
   data->room = room;
   if (data->rigid) data->room.bound = HUGE_VAL;
 }
 
-double ct_friction_stiffness(const ct_effect *effect)
+static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)
 {
-  const friction_data *data = effect->data;
-  // -- The factor on the bound of the contact (eq:friction-bound)
-  return fmax(data->rho, data->mu);
-}
-
-static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
-{
-  const friction_data *data = effect->data;
-  friction_scratch *s = ct_allocate(1, sizeof *s);
+  const friction *data = (const friction *)interaction;
+  friction_state *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_NO_MEMORY(error, "friction");
+  const size_t nodes = (size_t)interaction->node_count;
+  s->data = data;
   s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
   s->terms = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->terms);
-  s->coarse = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
-  s->fine = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
-  s->rows = ct_pool_take(&s->pool, (size_t)effect->node_count, sizeof *s->rows);
+  s->coarse = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
+  s->fine = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
+  s->rows = ct_pool_take(&s->pool, nodes, sizeof *s->rows);
   if (!s->pool.failed) {
-    *scratch = s;
+    *state = s;
     return CT_OK;
   }
   ct_pool_free(s);
   return CT_NO_MEMORY(error, "friction");
 }
 
-ct_friction_def ct_friction_def_default(void)
-{
-  return (ct_friction_def){.cookie = CT_DEF_COOKIE, .tangent = 1.0};
-}
+static void free_friction(ct_interaction *interaction) { ct_release(interaction); }
 
-static ct_status check(const ct_friction_def *f, ct_error *error)
+static const ct_interaction_calls CALLS = {.free = free_friction,
+                                           .open = open_state,
+                                           .close = ct_pool_free,
+                                           .find_forces = find_forces,
+                                           .find_energy = find_energy};
+
+static ct_status check(double coefficient, double tangent, ct_error *error)
 {
-  if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
-    return CT_REFUSE(error, "friction: the coefficient must be positive, not %g", f->coefficient);
-  if (!(f->tangent > 0.0) || !isfinite(f->tangent))
-    return CT_REFUSE(error, "friction: a tangential penalty of %g times the normal one",
-                     f->tangent);
+  if (!(coefficient > 0.0) || !isfinite(coefficient))
+    return CT_REFUSE(error, "friction: the coefficient must be positive, not %g", coefficient);
+  if (!(tangent > 0.0) || !isfinite(tangent))
+    return CT_REFUSE(error, "friction: a tangential penalty of %g times the normal one", tangent);
   return CT_OK;
 }
 
-ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
-                             ct_effect **out, ct_error *error)
+/* Friction as an interaction. Flops and bytes were counted on two plane surfaces and on a plane. */
+static ct_interaction describe(const friction *data, const ct_interaction *on)
 {
-  ct_status status = check(def, error);
+  double bytes = 2.0 * sizeof(slip_point) + sizeof(ct_point) + 2.0 * sizeof(slip_record),
+         points = (double)data->points;
+  return (ct_interaction){.calls = &CALLS,
+                          .nodes = on->nodes,
+                          .node_count = on->node_count,
+                          .on = on,
+                          // -- The factor on the bound of the contact (eq:friction-bound)
+                          .stiffness = fmax(data->rho, data->mu),
+                          .memory_count = RECORD * data->points + TAIL,
+                          .flops = (data->rigid ? 225.0 : 750.0) * points,
+                          .bytes = bytes * points + 250.0 * on->node_count};
+}
+
+ct_status ct_friction_create(double coefficient, double tangent, const ct_interaction *on,
+                             ct_interaction **out, ct_error *error)
+{
+  ct_status status = check(coefficient, tangent, error);
   if (status != CT_OK) return status;
-  friction_data *data = ct_allocate(1, sizeof *data);
+  friction *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return CT_NO_MEMORY(error, "friction");
-  *data = (friction_data){.on = def->on,
-                          .mu = def->coefficient,
-                          .rho = def->tangent,
-                          .room = {.bound = HUGE_VAL},
-                          .rigid = contact == NULL,
-                          .sides = contact == NULL ? 1 : contact->sides};
+  data->mu = coefficient;
+  data->rho = tangent;
+  data->room.bound = HUGE_VAL;
+  data->rigid = on->calls != &ct_contact_calls;
+  data->sides = data->rigid ? 1 : ((const ct_contact_fixed *)on)->sides;
   for (int k = 0; k < data->sides; k++) {
-    data->side[k] = data->rigid ? ct_obstacle_side(def->on) : &contact->side[k];
+    data->side[k] = data->rigid ? ct_obstacle_side(on) : &((const ct_contact_fixed *)on)->side[k];
     data->points += data->side[k]->point_count;
   }
-  int32_t nodes = data->rigid ? def->on->node_count : contact->node_count;
-  double points = (double)data->points,
-         bytes = 2.0 * sizeof(slip_point) + sizeof(ct_point) + 2.0 * sizeof(slip_record);
-  int follows = def->on != NULL && def->on->phase == CT_PHASE_CONSTRAINT;
-  // Costs with all points active, counted on two plane surfaces and on a plane.
-  const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
-                            .label = "friction",
-                            .phase = follows ? CT_PHASE_FOLLOWING : CT_PHASE_STATE,
-                            .data = data,
-                            .nodes = data->rigid ? def->on->nodes : contact->nodes,
-                            .node_count = nodes,
-                            .memory_count = RECORD * data->points + TAIL,
-                            .reads = def->on,
-                            .create_scratch = create_scratch,
-                            .free_scratch = ct_pool_free,
-                            .force = friction_force,
-                            .omega2_bound = friction_omega2_bound,
-                            .flops = (data->rigid ? 225.0 : 750.0) * points,
-                            .bytes = bytes * points + 250.0 * nodes,
-                            .free_data = ct_release};
-  return ct_effect_finish(status, &filled, out, error);
-}
-
-ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
-                                    ct_effect **out, ct_error *error)
-{
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "friction", error);
-  if (status != CT_OK) return status;
-  if (def->on == NULL ||
-      (def->on->kind != CT_EFFECT_CONTACT && def->on->kind != CT_EFFECT_OBSTACLE))
-    return CT_REFUSE(
-        error,
-        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
-  return ct_friction_create(
-      def, def->on->kind == CT_EFFECT_CONTACT ? ct_contact_fixed_of(def->on) : NULL, out, error);
-}
-
-void ct_friction_sums(const ct_effect *effect, void *scratch, double *held, double *dissipated)
-{
-  const friction_data *data = effect->data;
-  friction_scratch *s = scratch;
-  for (int64_t i = 0; i < data->points; i++)
-    s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
-  *held = ct_sum(s->terms, data->points);
-  for (int64_t i = 0; i < data->points; i++) s->terms[i] = s->points[i].lost;
-  *dissipated = ct_sum(s->terms, data->points);
-}
-
-ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held,
-                             double *dissipated, ct_error *error)
-{
-  if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 ||
-      k >= problem->effect_count || problem->effects[k]->kind != CT_EFFECT_FRICTION)
-    return CT_REFUSE(error, "effect %d is not friction", (int)k);
-  ct_status status = ct_workspace_forces(problem, state, error);
-  if (status != CT_OK) return status;
-  ct_friction_sums(problem->effects[k], state->workspace->scratch[k], held, dissipated);
+  data->is = describe(data, on);
+  *out = &data->is;
   return CT_OK;
 }

@@ -1,31 +1,28 @@
 /* Rigid planes, spheres and cylinders in contact with the surface of a body. */
-#include <libcontact/contact_effect.h>
-#include <libcontact/base.h>
+#include <libcontact/contact.h>
 
 #include "../constraint/law.h"
+#include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
-#include "../step/effect_internal.h"
-#include "../step/workspace.h"
-#include "../effect/amplitude.h"
 #include "contact_internal.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Data shared by all states: the obstacle with its own arrays and an axis of length 1, and the
- * surface, whose nodes are those of the effect. */
-typedef struct obstacle_data {
+ * surface, whose nodes are those of the interaction. */
+typedef struct ct_obstacle {
+  ct_interaction is;
   ct_obstacle_def given;
   double *time, *value; /* of the amplitude */
   ct_side_fixed side;
   ct_stations stations;
-  const double *mass; /* of the problem's nodes; null for a host, which passes it with the call */
-  double *springs;    /* row sums of the stiffness with all points inside */
-} obstacle_data;
+  double *springs; /* row sums of the stiffness with all points inside */
+} ct_obstacle;
 
-/* Memory of the effect, before the records of the points. */
+/* Memory, before the records of the points. */
 typedef struct obstacle_record {
   double begun;    /* whether there was an earlier step */
   double place[3]; /* of the obstacle */
@@ -88,10 +85,9 @@ void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double mot
     motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
 }
 
-static void free_data(void *data)
+static void free_obstacle(ct_interaction *interaction)
 {
-  obstacle_data *d = data;
-  if (d == NULL) return;
+  ct_obstacle *d = (ct_obstacle *)interaction;
   ct_side_fixed_clear(&d->side);
   ct_stations_clear(&d->stations);
   ct_release(d->time);
@@ -100,9 +96,9 @@ static void free_data(void *data)
   ct_release(d);
 }
 
-static void free_scratch(void *scratch)
+static void close_state(void *state)
 {
-  ct_obstacle_state *s = scratch;
+  ct_obstacle_state *s = state;
   if (s == NULL) return;
   ct_side_clear(&s->side[0]);
   ct_release(s->side[1].points);
@@ -124,26 +120,26 @@ static ct_constraint law_of(const ct_obstacle_def *given)
 }
 
 /* Number of points and stations. */
-static int64_t points_of(const obstacle_data *data)
+static int64_t points_of(const ct_obstacle *data)
 {
   return data->side.point_count + data->stations.fixed.point_count;
 }
 
-static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)
 {
-  const obstacle_data *data = effect->data;
+  const ct_obstacle *data = (const ct_obstacle *)interaction;
   const ct_constraint law = law_of(&data->given);
   ct_obstacle_state *s = ct_allocate(1, sizeof *s);
-  if (s != NULL) s->given = &data->given;
+  if (s != NULL) s->data = data, s->given = &data->given;
   if (s == NULL ||
       (s->terms = ct_allocate((size_t)(points_of(data) + data->side.search->node_count),
                               sizeof *s->terms)) == NULL ||
       ct_side_init(&s->side[0], &data->side, &law) != CT_OK ||
       ct_stations_open(s, &data->stations, &law) != CT_OK) {
-    free_scratch(s);
+    close_state(s);
     return CT_NO_MEMORY(error, "an obstacle");
   }
-  *scratch = s;
+  *state = s;
   return CT_OK;
 }
 
@@ -196,11 +192,10 @@ static ct_status meet_all(ct_obstacle_state *s, double time, int first, ct_error
 }
 
 /* The points begin with the start gaps of the reference shape (eq:initial-adjust). */
-static ct_status begin(const obstacle_data *data, ct_obstacle_state *s, double time,
-                       ct_error *error)
+static ct_status begin(ct_obstacle_state *s, double time, ct_error *error)
 {
   const ct_start_rule rule = start_rule_of(s->given);
-  const ct_search *search = data->side.search;
+  const ct_search *search = s->data->side.search;
   memcpy(s->side[0].search->x, search->x, 3 * (size_t)search->node_count * sizeof *search->x);
   ct_stations_forget(s);
   ct_status status = meet_all(s, time, 1, error);
@@ -216,18 +211,16 @@ static ct_status begin(const obstacle_data *data, ct_obstacle_state *s, double t
 }
 
 /* Current coordinates of the surface's nodes, and their motion since the last call. */
-static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_side *side,
-                             ct_error *error)
+static ct_status place_nodes(const ct_surface_motion *now, ct_side *side, ct_error *error)
 {
-  for (int64_t i = 0; i < effect->node_count; i++)
+  for (int64_t i = 0; i < side->search->node_count; i++)
     for (int64_t c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
       const double last = side->search->x[3 * i + c];
-      side->search->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
+      side->search->x[3 * i + c] = now->x[3 * i + c];
       if (side->moved != NULL) side->moved[3 * i + c] = side->search->x[3 * i + c] - last;
       if (!isfinite(side->search->x[3 * i + c]))
-        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]},
-                       "obstacle: node %d is not at a finite place", (int)effect->nodes[i]);
+        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, side->search->nodes[i]},
+                       "obstacle: node %d is not at a finite place", (int)side->search->nodes[i]);
     }
   return CT_OK;
 }
@@ -258,27 +251,26 @@ static ct_status refuse(const ct_obstacle_state *s, const ct_start_rule *rule, c
 }
 
 /* Motion of the obstacle in the next step. */
-static void next_motion(const ct_obstacle_state *s, const ct_view *view, double moved[3])
+static void next_motion(const ct_obstacle_state *s, const ct_surface_motion *now, double moved[3])
 {
-  ct_obstacle_motion(s->given, view->time + view->dt, moved);
+  ct_obstacle_motion(s->given, now->time + now->dt, moved);
   for (int c = 0; c < 3; c++) moved[c] = (s->given->point[c] + moved[c]) - s->place[c];
 }
 
 /* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
  * twice the displacement of the fastest node. */
-static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side,
+static double reach_of(const ct_obstacle_state *s, const ct_surface_motion *now,
                        const double moved[3])
 {
+  const ct_search *search = s->side[0].search;
   double top = 0.0;
-  for (int64_t i = 0; i < effect->node_count; i++) {
-    const double *v = &view->velocity[3 * (int64_t)effect->nodes[i]];
-    top = fmax(top, ct_vector_dot(v, v));
-  }
-  return side->search->size + 2.0 * (view->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
+  for (int64_t i = 0; i < search->node_count; i++)
+    top = fmax(top, ct_vector_dot(&now->velocity[3 * i], &now->velocity[3 * i]));
+  return search->size + 2.0 * (now->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
 }
 
 /* Memory of the nodes' coordinates, behind the records; null for planes, which need none. */
-static double *coordinates(const obstacle_data *data, double *memory)
+static double *coordinates(const ct_obstacle *data, double *memory)
 {
   return data->given.shape == CT_OBSTACLE_PLANE ? NULL
                                                 : &memory[RECORD + CT_RECORD * points_of(data)];
@@ -313,7 +305,7 @@ static int find_before(const void *user, int k, int64_t i)
 
 /* Measure the gaps from their start gaps. Points of a small obstacle, whose gaps are not linear in
  * the motion, store no more than the bodies have given. */
-static void shift(ct_obstacle_state *s, const ct_start_rule *rule, const ct_moment *now,
+static void shift(ct_obstacle_state *s, const ct_start_rule *rule, const ct_surface_motion *now,
                   double last, double motion)
 {
   const int counted = ct_start_gap_counts(rule);
@@ -324,63 +316,49 @@ static void shift(ct_obstacle_state *s, const ct_start_rule *rule, const ct_mome
     ct_admission_bound(s->side, s->sides, &s->admission, 4.0 * motion, find_before, s, s->terms);
 }
 
-/* Gaps of the points at the time of the view, measured from their start gaps. */
-static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
+/* Gaps of the points at a time, measured from their start gaps. */
+static ct_status place(void *state, const ct_surface_motion *motion, ct_error *error)
 {
-  const obstacle_data *data = effect->data;
-  ct_obstacle_state *s = view->scratch;
+  ct_obstacle_state *s = state;
   const ct_start_rule rule = start_rule_of(s->given);
-  const obstacle_record last = load(view->memory);
-  const ct_moment now = {.time = view->time,
-                         .before = view->time > 0.0 ? view->dt : 0.0,
-                         .dt = view->dt,
-                         .first = last.begun == 0.0};
+  const obstacle_record last = load(motion->memory);
+  ct_surface_motion now = *motion;
+  now.first = last.begun == 0.0;
   ct_status status = CT_OK;
-  if (now.first) status = begin(data, s, view->time, error);
-  else load_state(s, view->memory);
+  if (now.first) status = begin(s, now.time, error);
+  else load_state(s, now.memory);
   for (int k = 0; k < s->sides; k++)
     for (int64_t i = 0; i < s->side[k].fixed->point_count; i++)
       s->side[k].points[i].last_known = s->side[k].points[i].known;
-  if (status == CT_OK) status = place_nodes(effect, view, &s->side[0], error);
-  if (status == CT_OK) status = meet_all(s, view->time, now.first, error);
+  if (status == CT_OK) status = place_nodes(&now, &s->side[0], error);
+  if (status == CT_OK) status = meet_all(s, now.time, now.first, error);
   if (status != CT_OK) return status;
-  double moved[3], motion = 0.0;
-  next_motion(s, view, moved);
+  double moved[3], nearer = 0.0;
+  next_motion(s, &now, moved);
   for (int c = 0; c < 3; c++) s->came[c] = now.first ? 0.0 : s->place[c] - last.place[c];
   if (s->side[0].moved != NULL)
-    motion = ct_side_motion(&s->side[0]) + sqrt(ct_vector_dot(s->came, s->came));
-  ct_stations_meet(s, reach_of(effect, view, &s->side[0], moved),
-                   3.0 * motion + CT_CLOSEST_POINT_ERROR * s->side[0].search->size, now.first);
-  if (now.before > 0.0 && !now.first) status = ct_stations_check(s, view->time, error);
-  shift(s, &rule, &now, last.time, motion);
+    nearer = ct_side_motion(&s->side[0]) + sqrt(ct_vector_dot(s->came, s->came));
+  ct_stations_meet(s, reach_of(s, &now, moved),
+                   3.0 * nearer + CT_CLOSEST_POINT_ERROR * s->side[0].search->size, now.first);
+  if (now.before > 0.0 && !now.first) status = ct_stations_check(s, now.time, error);
+  shift(s, &rule, &now, last.time, nearer);
   return status == CT_OK && now.first ? refuse(s, &rule, error) : status;
 }
 
-static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view,
-                                    ct_constraint **rows, int64_t *count, ct_error *error)
+static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constraint **rows)
 {
-  ct_obstacle_state *s = view->scratch;
+  ct_obstacle_state *s = state;
   double moved[3];
-  ct_status status = measure(effect, view, error);
-  if (status != CT_OK) return status;
-  next_motion(s, view, moved);
-  const double reach = reach_of(effect, view, &s->side[0], moved);
-  *count = 0;
+  int64_t count = 0;
+  next_motion(s, now, moved);
+  const double reach = reach_of(s, now, moved);
   for (int k = 0; k < s->sides; k++)
-    *count += ct_side_list_rows(&s->side[k], NULL, reach, s->came, moved, &rows[*count]);
-  return CT_OK;
-}
-
-static const ct_effect_constraints CONSTRAINTS = {.list = obstacle_constrain};
-
-static int is_penalty(const ct_effect *effect)
-{
-  return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY;
+    count += ct_side_list_rows(&s->side[k], NULL, reach, s->came, moved, &rows[count]);
+  return count;
 }
 
 /* The memory for the next step. */
-static void store_state(const obstacle_data *data, const ct_obstacle_state *s, double stored,
-                        double time, double *memory)
+static void store_state(const ct_obstacle_state *s, double stored, double time, double *memory)
 {
   obstacle_record next = {.begun = 1.0,
                           .work = s->work,
@@ -393,86 +371,73 @@ static void store_state(const obstacle_data *data, const ct_obstacle_state *s, d
   memcpy(next.place, s->place, sizeof next.place);
   memcpy(next.reaction, s->reaction, sizeof next.reaction);
   memcpy(memory, &next, sizeof next);
-  double *end = &memory[RECORD], *x = coordinates(data, memory);
+  double *end = &memory[RECORD], *x = coordinates(s->data, memory);
   for (int k = 0; k < s->sides; k++) end = ct_points_store(&s->side[k], end);
   if (x != NULL)
     memcpy(x, s->side[0].search->x, 3 * (size_t)s->side[0].search->node_count * sizeof *x);
 }
 
-static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force,
-                                ct_error *error)
+static ct_status find_forces(void *state, const ct_surface_motion *now, double *force,
+                             ct_error *error)
 {
-  ct_obstacle_state *s = view->scratch;
-  const int penalty = is_penalty(effect);
+  ct_obstacle_state *s = state;
+  const int penalty = s->data->is.explicit;
   const ct_start_rule rule = start_rule_of(s->given);
-  const obstacle_record last = load(view->memory);
-  const int starting = last.begun == 0.0 || !(view->time > 0.0);
+  const obstacle_record last = load(now->memory);
+  const int starting = last.begun == 0.0 || !(now->time > 0.0);
   double stored = 0.0;
-  ct_status status = penalty ? measure(effect, view, error) : CT_OK;
-  if (status != CT_OK) return status;
   for (int k = 0; k < s->sides; k++)
     if (penalty) ct_side_apply_penalty(&s->side[k]);
     else ct_side_take_rows(&s->side[k]);
   if (!penalty)
-    s->held = ct_side_rows_energy(s->side, s->sides, view->time, last.stored, &stored, s->terms);
+    s->held = ct_side_rows_energy(s->side, s->sides, now->time, last.stored, &stored, s->terms);
   if (s->sides == 2)
     ct_admission_count(s->side, s->sides, &s->admission, !penalty, starting, s->terms);
-  status = ct_side_collect(s->side, s->sides, 1, error);
+  ct_status status = ct_side_collect(s->side, s->sides, 1, error);
   if (status != CT_OK) return status;
-  for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++)
+  for (int64_t d = 0; d < 3 * (int64_t)s->data->is.node_count; d++)
     force[d] = s->side[0].force[d] + s->side[0].force_fine[d];
   count_motion(s, &last);
   s->removal = last.removal;
   if (ct_start_gap_fades(&rule))
-    s->removal += ct_start_gap_work(&rule, s->side, s->sides, view->time,
-                                    last.begun != 0.0 ? last.time : view->time, s->terms);
-  store_state(effect->data, s, stored, view->time, view->next_memory);
+    s->removal += ct_start_gap_work(&rule, s->side, s->sides, now->time,
+                                    last.begun != 0.0 ? last.time : now->time, s->terms);
+  store_state(s, stored, now->time, now->next_memory);
   return CT_OK;
 }
 
-static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, double *energy,
-                                 ct_error *error)
+static void find_energy(const void *state, ct_interaction_energy *energy)
 {
-  const ct_obstacle_state *s = view->scratch;
-  (void)error;
-  *energy = is_penalty(effect) ? ct_side_potential(s->side, s->sides) : s->held;
+  const ct_obstacle_state *s = state;
+  *energy = (ct_interaction_energy){
+      .stored = s->data->is.explicit ? ct_side_potential(s->side, s->sides) : s->held,
+      .motion = s->work,
+      .removal = s->removal};
+}
+
+static ct_status find_springs(const void *state, int facing, ct_masses mass, double *omega2)
+{
+  const ct_obstacle *data = ((const ct_obstacle_state *)state)->data;
+  (void)facing;
+  *omega2 = 0.0;
+  for (int32_t i = 0; i < data->is.node_count; i++)
+    *omega2 = fmax(*omega2, data->springs[i] / ct_mass_at(mass, i));
   return CT_OK;
 }
 
-static ct_status obstacle_external(const ct_effect *effect, const ct_view *view, double *work,
-                                   ct_error *error)
-{
-  (void)effect;
-  (void)error;
-  *work = ((const ct_obstacle_state *)view->scratch)->work +
-          ((const ct_obstacle_state *)view->scratch)->removal;
-  return CT_OK;
-}
+static const ct_interaction_calls CALLS = {.free = free_obstacle,
+                                           .open = open_state,
+                                           .close = close_state,
+                                           .place = place,
+                                           .list_rows = list_rows,
+                                           .find_forces = find_forces,
+                                           .find_energy = find_energy,
+                                           .find_springs = find_springs};
 
-double ct_obstacle_springs(const ct_effect *effect, const double *mass)
-{
-  const obstacle_data *data = effect->data;
-  double omega2 = 0.0;
-  if (mass == NULL) mass = data->mass;
-  for (int32_t i = 0; i < effect->node_count; i++)
-    omega2 = fmax(omega2, data->springs[i] / mass[effect->nodes[i]]);
-  return omega2;
-}
-
-static ct_status obstacle_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
-                                       ct_error *error)
-{
-  (void)view;
-  (void)error;
-  // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  if (is_penalty(effect)) *omega2 = ct_obstacle_springs(effect, NULL);
-  return CT_OK;
-}
-
-static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_error *error)
+static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_error *error)
 {
   double a[3];
-  int per = ct_face_node_count(o->kind), finite = 1;
+  int per = ct_face_node_count(surface->kind), finite = 1;
   for (int c = 0; c < 3; c++)
     finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]) && isfinite(o->travel[c]);
   if (!finite)
@@ -495,27 +460,17 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
   if (o->amplitude.count == 0 &&
       (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
     return CT_REFUSE(error, "obstacle: it has a travel, but no amplitude");
-  if (per == 0 || o->face_count < 1 || o->faces == NULL)
+  if (per == 0 || surface->face_count < 1 || surface->faces == NULL)
     return CT_REFUSE(error, "obstacle: the surface has no faces");
-  for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
-    if (o->faces[i] < 0 || o->faces[i] >= problem->node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]},
-                     "obstacle: there is no node %d", (int)o->faces[i]);
+  for (int64_t i = 0; i < (int64_t)surface->face_count * per; i++)
+    if (surface->faces[i] < 0 || surface->faces[i] >= surface->node_count)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, surface->faces[i]},
+                     "obstacle: there is no node %d", (int)surface->faces[i]);
   return CT_OK;
 }
 
-/* Operations and bytes of a call with all points active, without the iterations of the solver:
- * counted at a plane (eq:round-flops). */
-static void count_costs(ct_effect *effect, double points)
-{
-  double listed = is_penalty(effect) ? 0.0 : 1.0;
-  effect->flops = (164.0 + 250.0 * listed) * points + (6.0 + 20.0 * listed) * effect->node_count;
-  effect->bytes = (2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record)) * points +
-                  250.0 * effect->node_count;
-}
-
 /* Row sums of the penalty's stiffness with all points inside (eq:obstacle-bound). */
-static ct_status sum_springs(obstacle_data *data, ct_error *error)
+static ct_status sum_springs(ct_obstacle *data, ct_error *error)
 {
   const ct_side_fixed *side = &data->side;
   const ct_search *search = side->search;
@@ -535,13 +490,34 @@ static ct_status sum_springs(obstacle_data *data, ct_error *error)
   return CT_OK;
 }
 
+/* The obstacle as an interaction. Flops and bytes were counted at a plane (eq:round-flops). */
+static void describe(ct_obstacle *data)
+{
+  const ct_search *search = data->side.search;
+  const int64_t all = points_of(data), end = RECORD + CT_RECORD * all;
+  const double points = (double)data->side.point_count, nodes = search->node_count;
+  const int penalty = data->given.enforcement == CT_ENFORCE_PENALTY;
+  data->is = (ct_interaction){
+      .calls = &CALLS,
+      .nodes = search->nodes,
+      .node_count = search->node_count,
+      .stiffness = 1.0,
+      .explicit = penalty,
+      .row_count = penalty ? 0 : all,
+      .row_nodes = search->per,
+      .memory_count =
+          end + (data->given.shape == CT_OBSTACLE_PLANE ? 0 : 3 * (int64_t)search->node_count),
+      .first_record = RECORD,
+      .end_record = end,
+      .flops = penalty ? 164.0 * points + 6.0 * nodes : 414.0 * points + 26.0 * nodes,
+      .bytes = (2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record)) * points + 250.0 * nodes};
+}
+
 /* Copy the caller's definition, and compute the constant data. */
-static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_problem *problem,
-                      ct_effect *effect, ct_error *error)
+static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surface *surface,
+                      ct_error *error)
 {
   size_t points = (size_t)o->amplitude.count;
-  const ct_surface surface = {o->kind, problem->node_count, o->face_count, o->faces,
-                              problem->reference};
   data->given = *o;
   if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
   data->given.faces = NULL; // the caller's
@@ -550,23 +526,9 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
   data->given.amplitude.value = data->value =
       ct_duplicate(o->amplitude.value, points * sizeof(double));
   if (!data->time || !data->value) return CT_NO_MEMORY(error, "an obstacle");
-  ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
-  data->mass = problem->mass;
+  ct_status status = ct_side_fixed_init(&data->side, surface, 0, 0, error);
   if (status == CT_OK) status = ct_stations_init(&data->stations, &data->given, &data->side, error);
-  if (status == CT_OK) status = sum_springs(data, error);
-  if (status != CT_OK) return status;
-  effect->nodes = data->side.search->nodes;
-  effect->node_count = data->side.search->node_count;
-  effect->memory_count += CT_RECORD * points_of(data);
-  if (o->shape != CT_OBSTACLE_PLANE) effect->memory_count += 3 * (int64_t)effect->node_count;
-  if (!is_penalty(effect)) {
-    effect->phase = CT_PHASE_CONSTRAINT;
-    effect->constraints = &CONSTRAINTS;
-    effect->constraint_count = points_of(data);
-    effect->constraint_nodes = data->side.search->per;
-  }
-  count_costs(effect, (double)data->side.point_count);
-  return CT_OK;
+  return status == CT_OK ? sum_springs(data, error) : status;
 }
 
 ct_obstacle_def ct_obstacle_def_default(void)
@@ -577,81 +539,22 @@ ct_obstacle_def ct_obstacle_def_default(void)
                            .initial_penetration = CT_INITIAL_KEEP};
 }
 
-ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
-                                    ct_effect **out, ct_error *error)
+const ct_side_fixed *ct_obstacle_side(const ct_interaction *obstacle)
 {
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "obstacle", error);
+  return &((const ct_obstacle *)obstacle)->side;
+}
+
+ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surface,
+                             ct_interaction **out, ct_error *error)
+{
+  ct_status status = ct_check_options(def->cookie, "ct_obstacle_def_default", error);
   if (status == CT_OK) status = ct_amplitude_check(&def->amplitude, error);
-  if (status == CT_OK) status = check(def, problem, error);
+  if (status == CT_OK) status = check(def, surface, error);
   if (status != CT_OK) return status;
-  obstacle_data *data = ct_allocate(1, sizeof *data);
+  ct_obstacle *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return CT_NO_MEMORY(error, "an obstacle");
-  ct_effect filled = {.kind = CT_EFFECT_OBSTACLE,
-                      .label = "obstacle",
-                      .data = data,
-                      .memory_count = RECORD,
-                      .create_scratch = create_scratch,
-                      .free_scratch = free_scratch,
-                      .force = obstacle_force,
-                      .energy = obstacle_energy,
-                      .omega2_bound = obstacle_omega2_bound,
-                      .external = obstacle_external,
-                      .free_data = free_data};
-  status = fill(data, def, problem, &filled, error);
-  return ct_effect_finish(status, &filled, out, error);
-}
-
-const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
-{
-  return &((const obstacle_data *)effect->data)->side;
-}
-
-void ct_obstacle_records(const ct_effect *effect, int64_t *first, int64_t *end)
-{
-  *first = RECORD;
-  *end = RECORD + CT_RECORD * points_of(effect->data);
-}
-
-/* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
- * an effect of another kind. */
-static const ct_obstacle_state *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
-                                         ct_status *status, ct_error *error)
-{
-  int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
-           problem->effects[effect]->kind == CT_EFFECT_OBSTACLE;
-  *status = is ? ct_workspace_forces(problem, state, error)
-               : CT_REFUSE(error, "effect %d is not an obstacle", (int)effect);
-  return *status == CT_OK ? state->workspace->scratch[effect] : NULL;
-}
-
-ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
-                               double force[3], double *work, ct_error *error)
-{
-  if (force == NULL || work == NULL) return CT_REFUSE(error, "obstacle: null argument");
-  ct_status status = CT_OK;
-  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
-  if (s == NULL) return status;
-  memcpy(force, s->reaction, sizeof s->reaction);
-  *work = s->work;
-  return CT_OK;
-}
-
-ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
-                               double *traction, double *area, ct_error *error)
-{
-  if (traction == NULL || area == NULL) return CT_REFUSE(error, "obstacle: null argument");
-  ct_status status = CT_OK;
-  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
-  return s == NULL ? status
-                   : ct_side_traction(s->side, ct_obstacle_stations(s), traction, area, error);
-}
-
-ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
-                                  ct_penetration_at at, ct_penetration *out, ct_error *error)
-{
-  ct_status status = CT_OK;
-  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
-  if (s == NULL) return status;
-  return ct_obstacle_depth(s, at, out, error);
+  status = fill(data, def, surface, error);
+  if (status == CT_OK) describe(data), *out = &data->is;
+  else free_obstacle(&data->is);
+  return status;
 }

@@ -119,8 +119,8 @@ void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
     }
 }
 
-void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count, const ct_moment *now,
-                        double last)
+void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
+                        const ct_surface_motion *now, double last)
 {
   double share = left(rule, now->time), last_share = left(rule, now->first ? now->time : last),
          next_share = left(rule, now->time + now->dt);

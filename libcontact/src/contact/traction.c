@@ -1,12 +1,11 @@
 /* Tractions at the nodes of a contact surface, recovered from the forces there
  * (eq:recovered-traction). */
-#include "host.h"
+#include "contact_internal.h"
 
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
-#include "../step/workspace.h"
 
 #include <math.h>
 #include <string.h>
@@ -137,88 +136,4 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
   recover(&r, traction, area);
   ct_release(r.is_loaded);
   return CT_OK;
-}
-
-/* The same at an obstacle of a host, whose nodes are numbered in order. */
-static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part *part,
-                                   double *traction, double *area, ct_error *error)
-{
-  const ct_search *search = contact->fixed->side[part->side].search;
-  double *own = ct_allocate((size_t)search->node_count, 4 * sizeof *own),
-         *own_area = own == NULL ? NULL : own + 3 * (int64_t)search->node_count;
-  if (own == NULL) return CT_NO_MEMORY(error, "tractions");
-  const ct_obstacle_state *obstacle = part->scratch;
-  ct_status status =
-      ct_side_traction(obstacle->side, ct_obstacle_stations(obstacle), own, own_area, error);
-  for (int32_t n = 0; status == CT_OK && n < search->node_count; n++) {
-    memcpy(&traction[3 * (int64_t)search->nodes[n]], &own[3 * (int64_t)n], 3 * sizeof *own);
-    area[search->nodes[n]] = own_area[n];
-  }
-  ct_release(own);
-  return status;
-}
-
-ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
-                              double *area, ct_error *error)
-{
-  const ct_host_part *obstacle =
-      contact == NULL || side < 2 ? NULL : ct_host_obstacle(contact, side - 2);
-  if (obstacle != NULL && traction != NULL && area != NULL && contact->host->current)
-    return obstacle_traction(contact, obstacle, traction, area, error);
-  if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
-      side >= contact->fixed->sides)
-    return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
-  return ct_side_traction(&contact->side[side], &contact->side[contact->fixed->sides - 1 - side],
-                          traction, area, error);
-}
-
-/* Add the pressures of one surface at its nodes; `buffer` is memory for the tractions and areas of
- * all nodes of the problem. */
-static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t count,
-                              double *buffer, double *pressure, ct_error *error)
-{
-  ct_status status = ct_side_traction(side, other, buffer, &buffer[3 * (int64_t)count], error);
-  for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
-    const int64_t node = side->search->nodes[n];
-    pressure[node] += sqrt(ct_vector_dot(&buffer[3 * node], &buffer[3 * node]));
-  }
-  return status;
-}
-
-/* The surfaces of an effect of a state; returns their number, 0 for another kind of effect. */
-static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
-{
-  if (effect->kind == CT_EFFECT_OBSTACLE) {
-    *sides = ((const ct_obstacle_state *)scratch)->side;
-    return 1;
-  }
-  if (effect->kind != CT_EFFECT_CONTACT) return 0;
-  *sides = ((const ct_contact *)scratch)->side;
-  return ((const ct_contact *)scratch)->fixed->sides;
-}
-
-ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
-                            ct_error *error)
-{
-  if (problem == NULL || state == NULL || pressure == NULL)
-    return CT_REFUSE(error, "contact: null argument");
-  ct_status status = ct_workspace_forces(problem, state, error);
-  if (status != CT_OK) return status;
-  const int32_t nodes = problem->node_count;
-  double *buffer = ct_allocate(4 * (size_t)nodes, sizeof *buffer);
-  if (buffer == NULL) return CT_NO_MEMORY(error, "tractions");
-  memset(pressure, 0, (size_t)nodes * sizeof *pressure);
-  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    const ct_side *sides = NULL;
-    int count = sides_of(effect, state->workspace->scratch[k], &sides);
-    for (int s = 0; status == CT_OK && s < count; s++)
-      status = add_pressure(&sides[s],
-                            effect->kind == CT_EFFECT_CONTACT
-                                ? &sides[count - 1 - s]
-                                : ct_obstacle_stations(state->workspace->scratch[k]),
-                            nodes, buffer, pressure, error);
-  }
-  ct_release(buffer);
-  return status;
 }

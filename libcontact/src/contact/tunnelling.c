@@ -140,7 +140,8 @@ static double closest(const ct_bounds *a, const ct_bounds *b)
 /* Two surfaces in a step, and the largest approach of two of their faces found so far. */
 typedef struct approach {
   const ct_search *search[2];
-  const double *velocity[2];
+  const ct_side_fixed *side[2];
+  const double *velocity; /* at the nodes of the contact */
   double dt, length;
   double deepest;  /* depth of the deepest point before the step */
   ct_bounds speed; /* box of all velocities of the second surface */
@@ -151,12 +152,11 @@ typedef struct approach {
 /* Box of the velocities of a face. */
 static ct_bounds speed_of(const approach *p, int s, int32_t face)
 {
-  const ct_search *search = p->search[s];
+  const int32_t *node = ct_side_row_nodes(p->side[s], face);
   ct_bounds box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-  for (int a = 0; a < search->per; a++) {
-    int32_t node = search->nodes[search->faces[(int64_t)face * search->per + a]];
+  for (int a = 0; a < p->search[s]->per; a++) {
     for (int c = 0; c < 3; c++) {
-      double v = p->velocity[s][3 * (int64_t)node + c];
+      double v = p->velocity[3 * (int64_t)node[a] + c];
       box.low[c] = v < box.low[c] ? v : box.low[c];
       box.high[c] = v > box.high[c] ? v : box.high[c];
     }
@@ -169,16 +169,15 @@ static ct_bounds speed_of(const approach *p, int s, int32_t face)
 static double motion_of(const approach *p, int32_t f, int32_t g, int32_t *node)
 {
   const ct_search *a = p->search[0], *b = p->search[1];
+  const int32_t *n = ct_side_row_nodes(p->side[0], f), *m = ct_side_row_nodes(p->side[1], g);
   double top = -1.0;
   for (int i = 0; i < a->per; i++)
     for (int k = 0; k < b->per; k++) {
-      int32_t n = a->nodes[a->faces[(int64_t)f * a->per + i]],
-              m = b->nodes[b->faces[(int64_t)g * b->per + k]];
       double v[3];
       for (int c = 0; c < 3; c++)
-        v[c] = p->velocity[0][3 * (int64_t)n + c] - p->velocity[1][3 * (int64_t)m + c];
+        v[c] = p->velocity[3 * (int64_t)n[i] + c] - p->velocity[3 * (int64_t)m[k] + c];
       double square = ct_vector_dot(v, v);
-      if (square > top) top = square, *node = n;
+      if (square > top) top = square, *node = a->nodes[a->faces[(int64_t)f * a->per + i]];
     }
   return p->dt * sqrt(top);
 }
@@ -230,18 +229,17 @@ static double deepest(const ct_contact *contact)
   return depth;
 }
 
-ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[2], double dt,
-                              double time, ct_error *error)
+ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
   const int last = fixed->sides - 1;
   ct_bounds speed[2], place[2];
   ct_search *search[2] = {contact->side[0].search, contact->side[last].search};
   for (int s = 0; s < 2; s++)
-    ct_tunnelling_box(search[s], search[s]->nodes, velocity[s], &speed[s]);
+    ct_tunnelling_box(search[s], fixed->place[s == 0 ? 0 : last], now->velocity, &speed[s]);
   // -- The largest approach in the step, and how much of it is safe: first of the whole surfaces
   // (eq:tunnelling)
-  double most = dt * farthest(&speed[0], &speed[1]);
+  double most = now->before * farthest(&speed[0], &speed[1]);
   if (!(most > fixed->approach)) return CT_OK;
   for (int s = 0; s < 2; s++) ct_tunnelling_box(search[s], NULL, search[s]->x, &place[s]);
   double deep = deepest(contact);
@@ -251,8 +249,9 @@ ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[
     ct_search_refit(search[s]);
   }
   approach p = {.search = {search[0], search[1]},
-                .velocity = {velocity[0], velocity[1]},
-                .dt = dt,
+                .side = {&fixed->side[0], &fixed->side[last]},
+                .velocity = now->velocity,
+                .dt = now->before,
                 .length = fixed->approach,
                 .deepest = deep,
                 .speed = speed[1],
@@ -265,5 +264,5 @@ ct_status ct_tunnelling_check(ct_contact *contact, const double *const velocity[
       "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may "
       "have come nearer by %g and passed through each other; "
       "not more than %g is safe. Take a smaller step",
-      time, (int)p.face[0], (int)p.face[1], p.length, fixed->approach);
+      now->time, (int)p.face[0], (int)p.face[1], p.length, fixed->approach);
 }

@@ -1,7 +1,7 @@
 /* Prescribed components of nodes, for supports and motions. */
 #include "held.h"
 
-#include "amplitude.h"
+#include "../base/amplitude.h"
 #include "../base/error.h"
 
 #include <math.h>

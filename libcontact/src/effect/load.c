@@ -3,7 +3,7 @@
 #include <libcontact/base.h>
 
 #include "../step/effect_internal.h"
-#include "amplitude.h"
+#include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../shape/facets.h"
 #include "../base/memory.h"

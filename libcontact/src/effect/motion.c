@@ -1,7 +1,7 @@
 /* Displacements that follow an amplitude. */
 #include <libcontact/effect.h>
 
-#include "amplitude.h"
+#include "../base/amplitude.h"
 #include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "held.h"

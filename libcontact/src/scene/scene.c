@@ -4,7 +4,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/threads.h"
-#include "../contact/contact_internal.h"
+#include "../effect/contact.h"
 #include "../effect/solid.h"
 #include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
@@ -618,7 +618,7 @@ static ct_status set_rooms(ct_scene *scene, ct_state *state, double stable, ct_e
     if (p->effects[k]->kind != CT_EFFECT_FRICTION) continue;
     ct_status status = ct_stable_share(p, state, k, &room.bound, &rate, error);
     if (status != CT_OK) return status;
-    ct_friction_set_room(scene->effects[k], p->mass, room);
+    ct_friction_set_room(scene->effects[k], room);
   }
   return CT_OK;
 }

@@ -3,7 +3,7 @@
 
 #include <libcontact/base.h>
 
-#include "../base/memory.h"
+#include "memory.h"
 
 /* ``CT_ERROR_ARGUMENT`` if arrays are missing or times descend, ``CT_INVALID`` if a number is not
  * finite; `error` names the point. */

@@ -1,6 +1,6 @@
 #include "amplitude.h"
 
-#include "../base/error.h"
+#include "error.h"
 
 #include <math.h>
 

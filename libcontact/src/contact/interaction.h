@@ -1,0 +1,85 @@
+#ifndef CT_SRC_INTERACTION_H
+#define CT_SRC_INTERACTION_H
+
+#include <libcontact/constraint.h>
+
+/* What an interaction sees of the bodies: the nodes of its surfaces at t_n. Arrays have a row for
+ * each node of the interaction's list. */
+typedef struct ct_surface_motion {
+  double time;            /* t_n */
+  double before;          /* Δt of the step that led here; 0: none */
+  double dt;              /* of the next step; 0: not known yet */
+  int threads;            /* results do not depend on it */
+  int first;              /* whether nothing was stored yet; the interactions set it */
+  const double *x;        /* x_n, shape (node_count, 3) */
+  const double *velocity; /* v_{n-1/2}, shape (node_count, 3) */
+  const double *memory;   /* what the interaction stored in the last step, shape (memory_count) */
+  double *next_memory;    /* where it stores what the next step needs */
+  const void *on;         /* of friction: the state of the interaction that it acts on */
+} ct_surface_motion;
+
+/* Masses of the nodes of an interaction: node n has value[place[n]], or value[n] if `place` is
+ * null. */
+typedef struct ct_masses {
+  const double *value;
+  const int32_t *place;
+} ct_masses;
+
+static inline double ct_mass_at(ct_masses mass, int32_t n)
+{
+  return mass.value[mass.place == NULL ? n : mass.place[n]];
+}
+
+/* Energies of an interaction at t_n. */
+typedef struct ct_interaction_energy {
+  double stored;
+  double dissipated; /* by friction since t = 0 */
+  double motion;     /* work of a moving obstacle since t = 0 */
+  double removal;    /* work of fading start gaps since t = 0 */
+} ct_interaction_energy;
+
+struct ct_interaction;
+
+/* What every interaction can do: a contact, an obstacle, and friction on one of them. A state
+ * belongs to one time loop. */
+typedef struct ct_interaction_calls {
+  void (*free)(struct ct_interaction *interaction);
+  ct_status (*open)(const struct ct_interaction *interaction, void **state, ct_error *error);
+  void (*close)(void *state);
+  /* Find the gaps of all points, from the memory of the last step; null for friction. */
+  ct_status (*place)(void *state, const ct_surface_motion *now, ct_error *error);
+  /* List the rows that may be active, after `place`; returns their number. Null for friction. */
+  int64_t (*list_rows)(void *state, const ct_surface_motion *now, ct_constraint **rows);
+  /* Write the forces on the nodes, shape (node_count, 3), after the rows are solved, or for the
+   * explicit penalty after `place`; and the memory for the next step. */
+  ct_status (*find_forces)(void *state, const ct_surface_motion *now, double *force,
+                           ct_error *error);
+  /* Energies, after `find_forces`. */
+  void (*find_energy)(const void *state, ct_interaction_energy *energy);
+  /* Bound of ω² of all points as springs, or, if `facing`, of those that friction counts
+   * (eq:contact-bound, eq:friction-facing). Null for friction.
+   */
+  ct_status (*find_springs)(const void *state, int facing, ct_masses mass, double *omega2);
+} ct_interaction_calls;
+
+/* Constant data of an interaction: the first member of those of its kind. */
+typedef struct ct_interaction {
+  const ct_interaction_calls *calls;
+  const int32_t *nodes; /* numbers in the arrays of the surfaces, ascending */
+  int32_t node_count;
+  const struct ct_interaction *on; /* of friction: the contact or obstacle that it acts on */
+  double stiffness;                /* its share of the bound of `on`; else 1 (eq:friction-bound) */
+  int explicit;         /* whether forces follow from the gaps of now, which limits the step */
+  int64_t row_count;    /* most rows; 0 if `explicit`, and for friction */
+  int32_t row_nodes;    /* most nodes of a row */
+  int64_t memory_count; /* doubles */
+  int64_t first_record, end_record; /* records of points in it, whose distance may be NaN */
+  double flops, bytes; /* of a call with all points active, without the iterations of the solver */
+} ct_interaction;
+
+/* Bound of ω² of the forces of an interaction, of those that follow from gaps and slips of now;
+ * `state`: its own, for friction that of `on`. */
+ct_status ct_interaction_bound(const ct_interaction *interaction, const void *state, ct_masses mass,
+                               double *omega2);
+
+#endif

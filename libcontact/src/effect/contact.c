@@ -1,0 +1,244 @@
+/* Contacts, obstacles and friction as effects: what an interaction sees of a state. */
+#include "contact.h"
+
+#include "../base/error.h"
+#include "../step/effect_internal.h"
+
+#include <string.h>
+
+static const ct_interaction *interaction_of(const ct_effect *effect)
+{
+  return ((const ct_touch *)effect->data)->is;
+}
+
+/* Coordinates and velocities of the interaction's nodes. */
+static void gather(const ct_effect *effect, const ct_view *view)
+{
+  ct_touch_scratch *s = view->scratch;
+  for (int64_t i = 0; i < effect->node_count; i++)
+    for (int64_t c = 0, dof = 3 * (int64_t)effect->nodes[i]; c < 3; c++, dof++) {
+      s->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
+      s->velocity[3 * i + c] = view->velocity[dof];
+    }
+}
+
+static ct_surface_motion motion_of(const ct_view *view)
+{
+  const ct_touch_scratch *s = view->scratch;
+  return (ct_surface_motion){.time = view->time,
+                             .before = view->time > 0.0 ? view->dt : 0.0,
+                             .dt = view->dt,
+                             .threads = view->threads,
+                             .x = s->x,
+                             .velocity = s->velocity,
+                             .memory = view->memory,
+                             .next_memory = view->next_memory,
+                             .on = view->read == NULL ? NULL : ct_touch_state(view->read)};
+}
+
+static ct_status touch_constrain(const ct_effect *effect, const ct_view *view, ct_constraint **rows,
+                                 int64_t *count, ct_error *error)
+{
+  const ct_interaction *is = interaction_of(effect);
+  void *state = ct_touch_state(view->scratch);
+  gather(effect, view);
+  const ct_surface_motion now = motion_of(view);
+  ct_status status = is->calls->place(state, &now, error);
+  if (status == CT_OK) *count = is->calls->list_rows(state, &now, rows);
+  return status;
+}
+
+static ct_status touch_force(const ct_effect *effect, const ct_view *view, double *force,
+                             ct_error *error)
+{
+  const ct_interaction *is = interaction_of(effect);
+  void *state = ct_touch_state(view->scratch);
+  const ct_surface_motion now = motion_of(view);
+  if (effect->constraints == NULL) gather(effect, view);
+  ct_status status = is->explicit ? is->calls->place(state, &now, error) : CT_OK;
+  return status == CT_OK ? is->calls->find_forces(state, &now, force, error) : status;
+}
+
+static ct_interaction_energy energy_of(const ct_view *view)
+{
+  ct_interaction_energy energy;
+  const ct_touch_scratch *s = view->scratch;
+  s->is->calls->find_energy(s->state, &energy);
+  return energy;
+}
+
+static ct_status touch_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                              ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  *energy = energy_of(view).stored;
+  return CT_OK;
+}
+
+static ct_status touch_external(const ct_effect *effect, const ct_view *view, double *work,
+                                ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  const ct_interaction_energy energy = energy_of(view);
+  *work = energy.motion + energy.removal;
+  return CT_OK;
+}
+
+static ct_status touch_bound(const ct_effect *effect, const ct_view *view, double *omega2,
+                             ct_error *error)
+{
+  const ct_touch *touch = effect->data;
+  const ct_touch_scratch *s = view->scratch;
+  ct_status status =
+      ct_interaction_bound(touch->is, touch->is->on == NULL ? s->state : ct_touch_state(view->read),
+                           (ct_masses){touch->mass, effect->nodes}, omega2);
+  return status == CT_OK
+             ? CT_OK
+             : ct_fail(error, status, CT_NOWHERE, "%s: no bound on the time step", effect->label);
+}
+
+static void free_data(void *data)
+{
+  ct_touch *touch = data;
+  if (touch->is != NULL) touch->is->calls->free(touch->is);
+  ct_release(touch);
+}
+
+static void free_scratch(void *scratch)
+{
+  ct_touch_scratch *s = scratch;
+  if (s == NULL) return;
+  if (s->state != NULL) s->is->calls->close(s->state);
+  ct_pool_free(s);
+}
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  ct_touch_scratch *s = ct_allocate(1, sizeof *s);
+  if (s == NULL) return CT_NO_MEMORY(error, "effect %s", effect->label);
+  const size_t nodes = (size_t)effect->node_count;
+  s->is = interaction_of(effect);
+  s->x = ct_pool_take(&s->pool, nodes, 3 * sizeof *s->x);
+  s->velocity = ct_pool_take(&s->pool, nodes, 3 * sizeof *s->velocity);
+  ct_status status = s->pool.failed ? CT_NO_MEMORY(error, "effect %s", effect->label)
+                                    : s->is->calls->open(s->is, &s->state, error);
+  if (status == CT_OK) *scratch = s;
+  else free_scratch(s);
+  return status;
+}
+
+static const ct_effect_constraints CONSTRAINTS = {.list = touch_constrain};
+
+/* The effect of a new interaction, which it takes over; of `filled` the kind, the label, and what
+ * not all interactions have. */
+static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect filled,
+                        ct_effect **out, ct_error *error)
+{
+  ct_touch *touch = ct_allocate(1, sizeof *touch);
+  if (touch == NULL) {
+    is->calls->free(is);
+    return CT_NO_MEMORY(error, "effect %s", filled.label);
+  }
+  *touch = (ct_touch){is, problem->mass};
+  filled.data = touch;
+  filled.free_data = free_data;
+  filled.nodes = is->nodes;
+  filled.node_count = is->node_count;
+  filled.memory_count = is->memory_count;
+  filled.create_scratch = create_scratch;
+  filled.free_scratch = free_scratch;
+  filled.force = touch_force;
+  filled.omega2_bound = touch_bound;
+  filled.flops = is->flops;
+  filled.bytes = is->bytes;
+  if (is->row_count > 0) {
+    filled.phase = CT_PHASE_CONSTRAINT;
+    filled.constraints = &CONSTRAINTS;
+    filled.constraint_count = is->row_count;
+    filled.constraint_nodes = is->row_nodes;
+  }
+  return ct_effect_finish(CT_OK, &filled, out, error);
+}
+
+ct_contact_def ct_contact_def_default(void)
+{
+  return (ct_contact_def){.cookie = CT_DEF_COOKIE, .options = ct_contact_options_default()};
+}
+
+static int has_nodes_of(const ct_surface *surface, const ct_problem *problem)
+{
+  return surface != NULL && surface->node_count == problem->node_count &&
+         surface->reference == problem->reference;
+}
+
+ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *problem,
+                                   ct_effect **out, ct_error *error)
+{
+  ct_contact_fixed *fixed = NULL;
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "contact", error);
+  if (status != CT_OK) return status;
+  if (!has_nodes_of(def->a, problem) || !has_nodes_of(def->b, problem))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "contact: a surface is missing, or is not one of the problem");
+  const ct_surface *surface[2] = {def->a, def->b};
+  status = ct_contact_fixed_create(surface, def->a == def->b ? 1 : 2, &def->options, &fixed, error);
+  if (status != CT_OK) return status;
+  const ct_effect filled = {.kind = CT_EFFECT_CONTACT,
+                            .label = "contact",
+                            .energy = touch_energy,
+                            .external =
+                                ct_start_gap_fades(&fixed->start_rule) ? touch_external : NULL};
+  return create(&fixed->is, problem, filled, out, error);
+}
+
+ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
+{
+  ct_interaction *is = NULL;
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "obstacle", error);
+  if (status != CT_OK) return status;
+  const ct_surface surface = {def->kind, problem->node_count, def->face_count, def->faces,
+                              problem->reference};
+  status = ct_obstacle_create(def, &surface, &is, error);
+  const ct_effect filled = {.kind = CT_EFFECT_OBSTACLE,
+                            .label = "obstacle",
+                            .energy = touch_energy,
+                            .external = touch_external};
+  return status == CT_OK ? create(is, problem, filled, out, error) : status;
+}
+
+ct_friction_def ct_friction_def_default(void)
+{
+  return (ct_friction_def){.cookie = CT_DEF_COOKIE, .tangent = 1.0};
+}
+
+ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
+{
+  ct_interaction *is = NULL;
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "friction", error);
+  if (status != CT_OK) return status;
+  const ct_effect *on = def->on;
+  if (on == NULL || (on->kind != CT_EFFECT_CONTACT && on->kind != CT_EFFECT_OBSTACLE))
+    return CT_REFUSE(
+        error,
+        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
+  status = ct_friction_create(def->coefficient, def->tangent, interaction_of(on), &is, error);
+  const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
+                            .label = "friction",
+                            .phase = on->phase == CT_PHASE_CONSTRAINT ? CT_PHASE_FOLLOWING
+                                                                      : CT_PHASE_STATE,
+                            .reads = on};
+  return status == CT_OK ? create(is, problem, filled, out, error) : status;
+}
+
+void ct_friction_set_room(ct_effect *effect, ct_friction_room room)
+{
+  const ct_touch *touch = effect->data;
+  ct_friction_limit(touch->is, touch->mass, room);
+}

@@ -1,0 +1,33 @@
+#ifndef CT_SRC_TOUCH_H
+#define CT_SRC_TOUCH_H
+
+#include <libcontact/contact_effect.h>
+
+#include "../base/memory.h"
+#include "../contact/contact_internal.h"
+
+/* Constant data of the effect of an interaction. */
+typedef struct ct_touch {
+  ct_interaction *is;
+  const double *mass; /* of the problem's nodes */
+} ct_touch;
+
+/* Scratch space of such an effect. */
+typedef struct ct_touch_scratch {
+  ct_pool pool;
+  const ct_interaction *is;
+  void *state;          /* of the interaction */
+  double *x, *velocity; /* at its nodes, shape (node_count, 3) */
+} ct_touch_scratch;
+
+/* State of the interaction in the scratch space of its effect. */
+static inline void *ct_touch_state(const void *scratch)
+{
+  return ((const ct_touch_scratch *)scratch)->state;
+}
+
+/* Let an effect of friction refuse steps in which the ω² of its active points exceeds the room
+ * (eq:friction-room). */
+void ct_friction_set_room(ct_effect *effect, ct_friction_room room);
+
+#endif

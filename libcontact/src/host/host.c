@@ -1,0 +1,594 @@
+/* The contact of a host with its own time loop: the host's arrays as the motion of its surfaces,
+ * and the steps of all interactions together. */
+#include "host.h"
+
+#include "../base/error.h"
+#include "../base/threads.h"
+#include "../constraint/problem.h"
+
+#include <math.h>
+#include <string.h>
+
+ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
+                            const ct_contact_options *options, ct_contact **out, ct_error *error)
+{
+  ct_contact_fixed *fixed = NULL;
+  if (a == NULL || options == NULL || out == NULL)
+    return CT_REFUSE(error, "contact: null argument");
+  const ct_surface *const surface[2] = {a, b == NULL ? a : b};
+  ct_status status =
+      ct_contact_fixed_create(surface, surface[1] == a ? 1 : 2, options, &fixed, error);
+  if (status != CT_OK) return status;
+  fixed->alone = b == NULL;
+  if (fixed->alone) fixed->is.row_count = 0;
+  status = ct_contact_open(fixed, out, error);
+  if (status == CT_OK) (*out)->own = fixed;
+  else ct_contact_fixed_free(fixed);
+  return status;
+}
+
+ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb,
+                            ct_error *error)
+{
+  if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->sides == 2))
+    return CT_REFUSE(error, "contact: null argument");
+  const int sides = contact->fixed->sides;
+  const double *const x[2] = {xa, xb};
+  for (int s = 0; s < sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t n = 0; n < search->node_count; n++)
+      memcpy(&contact->side[s].moved[3 * (int64_t)n], &x[s][3 * (int64_t)search->nodes[n]],
+             3 * sizeof(double));
+  }
+  ct_status status = ct_contact_measure(contact, error);
+  if (status != CT_OK) return status;
+  contact->solved = 0;
+  if (contact->host != NULL) contact->host->current = 0;
+  for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->side[s]);
+  return ct_side_collect(contact->side, sides, 0, error);
+}
+
+/* Copy `width` numbers per node from the host's arrays, where there are any, to the contact's
+ * numbering. */
+static void gather(const ct_contact_fixed *fixed, const double *const from[2], int width,
+                   double *to)
+{
+  for (int s = fixed->sides - 1; s >= 0; s--) {
+    const ct_search *search = fixed->side[s].search;
+    for (int32_t n = 0; from[s] != NULL && n < search->node_count; n++)
+      memcpy(&to[width * (int64_t)fixed->place[s][n]], &from[s][width * (int64_t)search->nodes[n]],
+             (size_t)width * sizeof *to);
+  }
+}
+
+/* Free the memory of the first step. */
+static void close_host(ct_host *h)
+{
+  ct_pool_free(h->solver);
+  h->solver = NULL;
+  ct_pool_empty(&h->pool);
+  h->open = 0;
+}
+
+void ct_contact_free(ct_contact *contact)
+{
+  if (contact == NULL) return;
+  ct_host *h = contact->host;
+  if (h != NULL) close_host(h);
+  for (ct_host_part *part = h == NULL ? NULL : h->contact.next, *next; part != NULL; part = next) {
+    next = part->next;
+    part->is->calls->close(part->state);
+    part->is->calls->free(part->is);
+    ct_release(part);
+  }
+  ct_release(h);
+  ct_contact_fixed_free(contact->own);
+  ct_contact_close(contact);
+}
+
+ct_host *ct_host_of(ct_contact *contact)
+{
+  if (contact->host != NULL) return contact->host;
+  ct_host *h = contact->host = ct_allocate(1, sizeof *h);
+  if (h != NULL) h->contact = (ct_host_part){.is = &contact->own->is, .state = contact, .side = -1};
+  return h;
+}
+
+/* Whether a part has a set of rows; that of the contact holds all nodes, also without rows. */
+static int has_set(const ct_host *h, const ct_host_part *part)
+{
+  return part == &h->contact || part->is->row_count > 0;
+}
+
+/* The solver of the rows of all parts together. */
+static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
+{
+  int64_t all = 0;
+  int32_t count = 0;
+  for (const ct_host_part *part = &h->contact; part != NULL; part = part->next)
+    all += part->is->row_count, count += has_set(h, part);
+  if (all == 0) return CT_OK;
+  ct_row_set *sets = ct_allocate((size_t)count, sizeof *sets);
+  int32_t *number = ct_allocate((size_t)fixed->node_count, sizeof *number), next = 0;
+  h->lists = ct_pool_take(&h->pool, (size_t)count, sizeof *h->lists);
+  ct_status status = sets != NULL && number != NULL && h->lists != NULL ? CT_OK : CT_ERROR_MEMORY;
+  for (const ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
+    if (!has_set(h, part)) continue;
+    h->lists[next] = part;
+    sets[next++] =
+        (ct_row_set){part->is->row_count, part->is->node_count,
+                     part->side < 0 ? NULL : fixed->place[part->side], part->is->row_nodes};
+  }
+  if (status == CT_OK)
+    status = ct_solver_create(sets, count, fixed->node_count, number, &h->solver);
+  ct_release(sets);
+  ct_release(number);
+  return status;
+}
+
+/* Arrays and memory of all parts. */
+static void open_parts(ct_host *h)
+{
+  h->memory_count = CT_HOST_RECORD;
+  for (ct_host_part *part = &h->contact; part != NULL; part = part->next) {
+    double **arrays[] = {&part->force, &part->x, &part->velocity};
+    part->memory = h->memory_count;
+    h->memory_count += ct_host_part_memory(part);
+    for (int i = 0; i < (part->on != NULL ? 1 : 3); i++)
+      *arrays[i] = ct_pool_take(&h->pool, (size_t)part->is->node_count, 3 * sizeof(double));
+  }
+}
+
+/* Allocate for the steps of a contact. */
+static ct_status open_host(ct_contact *contact, ct_error *error)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  ct_host *h = ct_host_of(contact);
+  if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
+  if (h->open) return CT_OK;
+  double **arrays[] = {&h->inverse_mass, &h->others, &h->increment, &h->force, &h->terms};
+  open_parts(h);
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    *arrays[i] = ct_pool_take(&h->pool, (size_t)fixed->node_count, 3 * sizeof(double));
+  h->memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
+  h->next_memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
+  if (h->pool.failed || open_solver(fixed, h) != CT_OK) {
+    close_host(h);
+    return CT_NO_MEMORY(error, "the steps of a contact");
+  }
+  h->open = 1;
+  return CT_OK;
+}
+
+/* A host's data of one surface. */
+typedef struct side_prediction {
+  const double *x, *velocity, *force, *inverse_mass, *increment;
+} side_prediction;
+
+/* The data of both surfaces in the contact's numbering, from which the step predicts the motion. */
+static ct_prediction prepare(ct_contact *contact, const ct_contact_prediction *p,
+                             const side_prediction side[2])
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  ct_host *h = contact->host;
+  const double *given[5][2];
+  for (int s = 0; s < 2; s++) {
+    given[0][s] = side[s].x, given[1][s] = side[s].velocity, given[2][s] = side[s].inverse_mass;
+    given[3][s] = side[s].increment;
+    given[4][s] = side[s].increment == NULL ? side[s].force : NULL;
+  }
+  const int64_t count = 3 * (int64_t)fixed->node_count;
+  memset(h->others, 0, (size_t)count * sizeof *h->others);
+  gather(fixed, given[0], 3, h->contact.x);
+  gather(fixed, given[1], 3, h->contact.velocity);
+  gather(fixed, given[2], 3, h->inverse_mass);
+  gather(fixed, given[4], 3, h->others);
+  ct_prediction to = {.tau = p->dt,
+                      .push = p->kick,
+                      .whole = p->dt,
+                      .velocity = h->contact.velocity,
+                      .inverse_mass = h->inverse_mass,
+                      .force = h->others};
+  for (int64_t d = 0; d < count; d++) h->increment[d] = ct_prediction_increment(&to, d);
+  gather(fixed, given[3], 3, h->increment);
+  to.increment = h->increment;
+  return to;
+}
+
+/* A contact whose parts list their rows. */
+typedef struct lister {
+  ct_contact *contact;
+  const ct_surface_motion *now;
+} lister;
+
+static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_t *count,
+                           ct_error *error)
+{
+  const lister *from = user;
+  const ct_host_part *part = from->contact->host->lists[set];
+  (void)error;
+  if (part->is->row_count == 0) return CT_OK;
+  const ct_surface_motion motion = ct_host_motion(from->contact->host, part, from->now);
+  *count = part->is->calls->list_rows(part->state, &motion, rows);
+  return CT_OK;
+}
+
+/* Solve for the forces of all points together. */
+static ct_status solve(ct_contact *contact, ct_prediction *p, const ct_surface_motion *now,
+                       ct_error *error)
+{
+  ct_host *h = contact->host;
+  if (h->solver == NULL) return CT_OK;
+  ct_status status = ct_rows_list_all(h->solver, list_rows, &(lister){contact, now}, error);
+  if (status != CT_OK || h->solver->first[h->solver->set_count] == 0) return status;
+  // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
+  p->before = !now->first ? now->before : p->push < p->tau ? 0.0 : p->tau;
+  ct_rows_predict(h->solver, p);
+  status = ct_rows_solve(h->solver, now->time, error);
+  if (status == CT_OK) h->now.unconverged += !h->solver->converged;
+  return status;
+}
+
+/* Sum of the forces of all parts on the contact's nodes. */
+static void add_forces(const ct_contact *contact, double *force)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  memset(force, 0, 3 * (size_t)fixed->node_count * sizeof *force);
+  for (const ct_host_part *part = &contact->host->contact; part != NULL; part = part->next)
+    for (int32_t n = 0; n < part->is->node_count; n++) {
+      int32_t node = part->side < 0 ? n : fixed->place[part->side][n];
+      for (int c = 0; c < 3; c++) force[3 * (int64_t)node + c] += part->force[3 * (int64_t)n + c];
+    }
+}
+
+/* Add the work of the forces over the whole kick, whose first part ends at t_n (eq:host-work). */
+static void count_work(ct_contact *contact, const ct_prediction *p)
+{
+  ct_host *h = contact->host;
+  const int64_t count = 3 * (int64_t)contact->fixed->node_count;
+  double part[2];
+  add_forces(contact, h->force);
+  // -- The work of both parts of the kick
+  for (int k = 0; k < 2; k++) {
+    for (int64_t d = 0; d < count; d++) {
+      double after =
+          ct_prediction_increment(p, d) / p->tau + p->push * p->inverse_mass[d] * h->force[d];
+      // Half of the kick times the velocity before it, or after it (eq:host-work)
+      h->terms[d] = 0.5 * p->push * h->force[d] * (k == 0 ? p->velocity[d] : after);
+    }
+    part[k] = ct_sum(h->terms, count);
+  }
+  // -- A whole kick began before t_0
+  const int begun = h->now.begun != 0.0;
+  if (!begun && !(p->push < p->tau)) h->now.done = -part[0];
+  h->now.work = begun ? h->now.done + part[0] : 0.0;
+  h->now.done += part[0] + part[1];
+}
+
+/* Let the nodes of an obstacle's surface follow those of the contact. */
+static void follow(const ct_contact_fixed *fixed, ct_host_part *part, const ct_surface_motion *now)
+{
+  for (int64_t n = 0; n < part->is->node_count; n++) {
+    const int64_t from = 3 * (int64_t)fixed->place[part->side][n];
+    memcpy(&part->x[3 * n], &now->x[from], 3 * sizeof *part->x);
+    memcpy(&part->velocity[3 * n], &now->velocity[from], 3 * sizeof *part->velocity);
+  }
+}
+
+/* Gaps of all parts. A scene computes those of a contact twice at t = 0, and the iterations of the
+ * second call begin at the closest points of the first; we do the same for equal bits. */
+static ct_status place(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
+{
+  ct_host *h = contact->host;
+  ct_surface_motion again = ct_host_motion(h, &h->contact, now);
+  ct_status status = h->contact.is->calls->place(contact, &again, error);
+  again.first = 0;
+  if (status == CT_OK && now->first) status = ct_contact_find_gaps(contact, &again, error);
+  if (status == CT_OK) h->current = 0;
+  for (ct_host_part *part = h->contact.next; status == CT_OK && part != NULL; part = part->next) {
+    if (part->on != NULL) continue;
+    follow(contact->fixed, part, now);
+    const ct_surface_motion motion = ct_host_motion(h, part, now);
+    status = part->is->calls->place(part->state, &motion, error);
+  }
+  return status;
+}
+
+/* The next step begins with the memory of this one. */
+static void end_step(ct_contact *contact, const ct_contact_prediction *p)
+{
+  ct_host *h = contact->host;
+  double *memory = h->memory;
+  // t_n = n Δt as in a scene, while all steps have one length
+  if (p->dt != h->now.before) h->now.since = h->now.time, h->now.count = 0.0;
+  h->now.begun = 1.0;
+  h->now.before = p->dt;
+  h->now.count += 1.0;
+  h->now.time = h->now.since + h->now.count * p->dt;
+  ct_host_sum_energy(h);
+  memcpy(h->next_memory, &h->now, sizeof h->now);
+  h->memory = h->next_memory;
+  h->next_memory = memory;
+  contact->begun = h->current = 1;
+}
+
+static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
+                           const side_prediction side[2], ct_error *error)
+{
+  ct_host *h = contact->host;
+  memcpy(&h->now, h->memory, sizeof h->now);
+  ct_prediction prediction = prepare(contact, p, side);
+  const ct_surface_motion now = {.time = h->now.time,
+                                 .before = h->now.before,
+                                 .dt = p->dt,
+                                 .threads = ct_threads(contact->fixed->options.threads),
+                                 .first = h->now.begun == 0.0,
+                                 .x = h->contact.x,
+                                 .velocity = h->contact.velocity};
+  ct_status status = place(contact, &now, error);
+  if (status == CT_OK) status = solve(contact, &prediction, &now, error);
+  if (status == CT_OK) status = ct_host_find_forces(h, &now, error);
+  if (status != CT_OK) return status;
+  count_work(contact, &prediction);
+  end_step(contact, p);
+  return CT_OK;
+}
+
+/* Refuse values at a node of a surface that are not finite, and a negative inverse mass. */
+static ct_status check_side(const ct_contact *contact, int s, const side_prediction *p,
+                            ct_error *error)
+{
+  const ct_search *search = contact->fixed->side[s].search;
+  const double *vectors[] = {p->velocity, p->inverse_mass, p->increment,
+                             p->increment == NULL ? p->force : NULL};
+  for (int32_t n = 0; n < search->node_count; n++)
+    for (int64_t d = 3 * (int64_t)search->nodes[n], c = 0; c < 3; c++) {
+      int fine = p->inverse_mass[d + c] >= 0.0;
+      for (int v = 0; v < 4; v++)
+        fine = fine && (vectors[v] == NULL || isfinite(vectors[v][d + c]));
+      if (!fine)
+        return ct_fail(error, CT_INVALID, (ct_place){s, -1, search->nodes[n]},
+                       "contact: node %d of surface %d has a prediction that is not finite, or a "
+                       "negative inverse mass",
+                       (int)search->nodes[n], s);
+    }
+  return CT_OK;
+}
+
+/* The record of the last good step. */
+static ct_host_record record_of(const ct_host *h)
+{
+  ct_host_record record;
+  memcpy(&record, h->memory, sizeof record);
+  return record;
+}
+
+/* Refuse times that are impossible for a leapfrog: a kick is the mean of the last step and the next
+ * one, or the next one; in the first step it may be shorter. Other integrators pass increments. */
+static ct_status check_times(const ct_contact *contact, const ct_contact_prediction *p,
+                             ct_error *error)
+{
+  static const double SLACK = 1e-6;
+  const ct_host_record last = record_of(contact->host);
+  double mean = last.begun != 0.0 ? 0.5 * (last.before + p->dt) : p->dt,
+         least = last.begun != 0.0 ? fmin(mean, p->dt) : 0.0, most = fmax(mean, p->dt);
+  if (!(p->dt > 0.0 && isfinite(p->dt) && p->kick > 0.0 && isfinite(p->kick)))
+    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt, p->kick);
+  if (p->increment_a != NULL ||
+      (p->kick >= (1.0 - SLACK) * least && p->kick <= (1.0 + SLACK) * most))
+    return CT_OK;
+  return CT_REFUSE(error,
+                   "contact: in a step of %g after one of %g forces act for %g, not for %g; give "
+                   "the increments if your step is no leapfrog",
+                   p->dt, last.before, mean, p->kick);
+}
+
+ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
+{
+  if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
+  const side_prediction a = {p->x_a, p->velocity_a, p->force_a, p->inverse_mass_a, p->increment_a},
+                        b = {p->x_b, p->velocity_b, p->force_b, p->inverse_mass_b, p->increment_b},
+                        side[2] = {a, contact->fixed->sides == 2 ? b : a};
+  for (int s = 0; s < contact->fixed->sides; s++)
+    if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
+                     "contact: surface %d lacks coordinates, velocities or inverse masses", s);
+  ct_status status = open_host(contact, error);
+  if (status == CT_OK) status = check_times(contact, p, error);
+  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
+    status = check_side(contact, s, &side[s], error);
+  return status == CT_OK ? take_step(contact, p, side, error) : status;
+}
+
+ct_status ct_host_check_current(const ct_contact *contact, ct_error *error)
+{
+  if (contact->host != NULL && contact->host->current) return CT_OK;
+  return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
+}
+
+ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out, ct_error *error)
+{
+  if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
+  ct_status status = ct_host_check_current(contact, error);
+  if (status != CT_OK) return status;
+  const ct_host_record record = record_of(contact->host);
+  *out = (ct_contact_balance){.energy = ct_contact_energy(contact),
+                              .work = record.work,
+                              .removal = contact->work + contact->host->energy.removal,
+                              .unconverged = (int64_t)record.unconverged,
+                              .friction = contact->host->energy.dissipated,
+                              .motion = contact->host->energy.motion,
+                              .late = contact->admission.late,
+                              .late_depth = contact->admission.late_depth};
+  return CT_OK;
+}
+
+int64_t ct_contact_save(const ct_contact *contact, double *memory)
+{
+  if (contact == NULL) return 0;
+  const ct_host *h = contact->host;
+  int64_t count = CT_HOST_RECORD + contact->fixed->is.memory_count;
+  for (const ct_host_part *part = h == NULL ? NULL : h->contact.next; part != NULL;
+       part = part->next)
+    count += ct_host_part_memory(part);
+  if (memory != NULL && h != NULL && h->open)
+    memcpy(memory, h->memory, (size_t)count * sizeof *memory);
+  else if (memory != NULL) memset(memory, 0, (size_t)count * sizeof *memory);
+  return count;
+}
+
+/* Whether the numbers before `end` are finite from `*from` on, except that the distance in the
+ * records of points between `first` and `last` may be unknown; moves `*from` to `end`. */
+static int are_finite(const double *memory, int64_t *from, int64_t first, int64_t last, int64_t end)
+{
+  const int64_t known = offsetof(ct_point_record, known) / sizeof(double);
+  for (; *from < end; ++*from)
+    if (!isfinite(memory[*from]) &&
+        !(*from >= first && *from < last && (*from - first) % CT_RECORD == known))
+      return 0;
+  return 1;
+}
+
+/* Whether numbers are possible as the memory of a contact. */
+static int is_memory(const ct_contact *contact, const double *memory, int64_t count)
+{
+  ct_host_record record;
+  memcpy(&record, memory, sizeof record);
+  if (record.begun != 1.0) {
+    for (int64_t i = 0; i < count; i++)
+      if (memory[i] != 0.0) return 0;
+    return 1;
+  }
+  int64_t at = 0;
+  int finite = 1;
+  for (const ct_host_part *part = &contact->host->contact; finite && part != NULL;
+       part = part->next)
+    finite = are_finite(memory, &at, part->memory + part->is->first_record,
+                        part->memory + part->is->end_record, part->memory + part->is->memory_count);
+  return finite && are_finite(memory, &at, count, count, count) && record.before > 0.0 &&
+         record.unconverged >= 0.0 && record.unconverged < 9e15 &&
+         ct_contact_memory_begun(contact->fixed, memory + CT_HOST_RECORD);
+}
+
+ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
+                             ct_error *error)
+{
+  if (contact == NULL || memory == NULL) return CT_REFUSE(error, "contact: null argument");
+  ct_status status = open_host(contact, error);
+  if (status != CT_OK) return status;
+  ct_host *h = contact->host;
+  if (count != h->memory_count)
+    return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
+                     (long long)count, (long long)h->memory_count);
+  if (!is_memory(contact, memory, count))
+    return ct_fail(error, CT_INVALID, CT_NOWHERE,
+                   "contact: these numbers were not written by ct_contact_save");
+  memcpy(h->memory, memory, (size_t)count * sizeof *memory);
+  h->current = 0;
+  return CT_OK;
+}
+
+/* Add the forces of obstacles and friction. */
+static void add_parts(const ct_contact *contact, double *const f[2])
+{
+  for (const ct_host_part *part = contact->host->contact.next; part != NULL; part = part->next)
+    for (int32_t n = 0; n < part->is->node_count; n++) {
+      int side;
+      const int64_t dof = 3 * (int64_t)ct_host_node(contact, part, n, &side);
+      for (int c = 0; c < 3; c++) f[side][dof + c] += part->force[3 * (int64_t)n + c];
+    }
+}
+
+ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
+{
+  if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->sides == 2))
+    return CT_REFUSE(error, "contact: null argument");
+  const int more = contact->host != NULL && contact->host->current;
+  double *const f[2] = {fa, fb};
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_side *side = &contact->side[s];
+    for (int64_t n = 0; n < side->search->node_count; n++)
+      for (int c = 0; c < 3; c++)
+        f[s][3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
+  }
+  if (!more) return CT_OK;
+  if (contact->host->contact.next != NULL && contact->fixed->sides == 2 &&
+      contact->fixed->one_array && fa != fb)
+    return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
+  add_parts(contact, f);
+  return CT_OK;
+}
+
+double ct_contact_energy(const ct_contact *contact)
+{
+  if (contact == NULL) return NAN;
+  double own = ct_contact_own_energy(contact);
+  return contact->host != NULL && contact->host->current ? own + contact->host->energy.stored : own;
+}
+
+/* Masses in the contact's numbering; null with `status`. */
+static double *take_masses(const ct_contact *contact, const double *const mass[2], const double *dt,
+                           ct_status *status, ct_error *error)
+{
+  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2) ||
+      dt == NULL) {
+    *status = CT_REFUSE(error, "contact: null argument");
+    return NULL;
+  }
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t n = 0; n < search->node_count; n++)
+      if (!(mass[s][search->nodes[n]] > 0.0)) {
+        *status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, search->nodes[n]},
+                          "contact: the mass of node %d of surface %c is not positive",
+                          (int)search->nodes[n], "ab"[s]);
+        return NULL;
+      }
+  }
+  double *own = ct_allocate((size_t)contact->fixed->node_count, sizeof *own);
+  *status = own != NULL ? CT_OK : CT_NO_MEMORY(error, "a bound on the time step");
+  if (own != NULL) gather(contact->fixed, mass, 1, own);
+  return own;
+}
+
+/* The step of a bound, whose masses are freed. */
+static ct_status end_bound(double *mass, ct_status status, double omega2, double *dt,
+                           ct_error *error)
+{
+  ct_release(mass);
+  if (status != CT_OK)
+    return ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
+  // -- Δt = 2 / ω (eq:step-bound)
+  *dt = 2.0 / sqrt(omega2);
+  return CT_OK;
+}
+
+ct_status ct_contact_update_stable_step(const ct_contact *contact, const double *mass_a,
+                                        const double *mass_b, double *dt, ct_error *error)
+{
+  double omega2 = 0.0;
+  ct_status status;
+  double *mass = take_masses(contact, (const double *const[2]){mass_a, mass_b}, dt, &status, error);
+  if (mass == NULL) return status;
+  status = ct_contact_find_springs(contact, 0, (ct_masses){mass, NULL}, &omega2);
+  return end_bound(mass, status, omega2, dt, error);
+}
+
+ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
+                                 const double *mass_b, double *dt, ct_error *error)
+{
+  double omega2 = 0.0;
+  ct_status status;
+  double *mass = take_masses(contact, (const double *const[2]){mass_a, mass_b}, dt, &status, error);
+  if (mass == NULL) return status;
+  status = ct_interaction_bound(&contact->fixed->is, contact, (ct_masses){mass, NULL}, &omega2);
+  const ct_host_part *part = contact->host == NULL ? NULL : contact->host->contact.next;
+  for (; status == CT_OK && part != NULL; part = part->next) {
+    double bound;
+    const ct_host_part *on = part->on == NULL ? part : part->on;
+    const ct_masses own = {mass, part->side < 0 ? NULL : contact->fixed->place[part->side]};
+    status = ct_interaction_bound(part->is, on->state, own, &bound);
+    if (status == CT_OK) omega2 += bound;
+  }
+  return end_bound(mass, status, omega2, dt, error);
+}
