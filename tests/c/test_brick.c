@@ -4,7 +4,7 @@
 
 #include "tap.h"
 
-static const char *NAME[2] = {"hex8", "hex20"};
+static const char *NAME[CT_BRICK_COUNT];
 static const double PROBE[4][3] = {
     {0.125, 0.25, -0.5}, {-0.625, 0.75, 0.375}, {1, -1, 1}, {0.3, -0.1, 0.7}};
 
@@ -108,8 +108,43 @@ static void mirrored_sides(ct_brick_kind kind)
   tap_ok(good, "%s: mirrored bricks have mirrored sides", NAME[kind]);
 }
 
+/* The row of a kind, compared with its nodes, its faces, its rule and the integrals of its shape
+ * functions over the cube. */
+static void row(ct_brick_kind kind)
+{
+  const ct_brick_facts *f = ct_brick_facts_of(kind);
+  int low = 0, corners = 0, positive = 1;
+  double cell = 0, size = 0, sum[20] = {0};
+  ct_rule rule;
+  for (int i = 0; i < f->node_count; i++) {
+    double xi[3], share = 1;
+    ct_brick_reference(kind, i, xi);
+    for (int a = 0; a < 3; a++) share *= xi[a] == 0 ? 1 : 0.5;
+    cell += share, low += xi[0] == -1, corners += i < 8 && share == 0.125;
+  }
+  tap_ok(corners == 8 && ct_brick_node_count(kind) == f->node_count && cell == f->cell_nodes,
+         "%s: %d nodes, corners first, %d per brick of a mesh", f->name, f->node_count,
+         f->cell_nodes);
+  tap_ok(low == ct_face_node_count(f->face_kind) && ct_brick_face_kind(kind) == f->face_kind,
+         "%s: a face has %d nodes", f->name, low);
+  tap_ok(ct_rule_brick(kind, &rule) == CT_OK && rule.count == f->points * f->points * f->points,
+         "%s: its rule has %d points along each axis", f->name, f->points);
+  for (int q = 0; q < rule.count; q++) {
+    double N[20];
+    ct_brick_shape(kind, rule.xi[q], N);
+    size += rule.weight[q];
+    for (int i = 0; i < f->node_count; i++) sum[i] += rule.weight[q] * N[i];
+  }
+  for (int i = 0; i < f->node_count; i++) positive &= sum[i] > 0;
+  tap_close(size, 8, 1e-14, "%s: the weights add up to the cube", f->name);
+  tap_ok(f->row_sum == positive, "%s: lumped by row sums if they are positive", f->name);
+  tap_ok(f->trilinear == (f->node_count == 8), "%s: trilinear with 8 nodes", f->name);
+}
+
 static void bad_input(void)
 {
+  tap_ok(ct_brick_facts_of((ct_brick_kind)-1) == NULL && ct_brick_facts_of(CT_BRICK_COUNT) == NULL,
+         "no other kind has a row");
   double N[20], xi[3] = {0, 0, 0};
   ct_brick_shape((ct_brick_kind)5, xi, N);
   tap_ok(ct_brick_node_count((ct_brick_kind)5) == 0 && isnan(N[19]),
@@ -126,7 +161,13 @@ static void bad_input(void)
 
 int main(void)
 {
-  for (int kind = 0; kind < 2; kind++) {
+  for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
+    NAME[kind] = ct_brick_facts_of((ct_brick_kind)kind)->name;
+    if (NAME[kind] == NULL) {
+      tap_ok(0, "kind %d has a row", kind);
+      continue;
+    }
+    row((ct_brick_kind)kind);
     interpolation_conditions((ct_brick_kind)kind);
     derivatives((ct_brick_kind)kind);
     sides((ct_brick_kind)kind);

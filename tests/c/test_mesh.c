@@ -461,7 +461,7 @@ static void unlike_edges(ct_brick_kind kind)
 
 int main(void)
 {
-  for (int kind = 0; kind < 2; kind++) {
+  for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
     box_counts((ct_brick_kind)kind);
     mirrored_boxes((ct_brick_kind)kind);
     faces((ct_brick_kind)kind);
@@ -488,7 +488,7 @@ int main(void)
   tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT &&
              ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "no box and an unknown element are refused");
-  for (int kind = 0; kind < 2; kind++) rings((ct_brick_kind)kind);
+  for (int kind = 0; kind < CT_BRICK_COUNT; kind++) rings((ct_brick_kind)kind);
   ring_refused((ct_ring){{0, 0, 0}, {0, 1}, 1, {1, 8, 1}}, "radius", "a ring without a hole");
   ring_refused((ct_ring){{0, 0, 0}, {1, 1}, 1, {1, 8, 1}}, "radius", "a ring without thickness");
   ring_refused((ct_ring){{0, 0, 0}, {1, 2}, NAN, {1, 8, 1}}, "width", "a width that is NaN");

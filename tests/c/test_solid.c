@@ -658,9 +658,25 @@ static void box20(void)
   mirrored(CT_HEX20, CT_KERNEL_BOX, "hex20 box kernel");
 }
 
+/* Each kind of element has a general kernel for each law. */
+static void has_kernel(ct_brick_kind kind, ct_law law)
+{
+  ct_error e = {0};
+  ct_effect *effect = NULL;
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = CT_KERNEL_GENERAL};
+  b.material.law = law;
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_OK, "%s, law %d: a general kernel %s",
+         ct_brick_facts_of(kind)->name, (int)law, e.text);
+  ct_effect_free(effect);
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
-  for (int kind = 0; kind < 2; kind++) {
+  for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
+    for (int law = CT_LINEAR; law <= CT_NEO_HOOKEAN; law++)
+      has_kernel((ct_brick_kind)kind, (ct_law)law);
     patch_test((ct_brick_kind)kind);
     energy_gradient((ct_brick_kind)kind);
     for (int law = CT_LINEAR; law <= CT_NEO_HOOKEAN; law++)

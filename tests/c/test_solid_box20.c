@@ -117,7 +117,7 @@ static void choice(void)
          "equal boxes get the box kernel");
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 1, &e) == CT_KERNEL_BOX,
          "one layer that is fixed, too: the plane kernel is for hex8");
-  tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex8") != NULL,
+  tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex20") != NULL,
          "a request for that kernel is refused: %s", e.text);
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, 0, &e) == CT_KERNEL_GENERAL &&
              kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1,

@@ -5,7 +5,7 @@ import pytest
 from libcontact._core import ffi
 
 import libcontact as ct
-from libcontact import bridge
+from libcontact import bridge, mesh
 
 STRUCTS = ["ct_projection", "ct_ray_hit", "ct_nearest", "ct_energy", "ct_momentum"]
 
@@ -28,6 +28,13 @@ def test_statuses_have_the_names_of_the_library():
     constants = sorted(ffi.typeof("ct_status").elements.items())[: len(ct.Status)]
     assert [(status.value, f"CT_{status.name}") for status in ct.Status] == constants
     assert [status.value for status in ct.Status] == [0, 1, 2, 3, 4]
+
+
+def test_each_kind_of_element_has_a_row_and_the_name_of_its_constant():
+    assert list(mesh.FACTS) == list(mesh.KINDS) == ["hex8", "hex20"]
+    for name, facts in mesh.FACTS.items():
+        assert facts != ffi.NULL and ffi.string(facts.name).decode() == name
+    assert len(mesh.VTK_TYPE) == len(set(mesh.WIDTH.values())) == len(mesh.KINDS)
 
 
 def test_impossible_arrays_are_refused():

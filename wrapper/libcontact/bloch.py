@@ -14,7 +14,7 @@ import numpy as np
 from ._core import ffi, lib
 from .bridge import Floats, call, chosen, doubles, names, positive, real, row
 from .errors import ArgumentError
-from .mesh import KINDS
+from .mesh import FACTS, KINDS
 
 __all__ = ["Dispersion", "Front", "dispersion", "dispersion_front"]
 
@@ -176,7 +176,7 @@ def dispersion(
     if vectors.ndim < 1 or vectors.shape[-1] != 3:
         raise ValueError(f"wave must have shape (..., 3), not {vectors.shape}")
     definition = _definition(element, size, poisson, mass, integrator, parameter, courant)
-    nodes, before = (4 if element == "hex20" else 1), vectors.shape[:-1]
+    nodes, before = FACTS[element].cell_nodes, vectors.shape[:-1]
     count = vectors.size // 3
     rows = np.zeros((count, 3 * nodes), row("ct_branch"))
     call(

@@ -9,6 +9,7 @@ from typing import Any
 
 from ._core import ffi, lib
 from .errors import SceneWarning
+from .mesh import FACTS
 from .model import INTEGRATORS, Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
@@ -152,7 +153,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     facts: dict[str, Any] = {"name": body.name, "material": material.name, "law": material.law}
     facts |= {"element": mesh.element, "nodes": len(mesh.nodes), "elements": len(mesh.elements)}
     facts |= {"kernel": body.kernel, "kernel_why": _why(given.kernel, body)}
-    facts |= {"lumping": given.lumping or ("row_sum" if mesh.element == "hex8" else "hrz")}
+    facts |= {"lumping": given.lumping or ("row_sum" if FACTS[mesh.element].row_sum else "hrz")}
     facts |= {"layers": problem.layers(given) if given.box else None}
     facts |= {"c1": c1, "c2": c2, "c1_si": c1 * problem.parts.units.factor("velocity")}
     facts |= {"shortest_edge": mesh.shortest_edge}
@@ -165,7 +166,7 @@ def _why(asked: str, body: BuiltBody) -> str:
         return "asked for" if asked != "auto" else KERNELS[body.kernel]
     large = body.material.law != "linear"
     why = "large strain" if large else "elements are not equal boxes along x, y, z"
-    return f"{why}: {'3x3x3' if body.mesh.element == 'hex20' else '2x2x2'} Gauss points"
+    return f"{why}: {'x'.join(3 * [str(FACTS[body.mesh.element].points)])} Gauss points"
 
 
 def _contact(

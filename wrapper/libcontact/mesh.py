@@ -20,8 +20,9 @@ from .schema import check_file
 __all__ = ["Mesh", "read_vtkhdf"]
 
 KINDS = names("ct_brick_kind")
-WIDTH: dict[str, int] = {name: lib.ct_brick_node_count(kind) for name, kind in KINDS.items()}
-VTK_TYPE = {12: "hex8", 25: "hex20"}
+FACTS = {name: lib.ct_brick_facts_of(kind) for name, kind in KINDS.items()}
+WIDTH: dict[str, int] = {name: facts.node_count for name, facts in FACTS.items()}
+VTK_TYPE = {facts.vtk: name for name, facts in FACTS.items()}
 LAYERS = names("ct_layers")
 
 
@@ -188,7 +189,7 @@ class Mesh:
         function = lib.ct_mesh_plane_faces if plane else lib.ct_mesh_outer_faces
         count = function(self.pointer, *plane, ffi.NULL, ffi.NULL)
         check(-min(count, 0))
-        width = lib.ct_face_node_count(lib.ct_brick_face_kind(KINDS[self.element]))
+        width = lib.ct_face_node_count(FACTS[self.element].face_kind)
         faces, owners = np.empty((count, width), np.int32), np.empty(count, np.int32)
         check(-min(function(self.pointer, *plane, ints(faces), ints(owners)), 0))
         return faces, owners
@@ -257,8 +258,10 @@ class Mesh:
         """
         x = self.nodes[self.elements]
         low, high = x.min(axis=1), x.max(axis=1)
-        # A curved face of hex20 may bulge out of the box of its nodes.
-        margin = (1e-9 if self.element == "hex8" else 0.3) * (high - low).max(axis=1, keepdims=True)
+        # A curved face may bulge out of the box of its nodes.
+        margin = (1e-9 if FACTS[self.element].trilinear else 0.3) * (high - low).max(
+            axis=1, keepdims=True
+        )
         low, high = low - margin, high + margin
         elements = np.full(len(points), -1, np.int64)
         xi = np.full((len(points), 3), np.nan)
@@ -383,7 +386,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
     nodes, count = int(parts[0]), int(cells[0])
     kinds = sorted(set(types[:count].tolist()))
     if len(kinds) != 1 or kinds[0] not in VTK_TYPE:
-        raise wrong(f"has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)")
+        raise wrong(f"has cells of the VTK types {kinds}; all must be of one of {VTK_TYPE}")
     width = WIDTH[VTK_TYPE[kinds[0]]]
     if not np.array_equal(offsets[: count + 1], width * np.arange(count + 1)):
         raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes per cell')

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ._core import ffi, lib
 from .bridge import names
 from .errors import new_error
+from .mesh import FACTS, WIDTH
 from .schema import (
     VECTOR,
     Choice,
@@ -33,7 +34,6 @@ from .schema import (
     word,
 )
 
-ELEMENTS = names("ct_brick_kind")
 LUMPINGS = names("ct_lumping")
 LAWS = names("ct_law")
 KERNELS = names("ct_solid_kernel")
@@ -241,9 +241,9 @@ class Body(Table):
     ring: Any = key(Nested(Ring), default=None, says="one of four")
     mesh: Any = key(FileName(), default=None, says="one of four")
     nodes: Any = key(Rows(3), unit="length", default=None, says="one of four")
-    elements: Any = key(Rows(8, 20, whole=True), default=None, says="with ``nodes``")
+    elements: Any = key(Rows(*WIDTH.values(), whole=True), default=None, says="with ``nodes``")
     element: str | None = key(
-        Choice(ELEMENTS), default=None, says='``"hex8"``, or what the mesh holds'
+        Choice(FACTS), default=None, says='``"hex8"``, or what the mesh holds'
     )
     velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
     spin: Any = key(Nested(Spin), default=None, says="none")
@@ -262,7 +262,7 @@ class Body(Table):
     def bricks(self) -> str | None:
         """The kind of the elements, or None as long as a mesh file has not been read."""
         if self.elements is not None:
-            return "hex8" if self.elements.shape[1] == 8 else "hex20"
+            return next(name for name in WIDTH if WIDTH[name] == self.elements.shape[1])
         return self.element or (None if self.mesh else "hex8")
 
     def refusals(self) -> Iterator[tuple[str, str]]:
@@ -276,8 +276,10 @@ class Body(Table):
             if self.element not in (None, self.bricks):
                 there = f'"elements" has {width} nodes per row ({self.bricks})'
                 yield "element", f'is "{self.element}", but {there}'
-        if self.bricks == "hex20":
-            yield from self._chosen(HEX8_ONLY)
+        if self.bricks and not FACTS[self.bricks].row_sum:
+            yield from self._chosen(ROW_SUM)
+        if self.bricks and not FACTS[self.bricks].trilinear:
+            yield from self._chosen(TRILINEAR_ONLY)
 
     def small_strain_only(self, material: Material) -> Iterator[tuple[str, str]]:
         """Keys of the body that its material's law does not allow."""
@@ -298,11 +300,14 @@ class Body(Table):
                 yield name, f'"{chosen}" {why}'
 
 
-# Options that hex20 and laws of large strain lack: the key, its word, and the reason.
-HEX8_ONLY = {
-    ("lumping", "row_sum"): 'gives the corners of hex20 a negative mass; use "hrz"',
-    ("kernel", "plane"): 'is for hex8; hex20 has the kernels "general" and "box"',
-    ("integration", "reduced"): "with hourglass control is for hex8; hex20 is integrated in full",
+# Options that some elements and laws of large strain lack: the key, its word, and the reason.
+ROW_SUM = {("lumping", "row_sum"): 'gives nodes of this element a negative mass; use "hrz"'}
+TRILINEAR_ONLY = {
+    ("kernel", "plane"): 'is for hex8; other elements have the kernels "general" and "box"',
+    (
+        "integration",
+        "reduced",
+    ): "with hourglass control is for hex8; other elements are integrated in full",
 }
 SMALL_STRAIN_ONLY = (("integration", "reduced"), ("kernel", "box"), ("kernel", "plane"))
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from .effects import Added, Effect, absorb, averaging, damping, gravity, load, obstacle, viscosity
+from .mesh import FACTS
 from .model import Body, Contact, History, Material, Output, Probe, Run, Support, Time
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
@@ -137,9 +138,12 @@ def acts_on(effect: Any, name: str) -> bool:
 
 
 def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
-    """Refuse viscosity for hex20, and a load along the thickness of a body with the plane kernel."""
-    if added.name == "viscosity" and body.bricks == "hex20":
-        yield f"{added.key}.bodies", f'"{body.name}" is of hex20; bulk viscosity is for hex8'
+    """Refuse viscosity for quadratic elements, and a load along the thickness of a body with the plane kernel."""
+    if added.name == "viscosity" and not FACTS[body.bricks or "hex8"].trilinear:
+        yield (
+            f"{added.key}.bodies",
+            f'"{body.name}" is of {body.bricks}; bulk viscosity is for hex8',
+        )
     held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
     cells = body.box.cells if body.box and body.kernel == "plane" else ()
     thin = [k for k, n in enumerate(cells) if n == 1 and "xyz"[k] in held]
@@ -176,7 +180,7 @@ def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
 
 
 def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Refuse the averaged mass with relaxation, hex20 or nonlinear bodies."""
+    """Refuse the averaged mass with relaxation, quadratic elements or nonlinear bodies."""
     if parts.averaging is None:
         return
     if parts.damping is not None and parts.damping.relaxation:
@@ -184,8 +188,8 @@ def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
     for body in parts.body:
         if not acts_on(parts.averaging, body.name):
             continue
-        if body.bricks == "hex20":
-            yield "averaging.bodies", f'"{body.name}" is of hex20; averaging is for hex8'
+        if not FACTS[body.bricks or "hex8"].trilinear:
+            yield "averaging.bodies", f'"{body.name}" is of {body.bricks}; averaging is for hex8'
         if parts.materials[body.material].law != "linear":
             yield "averaging.bodies", f'"{body.name}" is not linear'
 

@@ -25,6 +25,7 @@ from . import has
 from ._core import ffi, lib
 from .bridge import ask, call
 from .errors import Error
+from .mesh import FACTS
 from .model import Body, Time
 from .problem import Problem, memory_of, new_state
 from .progress import table_text
@@ -196,7 +197,8 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     :eq:`round-flops`; zeros for the output."""
     state, bounds = new_state(problem), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
-    face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
+    kinds = {FACTS[body.mesh.element].face_kind for body in problem.bodies.values()}
+    face = max(map(lib.ct_face_node_count, kinds))
     for k, effect in enumerate(problem.made):
         call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds

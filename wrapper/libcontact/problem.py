@@ -17,6 +17,7 @@ from .bridge import Floats, Ints, ask, call, doubles, names, row
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
 from .mesh import (
+    FACTS,
     KINDS,
     WIDTH,
     Mesh,
@@ -124,7 +125,7 @@ def memory_of(problem: Problem) -> int:
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         given, width = problem.parts.bodies[name], WIDTH[body.mesh.element]
         lattice = problem._is_lattice(given) or problem._is_numbered_in_rows(given, body.mesh)
-        linear = width == 8 and body.material.law == "linear"
+        linear = FACTS[body.mesh.element].trilinear and body.material.law == "linear"
         ordered = linear and not lattice and "congruent" in problem.parts.run.savings
         if ordered:
             # The mesh is copied in an order by rows, with its numbering and displacements. Lists of
@@ -260,7 +261,7 @@ class Problem:
         for i, body in enumerate(self.parts.bodies.values()):
             if body.box or body.ring:
                 x, y, z = (body.box or body.ring).cells
-                nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.bricks == "hex20" else 1)
+                nodes = (x + 1) * (y + 1) * (z + 1) * FACTS[str(body.bricks)].cell_nodes
                 width = WIDTH[str(body.bricks)]
                 need += memory_estimate(nodes, x * y * z, width, self._is_lattice(body))
             if need > physical_memory():
@@ -273,8 +274,8 @@ class Problem:
         return (
             "congruent" in self.parts.run.savings
             and self.parts.materials[body.material].law == "linear"
-            and body.bricks == "hex8"
             and body.box is not None
+            and FACTS[str(body.bricks)].trilinear
             and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
         )
 
@@ -284,7 +285,7 @@ class Problem:
         if (
             "congruent" not in self.parts.run.savings
             or self.parts.materials[body.material].law != "linear"
-            or mesh.element != "hex8"
+            or not FACTS[mesh.element].trilinear
             or (body.elements is None and body.mesh is None)
         ):
             return False
@@ -463,8 +464,7 @@ class Problem:
         rule = ffi.new("ct_rule *")
         points = []
         for (body, _), faces in zip(contact.surfaces, self.faces[i]):
-            kind = lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element])
-            call(lib.ct_rule_face, kind, rule)
+            call(lib.ct_rule_face, FACTS[self.bodies[body].mesh.element].face_kind, rule)
             points.append(len(faces) * rule.count)
         first, second = (".".join(surface) for surface in contact.surfaces)
         counts = tuple(len(faces) for faces in self.faces[i])

@@ -76,13 +76,40 @@ typedef enum ct_brick_kind {
   /** trilinear brick, 8 nodes */
   CT_HEX8 = 0,
   /** serendipity brick, 20 nodes */
-  CT_HEX20 = 1
+  CT_HEX20 = 1,
+  /** Number of kinds; it grows with later versions. */
+  CT_BRICK_COUNT
 } ct_brick_kind;
 
-/** Number of nodes of a brick kind: 8 or 20, and 0 for an unknown kind. */
+/** What a kind of brick is: its row in the table of `libcontact/src/shape/brick.c`. */
+typedef struct ct_brick_facts {
+  /** Its word in a scene. */
+  const char *name;
+  /** Number of nodes, at most 20; the first 8 are the corners. */
+  int node_count;
+  /** Kind of its six faces. */
+  ct_face_kind face_kind;
+  /** Gauss points along each axis of the full rule, :eq:`quadrature-product`: 2 or 3. */
+  int points;
+  /** Number of the cell type in VTK. */
+  int vtk;
+  /** Nodes per brick of an infinite mesh: 1, or 4 with nodes in the middles of edges. */
+  int cell_nodes;
+  /** 1 if the sums of the rows of its mass matrix are positive and it is lumped by them,
+   * :eq:`row-sum`; 0: by :eq:`hrz`. */
+  int row_sum;
+  /** 1 for the trilinear brick, which alone has the kernels `CT_KERNEL_PLANE` and
+   * `CT_KERNEL_REDUCED`, bounds by blocks, bulk viscosity and the averaged mass. */
+  int trilinear;
+} ct_brick_facts;
+
+/** The facts of a kind; null for an unknown one. */
+CT_API const ct_brick_facts *ct_brick_facts_of(ct_brick_kind kind);
+
+/** Number of nodes of a brick kind, and 0 for an unknown kind. */
 CT_API int ct_brick_node_count(ct_brick_kind kind);
 
-/** Kind of the six faces: CT_Q4 for hex8, CT_Q8 for hex20. */
+/** Kind of the six faces of a known kind. */
 CT_API ct_face_kind ct_brick_face_kind(ct_brick_kind kind);
 
 /**

@@ -17,7 +17,7 @@ static void place_nodes(ct_bloch *bloch, ct_brick_kind kind, const double size[3
   static const int EDGE[12][2] = {{0, 1}, {1, 2}, {3, 2}, {0, 3}, {4, 5}, {5, 6},
                                   {7, 6}, {4, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
   bloch->per = ct_brick_node_count(kind);
-  bloch->families = kind == CT_HEX20 ? 4 : 1;
+  bloch->families = ct_brick_facts_of(kind)->cell_nodes;
   for (int a = 0; a < bloch->per; a++) {
     const int *low = CORNER[a < 8 ? a : EDGE[a - 8][0]], *high = CORNER[a < 8 ? a : EDGE[a - 8][1]];
     bloch->family[a] = 0;
@@ -67,7 +67,7 @@ ct_status ct_bloch_init(const ct_dispersion_def *def, ct_bloch *bloch, ct_error 
   if ((int)def->mass < CT_MASS_LUMPED || (int)def->mass > CT_MASS_AVERAGED)
     return CT_REFUSE(error, "dispersion: there is no mass form %d", (int)def->mass);
   if (def->mass == CT_MASS_AVERAGED &&
-      (def->kind != CT_HEX8 || !ct_integrator_is_leapfrog(&def->integrator)))
+      (!ct_brick_facts_of(def->kind)->trilinear || !ct_integrator_is_leapfrog(&def->integrator)))
     return CT_REFUSE(error, "dispersion: averaged mass is for hex8 and central differences");
   ct_status status = ct_material_check(&def->material, error);
   if (status != CT_OK) return status;

@@ -240,7 +240,7 @@ static ct_status prepare_body(averaged_body *body, const ct_averaging_def *def, 
   double edge[3], c1, c2;
   ct_status status = ct_mesh_check(from->mesh, error);
   if (status != CT_OK) return status;
-  if (from->mesh->kind != CT_HEX8 || from->material.law != CT_LINEAR ||
+  if (!ct_brick_facts_of(from->mesh->kind)->trilinear || from->material.law != CT_LINEAR ||
       !ct_solid_is_box(from->mesh, edge))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "averaging: body %s is not of linear hex8 elements that are equal bricks along "

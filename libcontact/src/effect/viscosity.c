@@ -206,9 +206,11 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
                               ct_pool *pool, ct_error *error)
 {
   double c2;
-  if (from->mesh->kind != CT_HEX8)
+  const ct_brick_facts *facts = ct_brick_facts_of(from->mesh->kind);
+  if (!facts->trilinear)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "viscosity: body %s is of hex20; bulk viscosity is for hex8", from->name);
+                   "viscosity: body %s is of %s; bulk viscosity is for hex8", from->name,
+                   facts->name);
   body->mesh = from->mesh;
   body->first_node = from->first_node;
   body->density = from->material.density;

@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { VTK_HEXAHEDRON = 12, VTK_QUADRATIC_HEXAHEDRON = 25 };
-
 /* The groups of the file, in the order in which they are made. */
 enum { POINT_DATA = 1, CELL_DATA, FIELD_DATA, STEPS, TO_OFFSETS = 4, OWN_GROUP = 8 };
 static const char *const GROUP[] = {"VTKHDF",
@@ -27,7 +25,7 @@ static void fill_cells(const ct_problem *problem, int what, int64_t *values)
   int64_t at = 0;
   for (int32_t b = 0; b < problem->body_count; b++) {
     const ct_mesh *mesh = problem->bodies[b].mesh;
-    int64_t type = mesh->kind == CT_HEX20 ? VTK_QUADRATIC_HEXAHEDRON : VTK_HEXAHEDRON;
+    int64_t type = ct_brick_facts_of(mesh->kind)->vtk;
     for (int32_t e = 0; e < mesh->element_count; e++, at += ct_brick_node_count(mesh->kind))
       *values++ = what == OFFSET ? at : what == TYPE ? type : b;
   }

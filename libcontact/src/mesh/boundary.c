@@ -24,12 +24,19 @@ static side side_of(const int32_t node[8], int32_t element, int number)
   return s;
 }
 
+/* Number of nodes of a side. */
+static int per_side(const ct_mesh *mesh)
+{
+  return ct_face_node_count(ct_brick_face_kind(mesh->kind));
+}
+
 /* Node numbers of a side of an element, shape (4 or 8). */
 static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, int number,
                        int32_t node[8])
 {
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
-  for (int a = 0; a < (mesh->kind == CT_HEX8 ? 4 : 8); a++)
+  int count = per_side(mesh);
+  for (int a = 0; a < count; a++)
     node[a] = mesh->elements[(size_t)element * per + (size_t)local[number][a]];
 }
 
@@ -37,7 +44,7 @@ static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, in
  * `sides`: only count. */
 static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, side *sides)
 {
-  int per = ct_brick_node_count(mesh->kind), per_face = mesh->kind == CT_HEX8 ? 4 : 8;
+  int per = ct_brick_node_count(mesh->kind), per_face = per_side(mesh);
   const int32_t *n = mesh->elements;
   size_t count = 0;
   for (int32_t e = 0; e < mesh->element_count; e++, n += per) {
@@ -96,7 +103,7 @@ static int32_t collect(const ct_mesh *mesh, const char *in, int32_t *faces, int3
 {
   int local[6][8];
   int32_t kept = 0;
-  size_t per_face = mesh->kind == CT_HEX8 ? 4 : 8;
+  size_t per_face = (size_t)per_side(mesh);
   for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
   size_t count = list_sides(mesh, local, in, NULL);
   if (count > INT32_MAX) return -CT_ERROR_MEMORY;

@@ -11,13 +11,14 @@
 ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shapes *out,
                            ct_error *error)
 {
+  const ct_brick_facts *facts = ct_brick_facts_of(kind);
   out->per = ct_brick_node_count(kind);
-  out->hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && out->per == 20);
   if (ct_rule_brick(kind, &out->rule) != CT_OK)
     return CT_REFUSE(error, "mass: null argument or unknown element");
-  if (!out->hrz && out->per == 20)
+  out->hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && !facts->row_sum);
+  if (!out->hrz && !facts->row_sum)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "row-sum lumping gives the corners of hex20 the negative mass -1/8; use HRZ");
+                   "row-sum lumping gives nodes of %s a negative mass; use HRZ", facts->name);
   for (int q = 0; q < out->rule.count; q++) {
     ct_brick_shape(kind, out->rule.xi[q], out->N[q]);
     ct_brick_gradient(kind, out->rule.xi[q], out->dN[q]);

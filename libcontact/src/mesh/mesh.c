@@ -137,8 +137,9 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
   const lattice l = lattice_of(cells, corners);
   int64_t n[3] = {cells[0], cells[1], cells[2]};
   if (n[0] * n[1] > INT32_MAX) return CT_REFUSE(error, "a mesh of too many cells");
-  int64_t nodes =
-      kind == CT_HEX20 ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2] : l.first[1];
+  int64_t nodes = ct_brick_facts_of(kind)->cell_nodes > 1
+                      ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2]
+                      : l.first[1];
   ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], threads, out, error);
   if (status != CT_OK) return status;
 

@@ -1,6 +1,20 @@
 #include "shape.h"
 
 #include <math.h>
+#include <stddef.h>
+
+/* All kinds: name, nodes, kind of the faces, Gauss points along an axis, number in VTK, nodes per
+ * cell of a mesh, whether it is lumped by row sums, whether it is trilinear. */
+static const ct_brick_facts KINDS[] = {[CT_HEX8] = {"hex8", 8, CT_Q4, 2, 12, 1, 1, 1},
+                                       [CT_HEX20] = {"hex20", 20, CT_Q8, 3, 25, 4, 0, 0}};
+
+/* A value of ct_brick_kind without a row does not compile, if it is the last one. */
+typedef char every_kind_has_its_row[sizeof KINDS / sizeof KINDS[0] == CT_BRICK_COUNT ? 1 : -1];
+
+const ct_brick_facts *ct_brick_facts_of(ct_brick_kind kind)
+{
+  return (int)kind >= 0 && kind < CT_BRICK_COUNT ? &KINDS[kind] : NULL;
+}
 
 static const signed char NODE[20][3] = {
     {-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
@@ -9,16 +23,11 @@ static const signed char NODE[20][3] = {
 
 int ct_brick_node_count(ct_brick_kind kind)
 {
-  switch (kind) {
-  case CT_HEX8:
-    return 8;
-  case CT_HEX20:
-    return 20;
-  }
-  return 0;
+  const ct_brick_facts *facts = ct_brick_facts_of(kind);
+  return facts == NULL ? 0 : facts->node_count;
 }
 
-ct_face_kind ct_brick_face_kind(ct_brick_kind kind) { return kind == CT_HEX20 ? CT_Q8 : CT_Q4; }
+ct_face_kind ct_brick_face_kind(ct_brick_kind kind) { return KINDS[kind].face_kind; }
 
 void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
 {

@@ -86,7 +86,8 @@ ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule)
 {
   if (rule == NULL) return CT_ERROR_ARGUMENT;
   rule->count = 0;
-  if (ct_brick_node_count(kind) == 0) return CT_ERROR_ARGUMENT;
-  gauss_product(3, kind == CT_HEX8 ? 2 : 3, rule);
+  const ct_brick_facts *facts = ct_brick_facts_of(kind);
+  if (facts == NULL) return CT_ERROR_ARGUMENT;
+  gauss_product(3, facts->points, rule);
   return CT_OK;
 }

@@ -65,7 +65,7 @@ static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *
   *b = (ct_solid_box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-  if (mesh->kind != CT_HEX8) return CT_OK;
+  if (!ct_brick_facts_of(mesh->kind)->trilinear) return CT_OK;
   b->aligned = part->box;
   memcpy(b->edge, part->edge, sizeof b->edge);
   if (!part->box && !find_edges(mesh, size, b)) return CT_OK;

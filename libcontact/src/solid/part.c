@@ -98,22 +98,24 @@ static ct_status prepare_ring(ct_solid_part *part, int threads)
 static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
 {
   ct_status status = CT_OK;
-  int threads = block->threads < 1 ? 1 : block->threads, hex8 = part->mesh->kind == CT_HEX8;
+  int threads = block->threads < 1 ? 1 : block->threads,
+      trilinear = ct_brick_facts_of(part->mesh->kind)->trilinear;
   int plane = block->kernel == CT_KERNEL_PLANE ||
               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
-  if (plane && part->box && hex8) status = choose_plane(part, block, threads);
-  if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
+  if (plane && part->box && trilinear) status = choose_plane(part, block, threads);
+  if (status == CT_OK && trilinear && part->energies == NULL &&
+      part->optimisations.shared_stiffness)
     status = prepare_ring(part, threads);
   if (status == CT_OK) status = prepare_rows(part);
-  if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
+  if (status == CT_OK && part->batches == ct_solid_box20_batches) status = ct_box20_prepare(part);
   if (status == CT_OK && part->optimisations.sleep &&
       (part->ring == NULL || part->ring->list != NULL))
     status = ct_sleep_prepare(part);
   return status;
 }
 
-/* Choose the matching row of the table. */
-static void take_row(ct_solid_part *part)
+/* Choose the matching row of the table; false if there is none. */
+static int take_row(ct_solid_part *part)
 {
   for (size_t k = 0; k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
@@ -123,7 +125,9 @@ static void take_row(ct_solid_part *part)
     part->batches = row->batches;
     part->energies = row->energies;
     part->flops = row->flops;
+    return 1;
   }
+  return 0;
 }
 
 /* The requested kernel, or the cheapest possible one. */
@@ -132,20 +136,17 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
   ct_solid_kernel asked = block->kernel;
   int large = part->material.law != CT_LINEAR;
   part->box = !large && ct_solid_is_box(part->mesh, part->edge);
-  if (asked == CT_KERNEL_BOX && large)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "the box kernel is for small strain; large deformation has the general one");
-  if (asked == CT_KERNEL_BOX && !part->box)
+  if (asked == CT_KERNEL_BOX && !large && !part->box)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel needs rectangular elements of one size, with nodes in the "
                    "middle of straight edges");
-  if (asked == CT_KERNEL_REDUCED && (large || part->mesh->kind != CT_HEX8))
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
     return CT_REFUSE(error, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (part->box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
-  take_row(part);
+  if (!take_row(part))
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "there is no such kernel for %s with %s strain",
+                   ct_brick_facts_of(part->mesh->kind)->name, large ? "large" : "small");
   if (prepare_kernel(part, block) != CT_OK) return CT_NO_MEMORY(error, "the elements");
   if (asked == CT_KERNEL_PLANE && part->plane == NULL)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,

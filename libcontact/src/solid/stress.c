@@ -32,7 +32,7 @@ static void stress_lanes(const ct_mesh *mesh, int32_t batch, int lane, const dou
                          ct_lanes G[3][3], ct_lanes stress[6])
 {
   ct_lanes x[3 * 20], u[3 * 20];
-  int per = mesh->kind == CT_HEX8 ? 8 : 20;
+  int per = ct_brick_node_count(mesh->kind);
   ct_load_lanes(mesh, NULL, batch, per, mesh->nodes, lane, x);
   ct_load_lanes(mesh, NULL, batch, per, displacement, lane, u);
   if (per == 8) gradients(8, dN, x, u, det, G);
