@@ -89,3 +89,37 @@ def test_every_call_that_can_fail_can_say_why():
     headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
     calls = re.findall(r"^CT_API ct_status (ct_\w+)\(([^;]*)\);", headers, re.M)
     assert calls and [name for name, last in calls if not last.endswith("ct_error *error")] == []
+
+
+def in_circles(needs):
+    """Keys that reach themselves."""
+
+    def reach(name):
+        seen, left = set(), [name]
+        while left:
+            new = needs[left.pop()] - seen
+            seen |= new
+            left += new
+        return seen
+
+    return {name for name in needs if name in reach(name)}
+
+
+@pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
+@pytest.mark.parametrize("room", ["contact", "host", "constraint"])
+def test_no_files_of_a_room_need_each_other_in_a_circle(room):
+    """By the functions that they call; the circle of contact, host, friction and obstacle had nine files."""
+    gives, takes = {}, {}
+    for source in (ROOT / floors.SOURCES / room).glob("*.c"):
+        path = ROOT / "build" / "obj" / room / source.with_suffix(".o").name
+        if not path.exists():
+            pytest.skip("no objects")
+        listed = subprocess.run(["nm", str(path)], capture_output=True, text=True).stdout
+        gives[source.stem] = set(re.findall(r"^[0-9a-f]+ [TDRBi] (\S+)$", listed, re.M))
+        takes[source.stem] = set(re.findall(r"^ +U (\S+)$", listed, re.M))
+    needs = {a: {b for b in gives if b != a and takes[a] & gives[b]} for a in gives}
+    assert gives and in_circles(needs) == set()
+
+
+def test_a_circle_is_found():
+    assert in_circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == {"b", "c"}

@@ -269,6 +269,12 @@ void ct_stations_forget(ct_obstacle_state *s);
 void ct_stations_meet(ct_obstacle_state *s, double reach, double motion, int first);
 ct_status ct_stations_check(const ct_obstacle_state *s, double time, ct_error *error);
 
+/* Signed distance and normal of a point `r` relative to an obstacle's position; `a` is its axis, of
+ * length 1. And this axis; returns 0 if there is no direction. */
+double ct_obstacle_gap_of(const ct_obstacle_def *o, const double a[3], const double r[3],
+                          double n[3]);
+int ct_obstacle_axis(const double axis[3], double a[3]);
+
 /* Signed distance of a place from an obstacle in its present position, and the normal there; NaN as
  * in ct_obstacle_gap. */
 double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3], double n[3]);

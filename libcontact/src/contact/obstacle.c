@@ -43,48 +43,6 @@ static obstacle_record load(const double *memory)
   return record;
 }
 
-/* Signed distance and normal of a point relative to the obstacle's position; `a` is the axis, of
- * length 1. */
-static double gap_of(const ct_obstacle_def *o, const double a[3], const double r[3], double n[3])
-{
-  double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
-  // -- A plane: g = r · a, n = a
-  if (o->shape == CT_OBSTACLE_PLANE) {
-    memcpy(n, a, 3 * sizeof *n);
-    return along;
-  }
-  // -- Sphere and cylinder: away from the centre or the axis
-  for (int c = 0; c < 3; c++) from[c] = o->shape == CT_OBSTACLE_SPHERE ? r[c] : r[c] - along * a[c];
-  double distance = sqrt(ct_vector_dot(from, from));
-  for (int c = 0; c < 3; c++) n[c] = from[c] / distance;
-  return distance - o->radius; // (eq:obstacle-gap)
-}
-
-/* Returns 0 if there is no direction. */
-static int unit(const double axis[3], double a[3])
-{
-  double length = sqrt(ct_vector_dot(axis, axis));
-  for (int c = 0; c < 3; c++) a[c] = axis[c] / length;
-  return length > 0.0 && isfinite(length);
-}
-
-double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], double n[3])
-{
-  double a[3] = {0.0, 0.0, 0.0}, r[3];
-  if (obstacle->shape != CT_OBSTACLE_SPHERE) (void)unit(obstacle->axis, a);
-  for (int c = 0; c < 3; c++) r[c] = point[c] - obstacle->point[c];
-  return gap_of(obstacle, a, r, n);
-}
-
-void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3])
-{
-  double factor =
-      obstacle->amplitude.count > 0 ? ct_amplitude_value(&obstacle->amplitude, time) : 0.0;
-  // -- Velocity and amplitude (eq:obstacle-motion)
-  for (int c = 0; c < 3; c++)
-    motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
-}
-
 static void free_obstacle(ct_interaction *interaction)
 {
   ct_obstacle *d = (ct_obstacle *)interaction;
@@ -143,13 +101,6 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   return CT_OK;
 }
 
-double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3], double n[3])
-{
-  double r[3];
-  for (int c = 0; c < 3; c++) r[c] = y[c] - obstacle->place[c];
-  return gap_of(obstacle->given, obstacle->given->axis, r, n);
-}
-
 /* Whether a small obstacle has passed a point, so that its normal points out of the body. */
 static int has_passed(const ct_obstacle_state *s, int64_t i)
 {
@@ -167,7 +118,7 @@ static int meet(const ct_obstacle_state *s, int64_t i, int first)
   const int was = point->other >= 0;
   double r[3];
   ct_side_position(&s->side[0], i, s->place, r);
-  point->row.gap = point->known = gap_of(o, o->axis, r, point->outward);
+  point->row.gap = point->known = ct_obstacle_gap_of(o, o->axis, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; c < 3; c++) point->d[c] = -point->row.gap * point->outward[c];
@@ -452,7 +403,7 @@ static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_e
   ct_status status = ct_law_check(&law, "obstacle", error);
   if (status == CT_OK) status = ct_start_gap_check(&rule, "obstacle", error);
   if (status != CT_OK) return status;
-  if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
+  if (o->shape != CT_OBSTACLE_SPHERE && !ct_obstacle_axis(o->axis, a))
     return CT_REFUSE(error, "obstacle: the %s has no length",
                      o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
@@ -519,7 +470,7 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
 {
   size_t points = (size_t)o->amplitude.count;
   data->given = *o;
-  if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
+  if (o->shape != CT_OBSTACLE_SPHERE) (void)ct_obstacle_axis(o->axis, data->given.axis);
   data->given.faces = NULL; // the caller's
   data->given.amplitude.time = data->time =
       ct_duplicate(o->amplitude.time, points * sizeof(double));

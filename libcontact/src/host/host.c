@@ -86,14 +86,6 @@ void ct_contact_free(ct_contact *contact)
   ct_contact_close(contact);
 }
 
-ct_host *ct_host_of(ct_contact *contact)
-{
-  if (contact->host != NULL) return contact->host;
-  ct_host *h = contact->host = ct_allocate(1, sizeof *h);
-  if (h != NULL) h->contact = (ct_host_part){.is = &contact->own->is, .state = contact, .side = -1};
-  return h;
-}
-
 /* Whether a part has a set of rows; that of the contact holds all nodes, also without rows. */
 static int has_set(const ct_host *h, const ct_host_part *part)
 {
@@ -398,12 +390,6 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
     status = check_side(contact, s, &side[s], error);
   return status == CT_OK ? take_step(contact, p, side, error) : status;
-}
-
-ct_status ct_host_check_current(const ct_contact *contact, ct_error *error)
-{
-  if (contact->host != NULL && contact->host->current) return CT_OK;
-  return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
 }
 
 ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out, ct_error *error)

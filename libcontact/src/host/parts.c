@@ -7,6 +7,20 @@
 
 #include <string.h>
 
+ct_host *ct_host_of(ct_contact *contact)
+{
+  if (contact->host != NULL) return contact->host;
+  ct_host *h = contact->host = ct_allocate(1, sizeof *h);
+  if (h != NULL) h->contact = (ct_host_part){.is = &contact->own->is, .state = contact, .side = -1};
+  return h;
+}
+
+ct_status ct_host_check_current(const ct_contact *contact, ct_error *error)
+{
+  if (contact->host != NULL && contact->host->current) return CT_OK;
+  return CT_REFUSE(error, "contact: the last call was not a successful ct_contact_step");
+}
+
 static int is_obstacle(const ct_host_part *part) { return part->is->on == NULL; }
 
 const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
