@@ -82,8 +82,9 @@ void ct_contact_free(ct_contact *contact)
     ct_release(part);
   }
   ct_release(h);
-  ct_contact_fixed_free(contact->own);
+  ct_contact_fixed *fixed = contact->own;
   ct_contact_close(contact);
+  ct_contact_fixed_free(fixed);
 }
 
 /* Whether a part has a set of rows; that of the contact holds all nodes, also without rows. */
