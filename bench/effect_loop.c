@@ -115,11 +115,11 @@ static void run(const ct_problem *problem, ct_mesh *const *mesh, ct_state *state
   def[1].name = "face", def[1].nodes = nodes, def[1].node_count = count;
   for (int i = 0; i < 2; i++) def[i].take[CT_QUANTITY_DISPLACEMENT] = 1;
   need(ct_probes_create(problem, def, 2, &probes, &error));
-  need(ct_probes_steps(probes, state, steps, &error));
+  need(ct_run(state->problem, state, steps, &(ct_observers){.probes = probes}, &error));
   ct_probes_free(probes);
 #else
   (void)mesh;
-  need(ct_step_many(problem, state, steps, &error));
+  need(ct_run(problem, state, steps, NULL, &error));
 #endif
 }
 

@@ -32,6 +32,7 @@ def scene(law: str, element: str) -> ct.Scene:
 
 def seconds(problem, every: int | None) -> float:
     state, error = new_state(problem), new_error()
+    observers = ffi.new("ct_observers *")
     if every is not None:
         options, out = (
             ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()),
@@ -39,13 +40,9 @@ def seconds(problem, every: int | None) -> float:
         )
         options.every = every
         check(lib.ct_monitor_create(problem.pointer, state, options, out, error), error)
+        observers.monitor = out[0]
     begin = time.perf_counter()
-    check(
-        lib.ct_step_many(problem.pointer, state, STEPS, error)
-        if every is None
-        else lib.ct_monitor_steps(out[0], state, STEPS, error),
-        error,
-    )
+    check(lib.ct_run(problem.pointer, state, STEPS, observers, error), error)
     took = time.perf_counter() - begin
     if every is not None:
         lib.ct_monitor_free(out[0])

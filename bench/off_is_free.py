@@ -39,10 +39,9 @@ def compiled(source: str, folder: Path, effect: str = "none", whole: bool = Fals
 
 
 def counted(program: Path, arguments: list[str], folder: Path) -> dict:
-    """Instructions inside ct_step_many or ct_probes_steps, bytes of code, and the program's output."""
+    """Instructions inside ct_run, bytes of code, and the program's output."""
     out = folder / "callgrind.out"
-    command = ["valgrind", "--tool=callgrind", "--toggle-collect=ct_step_many"]
-    command += ["--toggle-collect=ct_probes_steps"]
+    command = ["valgrind", "--tool=callgrind", "--toggle-collect=ct_run"]
     command += [f"--callgrind-out-file={out}", str(program), *arguments]
     done = subprocess.run(
         command,

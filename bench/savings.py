@@ -165,7 +165,7 @@ def count_instructions(loop: Path, scene: str, savings: str) -> float:
                 "valgrind",
                 "--tool=callgrind",
                 f"--callgrind-out-file={folder}/out",
-                "--toggle-collect=ct_step_many",
+                "--toggle-collect=ct_run",
                 str(loop),
                 scene,
                 savings,

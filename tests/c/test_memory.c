@@ -115,14 +115,15 @@ static void budget(const kind *k)
   // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
   // of two; three runs for each of 25 x 25 rows of nodes; and what does not grow.
   double held = (double)(counted.held - before), want = k->node * nodes + k->element * elements,
-         ring = k->lattice ? 1032 * 192 + 3 * 25 * 25 * (double)sizeof(ct_run) : 0;
+         ring = k->lattice ? 1032 * 192 + 3 * 25 * 25 * (double)sizeof(ct_ring_run) : 0;
   double peak = (double)(counted.peak - before) / held;
   tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want,
          "%s: %.1f bytes per node, expected %.1f", k->name, held / nodes, (want + ring) / nodes);
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
   long calls_before = counted.calls;
-  if (monitor != NULL) need(ct_monitor_steps(monitor, state, 4, &e), &e);
+  if (monitor != NULL)
+    need(ct_run(state->problem, state, 4, &(ct_observers){.monitor = monitor}, &e), &e);
   else advance(problem, state, 4);
   ask(problem, state, monitor);
   tap_ok(counted.calls == calls_before,

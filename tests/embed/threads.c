@@ -26,7 +26,9 @@ static void *work(void *argument)
   j->status = ct_state_create(j->problem, &j->state, &j->error);
   if (j->status == CT_OK)
     j->status = ct_monitor_create(j->problem, j->state, &options, &monitor, &j->error);
-  if (j->status == CT_OK) j->status = ct_monitor_steps(monitor, j->state, STEPS, &j->error);
+  if (j->status == CT_OK)
+    j->status =
+        ct_run(j->state->problem, j->state, STEPS, &(ct_observers){.monitor = monitor}, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
   ct_monitor_free(monitor);
   return NULL;

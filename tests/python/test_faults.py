@@ -45,21 +45,16 @@ class Twisted:
     def __getattr__(self, name):
         return getattr(lib, name)
 
-    def ct_monitor_steps(self, *arguments):
-        return self.go(lib.ct_monitor_steps, *arguments)
-
-    def ct_monitor_advance(self, *arguments):
-        return self.go(lib.ct_monitor_advance, *arguments)
-
-    def go(self, call, watch, state, count, error):
+    def ct_run(self, problem, state, count, observers, error):
         before = 40 - state.step
         if 0 < before < count:
-            status = lib.ct_monitor_steps(watch, state, before, error)
-            return status or self.go(call, watch, state, count - before, error)
+            alone = ffi.new("ct_observers *", [observers.monitor, observers.probes])
+            status = lib.ct_run(problem, state, before, alone, error)
+            return status or self.ct_run(problem, state, count - before, observers, error)
         if before <= 0 and not self.done:
             self.done = True
             self.twist(state)
-        return call(watch, state, count, error)
+        return lib.ct_run(problem, state, count, observers, error)
 
 
 def not_finite(state):

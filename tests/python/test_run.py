@@ -451,11 +451,11 @@ class Poisoned:
     def __getattr__(self, name):
         return getattr(lib, name)
 
-    def ct_monitor_advance(self, watch, state, count, error):
+    def ct_run(self, problem, state, *rest):
         self.calls += 1
         if self.calls == 3:
             state.velocity[4] = math.nan
-        return lib.ct_monitor_advance(watch, state, count, error)
+        return lib.ct_run(problem, state, *rest)
 
 
 @pytest.mark.parametrize("with_file", [False, pytest.param(True, marks=needs_hdf5)])

@@ -440,7 +440,7 @@ class Loop:
                 )
             raise fault
         self._call(lib.ct_state_copy, problem.pointer, good, state)
-        self._call(lib.ct_step_many, problem.pointer, state, before - good.step)
+        self._call(lib.ct_run, problem.pointer, state, before - good.step, ffi.NULL)
         # At t = 0 there is no step to convert.
         status, error = lib.CT_OK, new_error()
         self.state = to = new_state(self.problem)
@@ -468,7 +468,7 @@ class Loop:
         """Start the monitor of the state; an error at this point is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
-        options.stable, options.probes = self.problem.stable.dt, self.probes.pointer
+        options.stable = self.problem.stable.dt
         given, free = (self.problem.pointer, self.state, options), lib.ct_monitor_free
         monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
@@ -555,10 +555,9 @@ class Loop:
         while self.state.step < target and not stop:
             count = min(self.chunk, target - self.state.step)
             begin = clock.perf_counter()
-            steps = (
-                lib.ct_monitor_advance if self.state.step + count == due else lib.ct_monitor_steps
-            )
-            self._call(steps, self.monitor, self.state, count)
+            observers = ffi.new("ct_observers *", [self.monitor, self.probes.pointer])
+            observers.check_last = self.state.step + count == due
+            self._call(lib.ct_run, self.problem.pointer, self.state, count, observers)
             took = clock.perf_counter() - begin
             advanced(count / self.parts)
             next_count = (

@@ -1,4 +1,4 @@
-/* What observes a run: probes, and the monitor, which checks the state.
+/* A run, and what observes it: probes, and the monitor, which checks the state.
  * Threads: one call at a time per state, per set of probes and per monitor. */
 #ifndef LIBCONTACT_OBSERVE_H
 #define LIBCONTACT_OBSERVE_H
@@ -93,15 +93,6 @@ CT_API ct_status ct_probes_create(const ct_problem *problem, const ct_probe_def 
 /** Free probes and their histories; null is allowed. */
 CT_API void ct_probes_free(ct_probes *probes);
 
-/**
- * Take `count` steps as `ct_step_many`, with the same results bit by bit; the probes record their
- * rows before each step. `probes` of `ct_monitor_options` does the same in `ct_monitor_steps`. Rows
- * later than the state, for example after a restart, are removed first. ``CT_ERROR_MEMORY``: not
- * enough memory for the rows; no step was taken.
- */
-CT_API ct_status ct_probes_steps(ct_probes *probes, ct_state *state, int64_t count,
-                                 ct_error *error);
-
 /** Record the rows of the present state, for example after the last step. A row that exists is not
  * recorded again. */
 CT_API ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error);
@@ -148,8 +139,6 @@ typedef struct ct_monitor_options {
    * `ct_monitor_growth` reports it [-], :eq:`energy-growth`, >= 0; the run continues.
    */
   double growth_limit;
-  /** Null, or probes of the state, which record their rows in `ct_monitor_steps`. */
-  ct_probes *probes;
 } ct_monitor_options;
 
 /** Checks every 1024 steps; limits: spurious energy as large as the energy that the bodies should
@@ -172,24 +161,7 @@ CT_API ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
 /** Free a monitor; null is allowed. */
 CT_API void ct_monitor_free(ct_monitor *monitor);
 
-/**
- * Take `count` steps as `ct_step_many`, with the same results bit by bit, and check the state at
- * every multiple of `every`. An error names the time, the step, and the body with its element or
- * node. ``CT_ERROR_GEOMETRY``: an inverted element; ``CT_ERROR_BLOWUP``: the state is not finite;
- * ``CT_ERROR_STEP``: the solid has become too stiff for Δt; ``CT_ERROR_ENERGY``: spurious energy
- * growth; or any error of an effect.
- */
-CT_API ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count,
-                                  ct_error *error);
-
-/**
- * `ct_monitor_steps`, and a check after the last step; `ct_monitor_ledger` returns its row. If the
- * caller does not change the state between such calls, sleeping elements, :eq:`sleep`, stay asleep.
- */
-CT_API ct_status ct_monitor_advance(ct_monitor *monitor, ct_state *state, int64_t count,
-                                    ct_error *error);
-
-/** Check the state now. After CT_OK this is the last good state. Errors as `ct_monitor_steps`. */
+/** Check the state now. After CT_OK this is the last good state. Errors as `ct_run`. */
 CT_API ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error);
 
 /**
@@ -223,6 +195,32 @@ typedef struct ct_growth {
 /** Spurious growth since the monitor was created; zeros for a null monitor, or if no check has
  * found more than the limit. */
 CT_API ct_growth ct_monitor_growth(const ct_monitor *monitor);
+
+/** Those who observe a run; all members may be zero. They do not change its results. */
+typedef struct ct_observers {
+  /** Null, or a monitor of the state, which checks it whenever the number of steps is a multiple of
+   * its `every`. */
+  ct_monitor *monitor;
+  /** Null, or probes of the problem, which record their rows before each step. */
+  ct_probes *probes;
+  /** Not zero: the monitor also checks the state after the last step; `ct_monitor_ledger` returns
+   * its row. */
+  int check_last;
+} ct_observers;
+
+/**
+ * Take `count` steps; null `observers`: nobody observes. If the caller does not change the state
+ * between two calls with a monitor, of which the first ends with a check, sleeping elements,
+ * :eq:`sleep`, stay asleep. Rows of probes that are later than the state, for example after a
+ * restart, are removed first. ``CT_ERROR_BLOWUP``: the state is no longer finite (`error` names
+ * body, node and time); the remaining steps are not taken. ``CT_ERROR_MEMORY``: not enough memory
+ * for the rows; no step was taken. With a monitor an error names the time, the step, and the body
+ * with its element or node, and there are also ``CT_ERROR_GEOMETRY``: an inverted element;
+ * ``CT_ERROR_STEP``: the solid has become too stiff for Δt; ``CT_ERROR_ENERGY``: spurious energy
+ * growth.
+ */
+CT_API ct_status ct_run(const ct_problem *problem, ct_state *state, int64_t count,
+                        const ct_observers *observers, ct_error *error);
 
 CT_END_DECLS
 

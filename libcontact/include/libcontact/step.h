@@ -125,11 +125,6 @@ CT_API void ct_state_free(ct_state *state);
  */
 CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
 
-/** Take `count` steps. ``CT_ERROR_BLOWUP``: the state is no longer finite (`error` names body, node
- * and time); the remaining steps are not taken. */
-CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count,
-                              ct_error *error);
-
 /**
  * Contribution of one effect to the bound of the step in this state: ω² [1 / time²] and its damping
  * rate [1 / time], :eq:`damped-step-bound`; 0 if the effect has no such bound.

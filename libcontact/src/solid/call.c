@@ -57,7 +57,7 @@ static int is_summed(const ct_part_call *call, int32_t node)
 
 /* For a part with its own order: sum at those of the nodes first ... last - 1 of a run that are
  * summed, in pieces, and copy the sums to the user's order. */
-static void gather_ordered(const ct_part_call *call, const double *values, const ct_run *run,
+static void gather_ordered(const ct_part_call *call, const double *values, const ct_ring_run *run,
                            int32_t first, int32_t last)
 {
   double sums[3 * NODES_HANDED_ON];
@@ -76,7 +76,7 @@ static void gather_ordered(const ct_part_call *call, const double *values, const
 
 /* Sum at the nodes of a run from one with an active element on; returns the first node behind them.
  */
-static int32_t gather_run(const ct_part_call *call, const double *values, const ct_run *run)
+static int32_t gather_run(const ct_part_call *call, const double *values, const ct_ring_run *run)
 {
   int32_t n = run->low, last = n + run->count;
   for (int32_t end; n < last; n = end) {
@@ -94,7 +94,7 @@ static int32_t gather_run(const ct_part_call *call, const double *values, const 
  * computed. */
 static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
-  const ct_run *runs = call->ring->runs;
+  const ct_ring_run *runs = call->ring->runs;
   int32_t begin = INT32_MAX, next = next_node(call, 0);
   for (int32_t r = first; r < last; r++) begin = runs[r].first < begin ? runs[r].first : begin;
   for (int32_t b = begin / 8, end, r = first; r < last; b = end) {

@@ -76,7 +76,7 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
 }
 
 /* Whether a node, its partner and its elements continue a run. */
-static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
+static int goes_on(int corners, const ct_ring_run *run, int32_t node, int32_t twin,
                    const int32_t *around)
 {
   int32_t i = run->count;
@@ -90,7 +90,7 @@ static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
 /* Allocate `count` runs, more than there are; returns whether this succeeded. */
 static int allocate_runs(ct_force_ring *ring, size_t count)
 {
-  ct_run *larger = ct_allocate(count, sizeof *larger);
+  ct_ring_run *larger = ct_allocate(count, sizeof *larger);
   if (larger == NULL) return 0;
   if (ring->runs != NULL)
     memcpy(larger, ring->runs, (size_t)(ring->run_count - 1) * sizeof *larger);
@@ -103,7 +103,7 @@ static int allocate_runs(ct_force_ring *ring, size_t count)
 static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int32_t *twin,
                             int32_t (*around)[8])
 {
-  ct_run *run = NULL;
+  ct_ring_run *run = NULL;
   for (int32_t n = 0; n < mesh->node_count; n++) {
     if (twin[n] < 0) continue;
     if (run == NULL || !goes_on(ring->corners, run, n, twin[n], around[n])) {
@@ -112,7 +112,7 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int3
       if ((count & (count - 1)) == 0 && !allocate_runs(ring, 2 * (size_t)count + 1))
         return CT_ERROR_MEMORY;
       run = &ring->runs[count];
-      *run = (ct_run){.low = n, .high = twin[n]};
+      *run = (ct_ring_run){.low = n, .high = twin[n]};
       memcpy(run->element, around[n], sizeof run->element);
     }
     run->count++;
@@ -140,8 +140,9 @@ static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_fo
     }
   for (int32_t r = 0; r < ring->run_count; r++) {
     int32_t low = PIECE * r, left = nodes - low;
-    ct_run *run = &ring->runs[r];
-    *run = (ct_run){.low = low, .high = low, .count = left < PIECE ? left : PIECE, .first = count};
+    ct_ring_run *run = &ring->runs[r];
+    *run = (ct_ring_run){
+        .low = low, .high = low, .count = left < PIECE ? left : PIECE, .first = count};
     memset(run->element, -1, sizeof run->element);
     for (int32_t i = ring->begin[low]; i < ring->begin[low + run->count]; i++) {
       int32_t e = ring->list[i] / 8;
@@ -159,7 +160,7 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   int64_t need = 0, all = ((int64_t)element_count + 7) / 8 * 8;
   int32_t top = -1;
   for (int32_t r = 0; r < ring->run_count; r++) {
-    ct_run *run = &ring->runs[r];
+    ct_ring_run *run = &ring->runs[r];
     if (ring->list == NULL) run->first = INT32_MAX;
     for (int k = 0; k < ring->corners; k++) {
       int32_t first = run->element[k], last = first + run->count - 1;
@@ -226,7 +227,7 @@ ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequen
   return status;
 }
 
-const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node)
+const ct_ring_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node)
 {
   int32_t first = 0, last = ring->run_count - 1;
   while (first < last) {
@@ -299,7 +300,7 @@ static void gather_lists(const ct_force_ring *ring, const double *values, int32_
 }
 
 /* In pieces that are contiguous in the ring. */
-void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
+void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_ring_run *run,
                           int32_t first, int32_t last, double *low, double *high)
 {
   static const double zeros[ZEROS] = {0.0};

@@ -8,13 +8,13 @@
 
 /* Nodes with consecutive numbers, as are those of the elements around them, and in a plane those of
  * their partners in the upper layer. */
-typedef struct ct_run {
+typedef struct ct_ring_run {
   int32_t low, high, count;
   /* The first node's elements by octant, in a plane by quadrant (bit d: on the positive side along
    * ξ, η, ζ, or p, q); -1: none, at all nodes of the run. */
   int32_t element[8];
   int32_t first, last; /* of all its elements */
-} ct_run;
+} ct_ring_run;
 
 typedef struct ct_force_ring {
   /* 8: bricks; 4: one layer in plane strain, where the nodes of the lower layer represent both. */
@@ -25,7 +25,7 @@ typedef struct ct_force_ring {
   /* Local numbers of the corners (-,-,-), (+,-,-), (-,+,-), ... in p, q and axis. */
   int local[8];
   /* All nodes, or all of the lower layer, ascending. */
-  ct_run *runs;
+  ct_ring_run *runs;
   int32_t run_count;
   /* Null, or for a mesh whose runs would be short or whose octants have several elements: corner a
    * of element e as 8 e + a, list[begin[n]] ... list[begin[n + 1] - 1] those at node n. Runs are
@@ -51,11 +51,11 @@ ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequen
 void ct_force_ring_free(ct_force_ring *ring);
 
 /* The run of a node of bricks, or of the lower layer. */
-const ct_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node);
+const ct_ring_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node);
 
 /* Sum at the nodes first ... last - 1 of a run, in the order of ct_assembly_gather (eq:tree-sum),
  * into `low`, shape (last - first, 3), and `high`, that of their partners in a plane. */
-void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
+void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_ring_run *run,
                           int32_t first, int32_t last, double *low, double *high);
 
 #endif

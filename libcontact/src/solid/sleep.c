@@ -77,7 +77,7 @@ static int32_t batches_of(const ct_solid_part *part, int32_t node, int32_t own[8
     *batches = &part->batches_at[part->batch_begin[node]];
     return part->batch_begin[node + 1] - part->batch_begin[node];
   }
-  const ct_run *run = ct_force_ring_run(part->ring, node);
+  const ct_ring_run *run = ct_force_ring_run(part->ring, node);
   int32_t count = 0;
   for (int k = 0; k < 8; k++)
     if (run->element[k] >= 0) own[count++] = (run->element[k] + node - run->low) / 8;

@@ -269,7 +269,7 @@ static void keep_ledger(ct_monitor *w)
   w->next = before;
 }
 
-static ct_status check(ct_monitor *monitor, ct_state *state, ct_error *error)
+ct_status ct_monitor_examine(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
   ct_status status = measure(monitor, state, &e, error);
@@ -290,65 +290,21 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   if (is_good(monitor, state)) return CT_OK;
   // Known forces may be older than the last change of the state by its host.
   ct_series_begin(state, 0);
-  return check(monitor, state, error);
+  return ct_monitor_examine(monitor, state, error);
 }
 
-/* Add time and body to the error of an effect. */
-static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
-                          ct_error *error)
-{
-  char text[sizeof error->text];
-  if (status == CT_OK || error == NULL || strstr(error->text, "(step ") != NULL) return status;
-  memcpy(text, error->text, sizeof text);
-  int named = error->body >= 0 && error->body < problem->body_count;
-  const char *name = named ? problem->bodies[error->body].name : "", *quote = named ? "\"" : "";
-  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point},
-          "at t = %g (step %lld)%s%s%s%s", state->time, (long long)state->step,
-          named ? ", body " : "", quote, name, quote);
-  if (error->element >= 0) ct_error_add(error, ", element %lld", (long long)error->element);
-  ct_error_add(error, ": %s", text);
-  return status;
-}
-
-/* Whether all inputs of the forces are those of the last check. */
-static int is_unchanged(const ct_monitor *w, const ct_state *state)
+int ct_monitor_knows(const ct_monitor *w, const ct_state *state)
 {
   size_t bytes = (size_t)state->memory_count * sizeof *state->memory;
   return state->problem == w->problem && is_good(w, state) &&
          memcmp(w->good->memory, state->memory, bytes) == 0;
 }
 
-/* Steps with a check at each multiple of `every`, and one after the last step if requested. A check
- * between two steps does not wake sleeping elements. */
-static ct_status steps(ct_monitor *monitor, ct_state *state, int64_t count, int at_end,
-                       ct_error *error)
-{
-  if (monitor == NULL || state == NULL || count < 0)
-    return CT_REFUSE(error, "monitor: null argument or %lld steps", (long long)count);
-  int64_t every = monitor->options.every;
-  ct_status status = CT_OK;
-  ct_series_begin(state, is_unchanged(monitor, state));
-  while (status == CT_OK && count > 0) {
-    int64_t to_check = every - state->step % every, now = count < to_check ? count : to_check;
-    status = monitor->options.probes == NULL
-                 ? ct_series_steps(monitor->problem, state, now, NULL, error)
-                 : ct_probes_steps(monitor->options.probes, state, now, error);
-    count -= now;
-    if (status == CT_OK && (now == to_check || (at_end && count == 0)))
-      status = check(monitor, state, error);
-  }
-  ct_series_end(state);
-  return complete(monitor->problem, state, status, error);
-}
+const ct_problem *ct_monitor_problem(const ct_monitor *monitor) { return monitor->problem; }
 
-ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
+int64_t ct_monitor_due(const ct_monitor *monitor, const ct_state *state)
 {
-  return steps(monitor, state, count, 0, error);
-}
-
-ct_status ct_monitor_advance(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
-{
-  return steps(monitor, state, count, 1, error);
+  return monitor->options.every - state->step % monitor->options.every;
 }
 
 /* First rounds of the power iteration. The stiffness of a linear solid does not change, so it is

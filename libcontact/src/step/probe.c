@@ -279,7 +279,7 @@ static void take_force(ct_probes *probes, const probe *p, const ct_state *state,
 
 /* The rows of a state whose forces are known, within the capacity. The time of a restart may equal
  * that of a row up to round-off. */
-static void take_rows(void *data, const ct_state *state)
+void ct_probes_take(void *data, const ct_state *state)
 {
   ct_probes *probes = data;
   for (int32_t i = 0; i < probes->count; i++) {
@@ -333,8 +333,7 @@ static void keep_moving(const ct_probes *probes, const probe *p, ct_state *state
   }
 }
 
-/* Drop rows that are later than the state, and allocate the rows of some steps. */
-static ct_status prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error)
+ct_status ct_probes_prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error)
 {
   if (probes == NULL || state == NULL || state->problem != probes->problem || count < 0)
     return CT_REFUSE(error, "probes: null argument, a state of another problem, or %lld steps",
@@ -350,20 +349,12 @@ static ct_status prepare(ct_probes *probes, ct_state *state, int64_t count, ct_e
   return CT_OK;
 }
 
-ct_status ct_probes_steps(ct_probes *probes, ct_state *state, int64_t count, ct_error *error)
-{
-  ct_status status = prepare(probes, state, count, error);
-  if (status != CT_OK) return status;
-  const ct_sampler sampler = {take_rows, probes};
-  return ct_step_sampled(probes->problem, state, count, &sampler, error);
-}
-
 ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error)
 {
-  ct_status status = prepare(probes, state, 0, error);
+  ct_status status = ct_probes_prepare(probes, state, 0, error);
   if (status == CT_OK) status = ct_stage_check(state, error);
   if (status == CT_OK) status = ct_workspace_forces(probes->problem, state, error);
-  if (status == CT_OK) take_rows(probes, state);
+  if (status == CT_OK) ct_probes_take(probes, state);
   return status;
 }
 

@@ -185,19 +185,3 @@ ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t co
   return sampler == NULL ? take_steps(problem, state, count, NULL, error)
                          : take_steps(problem, state, count, sampler, error);
 }
-
-ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
-                          const ct_sampler *sampler, ct_error *error)
-{
-  ct_series_begin(state, 0);
-  ct_status status = ct_series_steps(problem, state, count, sampler, error);
-  ct_series_end(state);
-  return status;
-}
-
-ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
-{
-  if (problem == NULL || state == NULL || count < 0)
-    return CT_REFUSE(error, "step: null argument, or %lld steps", (long long)count);
-  return ct_step_sampled(problem, state, count, NULL, error);
-}

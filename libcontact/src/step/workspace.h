@@ -1,7 +1,7 @@
 #ifndef CT_SRC_WORKSPACE_H
 #define CT_SRC_WORKSPACE_H
 
-#include <libcontact/step.h>
+#include <libcontact/observe.h>
 
 #include "../base/grid.h"
 #include "effect_internal.h"
@@ -69,17 +69,31 @@ typedef struct ct_sampler {
   void *data;
 } ct_sampler;
 
-/* ct_step_many, with a sampler. */
-ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
-                          const ct_sampler *sampler, ct_error *error);
-
 /* Begin a series of steps, in which no other code changes the state; `unchanged` says that none has
  * since the last forces of the series before. */
 void ct_series_begin(ct_state *state, int unchanged);
 
-/* Steps within a series, as ct_step_many takes them; `sampler` may be null. */
+/* Steps within a series; `sampler` may be null. */
 ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
                           const ct_sampler *sampler, ct_error *error);
+
+/* The problem of a monitor. */
+const ct_problem *ct_monitor_problem(const ct_monitor *monitor);
+
+/* The number of steps until the next check of a monitor. */
+int64_t ct_monitor_due(const ct_monitor *monitor, const ct_state *state);
+
+/* Whether the state is that of the last check, with all inputs of its forces. */
+int ct_monitor_knows(const ct_monitor *monitor, const ct_state *state);
+
+/* Check within a series; this does not wake sleeping elements. */
+ct_status ct_monitor_examine(ct_monitor *monitor, ct_state *state, ct_error *error);
+
+/* Drop rows that are later than the state, and allocate the rows of some steps. */
+ct_status ct_probes_prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error);
+
+/* Take the rows of a state whose forces are known (a sampler). */
+void ct_probes_take(void *probes, const ct_state *state);
 
 /* End a series: its host may now read and change the state. */
 void ct_series_end(ct_state *state);
