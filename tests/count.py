@@ -25,7 +25,7 @@ TOPICS = (
     (
         "speed",
         """solid/box solid/call solid/kernel solid/ring solid/part solid/plane solid/quiet solid/rows solid/sleep
-        solid/blocks solid/mean solid/modes solid/hex projection/batch contact/warm base/bits base/lanes base/threads
+        solid/blocks solid/mean solid/modes solid/hex projection/batch gap/warm base/bits base/lanes base/threads
         base/tree bits. lanes. threads. tree.""".split(),
     ),
     (

@@ -32,6 +32,7 @@ FLOORS = (
         }
     ),
     ({"contact": "contract of interactions: surfaces in contact, obstacles, friction"}),
+    ({"gap": "where the points of a surface are: closest points, candidates, tunnelling"}),
     (
         {
             "solid": "elements and their kernels",
@@ -50,8 +51,8 @@ FLOORS = (
     ({"base": "status, errors, memory, sums"}),
 )
 FLOOR = {room: len(FLOORS) - i for i, rooms in enumerate(FLOORS) for room in rooms}
-# Rooms whose calls are in the public header of a lower room.
-WITHOUT_HEADER = {"host"}
+# Rooms without a public header: the calls of a host are in that of the contact.
+WITHOUT_HEADER = {"gap", "host"}
 # Public headers that are not called as their room.
 ROOM_OF_HEADER = {
     "output": "hdf5",

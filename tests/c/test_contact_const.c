@@ -16,8 +16,8 @@ static seen look(const ct_contact *contact)
   size_t points = (size_t)ct_contact_point_count(contact);
   seen s = {.terms = numbers((int64_t)points)};
   memcpy(s.terms, contact->terms, points * sizeof *s.terms);
-  for (int i = 0; i < contact->fixed->sides; i++) {
-    const ct_search *search = contact->side[i].search;
+  for (int i = 0; i < contact->fixed->gaps.sides; i++) {
+    const ct_search *search = contact->gaps.side[i].search;
     s.builds[i] = ct_box_tree_builds(search->tree);
     s.cost[i] = ct_box_tree_cost(search->tree);
     s.boxes[i] = room(search->face_count, sizeof **s.boxes);
@@ -31,11 +31,11 @@ static int same(const ct_contact *contact, seen *a, seen *b)
 {
   int equal =
       memcmp(a->terms, b->terms, (size_t)ct_contact_point_count(contact) * sizeof *a->terms) == 0;
-  for (int i = 0; i < contact->fixed->sides; i++) {
+  for (int i = 0; i < contact->fixed->gaps.sides; i++) {
     equal &=
         a->builds[i] == b->builds[i] && memcmp(&a->cost[i], &b->cost[i], sizeof a->cost[i]) == 0;
     equal &= memcmp(a->boxes[i], b->boxes[i],
-                    (size_t)contact->side[i].search->face_count * sizeof **a->boxes) == 0;
+                    (size_t)contact->gaps.side[i].search->face_count * sizeof **a->boxes) == 0;
     free(a->boxes[i]);
     free(b->boxes[i]);
   }

@@ -533,9 +533,9 @@ static void ratios(void)
 static double listed(const ct_contact *contact)
 {
   double count = 0.0, faces = 0.0;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    count += contact->side[s].candidate_first[search->face_count];
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_search *search = contact->gaps.side[s].search;
+    count += contact->gaps.side[s].candidate_first[search->face_count];
     faces += search->face_count;
   }
   return count / faces;
@@ -586,11 +586,11 @@ static void seen_before_it_comes_in(void)
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
   need(ct_contact_create(&surface[0], &surface[1], &options, &contact, &e), &e);
-  double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->fixed->approach;
+  double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->fixed->gaps.approach;
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *now = room(count, sizeof *now), *before = room(count, sizeof *before);
   int wrong = 0, inside = 0, unseen = 0;
-  for (; height > -1.2; height -= contact->fixed->approach) {
+  for (; height > -1.2; height -= contact->fixed->gaps.approach) {
     for (int n = 0; n < above->node_count; n++)
       for (int c = 0; c < 3; c++) x[3 * n + c] = above->nodes[3 * n + c] + (c == 2 ? height : 0.0);
     need(ct_contact_update(contact, below->nodes, x, &e), &e);
@@ -609,7 +609,7 @@ static void seen_before_it_comes_in(void)
   tap_ok(inside > 50 && unseen == 0 && wrong == 0,
          "steps of %g, as large as allowed: %d points came in, %d of them undetected, %d with a "
          "wrong gap",
-         contact->fixed->approach, inside, unseen, wrong);
+         contact->fixed->gaps.approach, inside, unseen, wrong);
   ct_contact_free(contact);
   for (int s = 0; s < 2; s++) {
     free(faces[s]);
@@ -638,7 +638,7 @@ static void safe_approach(void)
     if (k == 2) lift(&b, 5.0);
     ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
     update(contact, &a, &b);
-    double approach = contact->fixed->approach, expected = want[k];
+    double approach = contact->fixed->gaps.approach, expected = want[k];
     if (k == 2) expected = 1.0 / sqrt(2.0); // legs of 1: area ½, longest edge √2
     tap_close(approach, expected, 1e-12, "%s: the largest safe approach", name[k]);
     free_patch(&a);
@@ -652,13 +652,11 @@ static void safe_approach(void)
   // The nodes of the second surface follow those of the first.
   double *v = numbers(3 * contact->fixed->node_count);
   for (int n = 0; n < contact->fixed->node_count; n++)
-    v[3 * n + 2] = n < contact->fixed->side[0].search->node_count ? 3.0 : -2.0;
-  const double limit = contact->fixed->approach / 5.0;
+    v[3 * n + 2] = n < contact->fixed->gaps.side[0].search->node_count ? 3.0 : -2.0;
+  const double limit = contact->fixed->gaps.approach / 5.0;
   ct_error e;
-  const ct_surface_motion safe = {.before = 0.999 * limit, .velocity = v},
-                          unsafe = {.before = 1.001 * limit, .velocity = v};
-  tap_ok(ct_tunnelling_check(contact, &safe, &e) == CT_OK &&
-             ct_tunnelling_check(contact, &unsafe, &e) == CT_ERROR_STEP,
+  tap_ok(ct_tunnelling_check(&contact->gaps, v, 0.999 * limit, 0.0, &e) == CT_OK &&
+             ct_tunnelling_check(&contact->gaps, v, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
          "a larger approach in a step is refused");
   ct_contact_free(contact);
   free_patch(&a);

@@ -1,7 +1,7 @@
 /* Two inner rules of a pass: which points the face of the last step settles alone, and how far a
  * motion can change a gap. */
-#include "../../libcontact/src/contact/pass.c"
-#include "../../libcontact/src/contact/warm.c"
+#include "../../libcontact/src/gap/pass.c"
+#include "../../libcontact/src/gap/warm.c"
 
 #include "tap.h"
 

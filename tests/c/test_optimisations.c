@@ -62,20 +62,20 @@ static void flight(ct_brick_kind kind, int self)
   for (int step = 0; step <= STEPS; step++) {
     double omega[2] = {0.0, 0.0};
     fly(X, nodes, step / (double)STEPS, x);
-    c[1]->side[0].points[0].row.gap = 42.0; // stands only when nobody has searched
+    c[1]->gaps.side[0].points[0].row.gap = 42.0; // stands only when nobody has searched
     for (int k = 0; k < 2; k++) {
-      c[k]->side[0].points[1].other = 0; // as an older state may say
+      c[k]->gaps.side[0].points[1].other = 0; // as an older state may say
       memset(f[k], 0, 24 * (size_t)nodes);
       memset(p[k], 0, (size_t)points * sizeof **p);
       need(ct_contact_update(c[k], x, x, &e), &e);
-      if (k == 1 && c[1]->side[0].points[0].row.gap == 42.0)
-        c[1]->side[0].points[0].row.gap = NAN, skipped++;
+      if (k == 1 && c[1]->gaps.side[0].points[0].row.gap == 42.0)
+        c[1]->gaps.side[0].points[0].row.gap = NAN, skipped++;
       ct_contact_add_force(c[k], f[k], f[k], NULL);
       ct_contact_points(c[k], p[k], NULL);
       if (step % 7 == 0) springs_of(c[k], mass, mass, &omega[k]);
     }
-    looks += last != c[1]->side[0].x_built[0];
-    last = c[1]->side[0].x_built[0];
+    looks += last != c[1]->gaps.side[0].x_built[0];
+    last = c[1]->gaps.side[0].x_built[0];
     touching += ct_contact_energy(c[0]) > 0.0;
     same += memcmp(f[0], f[1], 24 * (size_t)nodes) == 0 &&
             memcmp(p[0], p[1], (size_t)points * sizeof **p) == 0 && omega[0] == omega[1] &&

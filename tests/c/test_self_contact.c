@@ -570,8 +570,7 @@ static ct_status pass_in_a_step(const fold *p, double z, double down, double rat
     v[3 * i + 2] = X[2] > 0.29 ? -down * end : 0.0;
   }
   need(ct_contact_update(contact, p->x, NULL, e), e);
-  const ct_surface_motion step = {.before = 1.0, .velocity = v};
-  ct_status status = ct_tunnelling_check(contact, &step, e);
+  ct_status status = ct_tunnelling_check(&contact->gaps, v, 1.0, 0.0, e);
   free(v);
   ct_contact_free(contact);
   return status;
@@ -583,7 +582,7 @@ static void passes_in_a_step(ct_face_kind kind)
 {
   fold p = new_fold(kind);
   ct_contact *contact = open_self(&p.surface);
-  const double safe = contact->fixed->approach;
+  const double safe = contact->fixed->gaps.approach;
   ct_error e = {0};
   int first = -1, second = -1;
   ct_contact_free(contact);

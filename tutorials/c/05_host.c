@@ -31,7 +31,8 @@ int main(void)
     p.inverse_mass_a = inverse_mass[0], p.inverse_mass_b = no_motion[0];
     failed = ct_contact_step(contact, &p, &e) != CT_OK ||
              ct_contact_add_force(contact, f[0], g[0], &e) != CT_OK;
-    if (step % 100 == 0) printf("t = %.0f: x = %.2f, v = %5.2f\n", step * dt, x[3][0], (v[0][0] + v[3][0]) / 2);
+    if (step % 100 == 0)
+      printf("t = %.0f: x = %.2f, v = %5.2f\n", step * dt, x[3][0], (v[0][0] + v[3][0]) / 2);
     for (int n = 0; n < 12; n++)
       v[0][n] += p.kick * inverse_mass[0][n] * f[0][n], x[0][n] += dt * v[0][n];
   }

@@ -110,7 +110,8 @@ void ct_admission_bound(ct_side *sides, int count, ct_admission *admission, doub
 static int find_before(const void *user, int s, int64_t i)
 {
   const ct_contact *contact = user;
-  const ct_side *side = &contact->side[s], *other = &contact->side[contact->fixed->sides - 1 - s];
+  const ct_side *side = &contact->gaps.side[s],
+                *other = &contact->gaps.side[contact->fixed->gaps.sides - 1 - s];
   const int32_t face = (int32_t)(i / side->fixed->rule.count);
   ct_point *p = &side->points[i];
   ct_constraint *row = &p->row;
@@ -125,9 +126,10 @@ static int find_before(const void *user, int s, int64_t i)
 
 void ct_admission_limit(ct_contact *contact)
 {
-  double reach = ct_side_motion(&contact->side[0]) + ct_side_motion(ct_contact_other(contact, 0));
-  ct_admission_bound(contact->side, contact->fixed->sides, &contact->admission, 4.0 * reach,
-                     find_before, contact, contact->terms);
+  double reach =
+      ct_side_motion(&contact->gaps.side[0]) + ct_side_motion(ct_contact_other(contact, 0));
+  ct_admission_bound(contact->gaps.side, contact->fixed->gaps.sides, &contact->admission,
+                     4.0 * reach, find_before, contact, contact->terms);
 }
 
 void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int solved,

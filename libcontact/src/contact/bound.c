@@ -64,7 +64,7 @@ static int32_t partner(const pass *p, int64_t i, double N[8])
     for (int a = 0; a < 8; a++) N[a] = point->N[a];
     return point->other;
   }
-  double y[3], d[3], most = p->reach == NEAR ? p->fixed->near : HUGE_VAL;
+  double y[3], d[3], most = p->reach == NEAR ? p->fixed->gaps.near : HUGE_VAL;
   ct_nearest nearest;
   seeker s = {.pass = p, .face = (int32_t)(i / p->side->fixed->rule.count)};
   ct_side_area(p->side, i, s.own);
@@ -147,22 +147,22 @@ static int find_rows(const ct_contact *contact, ct_masses mass, reach which, dou
                      ct_search *const now[2], double *omega2)
 {
   const ct_contact_fixed *fixed = contact->fixed;
-  const int sides = fixed->sides;
+  const int sides = fixed->gaps.sides;
   double shift[3] = {0.0, 0.0, 0.0};
   int found = 0;
   if (which == NEAR && sides == 2) find_shift(now, shift);
   for (int s = 0; s < sides; s++) memset(rows[s], 0, (size_t)now[s]->node_count * sizeof *rows[s]);
-  for (int s = 0, t = sides - 1; !fixed->alone && s < sides; s++, t--) {
-    pass p = {fixed, &contact->side[s], &contact->side[t], now[t], which, {0.0}};
+  for (int s = 0, t = sides - 1; !fixed->gaps.alone && s < sides; s++, t--) {
+    pass p = {fixed, &contact->gaps.side[s], &contact->gaps.side[t], now[t], which, {0.0}};
     for (int c = 0; c < 3; c++) p.shift[c] = s == 0 ? shift[c] : -shift[c];
     found |= add_rows(&p, rows[s], rows[t]);
   }
   if (sides == 2 && fixed->one_array)
-    join_rows(&contact->side[0], &contact->side[1], rows[0], rows[1]);
+    join_rows(&contact->gaps.side[0], &contact->gaps.side[1], rows[0], rows[1]);
   *omega2 = 0.0;
   for (int s = 0; s < sides; s++)
     for (int32_t n = 0; n < now[s]->node_count; n++) {
-      double m = ct_mass_at(mass, fixed->place[s][n]);
+      double m = ct_mass_at(mass, fixed->gaps.place[s][n]);
       if (!(m > 0.0)) return -1;
       *omega2 = fmax(*omega2, rows[s][n] / m);
     }
@@ -175,13 +175,13 @@ ct_status ct_contact_find_springs(const void *state, int facing, ct_masses mass,
   // The points of the first reach that has any, up to the last one; a surface without parts that
   // face each other does not touch itself yet.
   const reach first = facing ? NEAR : EVERY,
-              last = facing && contact->fixed->sides == 1 ? FACING : EVERY;
+              last = facing && contact->fixed->gaps.sides == 1 ? FACING : EVERY;
   double *rows[2] = {NULL, NULL};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   // Trees are built for the current shape, so that this also works before the first update.
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_search *search = contact->gaps.side[s].search;
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
     if (rows[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK) status = CT_ERROR_MEMORY;
   }

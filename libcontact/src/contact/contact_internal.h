@@ -3,10 +3,38 @@
 
 #include <libcontact/contact_result.h>
 
+#include "../gap/gaps.h"
 #include "interaction.h"
-#include "side.h"
 
 #include <string.h>
+
+/* List the rows of the points that may be active; returns their number (eq:constraint-force).
+ * `other` is null for an obstacle, which has moved by `came` since the last step and moves by
+ * `moved`; points farther out than `reach` are skipped. */
+int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double came[3],
+                          const double moved[3], ct_constraint **rows);
+
+/* Forces of the points from their solved rows, or of the explicit penalty. */
+void ct_side_take_rows(ct_side *side);
+void ct_side_apply_penalty(ct_side *side);
+
+/* Energy of the explicit penalty, of the forces of some sides. */
+double ct_side_potential(const ct_side *sides, int count);
+
+/* Energy of the solved rows of some sides at t_n (eq:controlled-energy, eq:energy-start): `before`
+ * is the energy that all of them stored at the middle of the last step, from the effect's memory,
+ * and `*after` becomes that at the middle of the next one. `terms` has one number for each. */
+double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
+                           double *after, double *terms);
+
+/* Nodal forces from those of the points: of an obstacle's surface, and of its stations if there are
+ * any, if `rigid`; else of both sides, or of the one in contact with itself. */
+ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error);
+
+/* Tractions and areas at the nodes of a side from its nodal forces, in the numbering of the host
+ * (eq:recovered-traction). `other` is the side whose points act on this one, or null. */
+ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
+                           double *area, ct_error *error);
 
 /* Treatment of gaps and overlaps at the start, of a contact or an obstacle. */
 typedef struct ct_start_rule {
@@ -19,20 +47,11 @@ typedef struct ct_contact_fixed {
   ct_interaction is;
   ct_contact_options options;
   ct_start_rule start_rule; /* from the options */
-  double depth; /* search distance of points at the start, and largest depth at which a point comes
-                   into contact */
-  double near;  /* search distance of points afterwards (eq:contact-near) */
-  double approach; /* the largest safe approach of the surfaces in a step (eq:tunnelling) */
-  double skin;     /* additional distance to which candidates are listed */
-  int sides;       /* 2, or 1 for the contact of a surface with itself */
-  int one_array;   /* whether the nodes of both sides are numbered in one array of the host */
-  int alone; /* whether there is no contact, and the surface only touches a host's obstacles */
-  ct_side_fixed side[2];
-  int64_t point_count; /* of all sides */
-  int32_t node_count;  /* of all sides, a node of both counted once */
+  ct_gaps_fixed gaps;
+  int one_array;      /* whether the nodes of both sides are numbered in one array of the host */
+  int32_t node_count; /* of all sides, a node of both counted once */
   int32_t *nodes; /* their numbers, ascending; with two arrays those of the second follow those of
                      the first */
-  int32_t *place[2]; /* places of the nodes of each side in `nodes` */
 } ct_contact_fixed;
 
 /* Energy that the bodies have given to the points of a contact or an obstacle, and not got back;
@@ -53,13 +72,7 @@ typedef struct ct_admission {
 struct ct_contact {
   const ct_contact_fixed *fixed;
   ct_contact_fixed *own; /* the same of a host's contact; else null */
-  int threads;
-  int begun;    /* whether the points have a status */
-  int start;    /* whether this is t = 0 of a scene */
-  int built;    /* whether the candidate lists exist; those of the start are discarded */
-  double clear; /* not 0: when they were built, no two faces were nearer than the search distance of
-                   points plus this (eq:contact-clear) */
-  ct_side side[2];
+  ct_gaps gaps;
   double *terms; /* memory for sums, one number per point */
   int solved;    /* whether the forces are those of solved rows */
   double held;   /* energy of the constraints then */
@@ -87,13 +100,13 @@ static inline int ct_contact_is_penalty(const ct_contact_fixed *fixed)
 /* Nodes of the two faces of a point. */
 static inline int32_t ct_contact_row_nodes(const ct_contact_fixed *fixed)
 {
-  return fixed->side[0].search->per + fixed->side[fixed->sides - 1].search->per;
+  return fixed->gaps.side[0].search->per + fixed->gaps.side[fixed->gaps.sides - 1].search->per;
 }
 
 /* The side opposite to side `s`. */
 static inline ct_side *ct_contact_other(ct_contact *contact, int s)
 {
-  return &contact->side[contact->fixed->sides - 1 - s];
+  return &contact->gaps.side[contact->fixed->gaps.sides - 1 - s];
 }
 
 /* Of `sides` surfaces. */
@@ -106,35 +119,6 @@ void ct_contact_close(void *state);
 
 /* Energy of the contact alone, after forces are known. */
 double ct_contact_own_energy(const ct_contact *contact);
-
-/* Update the candidates of all faces; and whether the update is not needed, because the surfaces
- * are too far apart to touch (eq:contact-clear). */
-ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error);
-int ct_contact_is_separated(const ct_contact *contact);
-
-/* Present search distance of points: `depth` at the start, when initial penetrations and gaps are
- * unknown; afterwards less, because a point that comes into contact was near before
- * (eq:contact-near). */
-double ct_contact_reach(const ct_contact *contact);
-
-/* Closest points of all points, without forces, at the coordinates in `moved` of the sides; or
- * those of one side. */
-ct_status ct_contact_measure(ct_contact *contact, ct_error *error);
-void ct_pass_search(ct_contact *contact, int s);
-
-/* Search distance of points after the start, and largest safe approach of two surfaces in a step;
- * and refuse a last step with a larger approach (eq:tunnelling). */
-ct_status ct_tunnelling_init(ct_contact_fixed *fixed);
-
-/* Width of the narrowest face of a surface, and the largest safe approach of a place to it in a
- * step: this width, or 3/4 of the smallest thickness (eq:tunnelling). */
-ct_status ct_tunnelling_surface(const ct_search *search, double *narrowest, double *approach);
-
-/* Bounding box of `values` at the nodes of a surface, indexed by `nodes`, or in order if that is
- * null. */
-void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const double *values,
-                       ct_bounds *box);
-ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now, ct_error *error);
 
 /* Refuse a rule with values out of range; `label` names the effect. */
 ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error);

@@ -318,7 +318,7 @@ static call begin(const friction *data, const ct_surface_motion *at)
   memcpy(&last, &at->memory[place], sizeof last);
   for (int k = 0; k < data->sides; k++)
     now.side[k] = data->rigid ? ((const ct_obstacle_state *)at->on)->side
-                              : &((const ct_contact *)at->on)->side[k];
+                              : &((const ct_contact *)at->on)->gaps.side[k];
   if (data->rigid)
     memcpy(next.place, ((const ct_obstacle_state *)at->on)->place, sizeof next.place);
   if (last.begun != 0.0) {
@@ -492,9 +492,10 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
   data->rho = tangent;
   data->room.bound = HUGE_VAL;
   data->rigid = on->calls != &ct_contact_calls;
-  data->sides = data->rigid ? 1 : ((const ct_contact_fixed *)on)->sides;
+  data->sides = data->rigid ? 1 : ((const ct_contact_fixed *)on)->gaps.sides;
   for (int k = 0; k < data->sides; k++) {
-    data->side[k] = data->rigid ? ct_obstacle_side(on) : &((const ct_contact_fixed *)on)->side[k];
+    data->side[k] =
+        data->rigid ? ct_obstacle_side(on) : &((const ct_contact_fixed *)on)->gaps.side[k];
     data->points += data->side[k]->point_count;
   }
   data->is = describe(data, on);

@@ -15,15 +15,16 @@ enum { TAIL = sizeof(tail_record) / sizeof(double) };
 
 int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed)
 {
-  int64_t count = CT_RECORD * fixed->point_count + TAIL;
-  for (int s = 0; s < fixed->sides; s++) count += 3 * (int64_t)fixed->side[s].search->node_count;
+  int64_t count = CT_RECORD * fixed->gaps.point_count + TAIL;
+  for (int s = 0; s < fixed->gaps.sides; s++)
+    count += 3 * (int64_t)fixed->gaps.side[s].search->node_count;
   return count;
 }
 
 static tail_record load_tail(const ct_contact_fixed *fixed, const double *memory)
 {
   tail_record tail;
-  memcpy(&tail, &memory[CT_RECORD * fixed->point_count], sizeof tail);
+  memcpy(&tail, &memory[CT_RECORD * fixed->gaps.point_count], sizeof tail);
   return tail;
 }
 
@@ -59,10 +60,10 @@ const double *ct_points_load(ct_side *side, int32_t face_count, const double *me
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error)
 {
   const tail_record tail = load_tail(contact->fixed, memory);
-  for (int s = 0; s < contact->fixed->sides; s++)
-    memory =
-        ct_points_load(&contact->side[s], ct_contact_other(contact, s)->search->face_count, memory);
-  contact->begun = 1;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++)
+    memory = ct_points_load(&contact->gaps.side[s],
+                            ct_contact_other(contact, s)->search->face_count, memory);
+  contact->gaps.begun = 1;
   contact->stored = tail.stored;
   contact->time = tail.time;
   contact->work = tail.work;
@@ -70,8 +71,8 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   contact->admission.late = (int64_t)tail.late;
   contact->admission.late_depth = tail.late_depth;
   memory += TAIL;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    ct_search *search = contact->side[s].search;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    ct_search *search = contact->gaps.side[s].search;
     ct_status status = ct_search_check(search, NULL, memory, s, error);
     if (status != CT_OK) return status;
     memcpy(search->x, memory, 3 * (size_t)search->node_count * sizeof *memory);
@@ -100,8 +101,8 @@ double *ct_points_store(const ct_side *side, double *memory)
 
 void ct_contact_store(const ct_contact *contact, double *memory)
 {
-  for (int s = 0; s < contact->fixed->sides; s++)
-    memory = ct_points_store(&contact->side[s], memory);
+  for (int s = 0; s < contact->fixed->gaps.sides; s++)
+    memory = ct_points_store(&contact->gaps.side[s], memory);
   const tail_record tail = {1.0,
                             contact->stored,
                             contact->time,
@@ -111,9 +112,9 @@ void ct_contact_store(const ct_contact *contact, double *memory)
                             contact->admission.late_depth};
   memcpy(memory, &tail, sizeof tail);
   memory += TAIL;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    size_t count = 3 * (size_t)contact->side[s].search->node_count;
-    memcpy(memory, contact->side[s].search->x, count * sizeof *memory);
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    size_t count = 3 * (size_t)contact->gaps.side[s].search->node_count;
+    memcpy(memory, contact->gaps.side[s].search->x, count * sizeof *memory);
     memory += count;
   }
 }

@@ -147,8 +147,8 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
 {
   ct_penetration points;
   if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
-  if (!begin(contact->side, contact->fixed->sides, at, out)) return no_place(at, error);
-  const int sides = contact->fixed->sides;
+  if (!begin(contact->gaps.side, contact->fixed->gaps.sides, at, out)) return no_place(at, error);
+  const int sides = contact->fixed->gaps.sides;
   if (at == CT_AT_POINTS) {
     out->late = contact->admission.late;
     out->late_depth = contact->admission.late_depth;
@@ -159,15 +159,15 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
         error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
         "contact: a surface in contact with itself has no penetration at corners or edges");
   // A place deeper than any point in contact and than the search distance is on a far side.
-  (void)begin(contact->side, sides, CT_AT_POINTS, &points);
-  double limit = fmax(contact->fixed->depth, 2.0 * points.deepest);
+  (void)begin(contact->gaps.side, sides, CT_AT_POINTS, &points);
+  double limit = fmax(contact->fixed->gaps.depth, 2.0 * points.deepest);
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   for (int s = 0; status == CT_OK && s < sides; s++)
-    status = ct_search_snapshot(contact->side[s].search, &now[s]);
+    status = ct_search_snapshot(contact->gaps.side[s].search, &now[s]);
   for (int s = 0; status == CT_OK && s < sides; s++)
-    at_edges(&contact->side[s], s, &(under){now[sides - 1 - s], NULL}, at == CT_AT_CORNERS ? 2 : 1,
-             limit, out);
+    at_edges(&contact->gaps.side[s], s, &(under){now[sides - 1 - s], NULL},
+             at == CT_AT_CORNERS ? 2 : 1, limit, out);
   ct_search_free(now[0]);
   ct_search_free(now[1]);
   return status == CT_OK ? CT_OK : CT_NO_MEMORY(error, "the search for penetration");

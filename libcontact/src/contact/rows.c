@@ -1,6 +1,6 @@
 /* Points of a surface as rows of the constraint problem, and their forces at the nodes. */
 #include "heap.h"
-#include "side.h"
+#include "contact_internal.h"
 
 #include <libcontact/base.h>
 

@@ -100,8 +100,8 @@ static int sides_of(const ct_effect *effect, const void *scratch, const ct_side 
   }
   if (effect->kind != CT_EFFECT_CONTACT) return 0;
   const ct_contact *contact = ct_touch_state(scratch);
-  *sides = contact->side;
-  return contact->fixed->sides;
+  *sides = contact->gaps.side;
+  return contact->fixed->gaps.sides;
 }
 
 ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,

@@ -19,8 +19,8 @@ ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
   ct_status status =
       ct_contact_fixed_create(surface, surface[1] == a ? 1 : 2, options, &fixed, error);
   if (status != CT_OK) return status;
-  fixed->alone = b == NULL;
-  if (fixed->alone) fixed->is.row_count = 0;
+  fixed->gaps.alone = b == NULL;
+  if (fixed->gaps.alone) fixed->is.row_count = 0;
   status = ct_contact_open(fixed, out, error);
   if (status == CT_OK) (*out)->own = fixed;
   else ct_contact_fixed_free(fixed);
@@ -30,22 +30,22 @@ ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
 ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb,
                             ct_error *error)
 {
-  if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->sides == 2))
+  if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->gaps.sides == 2))
     return CT_REFUSE(error, "contact: null argument");
-  const int sides = contact->fixed->sides;
+  const int sides = contact->fixed->gaps.sides;
   const double *const x[2] = {xa, xb};
   for (int s = 0; s < sides; s++) {
-    const ct_search *search = contact->side[s].search;
+    const ct_search *search = contact->gaps.side[s].search;
     for (int32_t n = 0; n < search->node_count; n++)
-      memcpy(&contact->side[s].moved[3 * (int64_t)n], &x[s][3 * (int64_t)search->nodes[n]],
+      memcpy(&contact->gaps.side[s].moved[3 * (int64_t)n], &x[s][3 * (int64_t)search->nodes[n]],
              3 * sizeof(double));
   }
-  ct_status status = ct_contact_measure(contact, error);
+  ct_status status = ct_gaps_measure(&contact->gaps, error);
   if (status != CT_OK) return status;
   contact->solved = 0;
   if (contact->host != NULL) contact->host->current = 0;
-  for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->side[s]);
-  return ct_side_collect(contact->side, sides, 0, error);
+  for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->gaps.side[s]);
+  return ct_side_collect(contact->gaps.side, sides, 0, error);
 }
 
 /* Copy `width` numbers per node from the host's arrays, where there are any, to the contact's
@@ -53,11 +53,11 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
 static void gather(const ct_contact_fixed *fixed, const double *const from[2], int width,
                    double *to)
 {
-  for (int s = fixed->sides - 1; s >= 0; s--) {
-    const ct_search *search = fixed->side[s].search;
+  for (int s = fixed->gaps.sides - 1; s >= 0; s--) {
+    const ct_search *search = fixed->gaps.side[s].search;
     for (int32_t n = 0; from[s] != NULL && n < search->node_count; n++)
-      memcpy(&to[width * (int64_t)fixed->place[s][n]], &from[s][width * (int64_t)search->nodes[n]],
-             (size_t)width * sizeof *to);
+      memcpy(&to[width * (int64_t)fixed->gaps.place[s][n]],
+             &from[s][width * (int64_t)search->nodes[n]], (size_t)width * sizeof *to);
   }
 }
 
@@ -110,7 +110,7 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
     h->lists[next] = part;
     sets[next++] =
         (ct_row_set){part->is->row_count, part->is->node_count,
-                     part->side < 0 ? NULL : fixed->place[part->side], part->is->row_nodes};
+                     part->side < 0 ? NULL : fixed->gaps.place[part->side], part->is->row_nodes};
   }
   if (status == CT_OK)
     status = ct_solver_create(sets, count, fixed->node_count, number, &h->solver);
@@ -229,7 +229,7 @@ static void add_forces(const ct_contact *contact, double *force)
   memset(force, 0, 3 * (size_t)fixed->node_count * sizeof *force);
   for (const ct_host_part *part = &contact->host->contact; part != NULL; part = part->next)
     for (int32_t n = 0; n < part->is->node_count; n++) {
-      int32_t node = part->side < 0 ? n : fixed->place[part->side][n];
+      int32_t node = part->side < 0 ? n : fixed->gaps.place[part->side][n];
       for (int c = 0; c < 3; c++) force[3 * (int64_t)node + c] += part->force[3 * (int64_t)n + c];
     }
 }
@@ -262,7 +262,7 @@ static void count_work(ct_contact *contact, const ct_prediction *p)
 static void follow(const ct_contact_fixed *fixed, ct_host_part *part, const ct_surface_motion *now)
 {
   for (int64_t n = 0; n < part->is->node_count; n++) {
-    const int64_t from = 3 * (int64_t)fixed->place[part->side][n];
+    const int64_t from = 3 * (int64_t)fixed->gaps.place[part->side][n];
     memcpy(&part->x[3 * n], &now->x[from], 3 * sizeof *part->x);
     memcpy(&part->velocity[3 * n], &now->velocity[from], 3 * sizeof *part->velocity);
   }
@@ -302,7 +302,7 @@ static void end_step(ct_contact *contact, const ct_contact_prediction *p)
   memcpy(h->next_memory, &h->now, sizeof h->now);
   h->memory = h->next_memory;
   h->next_memory = memory;
-  contact->begun = h->current = 1;
+  contact->gaps.begun = h->current = 1;
 }
 
 static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
@@ -331,7 +331,7 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
 static ct_status check_side(const ct_contact *contact, int s, const side_prediction *p,
                             ct_error *error)
 {
-  const ct_search *search = contact->fixed->side[s].search;
+  const ct_search *search = contact->fixed->gaps.side[s].search;
   const double *vectors[] = {p->velocity, p->inverse_mass, p->increment,
                              p->increment == NULL ? p->force : NULL};
   for (int32_t n = 0; n < search->node_count; n++)
@@ -381,14 +381,14 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
   const side_prediction a = {p->x_a, p->velocity_a, p->force_a, p->inverse_mass_a, p->increment_a},
                         b = {p->x_b, p->velocity_b, p->force_b, p->inverse_mass_b, p->increment_b},
-                        side[2] = {a, contact->fixed->sides == 2 ? b : a};
-  for (int s = 0; s < contact->fixed->sides; s++)
+                        side[2] = {a, contact->fixed->gaps.sides == 2 ? b : a};
+  for (int s = 0; s < contact->fixed->gaps.sides; s++)
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
   ct_status status = open_host(contact, error);
   if (status == CT_OK) status = check_times(contact, p, error);
-  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
+  for (int s = 0; status == CT_OK && s < contact->fixed->gaps.sides; s++)
     status = check_side(contact, s, &side[s], error);
   return status == CT_OK ? take_step(contact, p, side, error) : status;
 }
@@ -488,18 +488,18 @@ static void add_parts(const ct_contact *contact, double *const f[2])
 
 ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
 {
-  if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->sides == 2))
+  if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->gaps.sides == 2))
     return CT_REFUSE(error, "contact: null argument");
   const int more = contact->host != NULL && contact->host->current;
   double *const f[2] = {fa, fb};
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_side *side = &contact->side[s];
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
     for (int64_t n = 0; n < side->search->node_count; n++)
       for (int c = 0; c < 3; c++)
         f[s][3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
   }
   if (!more) return CT_OK;
-  if (contact->host->contact.next != NULL && contact->fixed->sides == 2 &&
+  if (contact->host->contact.next != NULL && contact->fixed->gaps.sides == 2 &&
       contact->fixed->one_array && fa != fb)
     return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
   add_parts(contact, f);
@@ -517,13 +517,13 @@ double ct_contact_energy(const ct_contact *contact)
 static double *take_masses(const ct_contact *contact, const double *const mass[2], const double *dt,
                            ct_status *status, ct_error *error)
 {
-  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->sides == 2) ||
+  if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->gaps.sides == 2) ||
       dt == NULL) {
     *status = CT_REFUSE(error, "contact: null argument");
     return NULL;
   }
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    const ct_search *search = contact->side[s].search;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_search *search = contact->gaps.side[s].search;
     for (int32_t n = 0; n < search->node_count; n++)
       if (!(mass[s][search->nodes[n]] > 0.0)) {
         *status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, search->nodes[n]},
@@ -573,7 +573,7 @@ ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a
   for (; status == CT_OK && part != NULL; part = part->next) {
     double bound;
     const ct_host_part *on = part->on == NULL ? part : part->on;
-    const ct_masses own = {mass, part->side < 0 ? NULL : contact->fixed->place[part->side]};
+    const ct_masses own = {mass, part->side < 0 ? NULL : contact->fixed->gaps.place[part->side]};
     status = ct_interaction_bound(part->is, on->state, own, &bound);
     if (status == CT_OK) omega2 += bound;
   }

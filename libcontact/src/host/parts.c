@@ -64,10 +64,10 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
   ct_interaction *is = NULL;
   ct_status status = check_new(contact, error);
   if (status != CT_OK) return status;
-  if (side < 0 || side >= contact->fixed->sides || obstacle == NULL)
+  if (side < 0 || side >= contact->fixed->gaps.sides || obstacle == NULL)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
   // The obstacle numbers the nodes of the surface in order.
-  const ct_search *search = contact->fixed->side[side].search;
+  const ct_search *search = contact->fixed->gaps.side[side].search;
   const ct_surface surface = {search->kind, search->node_count, search->face_count, search->faces,
                               search->x};
   status = ct_obstacle_create(obstacle, &surface, &is, error);
@@ -83,7 +83,7 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
   const ct_host *h = ct_host_of(contact);
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
   const ct_host_part *what = on < 0 ? &h->contact : ct_host_obstacle(contact, on);
-  if (on < -1 || what == NULL || (on == -1 && contact->fixed->alone))
+  if (on < -1 || what == NULL || (on == -1 && contact->fixed->gaps.alone))
     return CT_REFUSE(error, "friction: there is no obstacle %d and no other surface", (int)on);
   for (const ct_host_part *part = h->contact.next; part != NULL; part = part->next)
     if (part->on == what) return CT_REFUSE(error, "friction: there is one already");
@@ -95,8 +95,8 @@ int32_t ct_host_node(const ct_contact *contact, const ct_host_part *part, int32_
 {
   const ct_contact_fixed *fixed = contact->fixed;
   *side = part->side;
-  if (part->side >= 0) return fixed->side[part->side].search->nodes[n];
-  const int32_t node = fixed->nodes[n], first = fixed->side[0].search->host_count;
+  if (part->side >= 0) return fixed->gaps.side[part->side].search->nodes[n];
+  const int32_t node = fixed->nodes[n], first = fixed->gaps.side[0].search->host_count;
   *side = !fixed->one_array && node >= first;
   return *side == 1 ? node - first : node;
 }
@@ -207,7 +207,7 @@ ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obs
 static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part *part,
                                    double *traction, double *area, ct_error *error)
 {
-  const ct_search *search = contact->fixed->side[part->side].search;
+  const ct_search *search = contact->fixed->gaps.side[part->side].search;
   double *own = ct_allocate((size_t)search->node_count, 4 * sizeof *own),
          *own_area = own == NULL ? NULL : own + 3 * (int64_t)search->node_count;
   if (own == NULL) return CT_NO_MEMORY(error, "tractions");
@@ -230,8 +230,9 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
   if (obstacle != NULL && traction != NULL && area != NULL && contact->host->current)
     return obstacle_traction(contact, obstacle, traction, area, error);
   if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
-      side >= contact->fixed->sides)
+      side >= contact->fixed->gaps.sides)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
-  return ct_side_traction(&contact->side[side], &contact->side[contact->fixed->sides - 1 - side],
-                          traction, area, error);
+  return ct_side_traction(&contact->gaps.side[side],
+                          &contact->gaps.side[contact->fixed->gaps.sides - 1 - side], traction,
+                          area, error);
 }

@@ -1,7 +1,7 @@
-#ifndef CT_SRC_CONTACT_SIDE_H
-#define CT_SRC_CONTACT_SIDE_H
+#ifndef CT_SRC_SIDE_H
+#define CT_SRC_SIDE_H
 
-#include <libcontact/contact.h>
+#include <libcontact/constraint.h>
 #include <libcontact/shape.h>
 
 #include "../base/grid.h"
@@ -132,33 +132,5 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 /* Unit direction of the force on a point: along the line to its closest point, or the normal if the
  * two coincide. Returns 0 if there is none. */
 int ct_side_direction(const ct_side *side, const ct_point *point, double n[3]);
-
-/* List the rows of the points that may be active; returns their number (eq:constraint-force).
- * `other` is null for an obstacle, which has moved by `came` since the last step and moves by
- * `moved`; points farther out than `reach` are skipped. */
-int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double came[3],
-                          const double moved[3], ct_constraint **rows);
-
-/* Forces of the points from their solved rows, or of the explicit penalty. */
-void ct_side_take_rows(ct_side *side);
-void ct_side_apply_penalty(ct_side *side);
-
-/* Energy of the explicit penalty, of the forces of some sides. */
-double ct_side_potential(const ct_side *sides, int count);
-
-/* Energy of the solved rows of some sides at t_n (eq:controlled-energy, eq:energy-start): `before`
- * is the energy that all of them stored at the middle of the last step, from the effect's memory,
- * and `*after` becomes that at the middle of the next one. `terms` has one number for each. */
-double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
-                           double *after, double *terms);
-
-/* Nodal forces from those of the points: of an obstacle's surface, and of its stations if there are
- * any, if `rigid`; else of both sides, or of the one in contact with itself. */
-ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error);
-
-/* Tractions and areas at the nodes of a side from its nodal forces, in the numbering of the host
- * (eq:recovered-traction). `other` is the side whose points act on this one, or null. */
-ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
-                           double *area, ct_error *error);
 
 #endif

@@ -1,9 +1,7 @@
 /* Tunnelling: no surface may pass through another one within a step. */
-#include <libcontact/contact.h>
-
 #include "../base/error.h"
 #include "../base/vector.h"
-#include "contact_internal.h"
+#include "gaps.h"
 
 #include <math.h>
 #include <string.h>
@@ -80,10 +78,9 @@ ct_status ct_tunnelling_surface(const ct_search *search, double *narrowest, doub
   return status;
 }
 
-ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
+ct_status ct_tunnelling_init(ct_gaps_fixed *fixed, int given, double adjust)
 {
   ct_status status = CT_OK;
-  int given = fixed->options.depth > 0.0;
   double sum = 0.0, count = 0.0;
   fixed->approach = fixed->depth;
   for (int s = 0; s < fixed->sides; s++) {
@@ -102,7 +99,7 @@ ct_status ct_tunnelling_init(ct_contact_fixed *fixed)
   }
   // Gaps that are closed at the start are found until they have opened by as much again
   // (eq:initial-adjust).
-  fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * fixed->options.adjust);
+  fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * adjust);
   // -- Half a mean width of the faces (eq:skin-mean)
   fixed->skin = 0.5 * exp(sum / count);
   return status;
@@ -220,29 +217,30 @@ static void compare_surfaces(approach *p)
 }
 
 /* Depth of the deepest point before the step. */
-static double deepest(const ct_contact *contact)
+static double deepest(const ct_gaps *gaps)
 {
   double depth = 0.0;
-  for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++)
-      depth = fmax(depth, -contact->side[s].points[i].last_known);
+  for (int s = 0; s < gaps->fixed->sides; s++)
+    for (int64_t i = 0; i < gaps->fixed->side[s].point_count; i++)
+      depth = fmax(depth, -gaps->side[s].points[i].last_known);
   return depth;
 }
 
-ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
+ct_status ct_tunnelling_check(ct_gaps *gaps, const double *velocity, double dt, double time,
+                              ct_error *error)
 {
-  const ct_contact_fixed *fixed = contact->fixed;
+  const ct_gaps_fixed *fixed = gaps->fixed;
   const int last = fixed->sides - 1;
   ct_bounds speed[2], place[2];
-  ct_search *search[2] = {contact->side[0].search, contact->side[last].search};
+  ct_search *search[2] = {gaps->side[0].search, gaps->side[last].search};
   for (int s = 0; s < 2; s++)
-    ct_tunnelling_box(search[s], fixed->place[s == 0 ? 0 : last], now->velocity, &speed[s]);
+    ct_tunnelling_box(search[s], fixed->place[s == 0 ? 0 : last], velocity, &speed[s]);
   // -- The largest approach in the step, and how much of it is safe: first of the whole surfaces
   // (eq:tunnelling)
-  double most = now->before * farthest(&speed[0], &speed[1]);
+  double most = dt * farthest(&speed[0], &speed[1]);
   if (!(most > fixed->approach)) return CT_OK;
   for (int s = 0; s < 2; s++) ct_tunnelling_box(search[s], NULL, search[s]->x, &place[s]);
-  double deep = deepest(contact);
+  double deep = deepest(gaps);
   if (closest(&place[0], &place[1]) > (most + deep) * (1.0 + 1e-12)) return CT_OK;
   for (int s = 0; s <= last; s++) {
     ct_search_box(search[s]);
@@ -250,8 +248,8 @@ ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now,
   }
   approach p = {.search = {search[0], search[1]},
                 .side = {&fixed->side[0], &fixed->side[last]},
-                .velocity = now->velocity,
-                .dt = now->before,
+                .velocity = velocity,
+                .dt = dt,
                 .length = fixed->approach,
                 .deepest = deep,
                 .speed = speed[1],
@@ -264,5 +262,5 @@ ct_status ct_tunnelling_check(ct_contact *contact, const ct_surface_motion *now,
       "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may "
       "have come nearer by %g and passed through each other; "
       "not more than %g is safe. Take a smaller step",
-      now->time, (int)p.face[0], (int)p.face[1], p.length, fixed->approach);
+      time, (int)p.face[0], (int)p.face[1], p.length, fixed->approach);
 }

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_CONTACT_PASS_H
 #define CT_SRC_CONTACT_PASS_H
 
-#include "contact_internal.h"
+#include "gaps.h"
 
 #include "../base/vector.h"
 

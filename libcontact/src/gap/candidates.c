@@ -2,7 +2,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
-#include "contact_internal.h"
+#include "gaps.h"
 
 #include <math.h>
 #include <string.h>
@@ -76,18 +76,18 @@ static int anything_within(const ct_side *side, const ct_side *other, double rea
 
 /* Find a distance between the surfaces: the free distance beyond the depth, tried as twice the
  * skin, four times, ... */
-static void measure_clear(ct_contact *contact)
+static void measure_clear(ct_gaps *gaps)
 {
   enum { DOUBLINGS = 40 };
-  const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
-  contact->clear = 0.0;
-  if (!contact->fixed->options.separated ||
+  const ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
+  gaps->clear = 0.0;
+  if (!gaps->fixed->separated ||
       a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0)
     return;
-  contact->clear = contact->fixed->skin;
-  for (int i = 0;
-       i < DOUBLINGS && !anything_within(a, b, contact->fixed->near + 2.0 * contact->clear); i++)
-    contact->clear *= 2.0;
+  gaps->clear = gaps->fixed->skin;
+  for (int i = 0; i < DOUBLINGS && !anything_within(a, b, gaps->fixed->near + 2.0 * gaps->clear);
+       i++)
+    gaps->clear *= 2.0;
 }
 
 /* Whether a point was in contact in the last update: it is searched for at any depth (eq:held). */
@@ -101,15 +101,15 @@ static int holds(const ct_side *side)
 /* Whether no point is in contact or can have come within the depth of a face since the lists were
  * built: the box of a linear face moves at most as far as its nodes, that of a quadratic one seven
  * times as far (eq:contact-clear). */
-int ct_contact_is_separated(const ct_contact *contact)
+int ct_gaps_are_separated(const ct_gaps *gaps)
 {
-  if (contact->fixed->alone) return 1;
-  if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
-  const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  if (gaps->fixed->alone) return 1;
+  if (!gaps->built || !gaps->begun || gaps->clear == 0.0) return 0;
+  const ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   double part =
       a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
   // (eq:contact-clear)
-  return motion(a) + motion(b) <= part * contact->clear && !holds(a) && !holds(b);
+  return motion(a) + motion(b) <= part * gaps->clear && !holds(a) && !holds(b);
 }
 
 /* Depth of a point that was in contact in the last update, else 0. */
@@ -140,31 +140,30 @@ static void set_reach(ct_side *side, double depth, double near)
   }
 }
 
-double ct_contact_reach(const ct_contact *contact)
+double ct_gaps_reach(const ct_gaps *gaps)
 {
-  return contact->start || (!contact->begun && contact->fixed->sides == 2) ? contact->fixed->depth
-                                                                           : contact->fixed->near;
+  return gaps->start || (!gaps->begun && gaps->fixed->sides == 2) ? gaps->fixed->depth
+                                                                  : gaps->fixed->near;
 }
 
 /* Refit trees and list candidates when the surfaces have moved by a fraction of the skin. */
-ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error)
+ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error)
 {
-  ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   // -- The lists still hold all that can come near (eq:skin)
-  if (contact->built && contact->begun && reaches_deepest(a, contact->fixed->near) &&
-      reaches_deepest(b, contact->fixed->near) &&
-      motion(a) + motion(b) <= 0.25 * contact->fixed->skin)
+  if (gaps->built && gaps->begun && reaches_deepest(a, gaps->fixed->near) &&
+      reaches_deepest(b, gaps->fixed->near) && motion(a) + motion(b) <= 0.25 * gaps->fixed->skin)
     return CT_OK;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    ct_side *side = &contact->side[s];
+  for (int s = 0; s < gaps->fixed->sides; s++) {
+    ct_side *side = &gaps->side[s];
     ct_search_refit(side->search);
     memcpy(side->x_built, side->search->x,
            3 * (size_t)side->search->node_count * sizeof *side->search->x);
-    set_reach(side, ct_contact_reach(contact), contact->fixed->near);
+    set_reach(side, ct_gaps_reach(gaps), gaps->fixed->near);
   }
-  ct_status status = list_candidates(a, b, contact->fixed->skin, error);
-  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->fixed->skin, error);
-  contact->built = status == CT_OK && contact->begun && !contact->start;
-  if (contact->built) measure_clear(contact);
+  ct_status status = list_candidates(a, b, gaps->fixed->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, gaps->fixed->skin, error);
+  gaps->built = status == CT_OK && gaps->begun && !gaps->start;
+  if (gaps->built) measure_clear(gaps);
   return status;
 }

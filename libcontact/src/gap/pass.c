@@ -436,26 +436,23 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-void ct_pass_search(ct_contact *contact, int s)
+void ct_pass_search(ct_gaps *gaps, int s)
 {
-  const ct_contact_options *options = &contact->fixed->options;
-  ct_pass p = {.side = &contact->side[s],
-               .other = &contact->side[contact->fixed->sides - 1 - s],
-               .project = ct_project_options_default(),
-               .depth = ct_contact_reach(contact),
-               .deep = contact->fixed->depth,
-               .self = contact->fixed->sides == 1,
-               .first = !contact->begun};
-  p.project.method = options->method;
-  p.project.tolerance = options->tolerance;
+  ct_pass p = {.side = &gaps->side[s],
+               .other = &gaps->side[gaps->fixed->sides - 1 - s],
+               .project = gaps->fixed->project,
+               .depth = ct_gaps_reach(gaps),
+               .deep = gaps->fixed->depth,
+               .self = gaps->fixed->sides == 1,
+               .first = !gaps->begun};
   // On a surface with itself the distance alone does not determine the closest point; other methods
   // have no lanes; and lanes need faces of one kind.
-  int lanes = !p.self && options->method == CT_ROBUST &&
+  int lanes = !p.self && p.project.method == CT_ROBUST &&
               p.side->search->kind == p.other->search->kind &&
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
   int64_t count = p.side->fixed->point_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(contact->threads, count, LEAST_POINTS);
+  int threads = ct_threads_for(gaps->threads, count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t i = 0; i < count; i += CT_WARM)
