@@ -17,7 +17,8 @@ OPT ?= -O3
 BUILD := build
 empty :=
 VERSION := $(subst $(empty) $(empty),.,$(shell sed -n 's/^ *CT_VERSION_[A-Z]* = \([0-9]\).*/\1/p' libcontact/include/libcontact/base.h))
-SONAME := 0
+# Before 1.0 a minor version may change the interface, so each has its own name.
+SONAME := $(basename $(VERSION))
 WITHOUT ?=
 # V=1 shows every command as it runs.
 V ?=

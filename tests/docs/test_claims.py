@@ -132,3 +132,14 @@ def test_benchmark_of_the_bent_face_is_credited():
     assert {"Gabriel2004", "Gabriel2010"} <= set(
         re.findall(r":cite:[tp]:`(\w+)`", text)
     ) and "Gabriel2012" not in text
+
+
+def test_the_page_on_0_2_names_what_there_is():
+    """Calls and options on the right of its table are in the headers; its list of calls is in them, too."""
+    page = PAGES["docs/reference/upgrade.rst"]
+    table = re.findall(r"^``(.+?)  ``(.+)$", page, re.M)
+    known = set(re.findall(r"\bct_\w+", "".join(HEADERS.values())))
+    new = set(re.findall(r"\bct_\w+", " ".join(right for _, right in table)))
+    assert len(table) > 10 and new - known == set()
+    listed = page[page.index("New at this place") : page.index("Fortran\n---")]
+    assert set(re.findall(r"\bct_\w+", listed)) - known == set()

@@ -366,6 +366,18 @@ def test_a_restarted_run_ends_with_the_same_bits(tmp_path):
 
 
 @needs_hdf5
+def test_a_file_of_version_0_1_is_read_and_its_run_not_continued(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    old = tmp_path / "old.vtkhdf"
+    plates().run(until=1e-8, output=old)
+    with h5py.File(old, "r+") as file:
+        del file["libcontact"].attrs["restart_layout"]
+    assert ct.Run.load(old).time[-1] > 0
+    with pytest.raises(SceneError, match="version 0.1, whose results can be read"):
+        plates().run(restart=old)
+
+
+@needs_hdf5
 def test_a_restart_from_another_scene_or_over_its_own_file_is_refused(tmp_path):
     first = tmp_path / "first.vtkhdf"
     plates().run(until=1e-8, output=first)

@@ -125,7 +125,7 @@ typedef enum ct_version_number {
   /** changes when a host must change its calls */
   CT_VERSION_MAJOR = 0,
   /** changes when something is added */
-  CT_VERSION_MINOR = 1,
+  CT_VERSION_MINOR = 2,
   /** changes when an error is corrected */
   CT_VERSION_PATCH = 0
 } ct_version_number;

@@ -6,7 +6,8 @@
 
 /* Identity of the problem in a file, and comparison with another problem. */
 
-enum { LAYOUT = 1 };
+/* What the restart record stores: 0 (no attribute) in files of version 0.1. */
+enum { LAYOUT = 1, RESTART = 1 };
 
 /* An attribute of /libcontact. */
 typedef struct attribute {
@@ -16,7 +17,7 @@ typedef struct attribute {
 } attribute;
 
 /* The step is the last one. */
-enum { STEP = 3, ATTRIBUTE_COUNT };
+enum { STEP = 4, ATTRIBUTE_COUNT };
 
 /* One row of /libcontact/body. */
 typedef struct body_row {
@@ -61,6 +62,7 @@ static void fill_attributes(const ct_problem *problem, attribute attributes[ATTR
   const ct_integrator *integrator = &problem->integrator;
   const attribute all[ATTRIBUTE_COUNT] = {
       {"layout", "layout", H5T_NATIVE_INT64, LAYOUT},
+      {"restart_layout", "restart records of layout", H5T_NATIVE_INT64, RESTART},
       {"integrator", "the integrator", H5T_NATIVE_INT64, (double)integrator->scheme},
       {"integrator_parameter", "the parameter of the integrator", H5T_NATIVE_DOUBLE,
        integrator->parameter},
@@ -196,8 +198,13 @@ double ct_identity_compare(ct_task *task, const ct_problem *problem, double *poi
   attribute is[ATTRIBUTE_COUNT];
   fill_attributes(problem, is);
   compare_attribute(task, &is[0], "this library reads");
+  if (ct_hdf5_read_number(task, "libcontact", is[1].name) == 0.0)
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE,
+                 "the file is of version 0.1, whose results can be read but whose run can't be "
+                 "continued: run the scene again from its start");
+  compare_attribute(task, &is[1], "this library continues");
   for (const table *t = TABLE; t < TABLE + TABLE_COUNT; t++) compare_table(task, t, problem);
-  for (int i = 1; i < STEP; i++) compare_attribute(task, &is[i], "the problem has");
+  for (int i = 2; i < STEP; i++) compare_attribute(task, &is[i], "the problem has");
   compare_points(task, problem, points);
   return ct_hdf5_read_number(task, "libcontact", is[STEP].name);
 }
