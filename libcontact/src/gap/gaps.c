@@ -19,8 +19,7 @@ ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error)
   // No node moves before all checks pass: after an error the motion still counts from the last good
   // call.
   for (int s = 0; s < sides; s++) {
-    ct_status status =
-        ct_search_check(gaps->side[s].search, NULL, gaps->side[s].moved, s, error);
+    ct_status status = ct_search_check(gaps->side[s].search, NULL, gaps->side[s].moved, s, error);
     if (status != CT_OK) return status;
   }
   for (int s = 0; s < sides; s++) ct_side_place(&gaps->side[s]);

@@ -1,0 +1,149 @@
+/* The contract of interactions: contact, obstacle and friction as tables of calls over the nodes of
+ * surfaces, without a problem or a host; their effects give the same bits in another numbering. */
+#include "../../libcontact/src/effect/contact.h"
+#include "patches.h"
+
+/* An interaction, its state, and its arrays at nodes. */
+typedef struct touch {
+  ct_interaction *is;
+  void *state;
+  double *x, *velocity, *memory, *next, *force;
+} touch;
+
+static touch open_touch(ct_interaction *is)
+{
+  touch t = {.is = is};
+  ct_error e;
+  need(is->calls->open(is, &t.state, &e), &e);
+  t.x = numbers(3 * is->node_count), t.velocity = numbers(3 * is->node_count);
+  t.force = numbers(3 * is->node_count);
+  t.memory = numbers(is->memory_count), t.next = numbers(is->memory_count);
+  return t;
+}
+
+static void close_touch(touch *t)
+{
+  t->is->calls->close(t->state);
+  t->is->calls->free(t->is);
+  free(t->x), free(t->velocity), free(t->force), free(t->memory), free(t->next);
+}
+
+/* One evaluation at the coordinates `x` of all nodes; friction reads the state `on`. */
+static void evaluate(touch *t, const double *x, const double *velocity, int step, const void *on)
+{
+  ct_error e;
+  for (int i = 0; i < 3 * t->is->node_count; i++) {
+    t->x[i] = x[3 * t->is->nodes[i / 3] + i % 3];
+    t->velocity[i] = velocity[3 * t->is->nodes[i / 3] + i % 3];
+  }
+  const ct_surface_motion now = {.time = 0.1 * step,
+                                 .before = step > 0 ? 0.1 : 0.0,
+                                 .dt = 0.1,
+                                 .threads = 1,
+                                 .x = t->x,
+                                 .velocity = t->velocity,
+                                 .memory = t->memory,
+                                 .next_memory = t->next,
+                                 .on = on};
+  if (t->is->on == NULL) need(t->is->calls->place(t->state, &now, &e), &e);
+  need(t->is->calls->find_forces(t->state, &now, t->force, &e), &e);
+  double *keep = t->memory;
+  t->memory = t->next, t->next = keep;
+}
+
+/* The effect of the same, whose view has all nodes. */
+static void evaluate_effect(const ct_effect *effect, void *scratch, const void *read,
+                            const double *X, const double *u, const double *velocity, int step,
+                            double *memory[2], double *force)
+{
+  ct_error e;
+  const ct_view view = {.time = 0.1 * step,
+                        .dt = 0.1,
+                        .threads = 1,
+                        .reference = X,
+                        .displacement = u,
+                        .velocity = velocity,
+                        .memory = memory[step % 2],
+                        .next_memory = memory[(step + 1) % 2],
+                        .scratch = scratch,
+                        .read = read};
+  need(effect->force(effect, &view, force, &e), &e);
+}
+
+/* A square slides under a plane with friction. In the problem its nodes come after seven others. */
+static void same_as_an_effect(void)
+{
+  enum { BEFORE = 7, STEPS = 6 };
+  patch p = new_patch(CT_Q8, 3, 2, 0, 0, 3, 2, 1);
+  const int own = p.surface.node_count, all = own + BEFORE;
+  double *X = numbers(3 * all), *u = numbers(3 * all), *v = numbers(3 * all), *mass = numbers(all),
+         *x = numbers(3 * all);
+  int32_t *faces = integers(8 * p.surface.face_count);
+  memcpy(&X[3 * BEFORE], p.x, 3 * (size_t)own * sizeof *X);
+  for (int n = 0; n < all; n++) mass[n] = 1.0 + 0.1 * n;
+  for (int i = 0; i < 8 * p.surface.face_count; i++) faces[i] = p.faces[i] + BEFORE;
+  ct_obstacle_def def = ct_obstacle_def_default();
+  def.axis[2] = -1.0, def.epsilon = EPSILON, def.enforcement = CT_ENFORCE_PENALTY;
+  def.kind = CT_Q8, def.face_count = p.surface.face_count, def.faces = faces;
+  const ct_problem problem = {.node_count = all, .reference = X, .mass = mass};
+  const ct_surface surface = {CT_Q8, own, p.surface.face_count, p.faces, p.x};
+  ct_interaction *is[2];
+  ct_effect *effect[2];
+  ct_error e;
+  need(ct_obstacle_create(&def, &surface, &is[0], &e), &e);
+  need(ct_friction_create(0.4, 0.8, is[0], &is[1], &e), &e);
+  need(ct_obstacle_create_effect(&def, &problem, &effect[0], &e), &e);
+  ct_friction_def rub = ct_friction_def_default();
+  rub.on = effect[0], rub.coefficient = 0.4, rub.tangent = 0.8;
+  need(ct_friction_create_effect(&rub, &problem, &effect[1], &e), &e);
+  touch t[2] = {open_touch(is[0]), open_touch(is[1])};
+  void *scratch[2];
+  double *memory[2][2], *force = numbers(3 * all), *moved = numbers(3 * all), top = 0.0;
+  int off = 0;
+  for (int k = 0; k < 2; k++) {
+    need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+    for (int i = 0; i < 2; i++) memory[k][i] = numbers(effect[k]->memory_count);
+  }
+  for (int step = 0; step < STEPS; step++) {
+    for (int n = BEFORE; n < all; n++) {
+      u[3 * n] = 0.01 * step, u[3 * n + 2] = 0.003 * step, v[3 * n] = 0.1;
+      for (int c = 0; c < 3; c++) x[3 * n + c] = X[3 * n + c] + u[3 * n + c];
+    }
+    memcpy(moved, &x[3 * BEFORE], 3 * (size_t)own * sizeof *x);
+    for (int k = 0; k < 2; k++) {
+      evaluate(&t[k], moved, &v[3 * BEFORE], step, k == 0 ? NULL : t[0].state);
+      evaluate_effect(effect[k], scratch[k], k == 0 ? NULL : scratch[0], X, u, v, step, memory[k],
+                      force);
+      off += memcmp(force, t[k].force, 3 * (size_t)is[k]->node_count * sizeof *force) != 0;
+      top = fmax(top, largest(t[k].force, 3 * is[k]->node_count));
+    }
+  }
+  tap_ok(off == 0 && top > 0.0, "an obstacle and its friction have the bits of their effects");
+  ct_interaction_energy energy;
+  is[1]->calls->find_energy(t[1].state, &energy);
+  tap_ok(energy.stored > 0.0 && energy.dissipated > 0.0 && energy.motion == 0.0,
+         "friction has stored %.3g and dissipated %.3g", energy.stored, energy.dissipated);
+  double omega2[2], want = 0.0;
+  const ct_view view = {.scratch = scratch[1], .read = scratch[0]};
+  need(ct_interaction_bound(is[1], t[0].state, (ct_masses){&mass[BEFORE], is[1]->nodes}, &omega2[0]),
+       &e);
+  need(effect[1]->omega2_bound(effect[1], &view, &omega2[1], &e), &e);
+  need(ct_interaction_bound(is[0], t[0].state, (ct_masses){&mass[BEFORE], is[0]->nodes}, &want),
+       &e);
+  tap_ok(omega2[0] == omega2[1] && omega2[0] == 0.8 * want && want > 0.0,
+         "and its bound is rho times that of the obstacle, in both numberings");
+  for (int k = 1; k >= 0; k--) {
+    effect[k]->free_scratch(scratch[k]);
+    ct_effect_free(effect[k]);
+    close_touch(&t[k]);
+    free(memory[k][0]), free(memory[k][1]);
+  }
+  free(X), free(u), free(v), free(mass), free(x), free(faces), free(force), free(moved);
+  free_patch(&p);
+}
+
+int main(void)
+{
+  same_as_an_effect();
+  return tap_done();
+}
