@@ -106,7 +106,7 @@ def in_circles(needs):
 
 
 @pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
-@pytest.mark.parametrize("room", ["contact", "host", "constraint"])
+@pytest.mark.parametrize("room", ["constraint", "gap", "contact", "host"])
 def test_no_files_of_a_room_need_each_other_in_a_circle(room):
     """By the functions that they call; the circle of contact, host, friction and obstacle had nine files."""
     gives, takes = {}, {}
