@@ -307,7 +307,7 @@ static ct_contact *open_contact(const pair *p, const ct_contact_options *options
 
 /* Difference of the host's values from those of a scene, and their largest size. */
 typedef struct told {
-  double energy, most, lost, reaction, top, work, traction, pressure;
+  double energy, most, before, lost, reaction, top, work, traction, pressure;
 } told;
 
 static int presses(const ct_effect *effect)
@@ -375,7 +375,9 @@ static void compare(const ct_problem *problem, ct_state *state, const ct_contact
   }
   so->energy = worst(so->energy, balance.energy - energy);
   so->energy = worst(so->energy, ct_contact_energy(contact) - balance.energy);
-  so->lost = worst(so->lost, balance.friction - lost);
+  // What an unlike first step has dissipated stays.
+  if (so->most == 0.0) so->before = balance.friction - lost;
+  so->lost = worst(so->lost, balance.friction - lost - so->before);
   so->most = fmax(so->most, energy);
 }
 

@@ -211,6 +211,18 @@ def test_friction_counts_the_points_that_face_the_other_body(n, apart):
     assert step == pytest.approx(2 / np.sqrt(4 * 0.3 * 7.0 * n), rel=1e-12)
 
 
+@pytest.mark.parametrize("shape", ["plane", "sphere"])
+def test_friction_counts_the_points_that_face_an_obstacle(shape):
+    """A closed cube on a floor allows the step of its lower face, whose nodes have A / m = 2 n; beside a
+    ball, before the first step, that of the face that looks at it."""
+    (cube, _), (mass, _) = skins(4)
+    contact = ct.Contact(ct.Surface("Q4", *cube), epsilon=1.0, itself=False)
+    middle, low = cube[0].mean(0), cube[0][:, 2].min()
+    at = [*middle[:2], low - (300.0 if shape == "sphere" else 0.0)]
+    contact.add_obstacle(shape, at, radius=300.0, epsilon=7.0, friction=0.3, tangent=0.1)
+    assert contact.stable_step(mass) == pytest.approx(2 / np.sqrt(0.3 * 7.0 * 2 * 4), rel=1e-12)
+
+
 def test_one_array_or_two_give_the_same_bits():
     one, two = Rods(True).run(10)[1], Rods(False).run(10)[1]
     assert (one == two).all()

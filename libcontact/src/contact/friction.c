@@ -335,7 +335,7 @@ static void add_rows(const call *now, int k, const slip_point *p, double *rows)
 {
   const ct_side_fixed *side = now->data->side[k],
                       *other = now->data->side[now->data->sides - 1 - k];
-  const int per = side->search->per, other_per = other->search->per;
+  const int per = side->search->per, other_per = now->data->rigid ? 0 : other->search->per;
   for (int64_t i = 0; i < side->point_count; i++, p++) {
     const ct_point *point = &now->side[k]->points[i];
     double sum = 0.0;
@@ -425,7 +425,6 @@ void ct_friction_limit(ct_interaction *interaction, const double *mass, ct_frict
   friction *data = (friction *)interaction;
   data->mass = mass;
   data->room = room;
-  if (data->rigid) data->room.bound = HUGE_VAL;
 }
 
 static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)

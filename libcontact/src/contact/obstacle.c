@@ -83,6 +83,13 @@ static int64_t points_of(const ct_obstacle *data)
   return data->side.point_count + data->stations.fixed.point_count;
 }
 
+/* The obstacle's position at a time. */
+static void move_to(ct_obstacle_state *s, double time)
+{
+  ct_obstacle_motion(s->given, time, s->place);
+  for (int c = 0; c < 3; c++) s->place[c] += s->given->point[c];
+}
+
 static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)
 {
   const ct_obstacle *data = (const ct_obstacle *)interaction;
@@ -97,6 +104,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
     close_state(s);
     return CT_NO_MEMORY(error, "an obstacle");
   }
+  move_to(s, 0.0);
   *state = s;
   return CT_OK;
 }
@@ -133,8 +141,7 @@ static int meet(const ct_obstacle_state *s, int64_t i, int first)
 /* Gaps of all points, with the nodes at their places and the obstacle where it is at a time. */
 static ct_status meet_all(ct_obstacle_state *s, double time, int first, ct_error *error)
 {
-  ct_obstacle_motion(s->given, time, s->place);
-  for (int c = 0; c < 3; c++) s->place[c] += s->given->point[c];
+  move_to(s, time);
   for (int64_t i = 0; i < s->side[0].fixed->point_count; i++)
     if (!meet(s, i, first))
       return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
@@ -366,13 +373,52 @@ static void find_energy(const void *state, ct_interaction_energy *energy)
       .removal = s->removal};
 }
 
+/* Add the row sums of the penalty's stiffness of a point to those of the nodes of its face. */
+static void add_spring(const ct_obstacle *data, int64_t i, double *rows)
+{
+  const ct_side_fixed *side = &data->side;
+  const ct_search *search = side->search;
+  const double *N = side->N[i % side->rule.count];
+  const int32_t *node = &search->faces[i / side->rule.count * search->per];
+  double sum = 0.0;
+  for (int a = 0; a < search->per; a++) sum += fabs(N[a]);
+  // -- Row sums ε w J |N_i| Σ |N_j| (eq:obstacle-bound)
+  for (int a = 0; a < search->per; a++)
+    rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
+}
+
+/* Whether a point is inside, or its face faces the obstacle. */
+static int is_facing(const ct_obstacle_state *s, int64_t i)
+{
+  double own[3], r[3], n[3];
+  ct_side_area(&s->side[0], i, own);
+  ct_side_position(&s->side[0], i, s->place, r);
+  return ct_obstacle_gap_of(s->given, s->given->axis, r, n) < 0.0 ||
+         ct_vector_dot(own, n) < -0.25 * sqrt(ct_vector_dot(own, own)); // (eq:friction-facing)
+}
+
+static double largest_omega2(const ct_obstacle *data, const double *rows, ct_masses mass)
+{
+  double omega2 = 0.0;
+  for (int32_t n = 0; n < data->is.node_count; n++)
+    omega2 = fmax(omega2, rows[n] / ct_mass_at(mass, n));
+  return omega2;
+}
+
+/* Stations have no friction. If no point faces the obstacle, all points count. */
 static ct_status find_springs(const void *state, int facing, ct_masses mass, double *omega2)
 {
-  const ct_obstacle *data = ((const ct_obstacle_state *)state)->data;
-  (void)facing;
-  *omega2 = 0.0;
-  for (int32_t i = 0; i < data->is.node_count; i++)
-    *omega2 = fmax(*omega2, data->springs[i] / ct_mass_at(mass, i));
+  const ct_obstacle_state *s = state;
+  const ct_obstacle *data = s->data;
+  int found = 0;
+  *omega2 = largest_omega2(data, data->springs, mass);
+  if (!facing) return CT_OK;
+  double *rows = ct_allocate((size_t)data->is.node_count, sizeof *rows);
+  if (rows == NULL) return CT_ERROR_MEMORY;
+  for (int64_t i = 0; i < data->side.point_count; i++)
+    if (is_facing(s, i)) found = 1, add_spring(data, i, rows);
+  if (found) *omega2 = largest_omega2(data, rows, mass);
+  ct_release(rows);
   return CT_OK;
 }
 
@@ -423,19 +469,10 @@ static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_e
 /* Row sums of the penalty's stiffness with all points inside (eq:obstacle-bound). */
 static ct_status sum_springs(ct_obstacle *data, ct_error *error)
 {
-  const ct_side_fixed *side = &data->side;
-  const ct_search *search = side->search;
+  const ct_search *search = data->side.search;
   double *rows = data->springs = ct_allocate((size_t)search->node_count, sizeof *rows);
   if (rows == NULL) return CT_NO_MEMORY(error, "an obstacle");
-  for (int64_t i = 0; i < side->point_count; i++) {
-    const double *N = side->N[i % side->rule.count];
-    const int32_t *node = &search->faces[i / side->rule.count * search->per];
-    double sum = 0.0;
-    for (int a = 0; a < search->per; a++) sum += fabs(N[a]);
-    // -- Row sums ε w J |N_i| Σ |N_j| (eq:obstacle-bound)
-    for (int a = 0; a < search->per; a++)
-      rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
-  }
+  for (int64_t i = 0; i < data->side.point_count; i++) add_spring(data, i, rows);
   for (int32_t n = 0; data->stations.fixed.point_count > 0 && n < search->node_count; n++)
     rows[n] += ct_stations_springs(&data->stations, search, data->given.epsilon);
   return CT_OK;
