@@ -284,14 +284,41 @@ static void symmetric(void)
   tap_close(off, 0.0, 1e-12, "cubes: mirrored, permuted, a period further, the same frequencies");
 }
 
-/* The roots as the chapter on integrators writes their polynomials. */
+/* Coefficients of λ³, λ², λ and 1 as the chapter on integrators writes the polynomials. */
+static void polynomial(const ct_integrator *g, double x, double c[4])
+{
+  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p, q = g->push,
+               mu = p * (q * q - 1.0) / 6.0;
+  double trace = NAN, det = NAN;
+  switch (g->scheme) {
+  case CT_CENTRAL_DIFFERENCE:
+    trace = 2.0 - x, det = 1.0;
+    break;
+  case CT_CHUNG_LEE:
+    c[0] = 1.0, c[1] = p * x - 2.0, c[2] = 1.0 - 2.0 * (p - 1.0) * x, c[3] = (p - 1.0) * x;
+    return;
+  case CT_NOH_BATHE:
+    trace = 2.0 - x + 0.5 * p * p * s * x * x, det = 1.0 - 0.25 * (2.0 * p - 1.0) * s * s * x * x;
+    break;
+  case CT_TCHAMWA_WIELGOSZ:
+    trace = 2.0 - phi * x, det = 1.0 - (phi - 1.0) * x;
+    break;
+  case CT_PUSHFORWARD_PULLBACK:
+    trace = 2.0 - x - 0.5 * mu * (q + 1.0) * x * x, det = 1.0 - 0.5 * mu * (q - 1.0) * x * x;
+    break;
+  case CT_SCHEME_COUNT:
+    break;
+  }
+  c[0] = 0.0, c[1] = 1.0, c[2] = -trace, c[3] = det;
+}
+
 /* eq:dispersion-stage, eq:dispersion-root, eq:dispersion-memory, eq:dispersion-quadratic. */
 static void integrators_by_their_polynomials(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
     ct_integrator integrator = ct_integrator_default((ct_scheme)scheme);
-    if (scheme == CT_PUSHFORWARD_PULLBACK) integrator.push = 1.8;
-    double off = 0.0, value = integrator.parameter, limit = ct_integrator_limit(&integrator);
+    if (ct_integrator_facts(integrator.scheme)->pushes) integrator.push = 1.8;
+    double off = 0.0, limit = ct_integrator_limit(&integrator);
     for (int i = 1; i < 50; i++) {
       // A row of cubes at k h = π has ω_h = 2 c1 / h: the step chooses Ω.
       ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
@@ -304,23 +331,10 @@ static void integrators_by_their_polynomials(void)
              im = r * sin(b[2].omega * def.step);
       double p2 = re * re - im * im, q2 = 2.0 * re * im; // λ²
       double p3 = p2 * re - q2 * im, q3 = p2 * im + q2 * re;
-      double phi = 2.0 / (1.0 + value), s = 1.0 - value;
-      double trace = scheme == 2   ? 2.0 - x + 0.5 * value * value * s * x * x
-                     : scheme == 3 ? 2.0 - phi * x
-                                   : 2.0 - x;
-      double det = scheme == 2   ? 1.0 - 0.25 * (2.0 * value - 1.0) * s * s * x * x
-                   : scheme == 3 ? 1.0 - (phi - 1.0) * x
-                                 : 1.0;
-      if (scheme == 4) {
-        const double kappa = integrator.push, mu = value * (kappa * kappa - 1.0) / 6.0;
-        trace -= 0.5 * mu * (kappa + 1.0) * x * x, det -= 0.5 * mu * (kappa - 1.0) * x * x;
-      }
-      double real = p2 - trace * re + det, imaginary = q2 - trace * im;
-      if (scheme == 1) {
-        real =
-            p3 + (value * x - 2.0) * p2 + (1.0 - 2.0 * (value - 1.0) * x) * re + (value - 1.0) * x;
-        imaginary = q3 + (value * x - 2.0) * q2 + (1.0 - 2.0 * (value - 1.0) * x) * im;
-      }
+      double c[4] = {NAN, NAN, NAN, NAN};
+      polynomial(&integrator, x, c);
+      double real = c[0] * p3 + c[1] * p2 + c[2] * re + c[3],
+             imaginary = c[0] * q3 + c[1] * q2 + c[2] * im;
       off = worst(off, real / x), off = worst(off, imaginary / x);
     }
     tap_close(off, 0.0, 1e-12, "a root of the polynomial of %s", SCHEME(scheme));

@@ -101,7 +101,7 @@ def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
 @pytest.mark.parametrize(
     "keys, key",
     [
-        ({"integrator": "newmark"}, "time.integrator"),
+        ({"integrator": "leapfrogs"}, "time.integrator"),
         ({"integrator": "noh_bathe", "integrator_parameter": 0.7}, "time.integrator_parameter"),
         ({"integrator": "chung_lee", "integrator_parameter": 0.5}, "time.integrator_parameter"),
         (
@@ -197,5 +197,5 @@ def test_the_stable_step_is_safe_and_sharp():
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
         *steps.rows(("graded",), ("hex20",), 2_000),
     ]
-    assert len(rows) == 15 and [steps.line(row) for row in rows if not row.good] == []
+    assert len(rows) == 3 * len(INTEGRATORS) and [steps.line(row) for row in rows if not row.good] == []
     assert all(row.sharpness > 0.9 for row in rows)
