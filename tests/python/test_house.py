@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from libcontact._core import ffi
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
@@ -44,6 +45,25 @@ def test_every_symbol_has_the_prefix():
         assert names, archive
         # target_clones adds its own endings to a name, no other beginnings.
         assert {name for name in names if not name.startswith("ct_")} == set(), archive
+
+
+def test_integrators_and_elements_are_rows_and_not_compared_by_name():
+    """Outside their tables, sources read the facts of a row; else a new row would run as another one."""
+    values = [
+        name
+        for enum in ("ct_scheme", "ct_brick_kind")
+        for name in ffi.typeof(enum).elements.values()
+        if not name.endswith("_COUNT")
+    ]
+    compared = re.compile(rf"(?:[=!]=|\bcase)\s*(?:{'|'.join(values)})\b")
+    tables = {"step/integrator.c", "shape/brick.c"}
+    sources = (ROOT / floors.SOURCES).rglob("*.[ch]")
+    found = [
+        (path.relative_to(ROOT / floors.SOURCES).as_posix(), match.group())
+        for path in sources
+        for match in compared.finditer(path.read_text())
+    ]
+    assert [place for place in found if place[0] not in tables] == []
 
 
 def test_every_public_function_has_a_user():

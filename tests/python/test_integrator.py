@@ -197,5 +197,8 @@ def test_the_stable_step_is_safe_and_sharp():
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
         *steps.rows(("graded",), ("hex20",), 2_000),
     ]
-    assert len(rows) == 3 * len(INTEGRATORS) and [steps.line(row) for row in rows if not row.good] == []
+    assert (
+        len(rows) == 3 * len(INTEGRATORS)
+        and [steps.line(row) for row in rows if not row.good] == []
+    )
     assert all(row.sharpness > 0.9 for row in rows)
