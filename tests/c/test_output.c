@@ -585,7 +585,9 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
     return 3;
   status = ct_output_close(output, &error);
   if (failed && output != NULL && status != CT_ERROR_FILE) return 4;
-  if (!failed && status != CT_OK) return 5;
+  // The last bytes are written when the file is closed
+  if (!failed && status != CT_OK && status != CT_ERROR_FILE) return 5;
+  failed = failed || status != CT_OK;
   if (descriptor_count() != before) return 6;
   disk.fail_from = 0;
   ct_state_free(state);
