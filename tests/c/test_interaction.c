@@ -125,8 +125,9 @@ static void same_as_an_effect(void)
          "friction has stored %.3g and dissipated %.3g", energy.stored, energy.dissipated);
   double omega2[2], want = 0.0;
   const ct_view view = {.scratch = scratch[1], .read = scratch[0]};
-  need(ct_interaction_bound(is[1], t[0].state, (ct_masses){&mass[BEFORE], is[1]->nodes}, &omega2[0]),
-       &e);
+  need(
+      ct_interaction_bound(is[1], t[0].state, (ct_masses){&mass[BEFORE], is[1]->nodes}, &omega2[0]),
+      &e);
   need(effect[1]->omega2_bound(effect[1], &view, &omega2[1], &e), &e);
   need(ct_interaction_bound(is[0], t[0].state, (ct_masses){&mass[BEFORE], is[0]->nodes}, &want),
        &e);
