@@ -586,6 +586,9 @@ static void refusals(void)
     tap_ok(ct_integrator_check(&bad[i], &e) == CT_ERROR_ARGUMENT,
            "scheme %d with %g is refused: %s", (int)bad[i].scheme, bad[i].parameter, e.text);
   tap_ok(ct_integrator_check(NULL, &e) == CT_ERROR_ARGUMENT, "no integrator");
+  tap_ok(ct_integrator_facts((ct_scheme)7) == NULL && ct_integrator_limit(&bad[0]) == 2.0 &&
+             ct_integrator_limit(&bad[1]) == 2.0,
+         "an unknown scheme reads nothing behind the table");
   meeting c = meet(ct_integrator_default(CT_NOH_BATHE), CT_ENFORCE_PENALTY, 0.0, 1);
   ct_problem other = c.own;
   ct_state *state = NULL;

@@ -123,14 +123,16 @@ static const method METHODS[] = {
 typedef char
     every_scheme_has_its_row[sizeof METHODS / sizeof METHODS[0] == CT_SCHEME_COUNT ? 1 : -1];
 
-static const method *method_of(const ct_integrator *integrator)
-{
-  return &METHODS[integrator->scheme];
-}
-
 const ct_scheme_facts *ct_integrator_facts(ct_scheme scheme)
 {
   return (int)scheme >= 0 && scheme < CT_SCHEME_COUNT ? &METHODS[scheme].facts : NULL;
+}
+
+/* A scheme that ct_integrator_check refuses must not read behind the table. */
+static const method *method_of(const ct_integrator *integrator)
+{
+  const int known = ct_integrator_facts(integrator->scheme) != NULL;
+  return &METHODS[known ? integrator->scheme : CT_CENTRAL_DIFFERENCE];
 }
 
 ct_integrator ct_integrator_default(ct_scheme scheme)
