@@ -303,11 +303,8 @@ class Body(Table):
 # Options that some elements and laws of large strain lack: the key, its word, and the reason.
 ROW_SUM = {("lumping", "row_sum"): 'gives nodes of this element a negative mass; use "hrz"'}
 TRILINEAR_ONLY = {
-    ("kernel", "plane"): 'is for hex8; other elements have the kernels "general" and "box"',
-    (
-        "integration",
-        "reduced",
-    ): "with hourglass control is for hex8; other elements are integrated in full",
+    ("kernel", "plane"): 'is for hex8; hex20 has the kernels "general" and "box"',
+    ("integration", "reduced"): "with hourglass control is for hex8; hex20 is integrated in full",
 }
 SMALL_STRAIN_ONLY = (("integration", "reduced"), ("kernel", "box"), ("kernel", "plane"))
 
