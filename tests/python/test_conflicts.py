@@ -58,7 +58,7 @@ HELD = '[[support]]\nset = "a.x_min"\nfix = {}\n'
         (
             '[[body]]\nname = "c"\nelement = "hex20"\nintegration = "reduced"\nmaterial = "soft"\nbox = { size = [1, 1, 1], cells = [1, 1, 1] }\n',
             "body[2].integration",
-            "other elements are integrated in full",
+            "hex20 is integrated in full",
         ),
         (
             '[[body]]\nname = "c"\nkernel = "plane"\nmaterial = "soft"\nbox = { origin = [5, 0, 0], size = [1, 1, 1], cells = [2, 1, 2] }\n'
