@@ -45,10 +45,12 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning
     Yields
     ------
     ShortStepWarning
-        One for each contact and obstacle whose friction shortens the stable step four times or more.
+        One for each contact and obstacle whose friction shortens the stable step four times
+        or more.
     """
     rubbing = [each for each in contact_tables(problem.parts) if each[2].friction]
-    numbers = [k for k, made in enumerate(problem.made) if made.kind == lib.CT_EFFECT_FRICTION]
+    friction = lib.CT_EFFECT_FRICTION
+    numbers = [k for k, made in enumerate(problem.made) if made.kind == friction]
     bounds = ffi.new("double[2]")
     limit = lib.ct_integrator_limit(ffi.addressof(problem.pointer.integrator))
     for (key, who, given), k in zip(rubbing, numbers):
@@ -58,10 +60,12 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning
         rest = 1.0 - bounds[0] * (problem.stable.dt / limit) ** 2
         factor = 1.0 / math.sqrt(rest) if rest > 0.0 else math.inf
         if factor >= SHORTENED:
-            text = f"{who}: its friction shortens the stable step {factor:.3g} times, and the run takes as many times the steps; "
-            text += "choose a smaller beta, or larger elements at the surfaces"
+            text = f"{who}: its friction shortens the stable step {factor:.3g} times, and "
+            text += "the run takes as many times the steps; choose a smaller beta, or larger "
+            text += "elements at the surfaces"
             if (given.tangent or 0.0) > given.friction:
-                text += f", or a smaller tangent (down to {given.friction:g}, the coefficient of friction)"
+                text += f", or a smaller tangent (down to {given.friction:g}, the "
+                text += "coefficient of friction)"
             yield ShortStepWarning(text, key)
 
 
@@ -92,9 +96,9 @@ def long_run(problem: Problem) -> Iterator[LongRunWarning]:
     time, unit = problem.parts.time, problem.parts.units.time
     yield LongRunWarning(
         f"the run to t = {problem.end:g} {unit} takes {problem.step_count:.2g} steps of "
-        f"{problem.dt:.2g} {unit}, about {_told(seconds)}; a wave crosses the largest body in "
-        f"{cross:.2g} {unit}. Choose an earlier end, larger elements (the smallest one sets the step), "
-        "or check the units",
+        f"{problem.dt:.2g} {unit}, about {_told(seconds)}; a wave crosses the largest "
+        f"body in {cross:.2g} {unit}. Choose an earlier end, larger elements (the "
+        "smallest one sets the step), or check the units",
         "time.end" if time.end is not None else "time.end_c1t_over",
     )
 
@@ -140,8 +144,16 @@ class Depths:
                 who, given = self._open.pop(key)
                 epsilon = self._epsilon(i, given)
                 where = ", ".join(f"{x:.4g}" for x in points["position"])
-                text = f"{who}: the surfaces overlap by {grown:.3g} at t = {state.time:.4g}, deepest at ({where}) on {points['surface']}, where an element is {size:.3g} thick; "
-                text += f"the penalty epsilon = {epsilon:.3g} is too soft for the load, and the bodies may pass through each other; "
+                text = (
+                    f"{who}: the surfaces overlap by {grown:.3g} at t = {state.time:.4g}, deepest "
+                )
+                text += (
+                    f"at ({where}) on {points['surface']}, where an element is {size:.3g} thick; "
+                )
+                text += (
+                    f"the penalty epsilon = {epsilon:.3g} is too soft for the load, and the bodies "
+                )
+                text += "may pass through each other; "
                 enough, usual = epsilon * grown / (FINE * size), self._usual(given)
                 if usual > enough:
                     text += f"leave epsilon and beta out: the default is {usual:.2g}"
