@@ -42,8 +42,7 @@ static int is_no_partner(void *user, int32_t face)
   double normal[3];
   if (s->pass->side == s->pass->other && ct_search_adjacent(now, s->face, face)) return 1;
   if (s->pass->reach == EVERY) return 0;
-  return !ct_search_middle_normal(now, face, normal) ||
-         !(cosine(s->own, normal) < -0.25); // (eq:friction-facing)
+  return !ct_search_middle_normal(now, face, normal) || !ct_friction_facing(s->own, normal);
 }
 
 /* Whether the closest point lies within 60° of the normal of the point's face, in front of it or,

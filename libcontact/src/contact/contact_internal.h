@@ -3,9 +3,11 @@
 
 #include <libcontact/contact_result.h>
 
+#include "../base/vector.h"
 #include "../gap/gaps.h"
 #include "interaction.h"
 
+#include <math.h>
 #include <string.h>
 
 /* List the rows of the points that may be active; returns their number (eq:constraint-force).
@@ -293,6 +295,14 @@ typedef struct ct_friction_room {
  * numbering of its surfaces and must outlive it. Without this call it refuses none
  * (eq:friction-room). */
 void ct_friction_limit(ct_interaction *friction, const double *mass, ct_friction_room room);
+
+/* Whether the face of a point and the other surface face each other, for friction; normals of any
+ * length, which is not 0. */
+static inline int ct_friction_facing(const double own[3], const double other[3])
+{
+  const double lengths = sqrt(ct_vector_dot(own, own) * ct_vector_dot(other, other));
+  return ct_vector_dot(own, other) / lengths < -0.25; // (eq:friction-facing)
+}
 
 /* Position of the obstacle at a time, relative to `point` at t = 0 (eq:obstacle-motion); and the
  * signed distance of a point from it in its position at t = 0, negative inside, with the unit

@@ -393,8 +393,7 @@ static int is_facing(const ct_obstacle_state *s, int64_t i)
   double own[3], r[3], n[3];
   ct_side_area(&s->side[0], i, own);
   ct_side_position(&s->side[0], i, s->place, r);
-  return ct_obstacle_gap_of(s->given, s->given->axis, r, n) < 0.0 ||
-         ct_vector_dot(own, n) < -0.25 * sqrt(ct_vector_dot(own, own)); // (eq:friction-facing)
+  return ct_obstacle_gap_of(s->given, s->given->axis, r, n) < 0.0 || ct_friction_facing(own, n);
 }
 
 static double largest_omega2(const ct_obstacle *data, const double *rows, ct_masses mass)

@@ -203,7 +203,7 @@ ct_status ct_contact_obstacle_penetration(const ct_contact *contact, int32_t obs
   return part == NULL ? status : ct_obstacle_depth(part->state, at, out, error);
 }
 
-/* The same at an obstacle of a host, whose nodes are numbered in order. */
+/* Tractions at an obstacle, which numbers the nodes of its surface in order. */
 static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part *part,
                                    double *traction, double *area, ct_error *error)
 {
