@@ -17,7 +17,7 @@ def status_of(heights, start, depth):
     rest, free, out = np.zeros_like(high), np.ones_like(high), []
     for height in heights:
         moved = high + [0, 0, height - start]
-        contact.step(0.01, (moved, low), (rest, rest), (free, free), (rest, rest), kick=0.01)
+        contact.step(0.01, (moved, low), (rest, rest), (free, free), (rest, rest), force_time=0.01)
         found = contact.points
         mine = found[(found["side"] == 0) & (found["face"] == 0) & (found["point"] == 0)]
         out.append(mine["gap"][0] if len(mine) and mine["other"][0] >= 0 else np.nan)
@@ -113,7 +113,7 @@ def fold():
     rest, free = np.zeros_like(reference), np.ones_like(reference)
     for close in np.linspace(0.0, 0.1, 21):
         now = hairpin(close)[2]
-        contact.step(0.01, now, rest, free, rest, kick=0.01)
+        contact.step(0.01, now, rest, free, rest, force_time=0.01)
     points = contact.points
     figure = Figure(figsize=(7.5, 2.9))
     ax = figure.subplots()

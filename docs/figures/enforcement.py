@@ -28,7 +28,7 @@ def one_impact(enforcement, step, start=0.0):
     gaps, forces = [], []
     for _ in range(int(12 / step)):
         force = np.zeros_like(x)
-        contact.step(step, (x, low), (v, held), (free, held), kick=step)
+        contact.step(step, (x, low), (v, held), (free, held), force_time=step)
         contact.add_force((force, np.zeros_like(x)))
         gaps.append(x[0, 2])
         forces.append(force[:, 2].sum())

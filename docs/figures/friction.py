@@ -25,7 +25,7 @@ def rubbed():
         v = np.zeros_like(high)
         v[:, 0] = (x - last) / 0.01
         still = np.zeros_like(low)
-        contact.step(0.01, (high + [x, 0, 0], low), (v, still), (free, still), kick=0.01)
+        contact.step(0.01, (high + [x, 0, 0], low), (v, still), (free, still), force_time=0.01)
         total = np.zeros_like(high)
         contact.add_force((total, still.copy()))
         force.append(-total[:, 0].sum() / (mu * total[:, 2].sum()))

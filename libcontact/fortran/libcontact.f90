@@ -80,7 +80,7 @@ module libcontact
     type(c_ptr) :: force_a = c_null_ptr, force_b = c_null_ptr
     type(c_ptr) :: inverse_mass_a = c_null_ptr, inverse_mass_b = c_null_ptr
     type(c_ptr) :: increment_a = c_null_ptr, increment_b = c_null_ptr
-    real(c_double) :: dt = 0, kick = 0
+    real(c_double) :: dt = 0, force_time = 0
   end type
 
   type, bind(C) :: ct_contact_balance

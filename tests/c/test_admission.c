@@ -52,7 +52,7 @@ static void take_steps(slide *s, int first, int last)
                                      .inverse_mass_a = s->free[0],
                                      .inverse_mass_b = s->none[0],
                                      .dt = dt,
-                                     .kick = kick};
+                                     .force_time = kick};
     need(ct_contact_step(s->contact, &p, &e), &e);
     need(ct_contact_add_force(s->contact, force[0], other[0], NULL), &e);
     for (int32_t n = 0; n < s->moving.surface.node_count; n++)

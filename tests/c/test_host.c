@@ -420,7 +420,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
                                           .inverse_mass_a = problem->inverse_mass,
                                           .inverse_mass_b = problem->inverse_mass + next,
                                           .dt = problem->dt,
-                                          .kick = n == 0 ? 0.5 * problem->dt : problem->dt};
+                                          .force_time = n == 0 ? 0.5 * problem->dt : problem->dt};
       need(ct_contact_step(contact[i], &prediction, &e), &e);
       memset(f, 0, 3 * (size_t)count * sizeof *f);
       need(ct_contact_add_force(contact[i], f, f + next, NULL), &e);
@@ -527,7 +527,7 @@ static double step_host(host *h, int64_t n)
                                       .inverse_mass_a = h->inverse_mass[0],
                                       .inverse_mass_b = h->inverse_mass[1],
                                       .dt = h->dt,
-                                      .kick = kick};
+                                      .force_time = kick};
   need(ct_contact_step(h->contact, &prediction, &e), &e);
   need(ct_contact_add_force(h->contact, h->f[0], h->f[1], NULL), &e);
   for (int i = 0; i < h->p->bodies; i++)
@@ -663,7 +663,7 @@ static ct_contact_prediction prediction_of(face *a, face *b, double dt, double k
                                  .inverse_mass_a = a->inverse_mass,
                                  .inverse_mass_b = b->inverse_mass,
                                  .dt = dt,
-                                 .kick = kick};
+                                 .force_time = kick};
 }
 
 static ct_contact *open_faces(face *a, face *b, ct_contact_options options)
@@ -795,7 +795,7 @@ static void refusals(void)
   for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not for 0.005"),
          "half a kick in the second step: %s", e.text);
-  p.kick = 0.01;
+  p.force_time = 0.01;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_STEP, "a leap: %s", e.text);
   ct_contact_free(contact);
 }

@@ -95,7 +95,7 @@ def fall(enforcement, steps=40):
     for n in range(steps):
         kick = DT if n else DT / 2
         held, force = np.zeros((4, 3)), np.zeros((4, 3))
-        contact.step(DT, (x, SQUARE), (v, held), (np.full((4, 3), 4 / MASS), held), kick=kick)
+        contact.step(DT, (x, SQUARE), (v, held), (np.full((4, 3), 4 / MASS), held), force_time=kick)
         contact.add_force((force, held))
         before = v.copy()
         v = v + kick * force * 4 / MASS

@@ -124,7 +124,7 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
     bar_forces(&left);
     bar_forces(&right);
     /* The first step begins with v_0 and not half a step before. */
-    p.kick = n == 0 ? 0.5 * dt : dt;
+    p.force_time = n == 0 ? 0.5 * dt : dt;
     if (ct_contact_step(contact, &p, &error) != CT_OK ||
         ct_contact_add_force(contact, &left.f[0][0], &right.f[0][0], NULL) != CT_OK ||
         ct_contact_balance_of(contact, &balance, NULL) != CT_OK ||
@@ -132,7 +132,8 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
       tap_ok(0, "step %d: %s", n, error.text);
       break;
     }
-    bodies = bar_advance(&left, dt, p.kick, n == 0) + bar_advance(&right, dt, p.kick, n == 0);
+    bodies = bar_advance(&left, dt, p.force_time, n == 0) +
+             bar_advance(&right, dt, p.force_time, n == 0);
     if (n == 0) start = lowest = bodies + balance.energy;
     rise = fmax(rise, bodies + balance.energy - lowest);
     lowest = fmin(lowest, bodies + balance.energy);
@@ -184,10 +185,10 @@ static void slide(void)
   p.x_a = x, p.velocity_a = v, p.force_a = f, p.inverse_mass_a = free_mass, p.dt = dt;
   for (int n = 0; n < 1500 && bad == 0; n++) {
     for (int d = 0; d < 12; d++) f[d] = d % 3 == 2 ? -2.5 : 0.0;
-    p.kick = n == 0 ? 0.5 * dt : dt;
+    p.force_time = n == 0 ? 0.5 * dt : dt;
     bad += ct_contact_step(contact[now], &p, &error) != CT_OK ||
            ct_contact_add_force(contact[now], f, NULL, NULL) != CT_OK;
-    for (int d = 0; d < 12; d++) v[d] += p.kick * free_mass[d] * f[d], x[d] += dt * v[d];
+    for (int d = 0; d < 12; d++) v[d] += p.force_time * free_mass[d] * f[d], x[d] += dt * v[d];
     if (n != 100) continue;
     int64_t count = ct_contact_save(contact[0], NULL);
     now = 1;

@@ -116,7 +116,7 @@ contains
       call springs(right)
       ! The first step begins with v_0 and not half a step before.
       kick = merge(0.5_dp*dt, dt, n == 0)
-      p%dt = dt; p%kick = kick
+      p%dt = dt; p%force_time = kick
       bad = bad + ct_contact_step(contact, p, error)
       bad = bad + ct_contact_add_force(contact, left%f, right%f)
       bad = bad + ct_contact_balance_of(contact, balance)
@@ -177,10 +177,10 @@ contains
     do n = 0, 1499
       f = 0
       f(3, :) = -2.5_dp
-      p%kick = merge(0.5_dp*p%dt, p%dt, n == 0)
+      p%force_time = merge(0.5_dp*p%dt, p%dt, n == 0)
       bad = bad + ct_contact_step(contact(k), p, error)
       bad = bad + ct_contact_add_force(contact(k), f, f)
-      v = v + p%kick*free*f
+      v = v + p%force_time*free*f
       x = x + p%dt*v
       if (n /= 100) cycle
       allocate (memory(ct_contact_save(contact(1))))
@@ -254,7 +254,7 @@ contains
       at(c_loc(q%x_b), c_loc(q)), at(c_loc(q%velocity_a), c_loc(q)), at(c_loc(q%velocity_b), c_loc(q)), &
       at(c_loc(q%force_a), c_loc(q)), at(c_loc(q%force_b), c_loc(q)), at(c_loc(q%inverse_mass_a), c_loc(q)), &
       at(c_loc(q%inverse_mass_b), c_loc(q)), at(c_loc(q%increment_a), c_loc(q)), at(c_loc(q%increment_b), c_loc(q)), &
-      at(c_loc(q%dt), c_loc(q)), at(c_loc(q%kick), c_loc(q)), int(c_sizeof(q), c_int64_t), &
+      at(c_loc(q%dt), c_loc(q)), at(c_loc(q%force_time), c_loc(q)), int(c_sizeof(q), c_int64_t), &
       at(c_loc(w%work), c_loc(w)), at(c_loc(w%removal), c_loc(w)), at(c_loc(w%unconverged), c_loc(w)), &
       at(c_loc(w%friction), c_loc(w)), at(c_loc(w%motion), c_loc(w)), &
       at(c_loc(w%late), c_loc(w)), at(c_loc(w%late_depth), c_loc(w)), int(c_sizeof(w), c_int64_t), &

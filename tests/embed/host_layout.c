@@ -63,7 +63,7 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_prediction, increment_a),
                                  PLACE(ct_contact_prediction, increment_b),
                                  PLACE(ct_contact_prediction, dt),
-                                 PLACE(ct_contact_prediction, kick),
+                                 PLACE(ct_contact_prediction, force_time),
                                  (int64_t)sizeof(ct_contact_prediction),
                                  PLACE(ct_contact_balance, work),
                                  PLACE(ct_contact_balance, removal),

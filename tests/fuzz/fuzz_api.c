@@ -811,7 +811,7 @@ static void play_steps(play *p, ct_contact *contact, int two)
                                .inverse_mass_a = w[0],
                                .inverse_mass_b = w[1],
                                .dt = dt,
-                               .kick = n == 0 ? 0.5 * dt : dt};
+                               .force_time = n == 0 ? 0.5 * dt : dt};
     ct_contact_balance balance;
     for (int b = 0; b < 2; b++)
       memset(f[b], 0, 3 * (size_t)p->mesh[b]->node_count * sizeof(double));
@@ -825,7 +825,7 @@ static void play_steps(play *p, ct_contact *contact, int two)
     for (int b = 0; b <= two; b++) {
       const int64_t dofs = 3 * (int64_t)p->mesh[b]->node_count;
       demand(all_finite(f[b], dofs), "finite forces");
-      for (int64_t i = 0; i < dofs; i++) v[b][i] += q.kick * w[b][i] * f[b][i];
+      for (int64_t i = 0; i < dofs; i++) v[b][i] += q.force_time * w[b][i] * f[b][i];
       for (int64_t i = 0; i < dofs; i++) x[b][i] += dt * v[b][i];
     }
     if (chance(d, 6)) save(p, contact);

@@ -253,7 +253,7 @@ def run_host(seed: int, factor: float = 40.0, steps: int = 1500, closed: bool = 
         kick = dt if step else dt / 2
         x = tuple(body.x0 + body.u for body in (a, b))
         try:
-            contact.step(dt, x, (a.v, b.v), tuple(free), tuple(force), kick=kick)
+            contact.step(dt, x, (a.v, b.v), tuple(free), tuple(force), force_time=kick)
         except (ct.Error, ValueError) as error:
             return {"ended": "refused", "text": str(error)[:200], "growth": most, "told": []}
         added = tuple(np.zeros_like(f) for f in force)

@@ -27,7 +27,7 @@ def test_first_step_by_hand():
         (velocity, np.zeros((4, 3))),
         (np.full((4, 3), 4 / m), np.zeros((4, 3))),
         (force, np.zeros((4, 3))),
-        kick=dt / 2,
+        force_time=dt / 2,
     )
     free = -0.02 + dt * (v - 0.5 * dt * 3.0 / m)
     want = -0.5 * K * (free - 0.02) / (1 + 0.25 * K * dt**2 / m)
@@ -89,7 +89,7 @@ class Rods:
             force, strain = self.force(x)
             kick = dt if n else dt / 2
             contact.step(
-                dt, *map(self.split, (x, v, self.inverse_mass)), self.split(force), kick=kick
+                dt, *map(self.split, (x, v, self.inverse_mass)), self.split(force), force_time=kick
             )
             contact.add_force(self.split(force))
             after = v + kick * self.inverse_mass * force
@@ -326,7 +326,7 @@ def test_scikit_fem_as_the_host():
             energy -= 0.5 * u @ f
             forces.append(np.ascontiguousarray(f[basis.nodal_dofs.T]))
         kick = dt if n else dt / 2
-        contact.step(dt, x, V, inverse, forces, kick=kick)
+        contact.step(dt, x, V, inverse, forces, force_time=kick)
         contact.add_force(forces)
         after = [v + kick * w * f for v, w, f in zip(V, inverse, forces)]
         energy += sum(0.5 * (v / w * (a if n else v)).sum() for v, w, a in zip(V, inverse, after))
@@ -386,7 +386,9 @@ def test_nonsense_is_refused_by_name(wrong):
     contact, zero = ct.Contact(a, epsilon=1.0), np.zeros((4, 3))
     with pytest.raises((TypeError, ValueError), match="dt must"):
         contact.step(wrong, SQUARE, zero, zero)
-    for name in ("x", "velocity", "inverse_mass", "force", "kick")[: 3 if wrong is None else 5]:
+    for name in ("x", "velocity", "inverse_mass", "force", "force_time")[
+        : 3 if wrong is None else 5
+    ]:
         given = {"x": SQUARE, "velocity": zero, "inverse_mass": zero, name: wrong}
         with pytest.raises((TypeError, ValueError), match=f"{name} must"):
             contact.step(0.1, **given)
@@ -406,6 +408,12 @@ def test_nonsense_is_refused_by_name(wrong):
     assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
 
 
+def test_an_old_keyword_answers_what_to_write():
+    contact = ct.Contact(ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]]), epsilon=1.0)
+    with pytest.raises(TypeError, match='step: "kick" is gone; write "force_time"'):
+        contact.step(1e-3, None, None, None, kick=5e-4)
+
+
 @pytest.mark.parametrize("how", ["keep", "push", "refuse", "remove"])
 def test_a_plate_that_begins_inside_a_plane(how):
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
@@ -420,7 +428,7 @@ def test_a_plate_that_begins_inside_a_plane(how):
         return
     for n in range(60):
         force, kick = zero.copy(), 1e-3 if n else 5e-4
-        contact.step(1e-3, x, v, free, force, kick=kick)
+        contact.step(1e-3, x, v, free, force, force_time=kick)
         if n == 0:
             for at in ("points", "corners", "edges"):
                 depth = contact.penetration(at, wall)
@@ -453,7 +461,7 @@ def slide(contact, steps, state=None, dt=1e-3):
     free, weight = np.full((4, 3), 2.0), np.tile([0, 0, -2.5], (4, 1))
     for n in range(first, first + steps):
         force, kick = weight.copy(), dt if n else dt / 2
-        contact.step(dt, x, v, free, force, kick=kick)
+        contact.step(dt, x, v, free, force, force_time=kick)
         contact.add_force(force)
         v = v + kick * free * force
         x = x + dt * v

@@ -90,12 +90,12 @@ int main(void)
   for (int step = 0; step * dt < 25.0 && !failed; step++) {
     double force[2][3], moment[2][3], momentum;
     springs(&left), springs(&right);
-    p.kick = step == 0 ? 0.5 * dt : dt; /* the first step begins with v_0 */
+    p.force_time = step == 0 ? 0.5 * dt : dt; /* the first step begins with v_0 */
     failed = ct_contact_step(contact, &p, &e) != CT_OK ||
              ct_contact_add_force(contact, left.f[0], right.f[0], NULL) != CT_OK ||
              ct_contact_resultant(contact, force[0], moment[0], force[1], moment[1], NULL) != CT_OK;
-    advance(&left, dt, p.kick);
-    momentum = advance(&right, dt, p.kick);
+    advance(&left, dt, p.force_time);
+    momentum = advance(&right, dt, p.force_time);
     if (step % 55 == 25)
       printf("t = %5.2f: force %.3f, momentum of the right bar %6.3f\n", step * dt, force[1][0],
              momentum);

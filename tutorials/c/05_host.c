@@ -26,7 +26,8 @@ int main(void)
       double spring = 100.0 * (x[3 - n][0] - x[n][0] - 1.0);
       f[n][0] += spring, f[3 - n][0] -= spring;
     }
-    ct_contact_prediction p = {.x_a = x[0], .x_b = ground[0], .dt = dt, .kick = step ? dt : dt / 2};
+    ct_contact_prediction p = {
+        .x_a = x[0], .x_b = ground[0], .dt = dt, .force_time = step ? dt : dt / 2};
     p.velocity_a = v[0], p.velocity_b = no_motion[0], p.force_a = f[0];
     p.inverse_mass_a = inverse_mass[0], p.inverse_mass_b = no_motion[0];
     failed = ct_contact_step(contact, &p, &e) != CT_OK ||
@@ -34,7 +35,7 @@ int main(void)
     if (step % 100 == 0)
       printf("t = %.0f: x = %.2f, v = %5.2f\n", step * dt, x[3][0], (v[0][0] + v[3][0]) / 2);
     for (int n = 0; n < 12; n++)
-      v[0][n] += p.kick * inverse_mass[0][n] * f[0][n], x[0][n] += dt * v[0][n];
+      v[0][n] += p.force_time * inverse_mass[0][n] * f[0][n], x[0][n] += dt * v[0][n];
   }
   if (failed) puts(e.text);
   ct_contact_free(contact);

@@ -23,7 +23,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import BorderWarning, InsideOutWarning, came_in_late, issue
+from .errors import BorderWarning, InsideOutWarning, came_in_late, issue, renamed
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -153,10 +153,10 @@ class Contact:
     >>> dt, free, held = 0.01, np.full_like(x, 4.0), np.zeros_like(x)
     >>> for step in range(30):
     ...     force = np.zeros_like(x)
-    ...     kick = dt if step else dt / 2
-    ...     contact.step(dt, (x, floor), (v, held), (free, held), kick=kick)
+    ...     tau = dt if step else dt / 2
+    ...     contact.step(dt, (x, floor), (v, held), (free, held), force_time=tau)
     ...     contact.add_force((force, np.zeros_like(x)))
-    ...     v += kick * free * force
+    ...     v += tau * free * force
     ...     x += dt * v
     >>> bool(v[0, 2] > 0.6)
     True
@@ -350,6 +350,7 @@ class Contact:
         if coefficient != 0.0:
             call(lib.ct_contact_add_friction, self._contact, on, coefficient, ratio)
 
+    @renamed(kick="force_time")
     def step(
         self,
         dt: float,
@@ -358,10 +359,10 @@ class Contact:
         inverse_mass: Any,
         force: Any = None,
         *,
-        kick: float | None = None,
+        force_time: float | None = None,
         increment: Any = None,
     ) -> None:
-        """Compute the contact forces of the next step v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} =
+        """Compute the contact forces of the next step v_{n+1/2} = v_{n-1/2} + force_time f / m, x_{n+1} =
         x_n + dt v_{n+1/2}.
 
         Call it once per step, with all forces but those of the contact; then :meth:`add_force`.
@@ -378,7 +379,7 @@ class Contact:
             Inverse masses of all components [1 / mass]; 0 where the motion is prescribed.
         force : array_like, shape (n, 3), or a pair of them, optional
             Sum of all other forces at t_n [force].
-        kick : float, optional
+        force_time : float, optional
             Time for which the forces change the velocity [time]: dt by default; half of it in the
             first step, which begins with v_0; the mean of two steps of different length.
         increment : array_like, shape (n, 3), or a pair of them, optional
@@ -405,7 +406,9 @@ class Contact:
         }
         prediction = ffi.new("ct_contact_prediction *")
         prediction.dt = finite("dt", dt)
-        prediction.kick = prediction.dt if kick is None else finite("kick", kick)
+        prediction.force_time = (
+            prediction.dt if force_time is None else finite("force_time", force_time)
+        )
         arrays = []  # the arrays passed to C must exist until the call returns
         for name, values in given.items():
             if values is None and name in ("force", "increment"):

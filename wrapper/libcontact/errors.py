@@ -9,8 +9,10 @@ import re
 import sys
 import threading
 import warnings
+from collections.abc import Callable
+from functools import wraps
 from types import FrameType
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from ._core import ffi, lib
 
@@ -266,6 +268,25 @@ def text_of(status: int, error: Any = None) -> str:
     raise_held()
     text = ffi.string(error.text).decode(errors="replace") if error is not None else ""
     return text or ffi.string(lib.ct_status_name(status)).decode()
+
+
+P, R = ParamSpec("P"), TypeVar("R")
+
+
+def renamed(**now: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """For a call of which keyword arguments have been renamed: an old one is refused, and the error
+    names the present one."""
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def checked(*args: P.args, **given: P.kwargs) -> R:
+            for old in now.keys() & given.keys():
+                raise TypeError(f'{function.__name__}: "{old}" is gone; write "{now[old]}"')
+            return function(*args, **given)
+
+        return checked
+
+    return decorate
 
 
 def new_error() -> Any:

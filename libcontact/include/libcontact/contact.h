@@ -163,7 +163,7 @@ CT_API double ct_contact_energy(const ct_contact *contact);
 
 /**
  * State of a host at t_n and all forces except those of the contact, from which the host would
- * compute its next step v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} = x_n + dt v_{n+1/2},
+ * compute its next step v_{n+1/2} = v_{n-1/2} + force_time f / m, x_{n+1} = x_n + dt v_{n+1/2},
  * :eq:`host-step`. The host writes all members. Arrays have the shape (node_count, 3) of a surface;
  * those of surface b are not read for the contact of a surface with itself. If both surfaces use
  * one array of reference coordinates, they must use one array here, too.
@@ -190,7 +190,7 @@ typedef struct ct_contact_prediction {
    * begins with v_0, and the mean of two steps of different length. In the first step any value up
    * to Δt is accepted. Without `increment`, other values are rejected.
    */
-  double kick;
+  double force_time;
 } ct_contact_prediction;
 
 /**

@@ -15,14 +15,14 @@ ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct
 
 void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
 {
-  solver->share = p->push / p->whole;
+  solver->fraction = p->force_time / p->whole;
   for (int32_t i = 0; i < solver->node_count; i++) {
     int64_t own = CT_SOLVER_WIDE * (int64_t)i, dof = 3 * (int64_t)solver->nodes[i];
     for (int c = 0; c < 3; c++, own++, dof++) {
       // -- Motion without the constraints, that of a unit force, and the last one
       // (eq:constraint-problem, eq:host-step)
       solver->increment[own] = ct_prediction_increment(p, dof);
-      solver->mobility[own] = p->tau * p->push * p->inverse_mass[dof];
+      solver->mobility[own] = p->tau * p->force_time * p->inverse_mass[dof];
       solver->last_increment[own] = p->before * p->velocity[dof];
     }
   }

@@ -13,11 +13,11 @@ typedef ct_status ct_rows_list(void *user, int32_t set, ct_constraint **rows, in
 /* List the rows of all sets in order. */
 ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct_error *error);
 
-/* The next step without the constraints: a node moves by `tau` times (v + `push` f / m + `l` times
- * the last acceleration) (eq:stage). Arrays have the numbering of the solver's `nodes`. */
+/* The next step without the constraints: a node moves by `tau` times (v + `force_time` f / m + `l`
+ * times the last acceleration) (eq:stage). Arrays have the numbering of the solver's `nodes`. */
 typedef struct ct_prediction {
-  double tau, push, l;
-  double whole;  /* the value of `push` in a step that does not begin at t = 0 */
+  double tau, force_time, l;
+  double whole;  /* the value of `force_time` in a step that does not begin at t = 0 */
   double before; /* Δt of the last step; 0: none */
   const double *velocity, *inverse_mass, *force;
   const double *acceleration; /* of the last evaluation, or null */
@@ -29,7 +29,7 @@ static inline double ct_prediction_increment(const ct_prediction *p, int64_t dof
 {
   if (p->increment != NULL) return p->increment[dof];
   // -- Δt v_{n+1/2} = Δt (v_{n-1/2} + τ f / m) (eq:host-step, eq:stage)
-  double velocity = p->velocity[dof] + p->push * p->inverse_mass[dof] * p->force[dof];
+  double velocity = p->velocity[dof] + p->force_time * p->inverse_mass[dof] * p->force[dof];
   if (p->acceleration != NULL) velocity += p->l * p->acceleration[dof];
   return p->tau * velocity;
 }

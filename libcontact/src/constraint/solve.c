@@ -352,7 +352,7 @@ static int fix_laws(ct_solver *s)
   for (int64_t r = 0; r < s->count; r++) {
     ct_constraint *c = s->active[r];
     double bound = s->scale[r];
-    c->dashpot = ct_law_dashpot(c, bound / s->share);
+    c->dashpot = ct_law_dashpot(c, bound / s->fraction);
     ct_ramp ramp = ct_law_ramp(c);
     s->C[r] = ramp.C;
     s->b[r] = ramp.b;

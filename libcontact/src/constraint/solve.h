@@ -39,8 +39,8 @@ typedef struct ct_solver {
   int32_t *place;      /* of the nodes of each set, set after set, among the solver's */
   double *increment;   /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
   double
-      *mobility; /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
-  double share;  /* of the mobility in a step that does not begin at t = 0 */
+      *mobility;   /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
+  double fraction; /* of the mobility in a step that does not begin at t = 0 */
   double *last_increment; /* u_n - u_{n-1}, likewise */
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */

@@ -177,7 +177,7 @@ static ct_prediction prepare(ct_contact *contact, const ct_contact_prediction *p
   gather(fixed, given[2], 3, h->inverse_mass);
   gather(fixed, given[4], 3, h->others);
   ct_prediction to = {.tau = p->dt,
-                      .push = p->kick,
+                      .force_time = p->force_time,
                       .whole = p->dt,
                       .velocity = h->contact.velocity,
                       .inverse_mass = h->inverse_mass,
@@ -215,7 +215,7 @@ static ct_status solve(ct_contact *contact, ct_prediction *p, const ct_surface_m
   ct_status status = ct_rows_list_all(h->solver, list_rows, &(lister){contact, now}, error);
   if (status != CT_OK || h->solver->first[h->solver->set_count] == 0) return status;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
-  p->before = !now->first ? now->before : p->push < p->tau ? 0.0 : p->tau;
+  p->before = !now->first ? now->before : p->force_time < p->tau ? 0.0 : p->tau;
   ct_rows_predict(h->solver, p);
   status = ct_rows_solve(h->solver, now->time, error);
   if (status == CT_OK) h->now.unconverged += !h->solver->converged;
@@ -245,15 +245,15 @@ static void count_work(ct_contact *contact, const ct_prediction *p)
   for (int k = 0; k < 2; k++) {
     for (int64_t d = 0; d < count; d++) {
       double after =
-          ct_prediction_increment(p, d) / p->tau + p->push * p->inverse_mass[d] * h->force[d];
+          ct_prediction_increment(p, d) / p->tau + p->force_time * p->inverse_mass[d] * h->force[d];
       // Half of the kick times the velocity before it, or after it (eq:host-work)
-      h->terms[d] = 0.5 * p->push * h->force[d] * (k == 0 ? p->velocity[d] : after);
+      h->terms[d] = 0.5 * p->force_time * h->force[d] * (k == 0 ? p->velocity[d] : after);
     }
     part[k] = ct_sum(h->terms, count);
   }
   // -- A whole kick began before t_0
   const int begun = h->now.begun != 0.0;
-  if (!begun && !(p->push < p->tau)) h->now.done = -part[0];
+  if (!begun && !(p->force_time < p->tau)) h->now.done = -part[0];
   h->now.work = begun ? h->now.done + part[0] : 0.0;
   h->now.done += part[0] + part[1];
 }
@@ -365,15 +365,16 @@ static ct_status check_times(const ct_contact *contact, const ct_contact_predict
   const ct_host_record last = record_of(contact->host);
   double mean = last.begun != 0.0 ? 0.5 * (last.before + p->dt) : p->dt,
          least = last.begun != 0.0 ? fmin(mean, p->dt) : 0.0, most = fmax(mean, p->dt);
-  if (!(p->dt > 0.0 && isfinite(p->dt) && p->kick > 0.0 && isfinite(p->kick)))
-    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt, p->kick);
+  if (!(p->dt > 0.0 && isfinite(p->dt) && p->force_time > 0.0 && isfinite(p->force_time)))
+    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt,
+                     p->force_time);
   if (p->increment_a != NULL ||
-      (p->kick >= (1.0 - SLACK) * least && p->kick <= (1.0 + SLACK) * most))
+      (p->force_time >= (1.0 - SLACK) * least && p->force_time <= (1.0 + SLACK) * most))
     return CT_OK;
   return CT_REFUSE(error,
                    "contact: in a step of %g after one of %g forces act for %g, not for %g; give "
                    "the increments if your step is no leapfrog",
-                   p->dt, last.before, mean, p->kick);
+                   p->dt, last.before, mean, p->force_time);
 }
 
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)

@@ -125,7 +125,7 @@ static ct_prediction predict(const ct_problem *problem, const ct_state *state)
   ct_stage stages[2], stage = ct_stage_now(problem, state);
   int count = ct_integrator_stages(&problem->integrator, stages);
   ct_prediction p = {.tau = stage.tau,
-                     .push = stage.r,
+                     .force_time = stage.r,
                      .l = stage.l,
                      .whole = stage.r,
                      .before = stages[count - 1 - state->workspace->stage].tau * problem->dt,
@@ -138,8 +138,8 @@ static ct_prediction predict(const ct_problem *problem, const ct_state *state)
   // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
   // part of it (eq:stage-start)
   if (state->workspace->starting) {
-    p.push = stage.r + (ct_scheme_of(problem)->pushes ? 0.0 : stage.l) -
-             ct_integrator_share(&problem->integrator) * problem->dt;
+    p.force_time = stage.r + (ct_scheme_of(problem)->pushes ? 0.0 : stage.l) -
+                   ct_integrator_share(&problem->integrator) * problem->dt;
     p.acceleration = NULL;
   }
   return p;
