@@ -16,7 +16,7 @@ static inline block open_body(ct_solid_body b)
   block solid = {NULL, NULL};
   ct_error e;
   need(create_solid(&b, 1, &solid.effect, &e), &e);
-  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
+  need(solid.effect->calls->create_scratch(solid.effect, &solid.scratch, &e), &e);
   return solid;
 }
 
@@ -28,7 +28,7 @@ static inline block open_block(const ct_mesh *m, const ct_material *material,
 
 static inline void close_block(block *solid)
 {
-  solid->effect->free_scratch(solid->scratch);
+  solid->effect->calls->free_scratch(solid->scratch);
   ct_effect_free(solid->effect);
 }
 
@@ -38,8 +38,8 @@ static inline double block_force(const block *solid, const double *u, double *f)
   ct_view view = {.threads = 1, .displacement = u, .scratch = solid->scratch};
   double energy = NAN;
   ct_error e;
-  need(solid->effect->force(solid->effect, &view, f, &e), &e);
-  need(solid->effect->energy(solid->effect, &view, &energy, &e), &e);
+  need(solid->effect->calls->force(solid->effect, &view, f, &e), &e);
+  need(solid->effect->calls->energy(solid->effect, &view, &energy, &e), &e);
   return energy;
 }
 
@@ -48,7 +48,7 @@ static inline double block_frequency(const block *solid)
   ct_view view = {.threads = 1, .scratch = solid->scratch};
   double omega_squared = NAN;
   ct_error e;
-  need(solid->effect->omega2_bound(solid->effect, &view, &omega_squared, &e), &e);
+  need(solid->effect->calls->bounds.omega2(solid->effect, &view, &omega_squared, &e), &e);
   return omega_squared;
 }
 

@@ -267,8 +267,8 @@ static inline probe probe_open(const ct_problem *problem)
   ct_error error;
   for (int k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->create_scratch != NULL)
-      need(effect->create_scratch(effect, &p.scratch[k], &error), &error);
+    if (effect->calls->create_scratch != NULL)
+      need(effect->calls->create_scratch(effect, &p.scratch[k], &error), &error);
     memory += effect->memory_count;
   }
   p.memory = numbers(memory);
@@ -279,7 +279,7 @@ static inline probe probe_open(const ct_problem *problem)
 static inline void probe_close(probe *p)
 {
   for (int k = 0; k < p->problem->effect_count; k++)
-    if (p->scratch[k] != NULL) p->problem->effects[k]->free_scratch(p->scratch[k]);
+    if (p->scratch[k] != NULL) p->problem->effects[k]->calls->free_scratch(p->scratch[k]);
   free(p->scratch);
   free(p->memory);
   free(p->next);
@@ -304,7 +304,7 @@ static inline void probe_force(probe *p, const double *u, double *sum)
                     .scratch = p->scratch[k]};
     for (int j = 0; j < k; j++)
       if (p->problem->effects[j] == effect->reads) view.read = p->scratch[j];
-    need(effect->force(effect, &view, p->force, &error), &error);
+    need(effect->calls->force(effect, &view, p->force, &error), &error);
     for (int i = 0; i < effect->node_count; i++)
       for (int c = 0; c < 3; c++)
         sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
@@ -543,16 +543,16 @@ static inline void add_effect(ct_scene *scene, const ct_effect *filled)
 
 static inline void add_weight(ct_scene *scene, weight w)
 {
+  static const ct_effect_calls calls = {
+      .force = weight_force, .free_data = free, .bounds = {.rate = weight_damping}};
   weight *own = room(1, sizeof *own);
   ct_error error;
   *own = w;
   need(ct_scene_join(scene, &own->problem, &error), &error);
   add_effect(scene, &(ct_effect){.label = "weight",
+                                 .calls = &calls,
                                  .data = own,
-                                 .free_data = free,
-                                 .node_count = own->problem->node_count,
-                                 .force = weight_force,
-                                 .rate_bound = weight_damping});
+                                 .node_count = own->problem->node_count});
 }
 
 /* Create an effect of the library from its definition with its factory, and add it to a scene. */

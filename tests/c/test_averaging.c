@@ -82,9 +82,9 @@ static void force(void)
            eta = eta_of(&STEEL, 0.5, p->dt);
     void *scratch = NULL;
     for (int i = 0; i < 3 * n; i++) f[i] = uniform(1.0);
-    need(effect->create_scratch(effect, &scratch, &e), &e);
+    need(effect->calls->create_scratch(effect, &scratch, &e), &e);
     ct_view view = {.threads = 1, .total = f, .scratch = scratch, .dt = p->dt};
-    need(effect->force(effect, &view, got, &e), &e);
+    need(effect->calls->force(effect, &view, got, &e), &e);
     for (int i = 0; i < 3 * n; i++) {
       double want = 0.0;
       for (int j = 0; j < n; j++)
@@ -98,7 +98,7 @@ static void force(void)
            alone ? "with a face excluded" : "of all elements", off / top);
     // Round-off of 120 terms.
     tap_ok(largest(sum, 3) < 1e-13 * top, "it keeps momentum: %.2g", largest(sum, 3) / top);
-    effect->free_scratch(scratch);
+    effect->calls->free_scratch(scratch);
     ct_scene_free(scene);
     free(f), free(got), free(D);
   }

@@ -65,7 +65,7 @@ static double take(hand *h, double z, double time, double *energy, double *exter
   void *scratch = NULL;
   ct_error e;
   for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z - h->start;
-  need(effect->create_scratch(effect, &scratch, &e), &e);
+  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.time = time,
                   .dt = 0.25,
                   .threads = 1,
@@ -76,15 +76,15 @@ static double take(hand *h, double z, double time, double *energy, double *exter
                   .next_memory = h->next,
                   .scratch = scratch};
   double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
-  need(effect->force(effect, &view, own, &e), &e);
-  need(effect->energy(effect, &view, energy, &e), &e);
-  if (external != NULL) need(effect->external(effect, &view, external, &e), &e);
+  need(effect->calls->force(effect, &view, own, &e), &e);
+  need(effect->calls->energy(effect, &view, energy, &e), &e);
+  if (external != NULL) need(effect->calls->external(effect, &view, external, &e), &e);
   memset(h->force, 0, 3 * (size_t)h->nodes * sizeof(double));
   for (int i = 0; i < effect->node_count; i++) {
     for (int c = 0; c < 3; c++) h->force[3 * effect->nodes[i] + c] = own[3 * i + c];
     if (effect->nodes[i] >= h->first_b) sum += own[3 * i + 2];
   }
-  effect->free_scratch(scratch);
+  effect->calls->free_scratch(scratch);
   free(own);
   h->memory = h->next;
   h->next = keep;
@@ -246,7 +246,7 @@ static double evaluate(hand *h, double *force)
   void *scratch = NULL;
   ct_error e;
   double energy, *own = numbers(3 * effect->node_count);
-  need(effect->create_scratch(effect, &scratch, &e), &e);
+  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.time = 1.0,
                   .threads = 1,
                   .reference = h->reference,
@@ -255,12 +255,12 @@ static double evaluate(hand *h, double *force)
                   .memory = h->memory,
                   .next_memory = h->next,
                   .scratch = scratch};
-  need(effect->force(effect, &view, own, &e), &e);
-  need(effect->energy(effect, &view, &energy, &e), &e);
+  need(effect->calls->force(effect, &view, own, &e), &e);
+  need(effect->calls->energy(effect, &view, &energy, &e), &e);
   memset(force, 0, 3 * (size_t)h->nodes * sizeof *force);
   for (int i = 0; i < effect->node_count; i++)
     memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
-  effect->free_scratch(scratch);
+  effect->calls->free_scratch(scratch);
   free(own);
   return energy;
 }
@@ -448,7 +448,7 @@ static void states_share(void)
   hand h = two_flat_patches(ct_contact_options_default(), 0.02);
   void *scratch[2] = {NULL, NULL};
   ct_error e;
-  for (int k = 0; k < 2; k++) need(h.effect->create_scratch(h.effect, &scratch[k], &e), &e);
+  for (int k = 0; k < 2; k++) need(h.effect->calls->create_scratch(h.effect, &scratch[k], &e), &e);
   const ct_contact *a = ct_touch_state(scratch[0]), *b = ct_touch_state(scratch[1]);
   int shared = a->fixed == b->fixed, own = a->own == NULL && b->own == NULL;
   for (int s = 0; s < 2; s++) {
@@ -463,7 +463,7 @@ static void states_share(void)
   }
   tap_ok(shared && own, "two states share topology, shape functions and weights; coordinates, "
                         "boxes, trees and points are their own");
-  for (int k = 0; k < 2; k++) h.effect->free_scratch(scratch[k]);
+  for (int k = 0; k < 2; k++) h.effect->calls->free_scratch(scratch[k]);
   const ct_problem problem = {.node_count = h.nodes, .reference = h.reference, .mass = h.mass};
   ct_effect *effect = NULL;
   ct_contact_def contact = ct_contact_def_default(), foreign;

@@ -35,6 +35,9 @@ static ct_status spring_frequency(const ct_effect *effect, const ct_view *view,
   return CT_OK;
 }
 
+static const ct_effect_calls SPRINGS = {
+    .force = spring_force, .energy = spring_energy, .bounds = {.omega2 = spring_frequency}};
+
 /* A host's effect may have any name: the library never identifies its own effects by name. */
 static void named(const char *name)
 {
@@ -43,11 +46,10 @@ static void named(const char *name)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_effect filled = {.label = name,
+                      .calls = &SPRINGS,
                       .data = &k,
                       .nodes = nodes,
-                      .node_count = 2,
-                      .force = spring_force,
-                      .energy = spring_energy},
+                      .node_count = 2},
             *effect = NULL, *friction = NULL;
   const ct_problem *joined = NULL;
   ct_error e;
@@ -152,8 +154,11 @@ static void refusals(void)
   static const int32_t nodes[2] = {0, 3}, outside[2] = {0, 8}, mixed[2] = {3, 0}, place[1] = {2},
                        both[2] = {0, 1};
   static const double shape[1] = {1.0}, halves[2] = {0.5, 0.5};
-  static const ct_effect_constraints constraints = {.list = list_wrongly};
-  const ct_effect plain = {.label = "host", .nodes = nodes, .node_count = 2, .force = no_force};
+  static const ct_effect_calls only_force = {.force = no_force},
+                               lists = {.force = no_force, .constraints = {.list = list_wrongly}},
+                               stiff = {.force = no_force, .bounds = {.omega2 = bound_of_data}},
+                               damps = {.force = no_force, .bounds = {.rate = bound_of_data}};
+  const ct_effect plain = {.label = "host", .calls = &only_force, .nodes = nodes, .node_count = 2};
   ct_effect a = plain, b = plain;
   refused("no effect at all", &a, NULL);
   b.nodes = outside;
@@ -170,7 +175,7 @@ static void refusals(void)
   ct_constraint row = {.own_count = 1, .own = place, .own_shape = shape, .stiffness = 1.0};
   const listing wrong[] = {{NULL, -1}, {NULL, 3}, {NULL, 1}, {&row, 1}};
   a = b = plain;
-  b.phase = CT_PHASE_CONSTRAINT, b.constraints = &constraints, b.constraint_count = 2;
+  b.phase = CT_PHASE_CONSTRAINT, b.calls = &lists, b.constraint_count = 2;
   static const char *const how[] = {"a negative number of rows", "more rows than its capacity",
                                     "a row that is null", "a row with an unknown node"};
   for (int i = 0; i < 4; i++) {
@@ -191,10 +196,46 @@ static void refusals(void)
   const double bounds[] = {NAN, -1.0};
   for (int i = 0; i < 2; i++) {
     double bound = bounds[i];
-    b = plain, b.data = &bound, b.omega2_bound = bound_of_data;
+    b = plain, b.data = &bound, b.calls = &stiff;
     refused("an invalid bound", &a, &b);
-    b.omega2_bound = NULL, b.rate_bound = bound_of_data;
+    b.calls = &damps;
     refused("an invalid rate", &a, &b);
+  }
+}
+
+static ct_status no_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  (void)effect, (void)scratch, (void)error;
+  return CT_OK;
+}
+
+/* A table that lacks a call is refused; the message names the effect and the call. */
+static void lacking(void)
+{
+  static const ct_effect_calls forceless = {.energy = spring_energy},
+                               unfreed = {.force = no_force, .create_scratch = no_scratch},
+                               freed = {.force = no_force, .free_scratch = free},
+                               listless = {.force = no_force};
+  static const struct {
+    const ct_effect_calls *calls;
+    ct_phase phase;
+    const char *names;
+  } wrong[] = {{NULL, CT_PHASE_STATE, "effect host: it has no calls"},
+               {&forceless, CT_PHASE_STATE, "effect host: its calls lack force"},
+               {&unfreed, CT_PHASE_STATE, "effect host: its calls lack free_scratch"},
+               {&freed, CT_PHASE_STATE, "effect host: its calls lack create_scratch"},
+               {&listless, CT_PHASE_CONSTRAINT, "effect host: its calls lack constraints.list"},
+               {&listless, CT_PHASE_REACTION, "effect host: a reaction has no force of its own"}};
+  for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    ct_effect filled = {.label = "host",
+                        .phase = wrong[i].phase,
+                        .calls = wrong[i].calls,
+                        .node_count = 1},
+              *effect = NULL;
+    ct_error e = {0};
+    tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL &&
+               strcmp(e.text, wrong[i].names) == 0,
+           "refused: %s", e.text);
   }
 }
 
@@ -205,17 +246,13 @@ int main(void)
   for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) named(name[i]);
   copied();
   refusals();
+  lacking();
   static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   double k = 1.0, off = 0.0, exchange = 0.0, total = 0.0, stored;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.label = "spring",
-                      .data = &k,
-                      .nodes = nodes,
-                      .node_count = 8,
-                      .force = spring_force,
-                      .energy = spring_energy,
-                      .omega2_bound = spring_frequency};
+  ct_effect filled = {
+      .label = "spring", .calls = &SPRINGS, .data = &k, .nodes = nodes, .node_count = 8};
   ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;

@@ -346,7 +346,7 @@ static void rotation(void)
                   .displacement = t.u,
                   .velocity = t.u,
                   .scratch = t.p.scratch[0]};
-  need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid, &error), &error);
+  need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
   for (int i = 0; i < 3 * count; i++) f0[i] -= solid[i], size = fmax(size, fabs(f0[i]));
   for (int step = 1; step <= 5; step++) {
     double a = 0.4 * step, c = cos(a), s = sin(a);
@@ -356,7 +356,7 @@ static void rotation(void)
       for (int k = 0; k < 3; k++) t.u[3 * n + k] = y[k] - t.problem->reference[3 * n + k];
     }
     go(&t);
-    need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid, &error), &error);
+    need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
     for (int n = 0; n < count; n++) {
       const double *f = &f0[3 * n];
       double want[3] = {c * f[0] - s * f[2], f[1], s * f[0] + c * f[2]};
@@ -408,12 +408,12 @@ static void bound(double rho)
                   .displacement = t.u,
                   .velocity = t.u,
                   .scratch = t.p.scratch[0]};
-  need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid0, &error), &error);
+  need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid0, &error), &error);
   for (int k = 0; k < 60; k++) {
     double top = largest(v, n), work = 0.0, mass = 0.0;
     for (int64_t i = 0; i < n; i++) t.u[i] = u0[i] + (v[i] *= 1.0 / top) * 1e-6;
     probe_force(&t.p, t.u, t.f);
-    need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid, &error), &error);
+    need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
     for (int64_t i = 0; i < n; i++) {
       double Kv = i % 3 == 2 ? 0.0 : -((t.f[i] - solid[i]) - (f0[i] - solid0[i])) / 1e-6;
       work += v[i] * Kv;

@@ -612,10 +612,11 @@ static void within_a_step(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("body", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   double when = INFINITY;
+  static const ct_effect_calls calls = {.force = fail_force};
   ct_effect filled = {.label = "moody",
+                      .calls = &calls,
                       .data = &when,
-                      .node_count = m->node_count,
-                      .force = fail_force},
+                      .node_count = m->node_count},
             *effect;
   const ct_problem *joined;
   ct_error e;

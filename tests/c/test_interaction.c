@@ -67,7 +67,7 @@ static void evaluate_effect(const ct_effect *effect, void *scratch, const void *
                         .next_memory = memory[(step + 1) % 2],
                         .scratch = scratch,
                         .read = read};
-  need(effect->force(effect, &view, force, &e), &e);
+  need(effect->calls->force(effect, &view, force, &e), &e);
 }
 
 /* A square slides under a plane with friction. In the problem its nodes come after seven others. */
@@ -101,7 +101,7 @@ static void same_as_an_effect(void)
   double *memory[2][2], *force = numbers(3 * all), *moved = numbers(3 * all), top = 0.0;
   int off = 0;
   for (int k = 0; k < 2; k++) {
-    need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+    need(effect[k]->calls->create_scratch(effect[k], &scratch[k], &e), &e);
     for (int i = 0; i < 2; i++) memory[k][i] = numbers(effect[k]->memory_count);
   }
   for (int step = 0; step < STEPS; step++) {
@@ -128,13 +128,13 @@ static void same_as_an_effect(void)
   need(
       ct_interaction_bound(is[1], t[0].state, (ct_masses){&mass[BEFORE], is[1]->nodes}, &omega2[0]),
       &e);
-  need(effect[1]->omega2_bound(effect[1], &view, &omega2[1], &e), &e);
+  need(effect[1]->calls->bounds.omega2(effect[1], &view, &omega2[1], &e), &e);
   need(ct_interaction_bound(is[0], t[0].state, (ct_masses){&mass[BEFORE], is[0]->nodes}, &want),
        &e);
   tap_ok(omega2[0] == omega2[1] && omega2[0] == 0.8 * want && want > 0.0,
          "and its bound is rho times that of the obstacle, in both numberings");
   for (int k = 1; k >= 0; k--) {
-    effect[k]->free_scratch(scratch[k]);
+    effect[k]->calls->free_scratch(scratch[k]);
     ct_effect_free(effect[k]);
     close_touch(&t[k]);
     free(memory[k][0]), free(memory[k][1]);

@@ -41,11 +41,11 @@ static double *force_at(const loaded *l, const double *u)
                   .reference = l->problem->reference,
                   .displacement = u != NULL ? u : state->displacement,
                   .velocity = state->velocity};
-  need(l->effect->create_scratch(l->effect, &view.scratch, &e), &e);
-  need(l->effect->force(l->effect, &view, own, &e), &e);
+  need(l->effect->calls->create_scratch(l->effect, &view.scratch, &e), &e);
+  need(l->effect->calls->force(l->effect, &view, own, &e), &e);
   for (int32_t i = 0; i < l->effect->node_count; i++)
     memcpy(&force[3 * l->effect->nodes[i]], &own[3 * i], 3 * sizeof(double));
-  l->effect->free_scratch(view.scratch);
+  l->effect->calls->free_scratch(view.scratch);
   ct_state_free(state);
   free(own);
   return force;

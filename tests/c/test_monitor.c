@@ -166,14 +166,12 @@ static ct_status pump_energy(const ct_effect *effect, const ct_view *view, doubl
 /* Its growth is a fault from the limit on (eq:energy-appears). */
 static void pump(double limit, int stores)
 {
+  static const ct_effect_calls calls[2] = {{.force = pump_force},
+                                           {.force = pump_force, .energy = pump_energy}};
   double c[2] = {0.01, SOFT.density / 8.0}, when = log(1.0 + limit) / (2.0 * c[0]);
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("flying", m, &SOFT, CT_KERNEL_AUTO, 1.0, 0, 0);
-  ct_effect filled = {.label = "pump",
-                      .data = c,
-                      .node_count = 8,
-                      .force = pump_force,
-                      .energy = stores ? pump_energy : NULL};
+  ct_effect filled = {.label = "pump", .calls = &calls[stores], .data = c, .node_count = 8};
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;
@@ -210,6 +208,8 @@ static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, do
  * place. `unit` is the unit of energy (eq:energy-growth). */
 static void told(int stores, double unit)
 {
+  static const ct_effect_calls calls[2] = {{.force = pump_and_brake},
+                                           {.force = pump_and_brake, .energy = pump_energy}};
   double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.01) / (2.0 * c[0]);
   ct_material soft = SOFT;
   soft.young *= unit, soft.density *= unit;
@@ -218,12 +218,8 @@ static void told(int stores, double unit)
   add_body(scene, "flying", m, &soft, CT_KERNEL_AUTO, 1.0, 0, 0);
   int32_t nodes[8];
   for (int i = 0; i < 8; i++) nodes[i] = 8 + i;
-  ct_effect filled = {.label = "pump",
-                      .data = c,
-                      .nodes = nodes,
-                      .node_count = 8,
-                      .force = pump_and_brake,
-                      .energy = stores ? pump_energy : NULL};
+  ct_effect filled = {
+      .label = "pump", .calls = &calls[stores], .data = c, .nodes = nodes, .node_count = 8};
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;

@@ -71,10 +71,10 @@ static void operations(void)
     finish(&t, 1.0, 0.5);
     double points = 4.0 * n * n, nodes = (n + 1.0) * (n + 1.0);
     double counted = (place + gap + force + spread + reaction) * points + node * nodes;
-    tap_ok(fabs(t.problem->effects[1]->flops / counted - 1.0) < 0.1,
-           "%d faces: %g operations, %g by hand", (int)(n * n), t.problem->effects[1]->flops,
+    tap_ok(fabs(t.problem->effects[1]->cost.flops / counted - 1.0) < 0.1,
+           "%d faces: %g operations, %g by hand", (int)(n * n), t.problem->effects[1]->cost.flops,
            counted);
-    tap_ok(t.problem->effects[1]->bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points),
+    tap_ok(t.problem->effects[1]->cost.bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points),
            "and it reads its nodes and writes its points");
     end(&t);
   }
@@ -95,9 +95,9 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   double omega2 = 0.0;
   const ct_effect *effect = t.problem->effects[1];
   ct_view view = {.threads = 1};
-  need(effect->create_scratch(effect, &view.scratch, &e), &e);
-  need(effect->omega2_bound(effect, &view, &omega2, &e), &e);
-  effect->free_scratch(view.scratch);
+  need(effect->calls->create_scratch(effect, &view.scratch, &e), &e);
+  need(effect->calls->bounds.omega2(effect, &view, &omega2, &e), &e);
+  effect->calls->free_scratch(view.scratch);
   tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
             "largest omega^2 of one face, R = %g", radius);
   end(&t);
@@ -150,7 +150,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
          *memory = numbers(e->memory_count), *next = numbers(e->memory_count);
   void *scratch;
   ct_error error;
-  need(e->create_scratch(e, &scratch, &error), &error);
+  need(e->calls->create_scratch(e, &scratch, &error), &error);
   for (int64_t i = 0; i < n; i++) u[i] = uniform(0.05);
   ct_view view = {.threads = 1,
                   .reference = t.problem->reference,
@@ -159,14 +159,14 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
                   .memory = memory,
                   .next_memory = next,
                   .scratch = scratch};
-  need(e->force(e, &view, f, &error), &error);
+  need(e->calls->force(e, &view, f, &error), &error);
   double size = largest(f, 3 * e->node_count);
   for (int32_t i = 0; i < 3 * e->node_count; i++) {
     double *at = &u[3 * e->nodes[i / 3] + i % 3], was = *at;
-    *at = was + h, need(e->force(e, &view, scrap, &error), &error),
-    need(e->energy(e, &view, &above, &error), &error);
-    *at = was - h, need(e->force(e, &view, scrap, &error), &error),
-    need(e->energy(e, &view, &below, &error), &error);
+    *at = was + h, need(e->calls->force(e, &view, scrap, &error), &error),
+    need(e->calls->energy(e, &view, &above, &error), &error);
+    *at = was - h, need(e->calls->force(e, &view, scrap, &error), &error),
+    need(e->calls->energy(e, &view, &below, &error), &error);
     *at = was;
     off = worst(off, (above - below) / (2 * h) + f[i]);
   }
@@ -174,7 +174,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
          name, off / size);
   free(memory);
   free(next);
-  e->free_scratch(scratch);
+  e->calls->free_scratch(scratch);
   free(u), free(f), free(scrap);
   end(&t);
 }

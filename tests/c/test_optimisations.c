@@ -171,7 +171,7 @@ static void lattices(void)
       void *scratch[2];
       for (int k = 0; k < 2; k++, block.optimisations = &on) {
         need(create_solid(&block, 1, &effect[k], &e), &e);
-        need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+        need(effect[k]->calls->create_scratch(effect[k], &scratch[k], &e), &e);
       }
       for (int turn = 0; turn < 6; turn++, tried++) {
         // From the first moving node on, until a last one.
@@ -181,13 +181,13 @@ static void lattices(void)
           u[d] = d >= 3 * first && d < 3 * last ? uniform(1e-3) : 0.3 * (d % 3) + turn;
         for (int k = 0; k < 2; k++) {
           ct_view view = {.threads = threads, .displacement = u, .scratch = scratch[k]};
-          need(effect[k]->force(effect[k], &view, f[k], &e), &e);
-          need(effect[k]->energy(effect[k], &view, &energy[k], &e), &e);
+          need(effect[k]->calls->force(effect[k], &view, f[k], &e), &e);
+          need(effect[k]->calls->energy(effect[k], &view, &energy[k], &e), &e);
         }
         same += memcmp(f[0], f[1], 24 * (size_t)m->node_count) == 0 && energy[0] == energy[1];
       }
       for (int k = 0; k < 2; k++) {
-        effect[k]->free_scratch(scratch[k]);
+        effect[k]->calls->free_scratch(scratch[k]);
         ct_effect_free(effect[k]);
       }
     }
@@ -226,7 +226,7 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
                              .optimisations = k == 2 ? &on : &NONE,
                              .threads = threads};
       need(create_solid(&block, 1, &effect[k], &e), &e);
-      need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+      need(effect[k]->calls->create_scratch(effect[k], &scratch[k], &e), &e);
     }
     for (int turn = 0; turn < 4; turn++, tried++) {
       for (int d = 0; d < 3 * nodes; d++) u[d] = uniform(1e-3) + 0.3 * (d % 3) * turn;
@@ -234,11 +234,11 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
       for (int k = 0; k < 3; k++) {
         ct_view view = {
             .threads = threads, .displacement = k == 0 ? u : moved, .scratch = scratch[k]};
-        need(effect[k]->force(effect[k], &view, f[k], &e), &e);
-        need(effect[k]->energy(effect[k], &view, &energy[k], &e), &e);
+        need(effect[k]->calls->force(effect[k], &view, f[k], &e), &e);
+        need(effect[k]->calls->energy(effect[k], &view, &energy[k], &e), &e);
         if (kernel != CT_KERNEL_REDUCED) continue;
         need(ct_solid_create_hourglass(effect[k], &hourglass, &e), &e);
-        need(hourglass->energy(hourglass, &view, &control[k], &e), &e);
+        need(hourglass->calls->energy(hourglass, &view, &control[k], &e), &e);
         ct_effect_free(hourglass);
       }
       double round = turned ? 1e-13 : 0.0, size = largest(f[0], 3 * nodes);
@@ -248,7 +248,7 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
                fabs(energy[0] - energy[2]) <= round * energy[0];
     }
     for (int k = 0; k < 3; k++) {
-      effect[k]->free_scratch(scratch[k]);
+      effect[k]->calls->free_scratch(scratch[k]);
       ct_effect_free(effect[k]);
     }
   }

@@ -123,11 +123,9 @@ static rig *rig_create(int curved, int with_probe)
   r->problem =
       *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, NULL, NULL);
   memcpy(r->body, r->problem.bodies, sizeof r->body);
-  r->probe = (ct_effect){.label = "probe",
-                         .nodes = PROBE_NODES,
-                         .node_count = 3,
-                         .memory_count = 3,
-                         .force = hardening_force};
+  static const ct_effect_calls calls = {.force = hardening_force};
+  r->probe = (ct_effect){
+      .label = "probe", .calls = &calls, .nodes = PROBE_NODES, .node_count = 3, .memory_count = 3};
   r->effects[0] = r->problem.effects[0];
   r->effects[1] = &r->probe;
   r->problem.bodies = r->body;

@@ -94,7 +94,7 @@ static void forces(void)
            "xyz"[axis]);
     ct_view view = {.threads = 2, .displacement = u, .scratch = plane.scratch};
     ct_error e;
-    need(plane.effect->force(plane.effect, &view, h, &e), &e);
+    need(plane.effect->calls->force(plane.effect, &view, h, &e), &e);
     tap_ok(memcmp(f, h, (size_t)n * sizeof *f) == 0, "%c: two threads, the same bits", "xyz"[axis]);
     // Part the layers at one node, or move one along the axis: the bricks take over, and give back.
     for (int how = 0; how < 2; how++) {
@@ -167,7 +167,7 @@ static void rings(void)
         ct_view view = {.threads = threads, .displacement = u, .scratch = plane.scratch};
         ct_error e;
         memset(f, 0, (size_t)n * sizeof *f);
-        need(plane.effect->force(plane.effect, &view, f, &e), &e);
+        need(plane.effect->calls->force(plane.effect, &view, f, &e), &e);
         tap_ok(unlike(f, g, n) == 0,
                "fixed along %c, %s, %d threads: %d of %d forces differ from the bricks'",
                "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
@@ -257,8 +257,9 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   }
   add_contact(p.scene, body[0], m[0], 0.0, body[1], m[1], 0.0, 0, 4.0);
   static const int32_t node[1] = {120};
+  static const ct_effect_calls calls = {.force = push_force};
   ct_effect *effect = NULL,
-            filled = {.label = "push", .nodes = node, .node_count = 1, .force = push_force};
+            filled = {.label = "push", .nodes = node, .node_count = 1, .calls = &calls};
   const ct_problem *joined;
   need(ct_scene_join(p.scene, &joined, &e), &e);
   if (push) {

@@ -495,6 +495,9 @@ static ct_status own_bound(const ct_effect *effect, const ct_view *view, double 
 
 static void own_freed(void *data) { ++*((own_data *)data)->freed; }
 
+static const ct_effect_calls DASHPOT = {
+    .force = dashpot_force, .free_data = own_freed, .bounds = {.rate = own_bound}};
+
 /* A clock that counts its calls. */
 static double ticks(void)
 {
@@ -509,13 +512,8 @@ static void own_effects(void)
   static const int32_t nodes[2] = {0, 7}, outside[2] = {0, 100}, unsorted[2] = {7, 7};
   plates p = two_plates(4.0);
   own_data data = {3.0, 5e7, &freed};
-  ct_effect filled = {.label = "dashpot",
-                      .data = &data,
-                      .nodes = nodes,
-                      .node_count = 2,
-                      .force = dashpot_force,
-                      .rate_bound = own_bound,
-                      .free_data = own_freed};
+  ct_effect filled = {
+      .label = "dashpot", .calls = &DASHPOT, .data = &data, .nodes = nodes, .node_count = 2};
   ct_effect *effect = NULL;
   ct_error e = {0};
   const ct_problem *joined = NULL;
@@ -570,7 +568,8 @@ static void own_effects(void)
   filled.nodes = unsorted;
   tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "ascending"),
          "nodes not ascending: %s", e.text);
-  filled.nodes = nodes, filled.force = NULL;
+  static const ct_effect_calls forceless = {.free_data = own_freed};
+  filled.nodes = nodes, filled.calls = &forceless;
   tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "force"),
          "no force: %s", e.text);
   close_plates(&p);
@@ -587,17 +586,10 @@ static double swing(double factor, double w, double d)
   for (int i = 0; i < 8; i++) mass[i] = 2.0;
   for (int i = 0; i < 24; i++) inverse[i] = 0.5;
   own_data spring = {2.0 * w, w, &freed}, dashpot = {2.0 * d, d, &freed};
-  ct_effect one = {.label = "spring",
-                   .data = &spring,
-                   .node_count = 8,
-                   .force = spring_force,
-                   .omega2_bound = own_bound};
-  ct_effect two = {.label = "dashpot",
-                   .data = &dashpot,
-                   .nodes = nodes,
-                   .node_count = 8,
-                   .force = dashpot_force,
-                   .rate_bound = own_bound};
+  static const ct_effect_calls calls = {.force = spring_force, .bounds = {.omega2 = own_bound}};
+  ct_effect one = {.label = "spring", .calls = &calls, .data = &spring, .node_count = 8};
+  ct_effect two = {
+      .label = "dashpot", .calls = &DASHPOT, .data = &dashpot, .nodes = nodes, .node_count = 8};
   const ct_effect *effects[2] = {&one, &two};
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_body body = {.name = "mass", .mesh = mesh, .material = STEEL};

@@ -59,6 +59,8 @@ static ct_status push_force(const ct_effect *effect, const ct_view *view, double
   return CT_OK;
 }
 
+static const ct_effect_calls PUSH = {.force = push_force};
+
 typedef struct bars {
   ct_scene *scene;
   const ct_problem *problem;
@@ -96,8 +98,8 @@ static bars open_bars(const form *f, int sleep, int threads)
   nodes[3] = count - 1;
   if (f->pushed || f->distort > 0.0)
     add_effect(r.scene, &(ct_effect){.label = "push",
+                                     .calls = &PUSH,
                                      .data = (void *)f,
-                                     .force = push_force,
                                      .nodes = f->pushed == 3 ? NULL : nodes,
                                      .node_count = f->pushed == 3 ? count : 4});
   ct_scene_time time = {.end = 1e-6,
@@ -218,11 +220,12 @@ static void failure(void)
   ct_error e;
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 0.2, 0.2, 20, 2, 2);
   ct_scene *scene = new_scene();
+  static const ct_effect_calls calls = {.force = failing_force};
   int32_t node = 7;
   int right = 0;
   add_body(scene, "bar", m, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
-  add_effect(scene, &(ct_effect){
-                        .label = "fails", .nodes = &node, .node_count = 1, .force = failing_force});
+  add_effect(scene,
+             &(ct_effect){.label = "fails", .nodes = &node, .node_count = 1, .calls = &calls});
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
   for (int k = 1; k < 6; k++) {
@@ -258,13 +261,14 @@ static void front(ct_solid_kernel kernel)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 6.4, 0.2, 0.2, 64, 2, 2);
   ct_scene *scene = new_scene();
+  static const ct_effect_calls calls = {.force = pull_force};
   int32_t nodes[9];
   int64_t all, expected = 0;
   int right = 0;
   ct_mesh_plane_nodes(m, 0, 0.0, nodes);
   add_body(scene, "bar", m, &STEEL, kernel, 0, 0, 0);
   add_effect(scene,
-             &(ct_effect){.label = "pull", .nodes = nodes, .node_count = 9, .force = pull_force});
+             &(ct_effect){.label = "pull", .nodes = nodes, .node_count = 9, .calls = &calls});
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, &all, NULL);
   for (int k = 1; k < 40; k++) {
@@ -295,17 +299,17 @@ static void no_force(const form *f)
   block.material.law = f->law;
   if (f->distort > 0.0) shake(m, 0.3 * f->distort, 0);
   need(create_solid(&block, 1, &effect, &e), &e);
-  need(effect->create_scratch(effect, &scratch, &e), &e);
+  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   for (int trial = 0; trial < TRIALS; trial++) {
     double shift[3];
     for (int c = 0; c < 3; c++) shift[c] = uniform(1.0) * pow(10.0, uniform(12.0));
     for (int64_t d = 0; d < dofs; d++) u[d] = shift[d % 3], force[d] = 1.0;
     ct_view view = {.threads = 1, .displacement = u, .scratch = scratch};
-    need(effect->force(effect, &view, force, &e), &e);
+    need(effect->calls->force(effect, &view, force, &e), &e);
     for (int64_t d = 0; d < dofs; d++) zeros += force[d] == 0.0;
   }
   tap_ok(zeros == TRIALS * dofs, "%s: no force in %d translations", f->name, TRIALS);
-  effect->free_scratch(scratch);
+  effect->calls->free_scratch(scratch);
   ct_effect_free(effect);
   free(u);
   free(force);

@@ -250,9 +250,9 @@ static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled,
          shuffled ? " in any order" : "", off, fabs(energy / want - 1.0));
   ct_view view = {.threads = 2, .displacement = before, .scratch = solid.scratch};
   ct_error e;
-  need(solid.effect->force(solid.effect, &view, g, &e), &e);
+  need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
   view.displacement = u;
-  need(solid.effect->force(solid.effect, &view, g, &e), &e);
+  need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
   tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "%s, %d elements%s: two threads, the same bits",
          name, m->element_count, shuffled ? " in any order" : "");
   close_block(&solid);

@@ -315,7 +315,7 @@ static void kernels(ct_brick_kind kind, ct_law law)
     energy_off = worst(energy_off, energy / want - 1.0);
     ct_view view = {.threads = 2, .displacement = u, .scratch = solid.scratch};
     ct_error e;
-    need(solid.effect->force(solid.effect, &view, g, &e), &e);
+    need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     same &= memcmp(f, g, (size_t)n * sizeof *f) == 0;
     close_block(&solid);
     free(u);
@@ -501,7 +501,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
         u[3 * a + i] = Q[i][0] * y[0] + Q[i][1] * y[1] + Q[i][2] * y[2] - m->nodes[3 * a + i];
     }
     ct_view view = {.threads = 1, .displacement = u, .scratch = solid.scratch};
-    need(solid.effect->omega2_bound(solid.effect, &view, &omega_squared[1], &e), &e);
+    need(solid.effect->calls->bounds.omega2(solid.effect, &view, &omega_squared[1], &e), &e);
     double real = true_frequency(problem, u, 1e-6, -1, 300);
     least = fmin(least, omega_squared[1] / real), most = fmax(most, omega_squared[1] / real);
     stiffer = fmax(stiffer, omega_squared[1] / omega_squared[0]);

@@ -14,7 +14,7 @@ static double hourglass_energy(const block *solid, const double *u)
   double energy = NAN;
   need(ct_solid_create_hourglass(solid->effect, &effect, &e), &e);
   ct_view view = {.threads = 1, .displacement = u};
-  need(effect->energy(effect, &view, &energy, &e), &e);
+  need(effect->calls->energy(effect, &view, &energy, &e), &e);
   ct_effect_free(effect);
   return energy;
 }
@@ -62,7 +62,7 @@ static void kernel(void)
               "both energies are half the work of the force");
     ct_view view = {.threads = 2, .displacement = u, .scratch = solid.scratch};
     ct_error e;
-    need(solid.effect->force(solid.effect, &view, g, &e), &e);
+    need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "two threads: the same bits");
     close_block(&solid);
     free(u);
@@ -268,7 +268,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   for (int k = 0; k < 20 * n && rr > 1e-22 * first; k++) {
     double dq = 0.0, next = 0.0;
     ct_view view = {.threads = 1, .displacement = d, .scratch = solid.scratch};
-    need(solid.effect->force(solid.effect, &view, q, &e), &e);
+    need(solid.effect->calls->force(solid.effect, &view, q, &e), &e);
     for (int i = 0; i < n; i++) dq -= d[i] * (fixed[i] ? 0.0 : q[i]);
     for (int i = 0; i < n; i++) {
       u[i] += rr / dq * d[i];

@@ -18,10 +18,10 @@ static void forces(const ct_effect *effect, const double *velocity, double *forc
 {
   void *scratch = NULL;
   ct_error e;
-  need(effect->create_scratch(effect, &scratch, &e), &e);
+  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.threads = 1, .velocity = velocity, .scratch = scratch};
-  need(effect->force(effect, &view, force, &e), &e);
-  effect->free_scratch(scratch);
+  need(effect->calls->force(effect, &view, force, &e), &e);
+  effect->calls->free_scratch(scratch);
 }
 
 static double rate_of(const ct_effect *effect, const double *velocity)
@@ -29,7 +29,7 @@ static double rate_of(const ct_effect *effect, const double *velocity)
   ct_view view = {.threads = 1, .velocity = velocity};
   double rate = NAN;
   ct_error e;
-  need(effect->rate_bound(effect, &view, &rate, &e), &e);
+  need(effect->calls->bounds.rate(effect, &view, &rate, &e), &e);
   return rate;
 }
 
@@ -406,7 +406,7 @@ static void refusals(void)
   tap_ok(ct_viscosity_create_effect(NULL, joined, &effect, NULL) == CT_ERROR_ARGUMENT, "null");
   options.linear = 0.06;
   need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
-  tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->energy == NULL,
+  tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->calls->energy == NULL,
          "of one body only: its nodes, and no stored energy");
   ct_effect_free(effect);
   ct_scene_free(scene);

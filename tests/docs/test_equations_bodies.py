@@ -43,7 +43,8 @@ class Model:
         """The damping rate that an effect gives to the bound of the step."""
         effect, out = self.problem.made[self.problem.effects.index(name)], ffi.new("double *")
         assert (
-            effect.rate_bound(effect, ffi.new("ct_view *"), out, ffi.new("ct_error *")) == lib.CT_OK
+            effect.calls.bounds.rate(effect, ffi.new("ct_view *"), out, ffi.new("ct_error *"))
+            == lib.CT_OK
         )
         return out[0]
 
@@ -64,18 +65,19 @@ class Model:
         for key, array in keep.items():
             setattr(view, key, ffi.cast("double *", array.ctypes.data))
         scratch, error = ffi.new("void **"), ffi.new("ct_error *")
-        if effect.create_scratch != ffi.NULL:
-            assert effect.create_scratch(effect, scratch, error) == lib.CT_OK
+        if effect.calls.create_scratch != ffi.NULL:
+            assert effect.calls.create_scratch(effect, scratch, error) == lib.CT_OK
             view.scratch = scratch[0]
         rows = effect.node_count
         force, energy = np.zeros((rows, 3)), ffi.new("double *")
         assert (
-            effect.force(effect, view, ffi.cast("double *", force.ctypes.data), error) == lib.CT_OK
+            effect.calls.force(effect, view, ffi.cast("double *", force.ctypes.data), error)
+            == lib.CT_OK
         )
-        if effect.energy != ffi.NULL:
-            assert effect.energy(effect, view, energy, error) == lib.CT_OK
+        if effect.calls.energy != ffi.NULL:
+            assert effect.calls.energy(effect, view, energy, error) == lib.CT_OK
         if scratch[0] != ffi.NULL:
-            effect.free_scratch(scratch[0])
+            effect.calls.free_scratch(scratch[0])
         out = np.zeros((self.count, 3))
         at = range(rows) if effect.nodes == ffi.NULL else [effect.nodes[i] for i in range(rows)]
         out[at] = force

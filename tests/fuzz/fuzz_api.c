@@ -262,20 +262,23 @@ static ct_status springs_energy(const ct_effect *effect, const ct_view *view, do
 
 static ct_effect *own_effect(play *p, int body)
 {
+  static const ct_effect_calls calls = {.force = springs_force},
+                               storing = {.force = springs_force, .energy = springs_energy},
+                               forceless = {.energy = springs_energy};
   dice *d = p->d;
   ct_error e = {0};
   springs *data = keep(p, 1, sizeof *data);
   *data = (springs){p->joined, between(d, 0.0, 1.0), chance(d, 8) ? between(d, 0.0, 0.5) : 1e300};
   ct_effect filled = {.label = "springs",
+                      .calls = &calls,
                       .data = data,
-                      .node_count = p->joined->node_count,
-                      .force = springs_force},
+                      .node_count = p->joined->node_count},
             *effect = NULL;
   if (chance(d, 2)) filled.nodes = any_nodes(p, body, 1, &filled.node_count);
   if (chance(d, 3)) filled.memory_count = below(d, 4);
-  if (chance(d, 3)) filled.energy = springs_energy;
+  if (chance(d, 3)) filled.calls = &storing;
   if (d->wild && chance(d, 3)) filled.phase = (ct_phase)(below(d, 9) - 1);
-  if (d->wild && chance(d, 6)) filled.force = NULL;
+  if (d->wild && chance(d, 6)) filled.calls = chance(d, 2) ? &forceless : NULL;
   (void)TRY(ct_effect_create(&filled, &effect, &e));
   return effect;
 }

@@ -349,6 +349,8 @@ static int32_t some_node(const run *r, int number, uint64_t salt)
 
 static void add_own(run *r, dice *d)
 {
+  static const ct_effect_calls calls = {.force = own_force,
+                                        .bounds = {.omega2 = own_frequency, .rate = own_damping}};
   int32_t count, number = below(d, r->body_count), *nodes = any_nodes(r, d, number, &count);
   own_effect *own = &r->own;
   double begin = chance(d, 3) ? between(d, 0.0, 5.0) : 0.0;
@@ -364,12 +366,10 @@ static void add_own(run *r, dice *d)
   if (!r->plain && chance(d, 4)) own->far = some_node(r, below(d, r->body_count), salt);
   for (int32_t i = 0; i < count; i++) nodes[i] += r->joined->bodies[number].first_node;
   ct_effect filled = {.label = "own",
+                      .calls = &calls,
                       .data = own,
                       .nodes = nodes,
-                      .node_count = count,
-                      .force = own_force,
-                      .omega2_bound = own_frequency,
-                      .rate_bound = own_damping},
+                      .node_count = count},
             *effect;
   if (!r->plain && chance(d, 6)) filled.nodes = NULL, filled.node_count = r->joined->node_count;
   if (chance(d, 2)) filled.memory_count = filled.node_count;

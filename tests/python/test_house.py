@@ -111,6 +111,18 @@ def test_every_call_that_can_fail_can_say_why():
     assert calls and [name for name, last in calls if not last.endswith("ct_error *error")] == []
 
 
+def test_the_contract_of_an_effect_fits_on_a_page():
+    """An effect is a table of calls and what the loop must know; the page lists all of it."""
+    effect, *tables = (
+        [name for name, _ in ffi.typeof(f"ct_effect{part}").fields]
+        for part in ("", "_calls", "_bounds", "_constraints")
+    )
+    assert len(effect) <= 12 and all(len(table) <= 8 for table in tables)
+    page = (ROOT / "docs" / "theory" / "effect.rst").read_text()
+    named = set(re.findall(r"``(?:bounds\.|constraints\.)?(\w+)``", page))
+    assert {*effect, *sum(tables, [])} - named == {"bounds", "constraints"}
+
+
 def in_circles(needs):
     """Keys that reach themselves."""
 

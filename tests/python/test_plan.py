@@ -96,7 +96,7 @@ def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(mo
     costs = {cost.name: cost for cost in scene.costs()}
     # 40 + 18 n operations per round and constraint, n = 4 nodes; the rest is the listing of the points.
     points = 16 * 16 * 4
-    told = (costs["obstacle"].flops - problem.pointer.effects[1].flops) / (40 + 18 * 4)
+    told = (costs["obstacle"].flops - problem.pointer.effects[1].cost.flops) / (40 + 18 * 4)
     assert rounds > 0.2 * points and told == pytest.approx(rounds, rel=0.16)
     assert costs["solid"].active == pytest.approx(share, abs=0.05) and share < 0.95
     assert costs["obstacle"].active > 0.9

@@ -36,15 +36,15 @@ static ct_status bound_of(const ct_effect *effect, const ct_view *view, double *
   return CT_OK;
 }
 
+static const ct_effect_calls SPRINGS = {
+    .force = force_of, .energy = energy_of, .bounds = {.omega2 = bound_of}};
+
 int main(void)
 {
   ct_scene_body cube = {.material = {.young = 1, .density = 1}, .velocity = {1, 0, 0}};
   cube.box = (ct_box){.size = {1, 1, 1}, .cells = {1, 1, 1}};
   springs of_cube = {.k = 0.125, .mass = 0.125};
-  ct_effect filled = {.label = "springs", .data = &of_cube, .node_count = 8};
-  filled.force = force_of;
-  filled.energy = energy_of;
-  filled.omega2_bound = bound_of;
+  ct_effect filled = {.label = "springs", .calls = &SPRINGS, .data = &of_cube, .node_count = 8};
   ct_effect *effect = NULL;
   ct_scene_time time = {.end = 1.5707963267948966, .fraction = 0.01, .threads = 1};
   ct_scene *scene = NULL;

@@ -85,7 +85,7 @@ def long_run(problem: Problem) -> Iterator[LongRunWarning]:
     """
     bodies = problem.bodies.values()
     work = sum(len(body.mesh.elements) * body.flops for body in bodies)
-    work += sum(effect.flops for effect in problem.made) + 18.0 * problem.pointer.node_count
+    work += sum(effect.cost.flops for effect in problem.made) + 18.0 * problem.pointer.node_count
     # (eq:long-run)
     seconds = problem.step_count * work / OPERATIONS
     if problem.step_count < MANY_STEPS and seconds < LONG:

@@ -201,7 +201,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     face = max(map(lib.ct_face_node_count, kinds))
     for k, effect in enumerate(problem.made):
         call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
-        rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
+        rows[k] = effect.node_count, effect.cost.flops, effect.cost.bytes, *bounds
         # A contact point acts on the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
         round_cost = np.array([40.0 + 18.0 * moves, 80.0 + 100.0 * moves])

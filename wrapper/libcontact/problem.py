@@ -197,7 +197,7 @@ class Problem:
         self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
         self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
         self.effects = [ffi.string(effect.label).decode() for effect in self.made]
-        self.stores = [effect.energy != ffi.NULL for effect in self.made]
+        self.stores = [effect.calls.energy != ffi.NULL for effect in self.made]
         self.probes = locate(self)
 
     @property

@@ -119,68 +119,18 @@ typedef enum ct_phase {
 } ct_phase;
 
 struct ct_effect;
-
-/**
- * Contribution of an effect to the constraints of a step, :eq:`constraint-problem`. Both functions
- * may be null.
- */
-typedef struct ct_effect_constraints {
-  /**
-   * Write pointers to the rows of the points that may be active in this step into `rows` (capacity
-   * `constraint_count`), and their number into `count`. The effect owns the rows, in its scratch
-   * space. The solver then computes the forces of the rows of all effects together, given the
-   * forces of CT_PHASE_STATE, and writes them into the rows before `force` is called. `list` must
-   * copy the force of the last step from `memory` into each row; `force` must write the new one to
-   * `next_memory`.
-   */
-  ct_status (*list)(const struct ct_effect *effect, const ct_view *view, ct_constraint **rows,
-                    int64_t *count, ct_error *error);
-  /**
-   * For degrees of freedom whose motion the effect prescribes, write the displacement increment
-   * until the next step; NaN for the others, shape (node_count, 3) [length].
-   */
-  ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
-                         ct_error *error);
-} ct_effect_constraints;
-
 struct ct_problem;
 
-/**
- * One physical effect: a force on some nodes, its energy, and its bound on the time step. The time
- * loop computes exactly the effects in the problem's list. Only `label`, `nodes` with `node_count`,
- * and `force` are required; members that do not apply are zero or null.
- */
-typedef struct ct_effect {
-  /** Kind of the effect; ``CT_EFFECT_USER`` for an effect of a host. */
-  ct_effect_kind kind;
-  /** Name of its column in the energy balance; has no other use. */
-  const char *label;
-  /** When in a step the force is computed. */
-  ct_phase phase;
-  /** Data of the effect's functions, constant once the problem exists. */
-  void *data;
-  /** Free `data`. */
-  void (*free_data)(void *data);
-  /** Nodes that the force acts on, ascending; null: all nodes. */
-  const int32_t *nodes;
-  /** Number of nodes that the force acts on. */
-  int32_t node_count;
-  /** Number of doubles that the effect stores from step to step; part of a restart. */
-  int64_t memory_count;
-  /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
-  ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force,
-                     ct_error *error);
-  /** Write the stored energy [energy]; `force` was called before with the same view. */
-  ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy,
-                      ct_error *error);
+/** Bounds of an effect on the time step. All may be null. */
+typedef struct ct_effect_bounds {
   /** Write an upper bound of the effect's contribution to the largest ω² of the problem [1 /
    * time²], :eq:`step-bound`. */
-  ct_status (*omega2_bound)(const struct ct_effect *effect, const ct_view *view, double *omega2,
-                            ct_error *error);
+  ct_status (*omega2)(const struct ct_effect *effect, const ct_view *view, double *omega2,
+                      ct_error *error);
   /** Write an upper bound of the largest eigenvalue of M⁻¹C [1 / time] for a force -C v_{n-1/2},
    * :eq:`damped-step-bound`. */
-  ct_status (*rate_bound)(const struct ct_effect *effect, const ct_view *view, double *rate,
-                          ct_error *error);
+  ct_status (*rate)(const struct ct_effect *effect, const ct_view *view, double *rate,
+                    ct_error *error);
   /**
    * Return a bound >= 1 of the factor by which the effect multiplies the ω² and the rates of all
    * effects at a step Δt [time], :eq:`averaged-bound`, for an effect whose force depends on the
@@ -189,21 +139,54 @@ typedef struct ct_effect {
    */
   double (*amplification)(const struct ct_effect *effect, double dt);
   /**
-   * Null, or add to `matrix`, shape (24, 24), the term of the effect in :eq:`joint-bound`, in
-   * addition to Δt² K, for one brick along x, y, z at a step Δt [time]. The brick belongs to the
-   * body whose first node is `first_node`, and has the edges `edge` [length]. The bound of the sum
-   * may then replace the sum of the bounds.
+   * Add to `matrix`, shape (24, 24), the term of the effect in :eq:`joint-bound`, in addition to
+   * Δt² K, for one brick along x, y, z at a step Δt [time]. The brick belongs to the body whose
+   * first node is `first_node`, and has the edges `edge` [length]. The bound of the sum may then
+   * replace the sum of the bounds.
    */
   void (*add_element)(const struct ct_effect *effect, int32_t first_node, const double edge[3],
                       double dt, double *matrix);
   /**
-   * Null, or return a bound on the largest eigenvalue of M⁻¹ A for the solid, where A is the sum of
+   * Return a bound on the largest eigenvalue of M⁻¹ A for the solid, where A is the sum of
    * `stiffness` times K, `mass` times M and the `add_element` terms of all effects at Δt,
    * :eq:`joint-bound`; infinite if not all bodies are boxes of equal bricks.
    */
-  ct_status (*joint_bound)(const struct ct_effect *effect, const struct ct_problem *problem,
-                           double dt, double stiffness, double mass, double *largest,
-                           ct_error *error);
+  ct_status (*joint)(const struct ct_effect *effect, const struct ct_problem *problem, double dt,
+                     double stiffness, double mass, double *largest, ct_error *error);
+} ct_effect_bounds;
+
+/** Contribution of an effect to the constraints of a step, :eq:`constraint-problem`. */
+typedef struct ct_effect_constraints {
+  /**
+   * Required in CT_PHASE_CONSTRAINT, not called in another. Write pointers to the rows of the
+   * points that may be active in this step into `rows` (capacity `constraint_count`), and their
+   * number into `count`. The effect owns the rows, in its scratch space. The solver then computes
+   * the forces of the rows of all effects together, given the forces of CT_PHASE_STATE, and writes
+   * them into the rows before `force` is called. `list` must copy the force of the last step from
+   * `memory` into each row; `force` must write the new one to `next_memory`.
+   */
+  ct_status (*list)(const struct ct_effect *effect, const ct_view *view, ct_constraint **rows,
+                    int64_t *count, ct_error *error);
+  /**
+   * Null, or for degrees of freedom whose motion the effect prescribes, write the displacement
+   * increment until the next step; NaN for the others, shape (node_count, 3) [length].
+   */
+  ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
+                         ct_error *error);
+} ct_effect_constraints;
+
+/**
+ * The calls of an effect: one constant table for all effects of a kind, which must live as long as
+ * they do. Only `force` is required; calls that do not apply are null.
+ */
+typedef struct ct_effect_calls {
+  /** Write the force on the effect's nodes, shape (node_count, 3) [force]. Null in, and only in,
+   * CT_PHASE_REACTION. */
+  ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force,
+                     ct_error *error);
+  /** Write the stored energy [energy]; `force` was called before with the same view. */
+  ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy,
+                      ct_error *error);
   /** Write the external work since t = 0 of an effect that stores energy, such as a moving obstacle
    * [energy], for the view of the last `force`. */
   ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,
@@ -212,31 +195,63 @@ typedef struct ct_effect {
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Free the scratch space. */
   void (*free_scratch)(void *scratch);
-  /** Null, or the effect's contribution to the constraints of a step. */
-  const ct_effect_constraints *constraints;
-  /** Largest number of constraints that the effect can list. */
-  int64_t constraint_count;
+  /** Free the effect's `data`. */
+  void (*free_data)(void *data);
+  /** Its bounds on the time step. */
+  ct_effect_bounds bounds;
+  /** Its contribution to the constraints of a step. */
+  ct_effect_constraints constraints;
+} ct_effect_calls;
+
+/** Approximate cost of one call of `force`; 0 if unknown (reporting only). */
+typedef struct ct_effect_cost {
+  /** Flops. For an effect with constraints this includes `list` with all points active, but not the
+   * solver, whose flops are :eq:`round-flops` times `constraint_rounds` of the state. */
+  double flops;
+  /** Bytes that it moves. */
+  double bytes;
+} ct_effect_cost;
+
+/**
+ * One physical effect: a force on some nodes, its energy, and its bound on the time step. The time
+ * loop computes exactly the effects in the problem's list. Only `label`, `calls` and `nodes` with
+ * `node_count` are required; members that do not apply are zero or null.
+ */
+typedef struct ct_effect {
+  /** Kind of the effect; ``CT_EFFECT_USER`` for an effect of a host. */
+  ct_effect_kind kind;
+  /** When in a step the force is computed. */
+  ct_phase phase;
+  /** Name of its column in the energy balance; has no other use. */
+  const char *label;
+  /** Its calls. */
+  const ct_effect_calls *calls;
+  /** Data of the calls, constant once the problem exists. */
+  void *data;
+  /** Nodes that the force acts on, ascending; null: all nodes. */
+  const int32_t *nodes;
+  /** Number of nodes that the force acts on. */
+  int32_t node_count;
   /** Largest number of nodes of one constraint, both faces together; 0: 16. */
   int32_t constraint_nodes;
+  /** Largest number of constraints that the effect can list. */
+  int64_t constraint_count;
+  /** Number of doubles that the effect stores from step to step; part of a restart. */
+  int64_t memory_count;
   /** Null, or an effect earlier in the problem's list; the view gives its scratch space as `read`.
    */
   const struct ct_effect *reads;
-  /**
-   * Approximate flops per call of `force`; 0 if unknown (reporting only). For an effect with
-   * constraints this includes `list` with all points active, but not the solver, whose flops are
-   * :eq:`round-flops` times `constraint_rounds` of the state.
-   */
-  double flops;
-  /** Approximate bytes that one call of `force` moves; 0 if unknown (reporting only). */
-  double bytes;
+  /** What its force costs. */
+  ct_effect_cost cost;
 } ct_effect;
 
 /**
  * Create an effect of the caller: a copy of `filled`, which `ct_scene_add_effect` takes over or
- * `ct_effect_free` frees. The caller owns `nodes` and `data` until `free_data` is called, once.
- * ``CT_ERROR_ARGUMENT``: no label; nodes not ascending; no `force`, or a `force` with
- * CT_PHASE_REACTION; a kind of the library (in a copy of one of its effects both would free the
- * same data).
+ * `ct_effect_free` frees. The caller owns `nodes`, `calls` and `data` until `free_data` is called,
+ * once.
+ * ``CT_ERROR_ARGUMENT``: no label or table of calls; nodes not ascending; a required call is
+ * missing, or a `force` with CT_PHASE_REACTION; a kind of the library (in a copy of one of its
+ * effects both would free the same data).
  */
 CT_API ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error);
 

@@ -103,6 +103,9 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_erro
   return absorb->pool.failed ? CT_NO_MEMORY(error, "the effect absorb") : CT_OK;
 }
 
+static const ct_effect_calls CALLS = {
+    .force = absorb_force, .free_data = ct_pool_free, .bounds = {.rate = absorb_rate}};
+
 ct_absorb_def ct_absorb_def_default(void) { return (ct_absorb_def){.cookie = CT_DEF_COOKIE}; }
 
 ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
@@ -117,13 +120,10 @@ ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *pr
   int32_t count = data->facets.node_count;
   ct_effect filled = {.kind = CT_EFFECT_ABSORB,
                       .label = "absorb",
+                      .calls = &CALLS,
                       .data = data,
                       .nodes = data->facets.nodes,
                       .node_count = count,
-                      .flops = 18.0 * count,
-                      .bytes = 96.0 * count,
-                      .force = absorb_force,
-                      .rate_bound = absorb_rate,
-                      .free_data = ct_pool_free};
+                      .cost = {.flops = 18.0 * count, .bytes = 96.0 * count}};
   return ct_effect_finish(status, &filled, effect, error);
 }

@@ -138,7 +138,8 @@ static ct_status averaging_force(const ct_effect *effect, const ct_view *view, d
 static void solve(const ct_effect *effect, const averaging_scratch *s, const double *v)
 {
   const averaging_data *d = effect->data;
-  double q = effect->amplification(effect, d->problem->dt) - 1.0, relax = 2.0 / (2.0 + q);
+  double q = effect->calls->bounds.amplification(effect, d->problem->dt) - 1.0,
+         relax = 2.0 / (2.0 + q);
   // Each round reduces the error to q / (2 + q) < 1/5; after the last one it is negligible.
   int rounds = q > 0.0 ? 1 + (int)ceil(-38.0 / log(q / (2.0 + q))) : 0;
   memcpy(s->in, v, 3 * (size_t)effect->node_count * sizeof *v);
@@ -284,6 +285,14 @@ static ct_status prepare(averaging_data *d, const ct_averaging_def *def, const c
   return status;
 }
 
+static const ct_effect_calls CALLS = {
+    .force = averaging_force,
+    .energy = averaging_energy,
+    .create_scratch = create_scratch,
+    .free_scratch = ct_pool_free,
+    .free_data = free_data,
+    .bounds = {.amplification = averaging_amplification, .add_element = averaging_element}};
+
 ct_averaging_def ct_averaging_def_default(void)
 {
   return (ct_averaging_def){.cookie = CT_DEF_COOKIE};
@@ -295,25 +304,16 @@ ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_probl
   ct_status status;
   averaging_data *d = ct_effect_begin(def, problem, effect, "averaging", sizeof *d, &status, error);
   if (d == NULL) return status;
-  ct_effect filled = {.kind = CT_EFFECT_AVERAGING,
-                      .label = "averaging",
-                      .data = d,
-                      .free_data = free_data,
-                      .create_scratch = create_scratch,
-                      .free_scratch = ct_pool_free,
-                      .force = averaging_force,
-                      .energy = averaging_energy,
-                      .amplification = averaging_amplification,
-                      .add_element = averaging_element};
+  ct_effect filled = {
+      .kind = CT_EFFECT_AVERAGING, .label = "averaging", .calls = &CALLS, .data = d};
   status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
     // Operations of the kernel, the sums at the nodes and the accelerations; bytes of node numbers,
     // of forces (written and read) and of nodes.
-    // written and read, nodes.
     const ct_mesh *mesh = d->bodies[i].mesh;
-    filled.flops += 210.0 * mesh->element_count + 24.0 * mesh->node_count;
-    filled.bytes += (32.0 + 8.0 + 384.0) * mesh->element_count + 128.0 * mesh->node_count;
+    filled.cost.flops += 210.0 * mesh->element_count + 24.0 * mesh->node_count;
+    filled.cost.bytes += (32.0 + 8.0 + 384.0) * mesh->element_count + 128.0 * mesh->node_count;
   }
   return ct_effect_finish(status, &filled, effect, error);
 }

@@ -54,7 +54,7 @@ static ct_status touch_force(const ct_effect *effect, const ct_view *view, doubl
   const ct_interaction *is = interaction_of(effect);
   void *state = ct_touch_state(view->scratch);
   const ct_surface_motion now = motion_of(view);
-  if (effect->constraints == NULL) gather(effect, view);
+  if (effect->phase != CT_PHASE_CONSTRAINT) gather(effect, view);
   ct_status status = is->explicit ? is->calls->place(state, &now, error) : CT_OK;
   return status == CT_OK ? is->calls->find_forces(state, &now, force, error) : status;
 }
@@ -129,10 +129,22 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return status;
 }
 
-static const ct_effect_constraints CONSTRAINTS = {.list = touch_constrain};
+/* Of contacts and obstacles; friction stores no energy that a result shows apart. */
+static const ct_effect_calls TOUCH = {.force = touch_force,
+                                      .energy = touch_energy,
+                                      .external = touch_external,
+                                      .create_scratch = create_scratch,
+                                      .free_scratch = free_scratch,
+                                      .free_data = free_data,
+                                      .bounds = {.omega2 = touch_bound},
+                                      .constraints = {.list = touch_constrain}};
+static const ct_effect_calls FRICTION = {.force = touch_force,
+                                         .create_scratch = create_scratch,
+                                         .free_scratch = free_scratch,
+                                         .free_data = free_data,
+                                         .bounds = {.omega2 = touch_bound}};
 
-/* The effect of a new interaction, which it takes over; of `filled` the kind, the label, and what
- * not all interactions have. */
+/* The effect of a new interaction, which it takes over; `filled` has what differs by its kind. */
 static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect filled,
                         ct_effect **out, ct_error *error)
 {
@@ -143,19 +155,12 @@ static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect
   }
   *touch = (ct_touch){is, problem->mass};
   filled.data = touch;
-  filled.free_data = free_data;
   filled.nodes = is->nodes;
   filled.node_count = is->node_count;
   filled.memory_count = is->memory_count;
-  filled.create_scratch = create_scratch;
-  filled.free_scratch = free_scratch;
-  filled.force = touch_force;
-  filled.omega2_bound = touch_bound;
-  filled.flops = is->flops;
-  filled.bytes = is->bytes;
+  filled.cost = (ct_effect_cost){is->flops, is->bytes};
   if (is->row_count > 0) {
     filled.phase = CT_PHASE_CONSTRAINT;
-    filled.constraints = &CONSTRAINTS;
     filled.constraint_count = is->row_count;
     filled.constraint_nodes = is->row_nodes;
   }
@@ -186,11 +191,7 @@ ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *
   const ct_surface *surface[2] = {def->a, def->b};
   status = ct_contact_fixed_create(surface, def->a == def->b ? 1 : 2, &def->options, &fixed, error);
   if (status != CT_OK) return status;
-  const ct_effect filled = {.kind = CT_EFFECT_CONTACT,
-                            .label = "contact",
-                            .energy = touch_energy,
-                            .external =
-                                ct_start_gap_fades(&fixed->start_rule) ? touch_external : NULL};
+  const ct_effect filled = {.kind = CT_EFFECT_CONTACT, .label = "contact", .calls = &TOUCH};
   return create(&fixed->is, problem, filled, out, error);
 }
 
@@ -204,10 +205,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem
   const ct_surface surface = {def->kind, problem->node_count, def->face_count, def->faces,
                               problem->reference};
   status = ct_obstacle_create(def, &surface, &is, error);
-  const ct_effect filled = {.kind = CT_EFFECT_OBSTACLE,
-                            .label = "obstacle",
-                            .energy = touch_energy,
-                            .external = touch_external};
+  const ct_effect filled = {.kind = CT_EFFECT_OBSTACLE, .label = "obstacle", .calls = &TOUCH};
   return status == CT_OK ? create(is, problem, filled, out, error) : status;
 }
 
@@ -231,6 +229,7 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
   status = ct_friction_create(def->coefficient, def->tangent, interaction_of(on), &is, error);
   const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
                             .label = "friction",
+                            .calls = &FRICTION,
                             .phase = on->phase == CT_PHASE_CONSTRAINT ? CT_PHASE_FOLLOWING
                                                                       : CT_PHASE_STATE,
                             .reads = on};

@@ -124,6 +124,10 @@ static ct_status damping_rate(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
+static const ct_effect_calls DAMPING = {
+    .force = damping_force, .free_data = ct_pool_free, .bounds = {.rate = damping_rate}};
+static const ct_effect_calls RELAXATION = {.force = relaxation_force, .free_data = ct_pool_free};
+
 ct_damping_def ct_damping_def_default(void) { return (ct_damping_def){.cookie = CT_DEF_COOKIE}; }
 
 ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *problem,
@@ -147,19 +151,15 @@ ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *
                                   &data->nodes, &count, error);
   ct_effect filled = {.kind = CT_EFFECT_DAMPING,
                       .label = "damping",
+                      .calls = &DAMPING,
                       .data = data,
                       .nodes = data->nodes,
                       .node_count = count,
-                      .flops = 4.0 * count,
-                      .bytes = 60.0 * count,
-                      .force = damping_force,
-                      .rate_bound = damping_rate,
-                      .free_data = ct_pool_free};
+                      .cost = {.flops = 4.0 * count, .bytes = 60.0 * count}};
   if (def->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;
     filled.phase = CT_PHASE_TOTAL;
-    filled.force = relaxation_force;
-    filled.rate_bound = NULL;
+    filled.calls = &RELAXATION;
   }
   return ct_effect_finish(status, &filled, effect, error);
 }

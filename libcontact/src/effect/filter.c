@@ -77,7 +77,7 @@ static ct_status pass(const ct_filter *filter, const ct_state *state, double *fi
   view.displacement = field;
   view.scratch = filter->scratch;
   for (int i = 0; i < filter->passes; i++) {
-    ct_status status = solid->force(solid, &view, filter->force, error);
+    ct_status status = solid->calls->force(solid, &view, filter->force, error);
     if (status != CT_OK) return status;
     // -- u ← u - D Q M_L⁻¹ K u: zero for fixed components and along a force from outside
     // (eq:filter-pass)
@@ -113,7 +113,7 @@ ct_status ct_filter_apply(ct_filter *filter, ct_state *state, double *displaceme
 void ct_filter_free(ct_filter *filter)
 {
   if (filter == NULL) return;
-  if (filter->scratch != NULL) filter->problem->effects[0]->free_scratch(filter->scratch);
+  if (filter->scratch != NULL) filter->problem->effects[0]->calls->free_scratch(filter->scratch);
   ct_pool_free(filter);
 }
 
@@ -130,7 +130,7 @@ static ct_status prepare(ct_filter *filter, ct_error *error)
   if (status != CT_OK) return status;
   // -- D = 1 / the largest ω² of the elements around a node (eq:filter-weight)
   for (size_t n = 0; n < nodes; n++) filter->weight[n] = 1.0 / filter->weight[n];
-  return solid->create_scratch(solid, &filter->scratch, error);
+  return solid->calls->create_scratch(solid, &filter->scratch, error);
 }
 
 ct_status ct_filter_create(const ct_problem *problem, int passes, ct_filter **out, ct_error *error)

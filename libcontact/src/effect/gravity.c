@@ -49,6 +49,9 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
+static const ct_effect_calls CALLS = {
+    .force = gravity_force, .energy = gravity_energy, .free_data = ct_pool_free};
+
 ct_gravity_def ct_gravity_def_default(void) { return (ct_gravity_def){.cookie = CT_DEF_COOKIE}; }
 
 ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *problem,
@@ -69,13 +72,10 @@ ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *
                        "xyz"[c]);
   ct_effect filled = {.kind = CT_EFFECT_GRAVITY,
                       .label = "gravity",
+                      .calls = &CALLS,
                       .data = data,
                       .nodes = data->nodes,
                       .node_count = count,
-                      .flops = 3.0 * count,
-                      .bytes = 36.0 * count,
-                      .force = gravity_force,
-                      .energy = gravity_energy,
-                      .free_data = ct_pool_free};
+                      .cost = {.flops = 3.0 * count, .bytes = 36.0 * count}};
   return ct_effect_finish(status, &filled, effect, error);
 }

@@ -138,6 +138,12 @@ static ct_status prepare(load_data *load, const ct_problem *problem, ct_error *e
   return load->pool.failed ? CT_NO_MEMORY(error, "the effect load") : CT_OK;
 }
 
+static const ct_effect_calls CALLS = {.force = load_force,
+                                      .create_scratch = create_scratch,
+                                      .free_scratch = ct_release,
+                                      .free_data = ct_pool_free,
+                                      .bounds = {.omega2 = load_omega2_bound}};
+
 ct_load_def ct_load_def_default(void) { return (ct_load_def){.cookie = CT_DEF_COOKIE}; }
 
 ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *problem,
@@ -153,15 +159,10 @@ ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *proble
   double points = def->following ? (double)def->face_count * data->facets.rule.count : 0.0;
   ct_effect filled = {.kind = CT_EFFECT_LOAD,
                       .label = "load",
+                      .calls = &CALLS,
                       .data = data,
                       .nodes = data->facets.nodes,
                       .node_count = count,
-                      .flops = 6.0 * count + 130.0 * points,
-                      .bytes = 48.0 * count,
-                      .create_scratch = create_scratch,
-                      .free_scratch = ct_release,
-                      .force = load_force,
-                      .omega2_bound = load_omega2_bound,
-                      .free_data = ct_pool_free};
+                      .cost = {.flops = 6.0 * count + 130.0 * points, .bytes = 48.0 * count}};
   return ct_effect_finish(status, &filled, effect, error);
 }

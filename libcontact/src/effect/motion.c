@@ -71,7 +71,9 @@ static ct_status motion_increment(const ct_effect *effect, const ct_view *view, 
   return CT_OK;
 }
 
-static const ct_effect_constraints CONSTRAINTS = {.increment = motion_increment};
+static const ct_effect_calls CALLS = {.force = motion_force,
+                                      .free_data = ct_pool_free,
+                                      .constraints = {.increment = motion_increment}};
 
 ct_motion_def ct_motion_def_default(void) { return (ct_motion_def){.cookie = CT_DEF_COOKIE}; }
 
@@ -85,16 +87,14 @@ ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *pr
   for (int32_t i = 0; status == CT_OK && i < def->motion_count; i++)
     if (def->motions[i].amplitude.count < 1)
       status = CT_REFUSE(error, "motion %d has no amplitude", (int)i);
-  ct_effect filled = {.kind = CT_EFFECT_MOTION,
-                      .label = "support",
-                      .phase = CT_PHASE_PRESCRIBED,
-                      .data = data,
-                      .free_data = ct_pool_free,
-                      .nodes = data->nodes,
-                      .node_count = data->node_count,
-                      .flops = 18.0 * data->node_count,
-                      .bytes = 130.0 * data->node_count,
-                      .force = motion_force,
-                      .constraints = &CONSTRAINTS};
+  ct_effect filled = {
+      .kind = CT_EFFECT_MOTION,
+      .label = "support",
+      .phase = CT_PHASE_PRESCRIBED,
+      .calls = &CALLS,
+      .data = data,
+      .nodes = data->nodes,
+      .node_count = data->node_count,
+      .cost = {.flops = 18.0 * data->node_count, .bytes = 130.0 * data->node_count}};
   return ct_effect_finish(status, &filled, effect, error);
 }

@@ -221,9 +221,9 @@ static ct_status solid_joint_bound(const ct_effect *effect, const struct ct_prob
     double added[24 * 24] = {0.0}, own = INFINITY;
     ct_status status = CT_OK;
     for (int32_t k = 1; k < problem->effect_count; k++)
-      if (problem->effects[k]->add_element != NULL)
-        problem->effects[k]->add_element(problem->effects[k], part->first_node, part->blocks.edge,
-                                         dt, added);
+      if (problem->effects[k]->calls->bounds.add_element != NULL)
+        problem->effects[k]->calls->bounds.add_element(problem->effects[k], part->first_node,
+                                                       part->blocks.edge, dt, added);
     if (part->blocks.cells[0] > 0)
       status = ct_solid_joint_bound(part, stiffness, mass, added, &own, error);
     if (status != CT_OK) return status;
@@ -300,6 +300,14 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_erro
   return CT_OK;
 }
 
+static const ct_effect_calls CALLS = {
+    .force = solid_force,
+    .energy = solid_energy,
+    .create_scratch = create_scratch,
+    .free_scratch = free_scratch,
+    .free_data = free_data,
+    .bounds = {.omega2 = solid_omega2_bound, .joint = solid_joint_bound}};
+
 ct_solid_def ct_solid_def_default(void) { return (ct_solid_def){.cookie = CT_DEF_COOKIE}; }
 
 ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *problem,
@@ -323,16 +331,7 @@ ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, c
   solid_data *solid = ct_allocate(1, sizeof *solid);
   if (solid == NULL) return CT_NO_MEMORY(error, "the solid effect");
   solid->part_count = def->block_count;
-  ct_effect filled = {.kind = CT_EFFECT_SOLID,
-                      .label = "solid",
-                      .data = solid,
-                      .free_data = free_data,
-                      .create_scratch = create_scratch,
-                      .free_scratch = free_scratch,
-                      .force = solid_force,
-                      .energy = solid_energy,
-                      .omega2_bound = solid_omega2_bound,
-                      .joint_bound = solid_joint_bound};
+  ct_effect filled = {.kind = CT_EFFECT_SOLID, .label = "solid", .calls = &CALLS, .data = solid};
   ct_status status = prepare(solid, def->blocks, error);
   for (int32_t i = 0; status == CT_OK && i < def->block_count; i++)
     filled.node_count += def->blocks[i].mesh->node_count;
@@ -371,6 +370,8 @@ static ct_status no_force(const ct_effect *effect, const ct_view *view, double *
   return CT_OK;
 }
 
+static const ct_effect_calls HOURGLASS = {.force = no_force, .energy = hourglass_energy};
+
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {
   if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
@@ -381,11 +382,8 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
     reduced |= data->parts[i].kernel == CT_KERNEL_REDUCED;
   *out = NULL;
   if (!reduced) return CT_OK;
-  ct_effect filled = {.kind = CT_EFFECT_HOURGLASS,
-                      .label = "hourglass",
-                      .data = solid->data,
-                      .force = no_force,
-                      .energy = hourglass_energy};
+  ct_effect filled = {
+      .kind = CT_EFFECT_HOURGLASS, .label = "hourglass", .calls = &HOURGLASS, .data = solid->data};
   return ct_effect_copy(&filled, out, error);
 }
 

@@ -7,6 +7,8 @@
 
 ct_support_def ct_support_def_default(void) { return (ct_support_def){.cookie = CT_DEF_COOKIE}; }
 
+static const ct_effect_calls CALLS = {.free_data = ct_pool_free};
+
 /* A support as a motion: its velocity in place of the displacement. */
 static ct_status fill(ct_held *held, const ct_support_def *def, const ct_problem *problem,
                       ct_error *error)
@@ -35,8 +37,8 @@ ct_status ct_support_create_effect(const ct_support_def *def, const ct_problem *
   ct_effect filled = {.kind = CT_EFFECT_SUPPORT,
                       .label = "support",
                       .phase = CT_PHASE_REACTION,
+                      .calls = &CALLS,
                       .data = held,
-                      .free_data = ct_pool_free,
                       .nodes = held->nodes,
                       .node_count = held->node_count};
   return ct_effect_finish(status, &filled, effect, error);

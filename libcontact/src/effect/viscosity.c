@@ -264,6 +264,13 @@ static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
   return status;
 }
 
+static const ct_effect_calls CALLS = {
+    .force = viscous_force,
+    .create_scratch = create_scratch,
+    .free_scratch = ct_release,
+    .free_data = free_data,
+    .bounds = {.rate = viscous_damping, .add_element = viscous_element}};
+
 ct_viscosity_def ct_viscosity_def_default(void)
 {
   return (ct_viscosity_def){.cookie = CT_DEF_COOKIE};
@@ -275,15 +282,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
   ct_status status;
   viscous_data *d = ct_effect_begin(def, problem, effect, "viscosity", sizeof *d, &status, error);
   if (d == NULL) return status;
-  ct_effect filled = {.kind = CT_EFFECT_VISCOSITY,
-                      .label = "viscosity",
-                      .data = d,
-                      .free_data = free_data,
-                      .create_scratch = create_scratch,
-                      .free_scratch = ct_release,
-                      .force = viscous_force,
-                      .rate_bound = viscous_damping,
-                      .add_element = viscous_element};
+  ct_effect filled = {
+      .kind = CT_EFFECT_VISCOSITY, .label = "viscosity", .calls = &CALLS, .data = d};
   status = check(def, error);
   if (status == CT_OK) status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
@@ -291,8 +291,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
     // Operations counted in the kernel and the sums at the nodes; bytes of node numbers, of
     // constant data, of forces (written and read), and of nodes.
     const ct_mesh *mesh = d->bodies[i].mesh;
-    filled.flops += 249.0 * mesh->element_count + 21.0 * mesh->node_count;
-    filled.bytes += (32.0 + 160.0 + 384.0) * mesh->element_count + 80.0 * mesh->node_count;
+    filled.cost.flops += 249.0 * mesh->element_count + 21.0 * mesh->node_count;
+    filled.cost.bytes += (32.0 + 160.0 + 384.0) * mesh->element_count + 80.0 * mesh->node_count;
   }
   return ct_effect_finish(status, &filled, effect, error);
 }

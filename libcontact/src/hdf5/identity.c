@@ -97,7 +97,7 @@ static void fill_effects(const ct_problem *problem, void *rows)
     const ct_effect *effect = problem->effects[i];
     snprintf(row->name, sizeof row->name, "%.63s", effect->label);
     row->node_count = effect->nodes == NULL ? problem->node_count : effect->node_count;
-    row->stores = effect->energy != NULL;
+    row->stores = effect->calls->energy != NULL;
     row->memory_count = effect->memory_count;
   }
 }

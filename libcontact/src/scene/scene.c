@@ -602,7 +602,7 @@ static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t c
                            .rate = ct_integrator_limit(&first) / stable,
                            .share = 1.0 / count};
   for (int32_t k = 0; k < p->effect_count; k++)
-    if (p->effects[k]->amplification != NULL) room.limit = 0.0;
+    if (p->effects[k]->calls->bounds.amplification != NULL) room.limit = 0.0;
   return room;
 }
 

@@ -11,12 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Whether an effect prescribes the motion of some degrees of freedom. */
-static int has_increment(const ct_effect *effect)
-{
-  return effect->constraints != NULL && effect->constraints->increment != NULL;
-}
-
 /* Largest number of nodes of a row of an effect. */
 static int32_t row_nodes(const ct_effect *effect)
 {
@@ -30,7 +24,7 @@ static void find_places(const ct_problem *problem, const int32_t *number, ct_con
   int32_t longest = 0;
   for (int32_t k = 0; !pool->failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (!has_increment(effect)) continue;
+    if (effect->calls->constraints.increment == NULL) continue;
     if (effect->node_count > longest) longest = effect->node_count;
     c->place[k] = ct_pool_take(pool, (size_t)effect->node_count, sizeof *c->place[k]);
     for (int32_t i = 0; c->place[k] != NULL && i < effect->node_count; i++)
@@ -112,7 +106,7 @@ static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, from->state, k);
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
-  ct_status status = effect->constraints->list(effect, &view, rows, count, error);
+  ct_status status = effect->calls->constraints.list(effect, &view, rows, count, error);
   if (status == CT_OK) status = check_rows(effect, rows, *count, error);
   if (problem->clock != NULL) from->state->effect_seconds[k] += problem->clock() - begin;
   return status;
@@ -151,9 +145,9 @@ static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_
   ct_constraints *c = state->workspace->constraints;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (!has_increment(effect)) continue;
+    if (effect->calls->constraints.increment == NULL) continue;
     ct_view view = ct_workspace_view(problem, state, k);
-    ct_status status = effect->constraints->increment(effect, &view, c->increment, error);
+    ct_status status = effect->calls->constraints.increment(effect, &view, c->increment, error);
     if (status != CT_OK) return status;
     for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
       int64_t place = c->place[k][d / 3], dof = CT_SOLVER_WIDE * place + d % 3;

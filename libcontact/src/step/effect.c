@@ -5,23 +5,32 @@
 #include "../base/memory.h"
 #include "../constraint/solve.h"
 
+/* The first call that an effect's table lacks; null: none. */
+static const char *missing_call(const ct_effect *effect)
+{
+  const ct_effect_calls *calls = effect->calls;
+  if (calls->force == NULL && effect->phase != CT_PHASE_REACTION) return "force";
+  if (calls->create_scratch == NULL && calls->free_scratch != NULL) return "create_scratch";
+  if (calls->free_scratch == NULL && calls->create_scratch != NULL) return "free_scratch";
+  if (calls->constraints.list == NULL && effect->phase == CT_PHASE_CONSTRAINT)
+    return "constraints.list";
+  return NULL;
+}
+
 ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
 {
-  const char *wrong = NULL;
   if (effect->label == NULL || effect->node_count < 0 || effect->memory_count < 0 ||
       effect->constraint_count < 0 || effect->constraint_nodes < 0 ||
       effect->constraint_nodes > CT_ROW_NODES)
     return CT_REFUSE(error, "effect: no label or negative counts");
   if ((int)effect->phase < CT_PHASE_STATE || effect->phase > CT_PHASE_REACTION)
-    wrong = "there is no such phase";
-  else if ((effect->force == NULL) != (effect->phase == CT_PHASE_REACTION))
-    wrong = "it needs a force, or to be a reaction without one";
-  else if ((effect->create_scratch == NULL) != (effect->free_scratch == NULL))
-    wrong = "create_scratch and free_scratch must be given together";
-  else if (effect->phase == CT_PHASE_CONSTRAINT &&
-           (effect->constraints == NULL || effect->constraints->list == NULL))
-    wrong = "its phase needs a list of constraints";
-  if (wrong != NULL) return CT_REFUSE(error, "effect %s: %s", effect->label, wrong);
+    return CT_REFUSE(error, "effect %s: there is no such phase", effect->label);
+  if (effect->calls == NULL) return CT_REFUSE(error, "effect %s: it has no calls", effect->label);
+  const char *missing = missing_call(effect);
+  if (missing != NULL)
+    return CT_REFUSE(error, "effect %s: its calls lack %s", effect->label, missing);
+  if (effect->phase == CT_PHASE_REACTION && effect->calls->force != NULL)
+    return CT_REFUSE(error, "effect %s: a reaction has no force of its own", effect->label);
   for (int32_t i = 0; effect->nodes != NULL && i < effect->node_count; i++)
     if (effect->nodes[i] < 0 || (i > 0 && effect->nodes[i] <= effect->nodes[i - 1]))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, effect->nodes[i]},
@@ -55,7 +64,7 @@ ct_status ct_effect_finish(ct_status status, const ct_effect *filled, ct_effect 
                            ct_error *error)
 {
   if (status == CT_OK) status = ct_effect_copy(filled, effect, error);
-  if (status != CT_OK && filled->free_data != NULL) filled->free_data(filled->data);
+  if (status != CT_OK && filled->calls->free_data != NULL) filled->calls->free_data(filled->data);
   return status;
 }
 
@@ -90,7 +99,7 @@ ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error
 void ct_effect_free(ct_effect *effect)
 {
   if (effect == NULL) return;
-  if (effect->free_data != NULL) effect->free_data(effect->data);
+  if (effect->calls->free_data != NULL) effect->calls->free_data(effect->data);
   ct_release(effect);
 }
 

@@ -93,13 +93,13 @@ static ct_status stored_by(const ct_problem *problem, ct_state *state, int32_t k
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
   *energy = 0.0;
-  if (effect->energy == NULL) return CT_OK;
+  if (effect->calls->energy == NULL) return CT_OK;
   ct_solid_scratch *solid = k == 0 && effect->kind == CT_EFFECT_SOLID ? view.scratch : NULL;
   if (solid != NULL) {
     solid->half_work = state->workspace->addends + 2 * (int64_t)problem->body_count;
     solid->body_count = problem->body_count;
   }
-  ct_status status = effect->energy(effect, &view, energy, error);
+  ct_status status = effect->calls->energy(effect, &view, energy, error);
   if (solid != NULL) solid->half_work = NULL;
   return status;
 }
@@ -143,12 +143,13 @@ static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger 
     ct_status status = stored_by(problem, state, k, &stored, error);
     if (status != CT_OK) return status;
     ct_view view = ct_workspace_view(problem, state, k);
-    if (effect->external != NULL) status = effect->external(effect, &view, &external, error);
+    if (effect->calls->external != NULL)
+      status = effect->calls->external(effect, &view, &external, error);
     if (status != CT_OK) return status;
     if (row->effects != NULL) row->effects[k] = (ct_effect_energy){work, stored, external};
     work_total += work;
     stored_total += stored;
-    e->external += effect->energy == NULL ? work + external : external;
+    e->external += effect->calls->energy == NULL ? work + external : external;
     if (effect->kind == CT_EFFECT_SOLID) e->strain += stored;
     if (effect->kind == CT_EFFECT_CONTACT) e->contact += stored;
   }

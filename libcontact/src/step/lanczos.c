@@ -57,7 +57,7 @@ static ct_status apply(lanczos *l, ct_error *error)
     top = fmax(top, fabs(l->u[d] = sqrt(inverse_mass[d]) * l->now[d]));
   double scale = top > 0.0 ? l->scale / top : 0.0;
   for (int64_t d = 0; d < count; d++) l->u[d] *= scale;
-  ct_status status = solid->force(solid, &l->view, l->force, error);
+  ct_status status = solid->calls->force(solid, &l->view, l->force, error);
   // -- M^-1/2 K M^-1/2 y from the force at M^-1/2 y (eq:assembled-operator)
   for (int64_t d = 0; d < count; d++)
     l->next[d] = scale > 0.0 ? -sqrt(inverse_mass[d]) * (l->force[d] / scale) : 0.0;
@@ -126,13 +126,13 @@ ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double
   l.beside = ct_pool_take(&pool, (size_t)l.rounds, sizeof(double));
   void *scratch = NULL;
   ct_status status = pool.failed ? CT_NO_MEMORY(error, "the stable step") : CT_OK;
-  if (status == CT_OK) status = solid->create_scratch(solid, &scratch, error);
+  if (status == CT_OK) status = solid->calls->create_scratch(solid, &scratch, error);
   l.view.displacement = l.u;
   l.view.scratch = scratch;
   if (status == CT_OK) status = recur(&l, error);
   // -- The largest eigenvalue found, and the margin (eq:assembled-bound)
   if (status == CT_OK) *omega_squared = largest(&l) / (1.0 - MARGIN);
-  if (scratch != NULL) solid->free_scratch(scratch);
+  if (scratch != NULL) solid->calls->free_scratch(scratch);
   ct_pool_empty(&pool);
   return status;
 }

@@ -140,7 +140,7 @@ static double floor_of(const ct_problem *problem)
 static double given_by(const ct_monitor *w, int32_t k)
 {
   const ct_effect_energy *own = &w->next.effects[k];
-  return w->problem->effects[k]->energy == NULL
+  return w->problem->effects[k]->calls->energy == NULL
              ? 0.0
              : (own->work + (own->stored - lent_to(w, k))) - own->external;
 }
@@ -215,7 +215,7 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   ct_view view = ct_workspace_view(problem, state, 0);
   view.displacement = w->moved;
   view.scratch = w->scratch;
-  ct_status status = solid->force(solid, &view, w->force, error);
+  ct_status status = solid->calls->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
   // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p
   for (int32_t n = 0; n < problem->node_count; n++) {
@@ -318,8 +318,9 @@ static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *err
     *arrays[i] = ct_pool_take(&w->pool, (size_t)w->problem->node_count, 3 * sizeof(double));
   if (w->pool.failed) return CT_NO_MEMORY(error, "a monitor");
   w->edge = ct_problem_edge(w->problem);
-  ct_status status =
-      solid->create_scratch == NULL ? CT_OK : solid->create_scratch(solid, &w->scratch, error);
+  ct_status status = solid->calls->create_scratch == NULL
+                         ? CT_OK
+                         : solid->calls->create_scratch(solid, &w->scratch, error);
   for (int i = 0; status == CT_OK && i < FIRST_ROUNDS; i++) status = iterate(w, state, error);
   return status;
 }
@@ -389,7 +390,7 @@ ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
 void ct_monitor_free(ct_monitor *w)
 {
   if (w == NULL) return;
-  if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
+  if (w->scratch != NULL) w->problem->effects[0]->calls->free_scratch(w->scratch);
   ct_state_free(w->good);
   ct_pool_free(w);
 }

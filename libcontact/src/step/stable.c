@@ -39,10 +39,10 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   if (status != CT_OK) return status;
   // -- The bounds of one effect in this state
   ct_view view = ct_workspace_view(problem, state, k);
-  if (effect->omega2_bound != NULL)
-    status = effect->omega2_bound(effect, &view, omega_squared, error);
-  if (status == CT_OK && effect->rate_bound != NULL)
-    status = effect->rate_bound(effect, &view, rate, error);
+  if (effect->calls->bounds.omega2 != NULL)
+    status = effect->calls->bounds.omega2(effect, &view, omega_squared, error);
+  if (status == CT_OK && effect->calls->bounds.rate != NULL)
+    status = effect->calls->bounds.rate(effect, &view, rate, error);
   if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
     return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are not valid",
                      effect->label, *omega_squared, *rate);
@@ -83,7 +83,8 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds s
       sum[without].omega_squared += own;
       sum[without].rate += own_rate;
       if (effect->kind == CT_EFFECT_DAMPING) sum[without].damping += own_rate;
-      if (effect->add_element != NULL || effect->joint_bound != NULL) continue;
+      if (effect->calls->bounds.add_element != NULL || effect->calls->bounds.joint != NULL)
+        continue;
       sum[without].other_omega_squared += own;
       sum[without].other_rate += own_rate;
     }
@@ -97,10 +98,10 @@ static double step_of(const ct_problem *problem, const bounds *sum)
 {
   const ct_effect *enlarging = NULL;
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->amplification != NULL) enlarging = problem->effects[k];
+    if (problem->effects[k]->calls->bounds.amplification != NULL) enlarging = problem->effects[k];
   double dt = 0.0;
   for (int round = 0; round < (enlarging == NULL ? 1 : FIXED_POINT_ROUNDS); round++) {
-    double factor = enlarging == NULL ? 1.0 : enlarging->amplification(enlarging, dt);
+    double factor = enlarging == NULL ? 1.0 : enlarging->calls->bounds.amplification(enlarging, dt);
     // (eq:averaged-bound)
     dt = ct_integrator_step(&problem->integrator, factor * sum->omega_squared, factor * sum->rate);
   }
@@ -117,15 +118,16 @@ static ct_status raise_step(const ct_problem *problem, const bounds *sum, double
   int adding = 0;
   ct_stage stages[2];
   for (int32_t k = 1; k < problem->effect_count; k++)
-    adding |= problem->effects[k]->add_element != NULL;
+    adding |= problem->effects[k]->calls->bounds.add_element != NULL;
   // For two stages the sums are tested, not proved.
-  if (!adding || solid->joint_bound == NULL ||
+  if (!adding || solid->calls->bounds.joint == NULL ||
       ct_integrator_stages(&problem->integrator, stages) > 1)
     return CT_OK;
   for (int round = 0; round < FIXED_POINT_ROUNDS; round++) {
     double stiffness = 4.0 / (limit * limit) * *dt * *dt, largest;
     double mass = stiffness * sum->other_omega_squared + 2.0 * *dt * sum->other_rate;
-    ct_status status = solid->joint_bound(solid, problem, *dt, stiffness, mass, &largest, error);
+    ct_status status =
+        solid->calls->bounds.joint(solid, problem, *dt, stiffness, mass, &largest, error);
     // -- The largest eigenvalue may be 4 (eq:joint-step)
     double factor = sqrt(4.0 / largest);
     if (status != CT_OK || !(factor > 1.0 + ALIKE)) return status;

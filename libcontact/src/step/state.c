@@ -66,7 +66,7 @@ static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
 static ct_status check_enlarging(const ct_problem *p, int32_t k, ct_error *error)
 {
   const ct_effect *effect = p->effects[k];
-  if (effect->amplification == NULL) return CT_OK;
+  if (effect->calls->bounds.amplification == NULL) return CT_OK;
   if (effect->phase != CT_PHASE_STATE || !ct_integrator_is_leapfrog(&p->integrator))
     return CT_REFUSE(error, "problem: effect %s is for central differences", effect->label);
   for (int32_t i = k + 1; i < p->effect_count; i++)
@@ -120,8 +120,8 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
   if (w == NULL) return;
   if (w->constraints != NULL) ct_pool_free(w->constraints->solver);
   for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
-    if (w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
-  if (w->pushed_scratch != NULL) problem->effects[0]->free_scratch(w->pushed_scratch);
+    if (w->scratch[k] != NULL) problem->effects[k]->calls->free_scratch(w->scratch[k]);
+  if (w->pushed_scratch != NULL) problem->effects[0]->calls->free_scratch(w->pushed_scratch);
   ct_pool_free(w);
 }
 
@@ -164,7 +164,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   if (scheme->pushes) {
     w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-    status = problem->effects[0]->create_scratch(problem->effects[0], &w->pushed_scratch, error);
+    status =
+        problem->effects[0]->calls->create_scratch(problem->effects[0], &w->pushed_scratch, error);
   }
   list_shared(problem, w);
   ct_constraints_create(problem, w);
@@ -174,8 +175,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       w->seen |= effect->kind == CT_EFFECT_USER;
       w->force[k] = ct_pool_take(&w->pool, (size_t)effect->node_count, 3 * sizeof(double));
     }
-    if (effect->create_scratch != NULL)
-      status = effect->create_scratch(effect, &w->scratch[k], error);
+    if (effect->calls->create_scratch != NULL)
+      status = effect->calls->create_scratch(effect, &w->scratch[k], error);
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
   // A pushforward moves sleeping elements, so none may sleep.
@@ -256,7 +257,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
   }
   // A force that depends on velocity was computed with another one; a restart would use this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->rate_bound != NULL ||
+    if (problem->effects[k]->calls->bounds.rate != NULL ||
         (problem->effects[k]->phase != CT_PHASE_STATE &&
          problem->effects[k]->phase != CT_PHASE_REACTION))
       state->workspace->forces_at = -1;
@@ -512,7 +513,7 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   ct_view view = ct_workspace_view(problem, state, k);
   double *force = k == 0 ? w->total : w->force[k],
          begin = problem->clock == NULL ? 0.0 : problem->clock();
-  ct_status status = effect->force(effect, &view, force, error);
+  ct_status status = effect->calls->force(effect, &view, force, error);
   if (status != CT_OK) return status;
   if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
   if (k == 0) count_updates(problem, state);
@@ -563,7 +564,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   ct_view view = ct_workspace_view(problem, state, 0);
   view.displacement = w->pushed;
   view.scratch = w->pushed_scratch;
-  ct_status status = solid->force(solid, &view, w->pushed_force, error);
+  ct_status status = solid->calls->force(solid, &view, w->pushed_force, error);
   // -- In the place of the acceleration before: a_n - a* (eq:pullback-drift)
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);

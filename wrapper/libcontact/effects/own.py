@@ -102,13 +102,14 @@ class Own:
         filled.label = maker.keep(ffi.new("char[]", self.name.encode()))
         filled.data = maker.keep(ffi.new_handle(self))
         filled.nodes, filled.node_count = maker.keep(ints(self.nodes)), len(self.nodes)
-        filled.force = lib.own_force
+        filled.calls = calls = maker.keep(ffi.new("ct_effect_calls *"))
+        calls.force = lib.own_force
         if self.energy is not None:
-            filled.energy = lib.own_energy
+            calls.energy = lib.own_energy
         if self.omega_squared:
-            filled.omega2_bound = lib.own_omega2_bound
+            calls.bounds.omega2 = lib.own_omega2_bound
         if self.rate:
-            filled.rate_bound = lib.own_rate_bound
+            calls.bounds.rate = lib.own_rate_bound
         return ask("ct_effect **", lib.ct_effect_create, filled)
 
 
