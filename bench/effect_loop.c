@@ -145,7 +145,7 @@ int main(int count, char **argument)
   }
   ct_effect *effect[3] = {NULL};
   ct_solid_def def = ct_solid_def_default();
-  def.blocks = solid, def.block_count = 2;
+  def.bodies = solid, def.body_count = 2;
   need(ct_solid_create_effect(&def, NULL, &effect[0], &error));
   ct_problem problem = {.node_count = 2 * NODES,
                         .body_count = 2,

@@ -15,7 +15,7 @@ from libcontact import model
 
 SOFT = Stuff(law="neo_hookean")
 STEEL = Stuff(2.1e11, 0.3, 7850.0)
-INITIAL = ("keep", "push", "refuse", "remove")
+INITIAL = ("keep", "force", "refuse", "remove")
 INTEGRATORS = tuple(model.INTEGRATORS)[1:]
 
 

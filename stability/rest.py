@@ -76,8 +76,8 @@ def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
         element="hex8" if bricks[1].shape[1] == 8 else "hex20",
         material="soft",
     )
-    # "push", so that a false overlap shows in the energy.
-    return made.add_contact("body.outer", "body.outer", points=points, initial_penetration="push")
+    # "force", so that a false overlap shows in the energy.
+    return made.add_contact("body.outer", "body.outer", points=points, initial_penetration="force")
 
 
 def concave_meshes(

@@ -186,7 +186,7 @@ def growth(o: Options, animal: Animal, run: ct.Run) -> float:
     own = energy["kinetic"] + energy["strain"]
     if "gravity" in energy.dtype.names:
         own = own + energy["gravity"]
-    start = energy["total"][0] if o.initial_penetration == "push" else own[0]
+    start = energy["total"][0] if o.initial_penetration == "force" else own[0]
     unit = max(abs(start), float(np.abs(energy["external"]).max()), animal.scale)
     return float((own - energy["external"] - start).max() / unit)
 

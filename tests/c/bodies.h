@@ -481,7 +481,7 @@ static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_m
 {
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = CT_ENFORCE_PENALTY;
-  options.initial_penetration = CT_INITIAL_PUSH;
+  options.initial_penetration = CT_INITIAL_FORCE;
   return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction,
                           tangent);
 }

@@ -7,10 +7,10 @@
 /* Value of the first member of each definition. */
 #define COOKIE .cookie = ct_gravity_def_default().cookie
 
-static inline ct_status create_solid(const ct_solid_body *blocks, int32_t count, ct_effect **effect,
+static inline ct_status create_solid(const ct_solid_body *bodies, int32_t count, ct_effect **effect,
                                      ct_error *error)
 {
-  ct_solid_def def = {COOKIE, .blocks = blocks, .block_count = count};
+  ct_solid_def def = {COOKIE, .bodies = bodies, .body_count = count};
   return ct_solid_create_effect(&def, NULL, effect, error);
 }
 

@@ -56,7 +56,7 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
             "%s: the dashpots absorbed the rest", name);
   tap_close(after.balance / before.kinetic, 0.0, 1e-12, "%s: the work balance closes", name);
   double rate = 0.0, unused;
-  need(ct_stable_share(problem, state, 2, &unused, &rate, &e), &e);
+  need(ct_stable_contribution(problem, state, 2, &unused, &rate, &e), &e);
   // The end nodes of a linear column have half an element of mass: rho c A / (rho A h / 2).
   if (kind == CT_HEX8)
     tap_close(rate / (2 * c[0] / 0.1), 1.0, 1e-12, "%s: the rate is that of the end nodes", name);

@@ -77,7 +77,7 @@ static void close_slide(slide *s)
  * it had. (eq:admitted) */
 static void comes_over_a_border(void)
 {
-  static const ct_initial INITIAL[] = {CT_INITIAL_KEEP, CT_INITIAL_PUSH, CT_INITIAL_REFUSE,
+  static const ct_initial INITIAL[] = {CT_INITIAL_KEEP, CT_INITIAL_FORCE, CT_INITIAL_REFUSE,
                                        CT_INITIAL_REMOVE};
   static const ct_enforcement LAWS[] = {CT_ENFORCE_ENERGY_CONTROLLED, CT_ENFORCE_PENALTY};
   for (int law = 0; law < 2; law++)

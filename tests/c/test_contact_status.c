@@ -188,7 +188,7 @@ static void start_gaps_are_adjusted(void)
         {0.02, 0.0}}}, // opened by 0.055: gone
       {"an overlap within the distance",
        0.05,
-       CT_INITIAL_PUSH,
+       CT_INITIAL_FORCE,
        11,
        {{-0.03, 0.0},
         {-0.04, 0.01},
@@ -208,7 +208,7 @@ static void start_gaps_are_adjusted(void)
        {{0.06, 0.0}, {0.04, 0.0}, {-0.01, 0.01}}},
       {"an overlap beyond the distance, pushed",
        0.05,
-       CT_INITIAL_PUSH,
+       CT_INITIAL_FORCE,
        2,
        {{-0.06, 0.06}, {-0.05, 0.05}}},
       {"an overlap beyond the distance, kept",

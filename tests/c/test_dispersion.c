@@ -248,7 +248,7 @@ static void group_is_the_derivative(void)
       ct_branch b[BRANCHES], low[BRANCHES], high[BRANCHES];
       double k[3], small = 1e-5;
       def.integrator = ct_integrator_default((ct_scheme)scheme);
-      if (scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.push = 1.3;
+      if (scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.pushforward_ratio = 1.3;
       def.step = 0.15 / c_of(&STEEL, 0);
       for (int d = 0; d < 3; d++) k[d] = 0.3 + d + uniform(0.3);
       branches_at(&def, k, b);
@@ -287,7 +287,7 @@ static void symmetric(void)
 /* Coefficients of λ³, λ², λ and 1 as the chapter on integrators writes the polynomials. */
 static void polynomial(const ct_integrator *g, double x, double c[4])
 {
-  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p, q = g->push,
+  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p, q = g->pushforward_ratio,
                mu = p * (q * q - 1.0) / 6.0;
   double trace = NAN, det = NAN;
   switch (g->scheme) {
@@ -317,7 +317,7 @@ static void integrators_by_their_polynomials(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
     ct_integrator integrator = ct_integrator_default((ct_scheme)scheme);
-    if (ct_integrator_facts(integrator.scheme)->pushes) integrator.push = 1.8;
+    if (ct_integrator_facts(integrator.scheme)->pushforward) integrator.pushforward_ratio = 1.8;
     double off = 0.0, limit = ct_integrator_limit(&integrator);
     for (int i = 1; i < 50; i++) {
       // A row of cubes at k h = π has ω_h = 2 c1 / h: the step chooses Ω.
@@ -419,7 +419,7 @@ static void front_of_a_run(const run *r)
                                                                         top[2];
   def.integrator = ct_integrator_default(r->scheme);
   // The reported step of the row is that of Courant number 1.
-  if (r->scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.push = 1.0 / r->courant;
+  if (r->scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.pushforward_ratio = 1.0 / r->courant;
   def.step = r->courant / c1;
   int count = run_front(r, def.step, s, computed), near = 0;
   // The free sides of the layer disturb its diagonal later and farther out than this.

@@ -134,7 +134,7 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
                 0.0};
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
-  options.initial_penetration = lap > 0.0 ? CT_INITIAL_PUSH : options.initial_penetration;
+  options.initial_penetration = lap > 0.0 ? CT_INITIAL_FORCE : options.initial_penetration;
   for (int b = 0; b < 2; b++)
     add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);

@@ -193,7 +193,7 @@ static void momentum(ct_brick_kind kind, const char *name)
                               .options = ct_contact_options_default(),
                               .friction = 0.5};
   contact.options.enforcement = CT_ENFORCE_PENALTY;
-  contact.options.initial_penetration = CT_INITIAL_PUSH;
+  contact.options.initial_penetration = CT_INITIAL_FORCE;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   const ct_problem *p =
@@ -424,7 +424,7 @@ static void bound(double rho)
   }
   ct_state *state = new_state(t.problem);
   for (int k = 0; k < 2; k++)
-    need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
+    need(ct_stable_contribution(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
   double facing = 0.0;
   const ct_contact *contact = ct_state_contact(t.problem, state, 1, &error);
   const ct_masses mass = {t.problem->mass, contact->fixed->nodes};
@@ -469,7 +469,7 @@ static void closed_skins(int n, double apart)
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(problem);
   double omega2, rate;
-  need(ct_stable_share(problem, state, 2, &omega2, &rate, &error), &error);
+  need(ct_stable_contribution(problem, state, 2, &omega2, &rate, &error), &error);
   // ε = E / h, and 2 ε A / m = 4 E / (ρ h²)
   tap_close(omega2 / (0.3 * 4.0 * SOFT.young * n * n), 1.0, 1e-12,
             "two closed cubes of %d bricks a side, %g apart: the bound of their flat faces", n,
@@ -487,7 +487,7 @@ static void too_stiff_for_the_step(void)
     incline t = new_incline(CT_HEX8, g, 0.6, rho, 1.0, 0.0, 0.0, 0.0, 1);
     ct_error error = {0};
     double rate, omega2, part = k == 0 ? 0.999 : 1.001;
-    need(ct_stable_share(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
+    need(ct_stable_contribution(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
     ct_friction_set_room((ct_effect *)t.problem->effects[t.friction],
                          (ct_friction_room){.bound = part * rho / 0.6 * omega2});
     ct_status status = ct_run(t.problem, t.state, 100, NULL, &error);

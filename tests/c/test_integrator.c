@@ -25,9 +25,9 @@ static void rows(void)
       int count = ct_integrator_stages(&g, stage);
       for (int i = 0; i < count; i++) tau += stage[i].tau, c += stage[i].c;
       whole &= fabs(tau - 1.0) < 1e-15 && fabs(c - 1.0) < 1e-15;
-      stored |= stage[0].l != 0.0 && !f->pushes;
+      stored |= stage[0].l != 0.0 && !f->pushforward;
       leapfrogs += ct_integrator_is_leapfrog(&g);
-      whole &= ct_integrator_evaluations(&g) == count + f->pushes;
+      whole &= ct_integrator_evaluations(&g) == count + f->pushforward;
     }
     tap_ok(whole, "%s: its stages add up to a step", SCHEME(s));
     tap_ok(f->stores == stored, "%s stores an acceleration if its first stage uses one", SCHEME(s));
@@ -74,8 +74,8 @@ static matrix amplification(const ct_integrator *integrator, int n, double K[3][
       }
     }
     // The change of the acceleration over a push: K Δ with Δ = κ (Δt v + ½ (1 + κ) Δt² a).
-    for (int i = 0; facts(integrator->scheme)->pushes && i < n; i++) {
-      const double k = integrator->push, h = 0.5 * (1.0 + k);
+    for (int i = 0; facts(integrator->scheme)->pushforward && i < n; i++) {
+      const double k = integrator->pushforward_ratio, h = 0.5 * (1.0 + k);
       one.a[i][2 * n + i] = 0.0;
       for (int j = 0; j < n; j++)
         for (int m = 0; m < n; m++) {
@@ -121,7 +121,7 @@ static void limits(void)
     const double value[4] = {f->usual, f->least, f->most, f->least + 0.3 * (f->most - f->least)};
     ct_integrator all[4];
     for (int i = 0; i < 4; i++) {
-      all[i] = (ct_integrator){(ct_scheme)s, value[i], f->pushes ? 4.0 - 0.5 * i : 0.0};
+      all[i] = (ct_integrator){(ct_scheme)s, value[i], f->pushforward ? 4.0 - 0.5 * i : 0.0};
       double top = ct_integrator_limit(&all[i]), highest = 0.0;
       for (int k = 1; k < 1000; k++)
         highest = fmax(highest, radius(&all[i], top * top * k * k * 1e-6, 0.0));
@@ -173,8 +173,9 @@ static void damped_bounds(void)
       }
       double damping = 4.0 * fabs(uniform(1.0)), dt = ct_integrator_step(&g, 1.0, damping);
       ct_integrator now = g;
-      if (facts(s)->pushes)
-        now.push = 1.0 + 4.0 * fabs(uniform(1.0)) * (trial % 4 > 0), dt /= now.push;
+      if (facts(s)->pushforward)
+        now.pushforward_ratio = 1.0 + 4.0 * fabs(uniform(1.0)) * (trial % 4 > 0),
+        dt /= now.pushforward_ratio;
       for (int i = 0; i < 9; i++) K[i / 3][i % 3] *= dt * dt, C[i / 3][i % 3] *= damping * dt;
       highest = fmax(highest, spectral_radius(amplification(&now, 3, K, C)));
       loosest = fmax(loosest, radius(&now, 1.02 * 1.02 * dt * dt, 1.02 * damping * dt));
@@ -268,7 +269,7 @@ static void textbook(ct_scheme scheme, double share)
             "%s: the reported step is the limit over omega", SCHEME(scheme));
   q.initial_velocity = m->nodes;
   q.dt = share * stable.dt;
-  if (facts(scheme)->pushes) q.integrator.push = 1.0 / share;
+  if (facts(scheme)->pushforward) q.integrator.pushforward_ratio = 1.0 / share;
   ct_state *state = new_state(&q);
   point x = {0.0, 1.0, 0.0};
   double off = 0.0, top = 0.0, *v = numbers(24), wrong = 0.0, balance = 0.0,
@@ -277,7 +278,7 @@ static void textbook(ct_scheme scheme, double share)
     advance(&q, state, 1);
     balance = worst(balance, energy_of(&q, state).balance / kinetic);
     need(ct_state_velocity(&q, state, v, &e), &e);
-    const double parameter = facts(scheme)->pushes && n == 1 ? 0.0 : g.parameter;
+    const double parameter = facts(scheme)->pushforward && n == 1 ? 0.0 : g.parameter;
     x = PUBLISHED[scheme].step(x, w, q.dt, parameter, 1.0 / share);
     for (int i = 0; i < 24; i++) off = worst(off, state->displacement[i] - x.u * m->nodes[i]);
     for (int i = 0; i < 24 && PUBLISHED[scheme].at_steps; i++)

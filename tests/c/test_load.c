@@ -102,7 +102,7 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   double bound = 0.0, worst_row = 0.0, unused;
   ct_state *state = new_state(l.problem);
   ct_error e = {0};
-  need(ct_stable_share(l.problem, state, 1, &bound, &unused, &e), &e);
+  need(ct_stable_contribution(l.problem, state, 1, &bound, &unused, &e), &e);
   for (int trial = 0; trial < 20; trial++) {
     for (int64_t d = 0; d < dofs; d++) u[d] = 1e-6 * (uniform(1.0) > 0 ? 1 : -1);
     double *g = force_at(&l, u), *g0 = force_at(&l, NULL);
@@ -132,7 +132,7 @@ static void bound_of_a_cube(void)
   ct_state *state = new_state(l.problem);
   double bound, unused;
   ct_error e;
-  need(ct_stable_share(l.problem, state, 1, &bound, &unused, &e), &e);
+  need(ct_stable_contribution(l.problem, state, 1, &bound, &unused, &e), &e);
   tap_close(bound / (8.0 * 3.0 * 2.0 / (1.0 * 0.25)), 1.0, 1e-11, "one face of a cube: the bound");
   close_run(state, scene, mesh);
 }

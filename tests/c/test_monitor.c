@@ -228,20 +228,20 @@ static void told(int stores, double unit)
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(2));
   ct_status status = ct_run(state->problem, state, 2, &(ct_observers){.monitor = monitor}, &e);
-  int silent = ct_monitor_growth(monitor).share == 0.0;
+  int silent = ct_monitor_growth(monitor).ratio == 0.0;
   if (status == CT_OK)
     status = ct_run(state->problem, state, steps - 2, &(ct_observers){.monitor = monitor}, &e);
   ct_growth found = ct_monitor_growth(monitor);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
-    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 &&
+    tap_ok(status == CT_OK && silent && left < 0.9 && found.ratio > 0.01 && found.ratio < 0.02 &&
                found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 &&
                found.body == 1 && found.step > 0,
            "unit %g: %.4f spurious at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f "
            "left at the end",
-           unit, found.share, found.time, when, (int)found.effect, (int)found.body, left);
+           unit, found.ratio, found.time, when, (int)found.effect, (int)found.body, left);
   else
-    tap_ok(status == CT_OK && found.share == 0.0,
+    tap_ok(status == CT_OK && found.ratio == 0.0,
            "unit %g: the same work by an external force is no growth", unit);
   ct_monitor_free(monitor);
   close_run(state, scene, m);
@@ -289,7 +289,7 @@ static void least_energy(void)
            more ? "too much" : "not yet");
     of = (energies){.appeared = part * 0.01 * 3.0, .most_expected = 3.0};
     note_growth(monitor, state, &of);
-    tap_close(monitor->growth.share, more * part * 0.01, 1e-12, "the growth that is reported");
+    tap_close(monitor->growth.ratio, more * part * 0.01, 1e-12, "the growth that is reported");
   }
   ct_monitor_free(monitor);
   ct_state_free(state);
@@ -339,7 +339,7 @@ static void at_rest(void)
     if (ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e) != CT_OK &&
         alarms++ == 0)
       snprintf(text, sizeof text, ": %s", e.text);
-    told_of += ct_monitor_growth(monitor).share > 0.0;
+    told_of += ct_monitor_growth(monitor).ratio > 0.0;
     most = worst(most, energy_of(p, state).total);
     ct_monitor_free(monitor);
     close_run(state, scene, lower);
@@ -411,7 +411,7 @@ static void refusals(void)
              ct_monitor_create(NULL, state, &good, &monitor, NULL) == CT_ERROR_ARGUMENT &&
              ct_run(p, state, 1, &(ct_observers){.check_last = 1}, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_check(NULL, state, &e) == CT_ERROR_ARGUMENT &&
-             ct_monitor_good(NULL) == NULL && ct_monitor_growth(NULL).share == 0.0,
+             ct_monitor_good(NULL) == NULL && ct_monitor_growth(NULL).ratio == 0.0,
          "null arguments are refused");
   ct_monitor_free(NULL);
   close_run(state, scene, m);

@@ -324,7 +324,7 @@ static void overlap(int shape, ct_initial how, const char *name)
              points.deepest <= corners.deepest + 1e-12 && fabs(corners.deepest - 0.02) < 1e-12,
          "%s: points are %.3g inside, corners %.3g", name, points.deepest, corners.deepest);
   ct_energy e = energy_of(t.problem, t.state);
-  tap_close(e.total, how == CT_INITIAL_PUSH ? stored : 0.0, 1e-12 + 5e-4 * stored,
+  tap_close(e.total, how == CT_INITIAL_FORCE ? stored : 0.0, 1e-12 + 5e-4 * stored,
             "%s: the energy at the start", name);
   while (t.state->time < 0.4 - 1e-9) {
     advance(t.problem, t.state, 1);
@@ -335,7 +335,7 @@ static void overlap(int shape, ct_initial how, const char *name)
   if (how == CT_INITIAL_KEEP)
     tap_ok(most == 0.0 && e.total == 0.0 && deepest == points.deepest, "%s: it stays at rest",
            name);
-  if (how == CT_INITIAL_PUSH)
+  if (how == CT_INITIAL_FORCE)
     tap_ok(e.kinetic + e.strain > 0.03 * stored && e.total < 1.001 * stored,
            "%s: it flies away with %.3g of it", name, (e.kinetic + e.strain) / stored);
   if (how == CT_INITIAL_REMOVE)
@@ -741,7 +741,7 @@ int main(void)
   depth();
   static const char *const NAMES[] = {"plane", "sphere", "cylinder"};
   for (int shape = 0; shape < 3; shape++)
-    for (int how = CT_INITIAL_PUSH; how <= CT_INITIAL_REMOVE; how++)
+    for (int how = CT_INITIAL_FORCE; how <= CT_INITIAL_REMOVE; how++)
       overlap(shape, (ct_initial)how, NAMES[shape]);
   adjusted();
   small();

@@ -17,7 +17,7 @@ static ct_mesh *layer(int axis, int along, int across)
 static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis, int threads)
 {
   ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = kernel, .threads = threads};
-  b.held[axis] = 1;
+  b.fixed[axis] = 1;
   return open_body(b);
 }
 

@@ -539,13 +539,13 @@ static void own_effects(void)
   double omega_squared[3], rate[3], sum = 0.0;
   ct_state *state = new_state(problem);
   for (int k = 0; k < 3; k++) {
-    need(ct_stable_share(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
+    need(ct_stable_contribution(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
     sum += omega_squared[k];
   }
   tap_close(sum / W, 1.0, 1e-12, "the effects' contributions to the bound add up");
   tap_ok(rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == D && omega_squared[2] == 0.0,
          "the dashpot alone damps, and has no stiffness");
-  tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_stable_contribution(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT,
          "there is no fourth contribution: %s", e.text);
   advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");

@@ -540,7 +540,7 @@ static void definite(ct_brick_kind kind)
     block solid = open_body((ct_solid_body){.mesh = m,
                                             .material = STEEL,
                                             .optimisations = &NONE,
-                                            .held = {HELD[k][0], HELD[k][1], HELD[k][2]}});
+                                            .fixed = {HELD[k][0], HELD[k][1], HELD[k][2]}});
     tap_close(block_frequency(&solid) / top, 1.0, 1e-11,
               "%s: the bound of different elements, %d fixed", KIND[kind],
               HELD[k][0] + HELD[k][1] + HELD[k][2]);

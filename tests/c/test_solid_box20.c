@@ -97,7 +97,7 @@ static void exchanged_axes(void)
 /* The kernel of a body, or -1 with the status UNSUPPORTED. */
 static int kernel_for(const ct_mesh *m, ct_solid_kernel asked, ct_law law, int held, ct_error *e)
 {
-  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = asked, .held = {0, held, 0}};
+  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = asked, .fixed = {0, held, 0}};
   ct_effect *effect = NULL;
   ct_solid_kernel chosen = CT_KERNEL_AUTO;
   b.material.law = law;

@@ -488,7 +488,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
   ct_state *state = new_state(problem);
   double omega_squared[2], rate;
   ct_error e;
-  need(ct_stable_share(problem, state, 0, &omega_squared[0], &rate, &e), &e);
+  need(ct_stable_contribution(problem, state, 0, &omega_squared[0], &rate, &e), &e);
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
   for (int k = 0; k < 6; k++) {
     double Q[3][3], *u = random_displacement(m, 0.03), stretch = 0.7 + 0.16 * k;

@@ -9,7 +9,7 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
                        const int held[3])
 {
   return open_body((ct_solid_body){
-      .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}});
+      .mesh = m, .material = *material, .kernel = kernel, .fixed = {held[0], held[1], held[2]}});
 }
 
 /* Rayleigh's quotient of the whole after many rounds of the power method: a lower bound on the

@@ -232,7 +232,7 @@ int main(void)
   falling();
   // A push is as long as before, so it has no order in the step alone.
   for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
-    if (!ct_integrator_facts((ct_scheme)scheme)->pushes) order((ct_scheme)scheme);
+    if (!ct_integrator_facts((ct_scheme)scheme)->pushforward) order((ct_scheme)scheme);
   for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
     for (int enforcement = 0; enforcement < ENFORCEMENTS; enforcement++)
       meeting((ct_scheme)scheme, (ct_enforcement)enforcement);

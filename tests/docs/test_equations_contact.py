@@ -21,7 +21,7 @@ def touching(x, epsilon=EPSILON):
     """The contact of both faces with the explicit penalty at the coordinates x, and its forces."""
     surfaces = [ct.Surface("Q4", nodes, [[0, 1, 2, 3]]) for nodes in REFERENCE]
     contact = ct.Contact(
-        *surfaces, epsilon=epsilon, enforcement="penalty", initial_penetration="push", depth=1.0
+        *surfaces, epsilon=epsilon, enforcement="penalty", initial_penetration="force", depth=1.0
     )
     still, free = np.zeros((4, 3)), np.ones((4, 3))
     contact.step(1e-3, x, (still, still), (free, free))
@@ -190,7 +190,7 @@ def resting(**obstacle):
     made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     made.add_material("elastic", young=1.0, poisson=0.3, density=1.0)
     made.add_body("body", material="elastic", box={"size": [1, 1, 1], "cells": [1, 1, 1]})
-    given = {"epsilon": EPSILON, "enforcement": "penalty", "initial_penetration": "push"}
+    given = {"epsilon": EPSILON, "enforcement": "penalty", "initial_penetration": "force"}
     made.add("obstacle", surface="body.z_min", **given, **obstacle)
     model = Model(made.set_time(end=1.0, fraction=0.1))
     which, error = model.problem.effects.index("obstacle"), ffi.new("ct_error *")
@@ -257,7 +257,7 @@ def test_friction_of_a_plate_that_is_moved():
         enforcement="penalty",
         friction=mu,
         tangent=rho,
-        initial_penetration="push",
+        initial_penetration="force",
     )
     x, held, s, moved, lost = SQUARE - [0, 0, depth], np.zeros((4, 3)), None, None, 0.0
     slid = stuck = 0

@@ -470,7 +470,7 @@ static void ask(play *p, ct_state *s)
     (void)TRY(ct_state_force(q, s, k, field, &e));
     break;
   case 8:
-    (void)TRY(ct_stable_share(q, s, k, number, number + 1, &e));
+    (void)TRY(ct_stable_contribution(q, s, k, number, number + 1, &e));
     break;
   case 9:
     (void)TRY(ct_stable(q, chance(d, 2) ? s : NULL, &stable, &e));

@@ -248,7 +248,7 @@ static void add_contact(run *r, dice *d)
   if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 3);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
   if (chance(d, 5))
-    c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
+    c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_FORCE : CT_INITIAL_REMOVE;
   if (chance(d, 5)) c.options.adjust = 0.05;
   c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   c.options.separated = 1;
@@ -559,8 +559,8 @@ static void ask(run *r, dice *d)
     (void)ct_momentum_of(r->problem, r->state, below(d, r->body_count), &momentum, &e);
     break;
   case 2:
-    (void)ct_stable_share(r->problem, r->state, below(d, r->problem->effect_count), &omega, &rate,
-                          &e);
+    (void)ct_stable_contribution(r->problem, r->state, below(d, r->problem->effect_count), &omega,
+                                 &rate, &e);
     break;
   case 3:
     (void)ct_energy_residual(r->problem, r->state, &rate, &e);

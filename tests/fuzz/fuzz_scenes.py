@@ -145,7 +145,7 @@ def contact_choices(chance: random.Random) -> dict:
     if chance.random() < 0.3:
         out["points"] = pick(["gauss", "lobatto"])
     if chance.random() < 0.4:
-        out["initial_penetration"] = pick(["push", "refuse", "keep", "remove"])
+        out["initial_penetration"] = pick(["force", "refuse", "keep", "remove"])
     if out.get("initial_penetration") == "remove":
         out["removal_time"] = chance.uniform(0.01, 1)
     if chance.random() < 0.2:

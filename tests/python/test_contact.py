@@ -231,7 +231,7 @@ def test_one_array_or_two_give_the_same_bits():
 def test_arrays_are_read_and_written_where_they_stand():
     """Strided or integer arrays are read by a copy, but never written: the sums would be lost."""
     a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]])
-    contact = ct.Contact(a, b, epsilon=1.0, initial_penetration="push")
+    contact = ct.Contact(a, b, epsilon=1.0, initial_penetration="force")
     low = np.asfortranarray(SQUARE - [0, 0, 0.01])
     zero, one = np.zeros((4, 3)), np.ones((4, 3), int)
     contact.step(0.1, low, zero, one)
@@ -408,13 +408,20 @@ def test_nonsense_is_refused_by_name(wrong):
     assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
 
 
-def test_an_old_keyword_answers_what_to_write():
-    contact = ct.Contact(ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]]), epsilon=1.0)
+def test_an_old_word_answers_what_to_write():
+    surface = ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]])
+    for gone, now in (
+        ({"initial_penetration": "push"}, "force"),
+        ({"enforcement": "lagrange"}, "energy_controlled"),
+    ):
+        with pytest.raises(ValueError, match=f'is gone.*write "{now}"'):
+            ct.Contact(surface, epsilon=1.0, **gone)
+    contact = ct.Contact(surface, epsilon=1.0)
     with pytest.raises(TypeError, match='step: "kick" is gone; write "force_time"'):
         contact.step(1e-3, None, None, None, kick=5e-4)
 
 
-@pytest.mark.parametrize("how", ["keep", "push", "refuse", "remove"])
+@pytest.mark.parametrize("how", ["keep", "force", "refuse", "remove"])
 def test_a_plate_that_begins_inside_a_plane(how):
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
     keys = {"initial_penetration": how, "removal_time": 0.02}
@@ -439,7 +446,7 @@ def test_a_plate_that_begins_inside_a_plane(how):
     balance, kinetic = contact.balance, 0.25 * (v * v).sum()
     if how == "keep":
         assert not v.any() and balance.energy == 0.0
-    elif how == "push":
+    elif how == "force":
         assert start.energy == pytest.approx(0.5 * 2e5 * 2 * 1e-4) and kinetic > 0.5 * start.energy
     else:
         assert 0.0 < kinetic <= 1.002 * balance.removal and v[0, 2] > 0.0
@@ -450,7 +457,7 @@ def slider(**plane):
     """A plate of mass 2 on a plane, under its weight; v along x."""
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
     wall = contact.add_obstacle(
-        "plane", [0, 0, 0], epsilon=2e5, initial_penetration="push", **plane
+        "plane", [0, 0, 0], epsilon=2e5, initial_penetration="force", **plane
     )
     return contact, wall
 

@@ -92,7 +92,7 @@ def test_overlap_is_removed_gently(enforcement):
         for T in (0.4, 3.2)
     )
     kick = (
-        blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement, initial_penetration="push")
+        blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement, initial_penetration="force")
         .run(progress=False)
         .energy["contact"][0]
     )

@@ -189,7 +189,7 @@ def test_warnings_can_be_copied(way):
     assert type(again) is ct.EnergyGrowth and str(again) == str(warning)
     assert vars(again) == {
         "key": "contact[0]",
-        "share": 0.25,
+        "ratio": 0.25,
         "time": 1e-6,
         "who": "contact a with b",
     }

@@ -379,7 +379,7 @@ def test_growth_is_told_once_though_it_is_gone_at_the_end():
     warning = told[0].message
     when = math.log(1.01) / 0.02
     assert (
-        0.01 < warning.share < 0.02
+        0.01 < warning.ratio < 0.02
         and when < warning.time < when + 1.0
         and warning.who == 'effect "pump"'
     )
@@ -419,7 +419,7 @@ def test_growth_names_the_contact_that_makes_it(where):
 
 
 def test_growth_of_a_solid_names_the_body(monkeypatch):
-    growth = ffi.new("ct_growth *", {"share": 0.02, "time": 3.0, "step": 7, "effect": 0, "body": 1})
+    growth = ffi.new("ct_growth *", {"ratio": 0.02, "time": 3.0, "step": 7, "effect": 0, "body": 1})
 
     class Told(Twisted):
         def ct_monitor_growth(self, watch):

@@ -132,6 +132,7 @@ def test_contact_with_friction_has_its_own_column_and_line():
         ({"friction": -1}, "obstacle[0].friction", "at least 0"),
         ({"speed": 1}, "obstacle[0].speed", "unknown key"),
         ({"enforcement": "lagrange"}, "obstacle[0].enforcement", 'write "energy_controlled"'),
+        ({"initial_penetration": "push"}, "obstacle[0].initial_penetration", 'write "force"'),
     ],
 )
 def test_refusals(change, key, reason):
@@ -219,7 +220,7 @@ def test_an_overlap_with_an_obstacle_is_pushed_removed_or_refused():
     # The energy of the penalty, 40 rho c1^2 / h over 1 m^2, stands in the first row.
     modulus = 2.1e11 * 0.7 / (1.3 * 0.4)
     with pytest.warns(ct.OverlapWarning, match="adds energy"):
-        run = sunk(2.5e-3, initial_penetration="push").run(progress=False, output=False)
+        run = sunk(2.5e-3, initial_penetration="force").run(progress=False, output=False)
     stored = 0.5 * 40 * modulus / 0.25 * 2.5e-3**2
     assert run.energy["total"][0] == pytest.approx(stored, rel=1e-9)
     with warnings.catch_warnings():

@@ -148,7 +148,7 @@ def test_an_overlap_is_told():
 
     (kept,), (pushed,) = (
         told(lambda how=how: rings(**how).run(progress=False))
-        for how in ({}, {"initial_penetration": "push"})
+        for how in ({}, {"initial_penetration": "force"})
     )
     assert (
         "overlap by 0.00127" in kept

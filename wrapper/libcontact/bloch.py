@@ -114,8 +114,8 @@ def _definition(
     out.integrator = lib.ct_integrator_default(chosen("integrator", integrator, SCHEMES))
     if parameter is not None:
         out.integrator.parameter = parameter
-    if lib.ct_integrator_facts(out.integrator.scheme).pushes and 0.0 < courant < 1.0:
-        out.integrator.push = 1.0 / courant
+    if lib.ct_integrator_facts(out.integrator.scheme).pushforward and 0.0 < courant < 1.0:
+        out.integrator.pushforward_ratio = 1.0 / courant
     out.step = float(courant) * min(out.size)
     return out
 

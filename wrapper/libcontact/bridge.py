@@ -99,8 +99,20 @@ def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
     return np.require(array, np.float64, ["C", "A"]).reshape(array.shape)
 
 
+# Words that have been removed, by the name of their key, and what to write instead.
+GONE = {
+    "enforcement": {
+        "lagrange": "is gone: on unlike meshes multipliers are neither unique nor bounded, and most steps do not converge; "
+        'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element'
+    },
+    "initial_penetration": {"push": 'is gone; write "force", which is the same'},
+}
+
+
 def chosen(name: str, value: Any, known: dict[str, int]) -> int:
     """The number of a word."""
+    if isinstance(value, str) and value in GONE.get(name, ()):
+        raise ValueError(f'{name} = "{value}" {GONE[name][value]}')
     if not isinstance(value, str) or value not in known:
         raise ValueError(f"{name} must be one of {', '.join(known)}, not {value!r}")
     return known[value]

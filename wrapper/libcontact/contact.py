@@ -116,7 +116,7 @@ class Contact:
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.
     points : {"gauss", "lobatto"}
         Positions of the contact points on a face.
-    initial_penetration : {"keep", "push", "refuse", "remove"}
+    initial_penetration : {"keep", "force", "refuse", "remove"}
         Treatment of points that penetrate in the first step.
     removal_time : float
         Time in which ``"remove"`` separates the surfaces [time].
@@ -284,7 +284,7 @@ class Contact:
             Times, from the first step on, and factors.
         dissipation : float
             Damping ratio of the surface mode, 0 ... 1.
-        initial_penetration : {"keep", "push", "refuse", "remove"}
+        initial_penetration : {"keep", "force", "refuse", "remove"}
             Treatment of points that penetrate in the first step.
         removal_time : float
             Time in which ``"remove"`` separates surface and obstacle [time].

@@ -170,7 +170,7 @@ class EnergyGrowth(SceneWarning):
 
     Attributes
     ----------
-    share : float
+    ratio : float
         Ratio of spurious energy to the energy that the bodies should have.
     time : float
         When it was detected [time].
@@ -180,10 +180,10 @@ class EnergyGrowth(SceneWarning):
 
     # The defaults serve copies, which are made from the text alone.
     def __init__(
-        self, text: str, key: str = "", share: float = 0.0, time: float = 0.0, who: str = ""
+        self, text: str, key: str = "", ratio: float = 0.0, time: float = 0.0, who: str = ""
     ):
         super().__init__(text, key)
-        self.share, self.time, self.who = share, time, who
+        self.ratio, self.time, self.who = ratio, time, who
 
 
 class StepDivided(SceneWarning):

@@ -55,7 +55,7 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning
     limit = lib.ct_integrator_limit(ffi.addressof(problem.pointer.integrator))
     for (key, who, given), k in zip(rubbing, numbers):
         state = new_state(problem) if state is None else state
-        call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
+        call(lib.ct_stable_contribution, problem.pointer, state, k, bounds, bounds + 1)
         # (eq:friction-cost)
         rest = 1.0 - bounds[0] * (problem.stable.dt / limit) ** 2
         factor = 1.0 / math.sqrt(rest) if rest > 0.0 else math.inf

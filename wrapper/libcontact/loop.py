@@ -476,15 +476,15 @@ class Loop:
     def _warn_of_growth(self) -> None:
         """Warn once of spurious energy growth, :eq:`energy-growth`."""
         growth = lib.ct_monitor_growth(self.monitor)
-        if "growth" in self.issued or not growth.share > 0.0:
+        if "growth" in self.issued or not growth.ratio > 0.0:
             return
         self.issued.add("growth")
         who, key, advice = self._grower(growth)
         much = "energy where the bodies should have none"
-        if math.isfinite(growth.share):
-            much = f"{100.0 * growth.share:.3g} % more energy than the bodies should have"
+        if math.isfinite(growth.ratio):
+            much = f"{100.0 * growth.ratio:.3g} % more energy than the bodies should have"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        issue(errors.EnergyGrowth(text, key, growth.share, growth.time, who))
+        issue(errors.EnergyGrowth(text, key, growth.ratio, growth.time, who))
 
     def _warn_of_borders(self) -> None:
         """Warn once of each contact around whose surfaces the bodies have come into each other."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import names
+from .bridge import GONE, names
 from .errors import new_error
 from .mesh import FACTS, WIDTH
 from .schema import (
@@ -39,10 +39,6 @@ LAWS = names("ct_law")
 KERNELS = names("ct_solid_kernel")
 METHODS = names("ct_method")
 ENFORCEMENTS = names("ct_enforcement")
-GONE = {
-    "lagrange": "is gone: on unlike meshes multipliers are neither unique nor bounded, and most steps do not converge; "
-    'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element'
-}
 # Enforcements that can feed energy into the bodies. They store the energy of an impact and return it;
 # the others dissipate a part of it.
 FEEDING = ("penalty", "bipenalty")
@@ -364,7 +360,7 @@ class ContactLaw(Table):
     initial_penetration
         Treatment of points that penetrate by more than ``adjust`` at the start,
         :eq:`initial-shift`. ``"keep"`` measures their gaps from the initial value until they open,
-        which adds no energy; ``"push"`` applies the contact force at once, which adds energy;
+        which adds no energy; ``"force"`` applies the contact force at once, which adds energy;
         ``"refuse"`` ends the run; ``"remove"`` separates them gradually. The run warns of such an
         overlap unless it is removed (:doc:`/theory/warnings`).
     removal_time
@@ -380,14 +376,15 @@ class ContactLaw(Table):
     beta: float | None = key(POSITIVE, default=None, says="by enforcement")
     epsilon: float | None = key(POSITIVE, unit="stress / length", default=None, says="none")
     enforcement: str = key(
-        Choice(ENFORCEMENTS, GONE), default=word(ENFORCEMENTS, CONTACT.enforcement)
+        Choice(ENFORCEMENTS, GONE["enforcement"]), default=word(ENFORCEMENTS, CONTACT.enforcement)
     )
     dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)
     friction: float = key(FORWARD, default=0.0)
     tangent: float | None = key(POSITIVE, default=None, says="1 or less")
     adjust: float = key(FORWARD, unit="length", default=CONTACT.adjust)
     initial_penetration: str = key(
-        Choice(INITIAL), default=word(INITIAL, CONTACT.initial_penetration)
+        Choice(INITIAL, GONE["initial_penetration"]),
+        default=word(INITIAL, CONTACT.initial_penetration),
     )
     removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
 

@@ -200,7 +200,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     kinds = {FACTS[body.mesh.element].face_kind for body in problem.bodies.values()}
     face = max(map(lib.ct_face_node_count, kinds))
     for k, effect in enumerate(problem.made):
-        call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
+        call(lib.ct_stable_contribution, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.cost.flops, effect.cost.bytes, *bounds
         # A contact point acts on the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)

@@ -120,7 +120,7 @@ def memory_of(problem: Problem) -> int:
     facts = lib.ct_integrator_facts(integrator.scheme)
     # Earlier accelerations, also in the last good state, or a pushed displacement and its force.
     leapfrog = lib.ct_integrator_is_leapfrog(integrator)
-    accelerations = 0 if leapfrog else 24 * (1 + facts.stores + 2 * facts.pushes)
+    accelerations = 0 if leapfrog else 24 * (1 + facts.stores + 2 * facts.pushforward)
     for name, body in problem.bodies.items():
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         given, width = problem.parts.bodies[name], WIDTH[body.mesh.element]

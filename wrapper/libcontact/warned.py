@@ -164,7 +164,7 @@ def _file(output: Any) -> Iterator[SceneWarning]:
 # Treatment of an overlap that is neither within ``adjust`` nor removed.
 FATE = {
     "keep": 'gaps are measured from there, so no energy is added (initial_penetration = "keep")',
-    "push": 'the penalty pushes them apart, which adds energy to the bodies (initial_penetration = "push")',
+    "force": 'the penalty pushes them apart, which adds energy to the bodies (initial_penetration = "force")',
     "refuse": 'the run ends (initial_penetration = "refuse")',
 }
 

@@ -88,5 +88,5 @@ def patch(z, up, cells=2, size=1.0):
 def patch_contact(upper, lower, **options):
     """The contact of two patches (nodes, faces) with an explicit penalty of 1."""
     surfaces = (ct.Surface("Q4", *patch) for patch in (upper, lower))
-    law = {"epsilon": 1.0, "enforcement": "penalty", "initial_penetration": "push"}
+    law = {"epsilon": 1.0, "enforcement": "penalty", "initial_penetration": "force"}
     return ct.Contact(*surfaces, **law, **options)

@@ -22,7 +22,7 @@ typedef enum ct_contact_rule {
 /** Treatment of points that penetrate by more than `adjust` at the start, :eq:`initial-shift`. */
 typedef enum ct_initial {
   /** Apply the contact force at once; this adds the energy of the penalty to the bodies. */
-  CT_INITIAL_PUSH,
+  CT_INITIAL_FORCE,
   /**
    * Return CT_ERROR_GEOMETRY if a point is deeper than both `adjust` and the rounding of the
    * coordinates. The error gives the number of such points, and the position and depth of the

@@ -104,11 +104,11 @@ CT_API ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_
                                            ct_effect **effect, ct_error *error);
 
 /**
- * Elastic energy of friction at the state's time, `held`, and the energy that friction has
+ * Elastic energy of friction at the state's time, `stored`, and the energy that friction has
  * dissipated since t = 0 [energy], :eq:`friction-dissipation`.
  */
 CT_API ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
-                                    double *held, double *dissipated, ct_error *error);
+                                    double *stored, double *dissipated, ct_error *error);
 
 CT_END_DECLS
 

@@ -14,10 +14,10 @@ CT_BEGIN_DECLS
 typedef struct ct_solid_def {
   /** Set by `ct_solid_def_default`. */
   int32_t cookie;
-  /** The bodies in ascending order of `first_node` without gaps, shape (block_count). */
-  const ct_solid_body *blocks;
+  /** The bodies in ascending order of `first_node` without gaps, shape (body_count). */
+  const ct_solid_body *bodies;
   /** Number of bodies. */
-  int32_t block_count;
+  int32_t body_count;
 } ct_solid_def;
 
 /** A definition with its cookie set and all other members zero. */
@@ -43,7 +43,7 @@ CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **e
 
 /** Write the kernel that the effect uses for a body, and the flops and bytes per update of one
  * element (estimates). */
-CT_API ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
+CT_API ct_status ct_solid_body_plan(const ct_effect *effect, int32_t body, ct_solid_kernel *kernel,
                                     double *flops, double *bytes, ct_error *error);
 
 /** Prescribed constant velocity of some components of a set of nodes; 0 for a fixed end or a plane

@@ -181,7 +181,7 @@ CT_API const ct_ledger *ct_monitor_ledger(const ct_monitor *monitor);
 typedef struct ct_growth {
   /** Ratio of spurious energy to the energy that the bodies should have [-], :eq:`energy-growth`; 0
    * if no check has found more than the limit. */
-  double share;
+  double ratio;
   /** Time of the check [time]. */
   double time;
   /** Its number of steps. */

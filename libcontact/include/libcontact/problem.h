@@ -295,7 +295,7 @@ typedef struct ct_scheme_facts {
   int stores;
   /** 1 if the accelerations before are those of a pushforward, :eq:`pullback-push`, which needs one
    * more force of the bodies in each step, and linear bodies. */
-  int pushes;
+  int pushforward;
 } ct_scheme_facts;
 
 /** A method and its one parameter. All bytes zero: central difference. */
@@ -305,11 +305,11 @@ typedef struct ct_integrator {
   /** Its parameter; see `ct_scheme`. */
   double parameter;
   /**
-   * For a method that pushes: the time Δt_c of the pushforward divided by Δt, >= 1. 0 means 1,
+   * For a method with a pushforward: its time Δt_c divided by Δt, >= 1. 0 means 1,
    * with which the method is the central difference. `ct_scene_build` sets it to the stable step
    * divided by Δt.
    */
-  double push;
+  double pushforward_ratio;
 } ct_integrator;
 
 /** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are fractions of

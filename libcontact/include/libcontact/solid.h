@@ -66,7 +66,7 @@ typedef struct ct_solid_body {
    * 1 for each direction in which a support fixes all nodes of the body (velocity 0). One layer of
    * boxes is then in plane strain, and motions in this direction do not limit the step.
    */
-  int held[3];
+  int fixed[3];
 } ct_solid_body;
 
 /**

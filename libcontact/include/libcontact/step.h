@@ -129,8 +129,8 @@ CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *e
  * Contribution of one effect to the bound of the step in this state: ω² [1 / time²] and its damping
  * rate [1 / time], :eq:`damped-step-bound`; 0 if the effect has no such bound.
  */
-CT_API ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t effect,
-                                 double *omega_squared, double *rate, ct_error *error);
+CT_API ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int32_t effect,
+                                        double *omega_squared, double *rate, ct_error *error);
 
 /**
  * Largest stable step of the problem in this state; a null `state` means t = 0. It uses an upper

@@ -282,13 +282,13 @@ extern const ct_interaction_calls ct_contact_calls;
 /* The surface of an obstacle. */
 const ct_side_fixed *ct_obstacle_side(const ct_interaction *obstacle);
 
-/* ω² of the active points for which a step is stable: the bound at the start, and a share of what a
- * step shorter than the stable one leaves (eq:friction-room). */
+/* ω² of the active points for which a step is stable: the bound at the start, and a fraction of
+ * what a step shorter than the stable one leaves (eq:friction-room). */
 typedef struct ct_friction_room {
   double bound;
   double limit; /* Ω of the integrator; 0: nothing is left */
   double rate;  /* Ω / Δt_s of the stable step */
-  double share;
+  double fraction;
 } ct_friction_room;
 
 /* Let friction refuse steps in which the ω² of its active points exceeds the room; `mass` has the

@@ -355,7 +355,7 @@ static double room_at(const ct_friction_room *room, double dt)
 {
   const double rate = room->limit / dt;
   // -- Ω² (1 / Δt² - 1 / Δt_s²) less the largest effect of damping (eq:friction-room)
-  return room->bound + room->share * fmax(rate * (rate - room->rate), 0.0);
+  return room->bound + room->fraction * fmax(rate * (rate - room->rate), 0.0);
 }
 
 /* Refuse a step for which the active points are too stiff: more of them than the bound expected

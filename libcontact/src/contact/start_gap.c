@@ -23,7 +23,7 @@ int ct_start_gap_counts(const ct_start_rule *rule) { return keeps(rule) || rule-
 
 ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error)
 {
-  if (rule->initial_penetration < CT_INITIAL_PUSH ||
+  if (rule->initial_penetration < CT_INITIAL_FORCE ||
       rule->initial_penetration > CT_INITIAL_REMOVE ||
       (rule->initial_penetration == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0)))
     return CT_REFUSE(error, "%s: initial penetration %d with removal in %g", label,

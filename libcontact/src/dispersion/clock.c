@@ -13,17 +13,18 @@ typedef struct gain {
   double B[3][3], d[3][3];
 } gain;
 
-static int pushes(const ct_integrator *integrator)
+static int has_pushforward(const ct_integrator *integrator)
 {
-  return ct_integrator_facts(integrator->scheme)->pushes;
+  return ct_integrator_facts(integrator->scheme)->pushforward;
 }
 
 static gain stage_gain(const ct_integrator *integrator, const ct_stage *s, double x)
 {
-  if (pushes(integrator)) {
+  if (has_pushforward(integrator)) {
     // -- The change over the pushforward follows from u and v, and there is no memory
     // (eq:pullback-gain)
-    const double k = fmax(1.0, integrator->push), m = s->l * k, n = 0.5 * m * (1.0 + k);
+    const double k = fmax(1.0, integrator->pushforward_ratio), m = s->l * k,
+                 n = 0.5 * m * (1.0 + k);
     return (gain){.B = {{-x - n * x * x, 1.0 + m * x}, {-x}, {-x, 0.0, -1.0}},
                   .d = {{-1.0 - 2.0 * n * x, m}, {-1.0}, {-1.0}}};
   }
@@ -125,7 +126,7 @@ double ct_clock_advance(const ct_integrator *integrator, double Omega, int64_t s
   double power[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   for (int i = 0; i < 3; i++) g.B[i][i] += 1.0;
   // -- The first step has no pushforward (eq:pullback-drift)
-  if (pushes(integrator) && steps > 0) {
+  if (has_pushforward(integrator) && steps > 0) {
     ct_integrator without = {CT_CENTRAL_DIFFERENCE, 0.0, 0.0};
     gain first = step_gain(&without, Omega * Omega);
     for (int i = 0; i < 3; i++)

@@ -65,15 +65,15 @@ ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, in
 }
 
 ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
-                             double *held, double *dissipated, ct_error *error)
+                             double *stored, double *dissipated, ct_error *error)
 {
-  if (held == NULL || dissipated == NULL) return CT_REFUSE(error, "friction: null argument");
+  if (stored == NULL || dissipated == NULL) return CT_REFUSE(error, "friction: null argument");
   ct_status status = CT_OK;
   ct_interaction_energy energy;
   const void *s = state_of(problem, state, effect, CT_EFFECT_FRICTION, "friction", &status, error);
   if (s == NULL) return status;
   ((const ct_touch *)problem->effects[effect]->data)->is->calls->find_energy(s, &energy);
-  *held = energy.stored;
+  *stored = energy.stored;
   *dissipated = energy.dissipated;
   return CT_OK;
 }

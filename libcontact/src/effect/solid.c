@@ -270,21 +270,21 @@ static void place_values(solid_data *solid)
   }
 }
 
-static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_error *error)
+static ct_status prepare(solid_data *solid, const ct_solid_body *bodies, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
   if (solid->parts == NULL) return CT_NO_MEMORY(error, "the bodies");
   int32_t next_node = 0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    ct_status status = ct_material_check(&blocks[i].material, error);
-    if (status == CT_OK && blocks[i].first_node != next_node)
-      status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)blocks[i].first_node,
+    ct_status status = ct_material_check(&bodies[i].material, error);
+    if (status == CT_OK && bodies[i].first_node != next_node)
+      status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)bodies[i].first_node,
                          (int)next_node);
-    if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
+    if (status == CT_OK) status = ct_part_prepare(part, &bodies[i], error);
     ct_solid_part given = ct_part_given(part);
     if (status == CT_OK)
-      status = ct_solid_part_omega2_bound(&given, blocks[i].held, &part->blocks,
+      status = ct_solid_part_omega2_bound(&given, bodies[i].fixed, &part->blocks,
                                           &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
@@ -314,9 +314,9 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
                                  ct_effect **effect, ct_error *error)
 {
   (void)problem;
-  int known = def != NULL && def->cookie == CT_DEF_COOKIE && def->blocks != NULL;
-  for (int32_t i = 0; known && i < def->block_count; i++) {
-    ct_status status = ct_mesh_check(def->blocks[i].mesh, error);
+  int known = def != NULL && def->cookie == CT_DEF_COOKIE && def->bodies != NULL;
+  for (int32_t i = 0; known && i < def->body_count; i++) {
+    ct_status status = ct_mesh_check(def->bodies[i].mesh, error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
   }
@@ -325,16 +325,16 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
 
 ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, ct_error *error)
 {
-  if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->blocks == NULL ||
-      def->block_count < 1)
+  if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->bodies == NULL ||
+      def->body_count < 1)
     return CT_REFUSE(error, "solid: no bodies, or a definition without its default");
   solid_data *solid = ct_allocate(1, sizeof *solid);
   if (solid == NULL) return CT_NO_MEMORY(error, "the solid effect");
-  solid->part_count = def->block_count;
+  solid->part_count = def->body_count;
   ct_effect filled = {.kind = CT_EFFECT_SOLID, .label = "solid", .calls = &CALLS, .data = solid};
-  ct_status status = prepare(solid, def->blocks, error);
-  for (int32_t i = 0; status == CT_OK && i < def->block_count; i++)
-    filled.node_count += def->blocks[i].mesh->node_count;
+  ct_status status = prepare(solid, def->bodies, error);
+  for (int32_t i = 0; status == CT_OK && i < def->body_count; i++)
+    filled.node_count += def->bodies[i].mesh->node_count;
   return ct_effect_finish(status, &filled, effect, error);
 }
 
@@ -387,15 +387,15 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   return ct_effect_copy(&filled, out, error);
 }
 
-ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
+ct_status ct_solid_body_plan(const ct_effect *effect, int32_t body, ct_solid_kernel *kernel,
                              double *flops, double *bytes, ct_error *error)
 {
   if (effect == NULL || effect->kind != CT_EFFECT_SOLID)
     return CT_REFUSE(error, "solid: null argument, or another effect");
   const solid_data *solid = effect->data;
-  if (block < 0 || block >= solid->part_count)
-    return CT_REFUSE(error, "solid: no body %d", (int)block);
-  const ct_solid_part *part = &solid->parts[block];
+  if (body < 0 || body >= solid->part_count)
+    return CT_REFUSE(error, "solid: no body %d", (int)body);
+  const ct_solid_part *part = &solid->parts[body];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;
   int plane = part->kernel == CT_KERNEL_PLANE;

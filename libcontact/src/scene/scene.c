@@ -395,7 +395,7 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
 
 /* Whether supports hold all nodes of a body in a direction at velocity 0, after they were applied.
  */
-static int held_body(const ct_scene *scene, int32_t body, int axis)
+static int body_is_fixed(const ct_scene *scene, int32_t body, int axis)
 {
   size_t first = (size_t)scene->bodies[body].first_node,
          count = (size_t)scene->parts[body].mesh->node_count;
@@ -408,10 +408,10 @@ static int held_body(const ct_scene *scene, int32_t body, int axis)
 
 static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
-  ct_solid_body *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
-  if (blocks == NULL) return CT_NO_MEMORY(error, "the bodies");
+  ct_solid_body *bodies = ct_allocate((size_t)scene->body_count, sizeof *bodies);
+  if (bodies == NULL) return CT_NO_MEMORY(error, "the bodies");
   for (int32_t i = 0; i < scene->body_count; i++) {
-    blocks[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
+    bodies[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
                                 .material = scene->bodies[i].material,
                                 .kernel = scene->parts[i].given.kernel,
                                 .first_node = scene->bodies[i].first_node,
@@ -419,13 +419,13 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
                                 .optimisations = &scene->optimisations,
                                 .threads = threads,
                                 .hourglass = scene->parts[i].given.hourglass};
-    for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
+    for (int axis = 0; axis < 3; axis++) bodies[i].fixed[axis] = body_is_fixed(scene, i, axis);
   }
   ct_solid_def def = ct_solid_def_default();
-  def.blocks = blocks;
-  def.block_count = scene->body_count;
+  def.bodies = bodies;
+  def.body_count = scene->body_count;
   ct_status status = ct_solid_create_checked(&def, &scene->effects[0], error);
-  ct_release(blocks);
+  ct_release(bodies);
   return status;
 }
 
@@ -582,7 +582,7 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   p->threads = 1;
   p->clock = NULL;
   p->integrator = time->integrator;
-  p->integrator.push = 0.0;
+  p->integrator.pushforward_ratio = 0.0;
   p->assembled = time->assembled;
   p->dt = DBL_MIN; // unknown yet, and any value will do
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
@@ -597,10 +597,10 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
 static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t count)
 {
   ct_integrator first = p->integrator;
-  first.push = 0.0;
+  first.pushforward_ratio = 0.0;
   ct_friction_room room = {.limit = ct_integrator_limit(&p->integrator),
                            .rate = ct_integrator_limit(&first) / stable,
-                           .share = 1.0 / count};
+                           .fraction = 1.0 / count};
   for (int32_t k = 0; k < p->effect_count; k++)
     if (p->effects[k]->calls->bounds.amplification != NULL) room.limit = 0.0;
   return room;
@@ -616,7 +616,7 @@ static ct_status set_rooms(ct_scene *scene, ct_state *state, double stable, ct_e
     double rate;
     ct_friction_room room = spare_room(p, stable, count);
     if (p->effects[k]->kind != CT_EFFECT_FRICTION) continue;
-    ct_status status = ct_stable_share(p, state, k, &room.bound, &rate, error);
+    ct_status status = ct_stable_contribution(p, state, k, &room.bound, &rate, error);
     if (status != CT_OK) return status;
     ct_friction_set_room(scene->effects[k], room);
   }
@@ -642,8 +642,8 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
     count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
     p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)count;
     // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
-    if (ct_integrator_facts(p->integrator.scheme)->pushes)
-      p->integrator.push = fmax(1.0, stable->dt / p->dt);
+    if (ct_integrator_facts(p->integrator.scheme)->pushforward)
+      p->integrator.pushforward_ratio = fmax(1.0, stable->dt / p->dt);
     p->threads = time->threads;
     p->clock = time->clock;
     status = set_rooms(scene, begun, stable->dt, error);

@@ -105,7 +105,7 @@ int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
 /* S = ω² M - K, lower half: first the sums T_ab = ∫ ∂N_a/∂x_i ∂N_b/∂x_j dV in its place, then the
  * stiffness of these (eq:stiffness). */
 CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
-                    const int held[3], double omega_squared, ct_lanes *S)
+                    const int fixed[3], double omega_squared, ct_lanes *S)
 {
   ct_lanes x[3 * 20], mass[20], g[20][3], weight, T[3][3];
   begin(part, at, per, e, x, mass);
@@ -129,7 +129,7 @@ CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per
                    *to = &row(S, 3 * a + i)[3 * b + j];
           if (i == j) K += trace;
           // A fixed component has no stiffness here, only its own mass.
-          if (held[i] || held[j]) K = K - K;
+          if (fixed[i] || fixed[j]) K = K - K;
           *to = -K;
           if (a == b && i == j) *to += omega_squared * mass[a];
         }
@@ -159,10 +159,10 @@ CT_INLINE unsigned eliminate(int n, ct_lanes *S)
 
 CT_CLONES
 unsigned ct_solid_below(const ct_solid_part *part, const ct_mass_shapes *at, int32_t e,
-                        const int held[3], double omega_squared)
+                        const int fixed[3], double omega_squared)
 {
   ct_lanes S[ENTRIES];
-  if (at->per == 8) fill(part, at, 8, e, held, omega_squared, S);
-  else fill(part, at, 20, e, held, omega_squared, S);
+  if (at->per == 8) fill(part, at, 8, e, fixed, omega_squared, S);
+  else fill(part, at, 20, e, fixed, omega_squared, S);
   return eliminate(3 * at->per, S);
 }

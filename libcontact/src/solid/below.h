@@ -11,8 +11,8 @@
 int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at);
 
 /* Bit l is 1 if all eigenvalues of element e + l, one per lane, are certainly below
- * `omega_squared`; components `held` do not move (eq:definite). */
+ * `omega_squared`; components `fixed` do not move (eq:definite). */
 unsigned ct_solid_below(const ct_solid_part *part, const ct_mass_shapes *at, int32_t e,
-                        const int held[3], double omega_squared);
+                        const int fixed[3], double omega_squared);
 
 #endif

@@ -99,7 +99,7 @@ static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *
 /* A block, and its motions that are even (1) or odd (-1) about its three middle planes. */
 typedef struct block {
   int size[3], parity[3];
-  const int *held;
+  const int *fixed;
 } block;
 
 /* The degree of freedom of the block's corner with which component c of a node moves, and its sign;
@@ -116,7 +116,7 @@ static int fold(const block *b, const int node[3], int c, double *sign)
     if (node[d] > mirrored) *sign *= image;
     at = 2 * at + (node[d] < mirrored ? node[d] : mirrored);
   }
-  return b->held[c] ? -1 : 3 * at + c;
+  return b->fixed[c] ? -1 : 3 * at + c;
 }
 
 /* Add an element, which represents `images` equal ones, to the stiffness and the masses of the
@@ -176,12 +176,12 @@ static void sizes_of(int32_t cells, int *first, int *last)
 
 /* Bound on the largest eigenvalue of M⁻¹K of a box with these numbers of cells, from the lower half
  * of K of one element and the masses of its nodes. */
-static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
+static ct_status blocks_omega2_bound(const int32_t cells[3], const int fixed[3],
                                      double K[SIZE][SIZE], const double *mass,
                                      double *omega_squared, ct_error *error)
 {
   int first[3], last[3];
-  block b = {.held = held};
+  block b = {.fixed = fixed};
   *omega_squared = 0.0;
   for (int d = 0; d < 3; d++) sizes_of(cells[d], &first[d], &last[d]);
   // -- The fastest motion of all blocks, of each parity on its own
@@ -239,7 +239,7 @@ static ct_status brick_matrices(const ct_solid_part *part, const ct_solid_box *b
 static ct_status box_omega2_bound(const ct_solid_box *b, double A[SIZE][SIZE], const double *m,
                                   double *omega_squared, ct_error *error)
 {
-  ct_status status = blocks_omega2_bound(b->cells, b->held, A, m, omega_squared, error);
+  ct_status status = blocks_omega2_bound(b->cells, b->fixed, A, m, omega_squared, error);
   if (!b->aligned) *omega_squared *= 1.0 + 1e-9;
   return status;
 }
@@ -258,21 +258,21 @@ ct_status ct_solid_joint_bound(const ct_solid_part *part, double stiffness, doub
 }
 
 /* Largest ω² of one element. */
-static ct_status element_omega2(const ct_solid_part *part, double x[20][3], const int held[3],
+static ct_status element_omega2(const ct_solid_part *part, double x[20][3], const int fixed[3],
                                 double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], m[20], spread[SIZE];
   int per = ct_brick_node_count(part->mesh->kind);
   ct_status status = element_matrices(part, x, A, m, error);
   if (status != CT_OK) return status;
-  ct_spread_mass(per, m, held, spread);
+  ct_spread_mass(per, m, fixed, spread);
   return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
 }
 
 /* The largest ω² of the elements first ... last - 1. Those that certainly lie below `reached` need
  * no eigenvalues; the margin is far above round-off, so the result is that of all elements. */
 static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_shapes *at,
-                                    const int held[3], int32_t first, int32_t last, double reached,
+                                    const int fixed[3], int32_t first, int32_t last, double reached,
                                     double *omega_squared, ct_error *error)
 {
   static const double SURELY = 1.0 - 1e-9;
@@ -283,12 +283,12 @@ static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_sha
   ct_status status = CT_OK;
   for (int32_t e = first; status == CT_OK && e < last; e++) {
     if (full && e % CT_LANES_COUNT == 0)
-      below = ct_solid_below(part, at, e, held, SURELY * reached);
+      below = ct_solid_below(part, at, e, fixed, SURELY * reached);
     ct_solid_load_element(mesh, e, mesh->nodes, x);
     if (e > first && same_shape(at->per, x, before)) continue;
     memcpy(before, x, sizeof before);
     if (below >> e % CT_LANES_COUNT & 1) continue;
-    status = element_omega2(part, x, held, &w, error);
+    status = element_omega2(part, x, fixed, &w, error);
     if (status != CT_OK && error != NULL) error->element = e;
     *omega_squared = fmax(*omega_squared, w); // (eq:element-bound)
     reached = fmax(reached, w);
@@ -300,7 +300,7 @@ static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_sha
 enum { LEAST_ELEMENTS = 512 };
 
 /* The largest over all elements; that of a stiff one is computed first. */
-static ct_status elements_omega2_bound(const ct_solid_part *part, const int held[3],
+static ct_status elements_omega2_bound(const ct_solid_part *part, const int fixed[3],
                                        double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
@@ -312,7 +312,7 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int held
   if (status != CT_OK) return status;
   if (part->kernel != CT_KERNEL_REDUCED) {
     ct_solid_load_element(mesh, ct_solid_stiffest(part, &at), mesh->nodes, x);
-    if (element_omega2(part, x, held, &reached, NULL) != CT_OK) reached = 0.0;
+    if (element_omega2(part, x, fixed, &reached, NULL) != CT_OK) reached = 0.0;
   }
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) reduction(max : largest) \
@@ -321,16 +321,16 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int held
   for (int share = 0; share < threads; share++) {
     int32_t first = CT_LANES_COUNT * ct_share(lanes, share, threads),
             last = CT_LANES_COUNT * ct_share(lanes, share + 1, threads);
-    failed |= share_omega2_bound(part, &at, held, first, last < count ? last : count, reached,
+    failed |= share_omega2_bound(part, &at, fixed, first, last < count ? last : count, reached,
                                  &largest, NULL) != CT_OK;
   }
   *omega_squared = largest;
   // Only a single thread finds which bad element is the first.
-  return failed ? share_omega2_bound(part, &at, held, 0, count, reached, omega_squared, error)
+  return failed ? share_omega2_bound(part, &at, fixed, 0, count, reached, omega_squared, error)
                 : CT_OK;
 }
 
-ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
+ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int fixed[3],
                                      ct_solid_box *box, double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], m[20];
@@ -338,8 +338,8 @@ ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3
   *omega_squared = 0.0;
   ct_status status = part->energies == NULL ? find_box(part, box, error) : CT_OK;
   if (status != CT_OK) return status;
-  if (box->cells[0] == 0) return elements_omega2_bound(part, held, omega_squared, error);
-  for (int c = 0; c < 3; c++) box->held[c] = box->aligned && held[c];
+  if (box->cells[0] == 0) return elements_omega2_bound(part, fixed, omega_squared, error);
+  for (int c = 0; c < 3; c++) box->fixed[c] = box->aligned && fixed[c];
   status = brick_matrices(part, box, A, m, error);
   return status == CT_OK ? box_omega2_bound(box, A, m, omega_squared, error) : status;
 }

@@ -3,10 +3,10 @@
 
 #include "kernel.h"
 
-/* Bound on the largest eigenvalue of M⁻¹K of one body, undeformed, whose components `held` do not
+/* Bound on the largest eigenvalue of M⁻¹K of one body, undeformed, whose components `fixed` do not
  * move: by its blocks if it is a box of equal hex8 (eq:block-bound), else by its elements
  * (eq:element-bound). `box`: that box. */
-ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
+ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int fixed[3],
                                      ct_solid_box *box, double *omega_squared, ct_error *error);
 
 /* Bound by blocks, for a part that is a box, on the largest eigenvalue of M⁻¹ A, where the A of an

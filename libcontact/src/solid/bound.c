@@ -110,10 +110,10 @@ static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], doub
   }
 }
 
-void ct_spread_mass(int per, const double *mass, const int held[3], double spread[SIZE])
+void ct_spread_mass(int per, const double *mass, const int fixed[3], double spread[SIZE])
 {
   for (int i = 0; i < 3 * per; i++)
-    spread[i] = held != NULL && held[i % 3] ? INFINITY : mass[i / 3];
+    spread[i] = fixed != NULL && fixed[i % 3] ? INFINITY : mass[i / 3];
 }
 
 ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],

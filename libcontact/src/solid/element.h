@@ -38,8 +38,9 @@ ct_status ct_largest_eigenvalue(int count, const double *mass,
                                 double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], double *omega_squared,
                                 ct_error *error);
 
-/* The masses of nodes as those of their degrees of freedom, infinite if `held` (null: none is). */
-void ct_spread_mass(int per, const double *mass, const int held[3], double spread[CT_ELEMENT_SIZE]);
+/* The masses of nodes as those of their degrees of freedom, infinite if `fixed` (null: none is). */
+void ct_spread_mass(int per, const double *mass, const int fixed[3],
+                    double spread[CT_ELEMENT_SIZE]);
 
 /* Internal force of one element, the readable form: one Gauss point after another,
  * eq:internal-force, and for large deformation eq:large-force. `nodes` (undeformed) and

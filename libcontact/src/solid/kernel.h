@@ -19,7 +19,7 @@ typedef struct ct_solid_box {
   double edge[3];    /* lengths of the bricks' edges */
   double axis[3][3]; /* their directions */
   int aligned;       /* whether these are x, y, z */
-  int held[3];       /* components that do not move, along the edges */
+  int fixed[3];      /* components that do not move, along the edges */
 } ct_solid_box;
 
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the

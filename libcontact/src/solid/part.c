@@ -49,11 +49,11 @@ void ct_part_release(ct_solid_part *part)
 }
 
 /* Use the plane kernel if it is possible: one layer of boxes, fixed along its thickness. */
-static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, int threads)
+static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *body, int threads)
 {
   ct_status status = CT_OK;
   for (int axis = 0; status == CT_OK && part->plane == NULL && axis < 3; axis++)
-    if (block->held[axis]) status = ct_force_ring_create(part->mesh, axis, threads, &part->plane);
+    if (body->fixed[axis]) status = ct_force_ring_create(part->mesh, axis, threads, &part->plane);
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   return status;
 }
@@ -95,14 +95,14 @@ static ct_status prepare_ring(ct_solid_part *part, int threads)
 }
 
 /* Data that the kernel needs in addition to the mesh. */
-static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block)
+static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *body)
 {
   ct_status status = CT_OK;
-  int threads = block->threads < 1 ? 1 : block->threads,
+  int threads = body->threads < 1 ? 1 : body->threads,
       trilinear = ct_brick_facts_of(part->mesh->kind)->trilinear;
-  int plane = block->kernel == CT_KERNEL_PLANE ||
-              (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
-  if (plane && part->box && trilinear) status = choose_plane(part, block, threads);
+  int plane = body->kernel == CT_KERNEL_PLANE ||
+              (body->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
+  if (plane && part->box && trilinear) status = choose_plane(part, body, threads);
   if (status == CT_OK && trilinear && part->energies == NULL &&
       part->optimisations.shared_stiffness)
     status = prepare_ring(part, threads);
@@ -131,9 +131,9 @@ static int take_row(ct_solid_part *part)
 }
 
 /* The requested kernel, or the cheapest possible one. */
-static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
+static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *body, ct_error *error)
 {
-  ct_solid_kernel asked = block->kernel;
+  ct_solid_kernel asked = body->kernel;
   int large = part->material.law != CT_LINEAR;
   part->box = !large && ct_solid_is_box(part->mesh, part->edge);
   if (asked == CT_KERNEL_BOX && !large && !part->box)
@@ -147,7 +147,7 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "there is no such kernel for %s with %s strain",
                    ct_brick_facts_of(part->mesh->kind)->name, large ? "large" : "small");
-  if (prepare_kernel(part, block) != CT_OK) return CT_NO_MEMORY(error, "the elements");
+  if (prepare_kernel(part, body) != CT_OK) return CT_NO_MEMORY(error, "the elements");
   if (asked == CT_KERNEL_PLANE && part->plane == NULL)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the plane kernel needs one layer of hex8 boxes whose nodes are all held along "
@@ -156,18 +156,18 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
   return CT_OK;
 }
 
-ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
+ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_error *error)
 {
-  part->mesh = block->mesh;
-  part->material = block->material;
-  part->lumping = block->lumping;
+  part->mesh = body->mesh;
+  part->material = body->material;
+  part->lumping = body->lumping;
   part->optimisations =
-      block->optimisations == NULL ? (ct_optimisations){1, 1, 1, 1} : *block->optimisations;
-  part->first_node = block->first_node;
+      body->optimisations == NULL ? (ct_optimisations){1, 1, 1, 1} : *body->optimisations;
+  part->first_node = body->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
-  part->hourglass = block->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : block->hourglass;
+  part->hourglass = body->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : body->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
-  ct_status status = choose_kernel(part, block, error);
+  ct_status status = choose_kernel(part, body, error);
   if (status != CT_OK || part->ring != NULL) return status;
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status != CT_OK) return status;

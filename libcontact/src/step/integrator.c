@@ -80,11 +80,14 @@ static double tchamwa_wielgosz_stiffening(const ct_integrator *integrator)
 }
 
 /* Δt_c / Δt of the pushforward, q. */
-static double push_of(const ct_integrator *integrator) { return fmax(1.0, integrator->push); }
+static double pushforward_of(const ct_integrator *integrator)
+{
+  return fmax(1.0, integrator->pushforward_ratio);
+}
 
 static int pushforward_pullback_stages(const ct_integrator *integrator, ct_stage *stages)
 {
-  const double q = push_of(integrator);
+  const double q = pushforward_of(integrator);
   // -- The drift adds a fraction of the change of acceleration over the pushforward
   // (eq:pullback-drift)
   stages[0] = (ct_stage){1.0, 1.0, 1.0, integrator->parameter * (q - 1.0 / q) / 6.0};
@@ -93,7 +96,7 @@ static int pushforward_pullback_stages(const ct_integrator *integrator, ct_stage
 
 static double pushforward_pullback_stiffening(const ct_integrator *integrator)
 {
-  const double theta = integrator->parameter, q = push_of(integrator);
+  const double theta = integrator->parameter, q = pushforward_of(integrator);
   // -- 4 - x - χ/6 q(q² - 1) x² = 0 (eq:pullback-limit)
   return 0.5 * (1.0 + sqrt(1.0 + 8.0 / 3.0 * theta * q * (q * q - 1.0)));
 }
@@ -101,7 +104,7 @@ static double pushforward_pullback_stiffening(const ct_integrator *integrator)
 /* 2 - √2: with a larger τ₁ the dissipation of the method of Noh and Bathe decreases again. */
 #define LARGEST_P 0.585786437626905
 
-/* All methods: name, parameter, its least, largest and usual value, order, stores, pushes. */
+/* All methods: name, parameter, its least, largest and usual value, order, stores, pushforward. */
 static const method METHODS[] = {
     [CT_CENTRAL_DIFFERENCE] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0, 2, 0, 0},
                                leapfrog_stages,
@@ -147,8 +150,10 @@ ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
   if (f == NULL)
     return CT_REFUSE(error, "integrator: there is no scheme %d",
                      integrator == NULL ? -1 : (int)integrator->scheme);
-  if (integrator->push != 0.0 && !(integrator->push >= 1.0 && integrator->push <= DBL_MAX))
-    return CT_REFUSE(error, "integrator: a push of %.17g steps is not 1 or more", integrator->push);
+  if (integrator->pushforward_ratio != 0.0 &&
+      !(integrator->pushforward_ratio >= 1.0 && integrator->pushforward_ratio <= DBL_MAX))
+    return CT_REFUSE(error, "integrator: a pushforward of %.17g steps is not 1 or more",
+                     integrator->pushforward_ratio);
   if (integrator->parameter >= f->least && integrator->parameter <= f->most) return CT_OK;
   return CT_REFUSE(error, "integrator: %s = %.17g of %s is not between %.17g and %.17g",
                    f->parameter, integrator->parameter, f->name, f->least, f->most);
@@ -162,7 +167,7 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
 int ct_integrator_evaluations(const ct_integrator *integrator)
 {
   ct_stage stages[2];
-  return ct_integrator_stages(integrator, stages) + method_of(integrator)->facts.pushes;
+  return ct_integrator_stages(integrator, stages) + method_of(integrator)->facts.pushforward;
 }
 
 int ct_integrator_is_leapfrog(const ct_integrator *integrator)
@@ -170,7 +175,7 @@ int ct_integrator_is_leapfrog(const ct_integrator *integrator)
   const ct_scheme_facts *facts = &method_of(integrator)->facts;
   ct_stage s[2];
   return ct_integrator_stages(integrator, s) == 1 && s[0].tau == 1.0 && s[0].c == 1.0 &&
-         s[0].r == 1.0 && s[0].l == 0.0 && !facts->stores && !facts->pushes;
+         s[0].r == 1.0 && s[0].l == 0.0 && !facts->stores && !facts->pushforward;
 }
 
 double ct_integrator_share(const ct_integrator *integrator)

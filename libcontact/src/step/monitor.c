@@ -151,8 +151,8 @@ static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
   double most = -INFINITY;
   ct_growth found = {.time = state->time,
                      .step = state->step,
-                     .share = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
-  if (w->growth.share > 0.0 ||
+                     .ratio = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
+  if (w->growth.ratio > 0.0 ||
       !(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least)))
     return;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {

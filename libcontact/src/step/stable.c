@@ -26,8 +26,8 @@ int ct_problem_is_linear(const ct_problem *problem)
   return 1;
 }
 
-ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
-                          double *omega_squared, double *rate, ct_error *error)
+ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int32_t k,
+                                 double *omega_squared, double *rate, ct_error *error)
 {
   if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 ||
       k >= problem->effect_count)
@@ -76,7 +76,7 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds s
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     double own, own_rate;
-    ct_status status = ct_stable_share(problem, state, k, &own, &own_rate, error);
+    ct_status status = ct_stable_contribution(problem, state, k, &own, &own_rate, error);
     if (status != CT_OK) return status;
     for (int without = 0; without < (is_contact(effect->kind) ? 1 : 2); without++) {
       // Σ ω̂² and Σ of the rates (eq:step-bound)

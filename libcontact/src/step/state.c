@@ -106,7 +106,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
                        "problem: effect %s reads one whose force does not come before its own",
                        effect->label);
   }
-  if (ct_scheme_of(p)->pushes &&
+  if (ct_scheme_of(p)->pushforward &&
       (p->effects[0]->kind != CT_EFFECT_SOLID || !ct_problem_is_linear(p)))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "integrator: %s is for linear bodies",
                    ct_scheme_of(p)->name);
@@ -161,7 +161,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   w->leapfrog = ct_integrator_is_leapfrog(&problem->integrator);
   if (!w->leapfrog && !scheme->stores)
     w->last_acceleration = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-  if (scheme->pushes) {
+  if (scheme->pushforward) {
     w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
     status =
@@ -180,7 +180,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
   // A pushforward moves sleeping elements, so none may sleep.
-  if (problem->effects[0]->kind == CT_EFFECT_SOLID && !scheme->pushes)
+  if (problem->effects[0]->kind == CT_EFFECT_SOLID && !scheme->pushforward)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
   return CT_OK;
@@ -252,7 +252,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = // (eq:leapfrog-start)
         ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                 state->workspace->total[d]);
-    if (last_acceleration != NULL && !ct_scheme_of(problem)->pushes)
+    if (last_acceleration != NULL && !ct_scheme_of(problem)->pushforward)
       last_acceleration[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
   // A force that depends on velocity was computed with another one; a restart would use this one.
@@ -553,14 +553,14 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   ct_integrator_stages(&problem->integrator, stages);
   // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
   // the first step is a central difference.
-  if (!ct_scheme_of(problem)->pushes || stages[0].l == 0.0 || state->step == 0) return CT_OK;
+  if (!ct_scheme_of(problem)->pushforward || stages[0].l == 0.0 || state->step == 0) return CT_OK;
   double begin = problem->clock == NULL ? 0.0 : problem->clock(),
-         push = problem->integrator.push * problem->dt,
+         pushforward = problem->integrator.pushforward_ratio * problem->dt,
          share = ct_integrator_share(&problem->integrator) * problem->dt;
   // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->pushed[d] = push * ct_kick(state->velocity[d], share + 0.5 * push, problem->inverse_mass[d],
-                                  w->total[d]);
+    w->pushed[d] = pushforward * ct_kick(state->velocity[d], share + 0.5 * pushforward,
+                                         problem->inverse_mass[d], w->total[d]);
   ct_view view = ct_workspace_view(problem, state, 0);
   view.displacement = w->pushed;
   view.scratch = w->pushed_scratch;
