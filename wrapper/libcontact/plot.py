@@ -88,7 +88,7 @@ def draw_faces(
     limits: tuple[float, float],
     scale: float = 1.0,
     turn: npt.ArrayLike = ((1.0, 0.0), (0.0, 1.0)),
-    **look: Any,
+    **options: Any,
 ) -> Any:
     """
     Draw one face of a body, deformed, coloured by values of its elements.
@@ -109,7 +109,7 @@ def draw_faces(
         Magnification of the displacement.
     turn : array_like, shape (2, 2)
         Matrix that the two coordinates are multiplied with from the right, such as a mirror.
-    **look
+    **options
         For ``PolyCollection``: ``cmap``, ``linewidths`` and so on.
 
     Returns
@@ -122,8 +122,8 @@ def draw_faces(
     faces, owners = body.mesh.faces(face)
     corners = (body.nodes + scale * body.displacement)[faces[:, :4]]
     flat = np.delete(corners, "xyz".index(face[0]), axis=2) @ np.asarray(turn, float)
-    look = {"cmap": "RdBu_r", "edgecolors": "k", "linewidths": 0.3, **look}
-    patches = PolyCollection(list(flat), array=np.asarray(values)[owners], **look)
+    options = {"cmap": "RdBu_r", "edgecolors": "k", "linewidths": 0.3, **options}
+    patches = PolyCollection(list(flat), array=np.asarray(values)[owners], **options)
     patches.set_clim(*limits)
     axes.add_collection(patches)
     axes.autoscale_view()
