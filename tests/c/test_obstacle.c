@@ -1,5 +1,6 @@
 /* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall,
  * impulse, work of motion, depth, friction, Hertz. */
+#include "../../libcontact/src/contact/obstacle.h"
 #include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
 
@@ -103,6 +104,16 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   end(&t);
 }
 
+/* Signed distance of a point from an obstacle at t = 0. */
+static double gap_of(const ct_obstacle_def *o, const double p[3], double n[3])
+{
+  const ct_obstacle_kind *kind = ct_obstacle_kind_of(o->shape);
+  ct_obstacle_def at = *o;
+  if (kind->direction != NULL) (void)ct_obstacle_axis(o->axis, at.axis);
+  const double r[3] = {p[0] - o->point[0], p[1] - o->point[1], p[2] - o->point[2]};
+  return kind->gap(&at, r, n);
+}
+
 /* eq:obstacle-gap, eq:obstacle-motion. */
 static void gaps(void)
 {
@@ -112,15 +123,14 @@ static void gaps(void)
   ct_obstacle_def ball = {COOKIE, .shape = CT_OBSTACLE_SPHERE, .point = {0, 0, 7}, .radius = 2.0};
   ct_obstacle_def pipe = {COOKIE, .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100},
                           .axis = {0, 0, -3}, .radius = 6.0};
-  tap_ok(ct_obstacle_gap(&plane, p, n) == 6.0 && n[2] == 1.0, "plane: height over it");
+  tap_ok(gap_of(&plane, p, n) == 6.0 && n[2] == 1.0, "plane: height over it");
   p[2] = -1e6;
-  tap_ok(ct_obstacle_gap(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0,
-         "plane: a point deep inside is inside");
+  tap_ok(gap_of(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0, "plane: a point deep inside is inside");
   p[2] = 7.0;
-  tap_close(ct_obstacle_gap(&ball, p, n), 3.0, 1e-15, "sphere: outside");
+  tap_close(gap_of(&ball, p, n), 3.0, 1e-15, "sphere: outside");
   tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0,
          "sphere: normal away from the centre");
-  tap_close(ct_obstacle_gap(&pipe, p, n), -1.0, 1e-15, "cylinder: inside, wherever along the axis");
+  tap_close(gap_of(&pipe, p, n), -1.0, 1e-15, "cylinder: inside, wherever along the axis");
   tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0,
          "cylinder: normal away from the axis");
   double time[2] = {1.0, 2.0}, value[2] = {0.0, 1.0}, m[3];
@@ -310,12 +320,13 @@ static void overlap(int shape, ct_initial how, const char *name)
   }
   finish(&t, 0.4, 0.8);
   double stored = 0.0, most = 0.0, least = 0.0, n[3];
-  const ct_side_fixed *side = ct_obstacle_side(((const ct_touch *)t.problem->effects[1]->data)->is);
+  const ct_interaction *is = ((const ct_touch *)t.problem->effects[1]->data)->is;
+  const ct_side_fixed *side = &((const ct_contact_fixed *)is)->gaps.side[0];
   for (int64_t i = 0; i < side->point_count; i++) {
     double y[3];
     ct_side_interpolate(side->search, side->search->x, (int32_t)(i / side->rule.count),
                         side->N[i % side->rule.count], NULL, y);
-    double gap = fmin(ct_obstacle_gap(&o, y, n), 0.0);
+    double gap = fmin(gap_of(&o, y, n), 0.0);
     least = fmin(least, gap);
     stored += 0.5 * o.epsilon * side->weight[i] * gap * gap;
   }

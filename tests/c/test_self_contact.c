@@ -557,13 +557,13 @@ static void made_in_each_other(ct_face_kind kind)
 static ct_status pass_in_a_step(const fold *p, double z, double down, double rate, ct_error *e)
 {
   ct_contact *contact = open_self(&p->surface);
-  double *v = numbers(3 * contact->fixed->node_count);
+  double *v = numbers(3 * contact->fixed->is.node_count);
   for (int n = 0; n < p->surface.node_count; n++) {
     const double *X = &p->reference[3 * n];
     memcpy(&p->x[3 * n], X, 3 * sizeof *X);
     p->x[3 * n + 2] = z * X[2] / 0.3;
   }
-  for (int i = 0; i < contact->fixed->node_count; i++) {
+  for (int i = 0; i < contact->fixed->is.node_count; i++) {
     const double *X = &p->reference[3 * contact->fixed->nodes[i]];
     double end = fmin(fmax((1.0 - X[0]) / 0.6, 0.0), 1.0);
     v[3 * i] = rate * X[0];

@@ -21,9 +21,9 @@ static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->se
 
 /* Whether the work of a row is minus what it stores and loses: only then an account says something
  * (eq:contact-step-work). */
-static int keeps_account(const ct_side *side)
+static int keeps_account(const ct_contact_fixed *fixed)
 {
-  return side->points[0].row.enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
+  return fixed->law.enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
 }
 
 /* The present start gap of a point, without that of the start. */
@@ -74,73 +74,78 @@ static void admit(const ct_side *side, ct_point *p)
 static void note(ct_admission *admission, double depth, double size)
 {
   if (!(depth > DEEP * size)) return;
-  admission->late++;
+  admission->late += 1.0;
   admission->late_depth = fmax(admission->late_depth, depth);
 }
 
-void ct_admission_bound(ct_side *sides, int count, ct_admission *admission, double reach,
-                        ct_find_before *find_before, const void *user, double *terms)
+/* Gap of a point in the last step at its present place, as the solver computes it; returns 0 if the
+ * point has no direction. */
+static int find_before(ct_contact *contact, int s, int64_t i)
 {
-  const double size = fmax(sides[0].search->size, sides[count - 1].search->size);
+  const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
+  const double *moved = contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)].moved;
+  ct_point *p = &side->points[i];
+  ct_constraint *row = &p->row;
+  double own[3], theirs[3];
+  if (!ct_side_direction(side, p, row->normal)) return 0;
+  ct_side_interpolate(side->search, moved, ct_side_face(side, i), row->own_shape, NULL, own);
+  if (other == NULL) memcpy(theirs, contact->came, sizeof theirs);
+  else ct_side_interpolate(other->search, other->moved, p->other, p->N, NULL, theirs);
+  row->before =
+      row->gap + p->closed - (ct_vector_dot(row->normal, own) - ct_vector_dot(row->normal, theirs));
+  return 1;
+}
+
+/* Distance from which a point may store energy: four times the largest motion of both sides. */
+static double reach_of(ct_contact *contact)
+{
+  const ct_side *other = ct_contact_other(contact, 0);
+  return 4.0 * (ct_side_motion(contact->gaps.side) +
+                (other != NULL ? ct_side_motion(other)
+                               : sqrt(ct_vector_dot(contact->came, contact->came))));
+}
+
+void ct_admission_limit(ct_contact *contact)
+{
+  ct_side *sides = contact->gaps.side;
+  ct_admission *admission = &contact->record.admission;
+  const int count = contact->gaps.fixed->sides;
+  const double size = fmax(sides[0].search->size, sides[count - 1].search->size),
+               reach = reach_of(contact);
   int64_t some = 0;
   // -- Points that jumped; then the energy that each point claims to store
   for (int s = 0; s < count; s++)
     for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
       ct_point *p = &sides[s].points[i];
-      p->claims = p->other >= 0 && p->row.gap < reach && find_before(user, s, i);
+      p->claims = p->other >= 0 && p->row.gap < reach && find_before(contact, s, i);
       if (!p->claims) continue;
       if (p->jumped && p->row.gap < 0.0) {
         note(admission, -ct_point_distance(p), size);
         admit(&sides[s], p);
       }
-      terms[some] = ct_law_claim(&p->row);
-      some += terms[some] != 0.0;
+      contact->terms[some] = ct_law_claim(&p->row);
+      some += contact->terms[some] != 0.0;
     }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
-  const ct_account *account = &admission->account;
-  if (!keeps_account(sides) || some == 0 ||
-      !(ct_sum(terms, some) > account->received + SLACK * account->most))
+  if (!keeps_account(contact->fixed) || some == 0 ||
+      !(ct_sum(contact->terms, some) > admission->received + SLACK * admission->most))
     return;
   for (const ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
       if (p->claims) admit(side, p);
 }
 
-/* Gap of a point of a contact in the last step at its present place, as the solver computes it. */
-static int find_before(const void *user, int s, int64_t i)
+void ct_admission_count(ct_contact *contact, int starting)
 {
-  const ct_contact *contact = user;
-  const ct_side *side = &contact->gaps.side[s],
-                *other = &contact->gaps.side[contact->fixed->gaps.sides - 1 - s];
-  const int32_t face = (int32_t)(i / side->fixed->rule.count);
-  ct_point *p = &side->points[i];
-  ct_constraint *row = &p->row;
-  double own[3], theirs[3];
-  if (!ct_side_direction(side, p, row->normal)) return 0;
-  ct_side_interpolate(side->search, side->moved, face, row->own_shape, NULL, own);
-  ct_side_interpolate(other->search, other->moved, p->other, p->N, NULL, theirs);
-  row->before =
-      row->gap + p->closed - (ct_vector_dot(row->normal, own) - ct_vector_dot(row->normal, theirs));
-  return 1;
-}
-
-void ct_admission_limit(ct_contact *contact)
-{
-  double reach =
-      ct_side_motion(&contact->gaps.side[0]) + ct_side_motion(ct_contact_other(contact, 0));
-  ct_admission_bound(contact->gaps.side, contact->fixed->gaps.sides, &contact->admission,
-                     4.0 * reach, find_before, contact, contact->terms);
-}
-
-void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int solved,
-                        int starting, double *terms)
-{
-  const int controlled = keeps_account(sides);
+  const int controlled = keeps_account(contact->fixed);
+  const ct_side *sides = contact->gaps.side;
+  ct_admission *admission = &contact->record.admission;
+  double *terms = contact->terms;
   int64_t some = 0;
-  for (const ct_side *side = sides; side < sides + count; side++)
+  for (const ct_side *side = sides; side < sides + contact->gaps.fixed->sides; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       const ct_constraint *row = &p->row;
-      const int listed = p->other >= 0 && (p->listed || !solved);
+      const int listed = p->other >= 0 && (p->listed || !contact->solved);
       p->stored = !listed ? 0.0 : controlled ? ct_law_stored(row) : ct_law_claim(row);
       if (!listed || !controlled) continue;
       // -- Minus the work of the row (eq:admitted-account)
@@ -148,7 +153,6 @@ void ct_admission_count(ct_side *sides, int count, ct_admission *admission, int 
       terms[some] = own + (starting ? ct_law_claim(row) : 0.0);
       some += terms[some] != 0.0;
     }
-  ct_account *account = &admission->account;
-  account->received = ct_sum(terms, some) + (starting ? 0.0 : account->received);
-  account->most = fmax(account->received, starting ? 0.0 : account->most);
+  admission->received = ct_sum(terms, some) + (starting ? 0.0 : admission->received);
+  admission->most = fmax(admission->received, starting ? 0.0 : admission->most);
 }

@@ -84,7 +84,7 @@ static int add_rows(const pass *p, double *rows, double *other_rows)
   const ct_side *side = p->side, *other = p->other;
   int found = 0;
   for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    double N[8], k = 0.5 * p->fixed->options.epsilon * side->fixed->weight[i], sum = 0.0;
+    double N[8], k = side->points[i].row.stiffness, sum = 0.0;
     const double *own = side->fixed->N[i % side->fixed->rule.count];
     int32_t face = partner(p, i, N);
     if (face < 0) continue;
@@ -168,9 +168,9 @@ static int find_rows(const ct_contact *contact, ct_masses mass, reach which, dou
   return found;
 }
 
-ct_status ct_contact_find_springs(const void *state, int facing, ct_masses mass, double *omega2)
+ct_status ct_contact_find_springs(const ct_contact *contact, int facing, ct_masses mass,
+                                  double *omega2)
 {
-  const ct_contact *contact = state;
   // The points of the first reach that has any, up to the last one; a surface without parts that
   // face each other does not touch itself yet.
   const reach first = facing ? NEAR : EVERY,

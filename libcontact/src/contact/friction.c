@@ -41,10 +41,10 @@ typedef struct slip_record {
   double lost;     /* dissipated so far */
 } slip_record;
 
-/* And behind all points: whether there was an earlier call, its time, and the obstacle's position
- * then. */
+/* And behind all points: whether there was an earlier call, and its time; force of friction on an
+ * obstacle then, and the work of its motion against it. */
 typedef struct tail_record {
-  double begun, time, place[3];
+  double begun, time, reaction[3], motion;
 } tail_record;
 enum { RECORD = sizeof(slip_record) / sizeof(double), TAIL = sizeof(tail_record) / sizeof(double) };
 
@@ -54,7 +54,8 @@ typedef struct friction_state {
   slip_point *points;
   double *coarse, *fine; /* sums at the nodes */
   double *rows;          /* row sums of the stiffness there */
-  double *terms;
+  double *terms;         /* one number per point or node */
+  tail_record tail;
 } friction_state;
 
 /* Data shared by the points of one call: the sides now, and the time since the last call (0: there
@@ -64,7 +65,6 @@ typedef struct call {
   const ct_surface_motion *at;
   const ct_side *side[2];
   double dt;
-  double moved[3]; /* motion of the obstacle in that time */
 } call;
 
 double ct_friction_return(double limit, double slip[3])
@@ -204,15 +204,15 @@ static void rub_contact(const call *now, int s, int64_t i, const slip_record *la
 static void rub_obstacle(const call *now, int64_t i, const slip_record *last, slip_record *next,
                          slip_point *p)
 {
-  const ct_obstacle_state *obstacle = now->at->on;
-  const ct_side *side = obstacle->side;
+  const ct_contact *obstacle = now->at->on;
+  const ct_side *side = now->side[0];
   const ct_point *point = &side->points[i];
   double y[3], first[3];
   ct_side_position(side, i, obstacle->place, y);
   increment_at(now, 0, i, first);
   for (int c = 0; c < 3; c++) {
     p->s[c] =
-        last->other != 0.0 ? (y[c] - last->place[c]) + last->slip[c] : first[c] - now->moved[c];
+        last->other != 0.0 ? (y[c] - last->place[c]) + last->slip[c] : first[c] - obstacle->came[c];
     next->place[c] = y[c] + point->d[c];
   }
   make_tangential(point->force, p->s);
@@ -308,25 +308,30 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
   return CT_OK;
 }
 
-/* The sides now, the time since the last call and the obstacle's motion in it, from the tail of the
- * memory; and the tail for the next call. */
-static call begin(const friction *data, const ct_surface_motion *at)
+/* The sides now, and the time since the last call, from the tail of the memory. */
+static call begin(friction_state *s, const ct_surface_motion *at)
 {
-  const int64_t place = RECORD * data->points;
-  tail_record last, next = {.begun = 1.0, .time = at->time};
-  call now = {.data = data, .at = at};
-  memcpy(&last, &at->memory[place], sizeof last);
-  for (int k = 0; k < data->sides; k++)
-    now.side[k] = data->rigid ? ((const ct_obstacle_state *)at->on)->side
-                              : &((const ct_contact *)at->on)->gaps.side[k];
-  if (data->rigid)
-    memcpy(next.place, ((const ct_obstacle_state *)at->on)->place, sizeof next.place);
-  if (last.begun != 0.0) {
-    now.dt = at->time - last.time;
-    for (int c = 0; c < 3; c++) now.moved[c] = next.place[c] - last.place[c];
-  }
-  memcpy(&at->next_memory[place], &next, sizeof next);
+  call now = {.data = s->data, .at = at};
+  memcpy(&s->tail, &at->memory[RECORD * s->data->points], sizeof s->tail);
+  for (int k = 0; k < s->data->sides; k++)
+    now.side[k] = &((const ct_contact *)at->on)->gaps.side[k];
+  if (s->tail.begun != 0.0) now.dt = at->time - s->tail.time;
+  s->tail.begun = 1.0;
+  s->tail.time = at->time;
   return now;
+}
+
+/* Force on an obstacle, and the work of its motion since the last call (eq:obstacle-work). */
+static void count_motion(const call *now, const double *force, friction_state *s)
+{
+  const ct_contact *obstacle = now->at->on;
+  const int32_t nodes = now->data->is.node_count;
+  for (int c = 0; c < 3; c++) {
+    const double last = s->tail.reaction[c];
+    for (int32_t n = 0; n < nodes; n++) s->terms[n] = -force[3 * (int64_t)n + c];
+    s->tail.reaction[c] = ct_sum(s->terms, nodes);
+    s->tail.motion -= 0.5 * (s->tail.reaction[c] + last) * obstacle->came[c];
+  }
 }
 
 /* Row sums Σ ρ k |b_i| Σ_j |b_j| of the points of side `k` that are active now, as if all stuck
@@ -392,7 +397,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   const friction *data = s->data;
   if (at->on == NULL) return CT_REFUSE(error, "friction: what it acts on is not in the problem");
   int64_t first = 0;
-  call now = begin(data, at);
+  call now = begin(s, at);
   for (int k = 0; k < data->sides; k++) {
     int64_t count = data->side[k]->point_count;
 #ifdef _OPENMP
@@ -404,15 +409,19 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
     first += count;
   }
   ct_status status = check_room(&now, s, error);
-  return status == CT_OK ? gather(&now, s, data->is.node_count, force, error) : status;
+  if (status == CT_OK) status = gather(&now, s, data->is.node_count, force, error);
+  if (status == CT_OK && data->rigid) count_motion(&now, force, s);
+  memcpy(&at->next_memory[RECORD * data->points], &s->tail, sizeof s->tail);
+  return status;
 }
 
-/* Elastic and dissipated energy of all points (eq:friction-dissipation). */
+/* Elastic and dissipated energy of all points (eq:friction-dissipation), and the reaction. */
 static void find_energy(const void *state, ct_interaction_energy *energy)
 {
   const friction_state *s = state;
   const int64_t count = s->data->points;
-  *energy = (ct_interaction_energy){.stored = 0.0};
+  *energy = (ct_interaction_energy){.motion = s->tail.motion};
+  memcpy(energy->reaction, s->tail.reaction, sizeof energy->reaction);
   for (int64_t i = 0; i < count; i++)
     s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
   energy->stored = ct_sum(s->terms, count);
@@ -435,7 +444,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;
   s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
-  s->terms = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->terms);
+  s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
   s->coarse = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
   s->fine = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
   s->rows = ct_pool_take(&s->pool, nodes, sizeof *s->rows);
@@ -490,11 +499,11 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
   data->mu = coefficient;
   data->rho = tangent;
   data->room.bound = HUGE_VAL;
-  data->rigid = on->calls != &ct_contact_calls;
-  data->sides = data->rigid ? 1 : ((const ct_contact_fixed *)on)->gaps.sides;
+  const ct_contact_fixed *fixed = (const ct_contact_fixed *)on;
+  data->rigid = ct_contact_is_rigid(fixed);
+  data->sides = ct_gaps_surfaces(&fixed->gaps);
   for (int k = 0; k < data->sides; k++) {
-    data->side[k] =
-        data->rigid ? ct_obstacle_side(on) : &((const ct_contact_fixed *)on)->gaps.side[k];
+    data->side[k] = &fixed->gaps.side[k];
     data->points += data->side[k]->point_count;
   }
   data->is = describe(data, on);

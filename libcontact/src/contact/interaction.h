@@ -30,12 +30,13 @@ static inline double ct_mass_at(ct_masses mass, int32_t n)
   return mass.value[mass.place == NULL ? n : mass.place[n]];
 }
 
-/* Energies of an interaction at t_n. */
+/* Energies of an interaction at t_n, and the force on an obstacle. */
 typedef struct ct_interaction_energy {
   double stored;
-  double dissipated; /* by friction since t = 0 */
-  double motion;     /* work of a moving obstacle since t = 0 */
-  double removal;    /* work of fading start gaps since t = 0 */
+  double dissipated;  /* by friction since t = 0 */
+  double removal;     /* work of fading start gaps since t = 0 */
+  double motion;      /* work of a moving obstacle since t = 0 */
+  double reaction[3]; /* force of the bodies on it */
 } ct_interaction_energy;
 
 struct ct_interaction;
@@ -73,8 +74,8 @@ typedef struct ct_interaction {
   int64_t row_count;    /* most rows; 0 if `explicit`, and for friction */
   int32_t row_nodes;    /* most nodes of a row */
   int64_t memory_count; /* doubles */
-  int64_t first_record, end_record; /* records of points in it, whose distance may be NaN */
-  double flops, bytes; /* of a call with all points active, without the iterations of the solver */
+  int64_t end_record;   /* end of the records of points in it, whose distance may be NaN */
+  double flops, bytes;  /* of a call with all points active, without the iterations of the solver */
 } ct_interaction;
 
 /* Bound of ω² of the forces of an interaction, of those that follow from gaps and slips of now;

@@ -2,38 +2,31 @@
  * the whole, and the coordinates of the nodes of each surface, shape (node_count, 3). */
 #include "contact_internal.h"
 
-/* The record of the whole, after those of the points. */
-typedef struct tail_record {
-  double begun;  /* whether there was an earlier step */
-  double stored; /* energy that all rows stored at the middle of that step */
-  double time;   /* of that step */
-  double work;   /* work of fading start gaps since t = 0 */
-  ct_account account;
-  double late, late_depth; /* points that were found inside after the start */
-} tail_record;
-enum { TAIL = sizeof(tail_record) / sizeof(double) };
+enum { WHOLE = sizeof(ct_contact_record) / sizeof(double) };
 
 int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed)
 {
-  int64_t count = CT_RECORD * fixed->gaps.point_count + TAIL;
-  for (int s = 0; s < fixed->gaps.sides; s++)
+  int64_t count = CT_RECORD * fixed->gaps.point_count + WHOLE;
+  for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
     count += 3 * (int64_t)fixed->gaps.side[s].search->node_count;
   return count;
 }
 
-static tail_record load_tail(const ct_contact_fixed *fixed, const double *memory)
+static ct_contact_record load_whole(const ct_contact_fixed *fixed, const double *memory)
 {
-  tail_record tail;
-  memcpy(&tail, &memory[CT_RECORD * fixed->gaps.point_count], sizeof tail);
-  return tail;
+  ct_contact_record record;
+  memcpy(&record, &memory[CT_RECORD * fixed->gaps.point_count], sizeof record);
+  return record;
 }
 
 int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
 {
-  return load_tail(fixed, memory).begun != 0.0;
+  return load_whole(fixed, memory).begun != 0.0;
 }
 
-const double *ct_points_load(ct_side *side, int32_t face_count, const double *memory)
+/* Restore the points of a side from their records, whose partners are `face_count` faces; return
+ * the place behind the records. */
+static const double *load_points(ct_side *side, int32_t face_count, const double *memory)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
     ct_point *point = &side->points[i];
@@ -57,21 +50,22 @@ const double *ct_points_load(ct_side *side, int32_t face_count, const double *me
   return memory;
 }
 
+/* Number of faces of what the points of a side meet: 1 for an obstacle. */
+static int32_t partner_count(ct_contact *contact, int s)
+{
+  const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
+  if (other != NULL) return other->search->face_count;
+  return side->fixed->kind == CT_SIDE_STATIONS ? side->search->face_count : 1;
+}
+
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error)
 {
-  const tail_record tail = load_tail(contact->fixed, memory);
-  for (int s = 0; s < contact->fixed->gaps.sides; s++)
-    memory = ct_points_load(&contact->gaps.side[s],
-                            ct_contact_other(contact, s)->search->face_count, memory);
+  contact->record = load_whole(contact->fixed, memory);
+  for (int s = 0; s < contact->gaps.fixed->sides; s++)
+    memory = load_points(&contact->gaps.side[s], partner_count(contact, s), memory);
   contact->gaps.begun = 1;
-  contact->stored = tail.stored;
-  contact->time = tail.time;
-  contact->work = tail.work;
-  contact->admission.account = tail.account;
-  contact->admission.late = (int64_t)tail.late;
-  contact->admission.late_depth = tail.late_depth;
-  memory += TAIL;
-  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+  memory += WHOLE;
+  for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++) {
     ct_search *search = contact->gaps.side[s].search;
     ct_status status = ct_search_check(search, NULL, memory, s, error);
     if (status != CT_OK) return status;
@@ -81,7 +75,7 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   return CT_OK;
 }
 
-double *ct_points_store(const ct_side *side, double *memory)
+static double *store_points(const ct_side *side, double *memory)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
     const ct_point *point = &side->points[i];
@@ -101,18 +95,11 @@ double *ct_points_store(const ct_side *side, double *memory)
 
 void ct_contact_store(const ct_contact *contact, double *memory)
 {
-  for (int s = 0; s < contact->fixed->gaps.sides; s++)
-    memory = ct_points_store(&contact->gaps.side[s], memory);
-  const tail_record tail = {1.0,
-                            contact->stored,
-                            contact->time,
-                            contact->work,
-                            contact->admission.account,
-                            (double)contact->admission.late,
-                            contact->admission.late_depth};
-  memcpy(memory, &tail, sizeof tail);
-  memory += TAIL;
-  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+  for (int s = 0; s < contact->gaps.fixed->sides; s++)
+    memory = store_points(&contact->gaps.side[s], memory);
+  memcpy(memory, &contact->record, sizeof contact->record);
+  memory += WHOLE;
+  for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++) {
     size_t count = 3 * (size_t)contact->gaps.side[s].search->node_count;
     memcpy(memory, contact->gaps.side[s].search->x, count * sizeof *memory);
     memory += count;

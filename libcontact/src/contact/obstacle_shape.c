@@ -1,25 +1,43 @@
-/* Distance of a point from a plane, a sphere or a cylinder, and the motion of an obstacle. */
+/* The kinds of obstacles: planes, spheres and cylinders; and their motion. */
 #include "../base/amplitude.h"
 #include "../base/vector.h"
-#include "contact_internal.h"
+#include "obstacle.h"
 
 #include <math.h>
 #include <string.h>
 
-double ct_obstacle_gap_of(const ct_obstacle_def *o, const double a[3], const double r[3],
-                          double n[3])
+static double plane_gap(const ct_obstacle_def *o, const double r[3], double n[3])
 {
-  double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
-  // -- A plane: g = r · a, n = a
-  if (o->shape == CT_OBSTACLE_PLANE) {
-    memcpy(n, a, 3 * sizeof *n);
-    return along;
-  }
-  // -- Sphere and cylinder: away from the centre or the axis
-  for (int c = 0; c < 3; c++) from[c] = o->shape == CT_OBSTACLE_SPHERE ? r[c] : r[c] - along * a[c];
-  double distance = sqrt(ct_vector_dot(from, from));
-  for (int c = 0; c < 3; c++) n[c] = from[c] / distance;
+  // -- A plane: g = r · a, n = a (eq:obstacle-gap)
+  memcpy(n, o->axis, sizeof o->axis);
+  return ct_vector_dot(r, o->axis);
+}
+
+static double sphere_gap(const ct_obstacle_def *o, const double r[3], double n[3])
+{
+  const double distance = sqrt(ct_vector_dot(r, r));
+  // -- Away from the centre or the axis
+  for (int c = 0; c < 3; c++) n[c] = r[c] / distance;
   return distance - o->radius; // (eq:obstacle-gap)
+}
+
+static double cylinder_gap(const ct_obstacle_def *o, const double r[3], double n[3])
+{
+  const double along = ct_vector_dot(r, o->axis);
+  double from[3];
+  for (int c = 0; c < 3; c++) from[c] = r[c] - along * o->axis[c];
+  return sphere_gap(o, from, n);
+}
+
+const ct_obstacle_kind *ct_obstacle_kind_of(ct_obstacle_shape shape)
+{
+  static const ct_obstacle_kind KINDS[] = {
+      [CT_OBSTACLE_PLANE] = {"plane", "normal", 0, plane_gap},
+      [CT_OBSTACLE_SPHERE] = {"sphere", NULL, 1, sphere_gap},
+      [CT_OBSTACLE_CYLINDER] = {"cylinder", "axis", 1, cylinder_gap},
+  };
+  const size_t number = (size_t)shape;
+  return number < sizeof KINDS / sizeof KINDS[0] ? &KINDS[number] : NULL;
 }
 
 int ct_obstacle_axis(const double axis[3], double a[3])
@@ -29,14 +47,6 @@ int ct_obstacle_axis(const double axis[3], double a[3])
   return length > 0.0 && isfinite(length);
 }
 
-double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], double n[3])
-{
-  double a[3] = {0.0, 0.0, 0.0}, r[3];
-  if (obstacle->shape != CT_OBSTACLE_SPHERE) (void)ct_obstacle_axis(obstacle->axis, a);
-  for (int c = 0; c < 3; c++) r[c] = point[c] - obstacle->point[c];
-  return ct_obstacle_gap_of(obstacle, a, r, n);
-}
-
 void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3])
 {
   double factor =
@@ -44,11 +54,4 @@ void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double mot
   // -- Velocity and amplitude (eq:obstacle-motion)
   for (int c = 0; c < 3; c++)
     motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
-}
-
-double ct_obstacle_distance(const ct_obstacle_state *obstacle, const double y[3], double n[3])
-{
-  double r[3];
-  for (int c = 0; c < 3; c++) r[c] = y[c] - obstacle->place[c];
-  return ct_obstacle_gap_of(obstacle->given, obstacle->given->axis, r, n);
 }

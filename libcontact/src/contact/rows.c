@@ -14,30 +14,32 @@
 
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force). */
-static int list_point(const ct_side *side, const ct_side *other, double reach, const double came[3],
-                      const double moved[3], ct_point *point)
+static int list_point(const ct_contact *contact, const ct_side *side, const ct_side *other,
+                      ct_point *point)
 {
   ct_constraint *row = &point->row;
-  if ((other != NULL && point->other < 0) || !(row->gap <= reach) ||
+  if ((other != NULL && point->other < 0) || !(row->gap <= contact->reach) ||
       !ct_side_direction(side, point, row->normal))
     return 0;
   if (other != NULL) {
     row->other_count = other->search->per;
     row->other = ct_side_row_nodes(other->fixed, point->other);
   }
-  row->came = -ct_vector_dot(row->normal, came) - point->closed;
-  row->moved = -ct_vector_dot(row->normal, moved) - point->closing;
+  row->came = -ct_vector_dot(row->normal, contact->came) - point->closed;
+  row->moved = -ct_vector_dot(row->normal, contact->coming) - point->closing;
   return 1;
 }
 
-int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double came[3],
-                          const double moved[3], ct_constraint **rows)
+int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
 {
   int64_t count = 0;
-  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    p->listed = list_point(side, other, reach, came, moved, p);
-    if (p->listed) rows[count++] = &p->row;
-    else p->row.force = 0.0;
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+      p->listed = list_point(contact, side, other, p);
+      if (p->listed) rows[count++] = &p->row;
+      else p->row.force = 0.0;
+    }
   }
   return count;
 }
@@ -171,25 +173,25 @@ static double largest_force(const ct_side *side)
   return top;
 }
 
-ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error)
+ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
 {
+  const ct_gaps_fixed *fixed = contact->gaps.fixed;
+  ct_side *sides = contact->gaps.side;
   ct_grid grid;
   double top = 0.0;
-  int64_t points = 0;
-  for (int s = 0; s < count; s++) {
-    points += sides[s].fixed->point_count;
-    top = fmax(top, largest_force(&sides[s]));
-    if (sides[s].force == NULL) continue; // stations
+  for (int s = 0; s < fixed->sides; s++) top = fmax(top, largest_force(&sides[s]));
+  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     size_t size = 3 * (size_t)sides[s].search->node_count * sizeof(double);
     memset(sides[s].force, 0, size);
     memset(sides[s].force_fine, 0, size);
   }
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
-  if (!ct_grid_init(&grid, 2.0 * top, (rigid ? 8 : 16) * points))
+  const int64_t terms = (ct_contact_is_rigid(contact->fixed) ? 8 : 16) * fixed->point_count;
+  if (!ct_grid_init(&grid, 2.0 * top, terms))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
-  for (int s = 0; s < count; s++)
-    if (sides[s].force == NULL) spread_stations(&grid, &sides[s], &sides[0]);
-    else spread(&grid, &sides[s], rigid ? NULL : &sides[count - 1 - s]);
+  for (int s = 0; s < fixed->sides; s++)
+    if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, &sides[s], &sides[0]);
+    else spread(&grid, &sides[s], ct_contact_other(contact, s));
   return CT_OK;
 }

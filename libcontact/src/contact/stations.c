@@ -1,6 +1,6 @@
 /* Obstacles that are smaller than the faces of a surface: the closest places of the surface to the
  * obstacle's centre or axis, as points beside those of the faces. */
-#include "contact_internal.h"
+#include "obstacle.h"
 
 #include <libcontact/base.h>
 
@@ -14,78 +14,69 @@
 /* Largest number of stations on an axis. */
 enum { MOST_STATIONS = 1024 };
 
-void ct_stations_clear(ct_stations *stations) { ct_side_fixed_clear(&stations->fixed); }
-
-ct_status ct_stations_init(ct_stations *stations, const ct_obstacle_def *o,
-                           const ct_side_fixed *surface, ct_error *error)
+ct_status ct_stations_init(ct_obstacle *obstacle, ct_error *error)
 {
+  const ct_obstacle_def *o = &obstacle->given;
+  const ct_obstacle_kind *kind = ct_obstacle_kind_of(o->shape);
+  ct_gaps_fixed *gaps = &obstacle->contact.gaps;
+  const ct_side_fixed *surface = &gaps->side[0];
   const ct_search *search = surface->search;
   double narrowest, area = 0.0, diagonal = 0.0;
-  memset(stations, 0, sizeof *stations);
-  stations->approach = o->shape == CT_OBSTACLE_PLANE ? INFINITY : 0.75 * o->radius;
+  gaps->approach = kind->is_round ? 0.75 * o->radius : INFINITY;
   // -- A large obstacle can't pass between the points of the faces (eq:station-needed)
-  if (!(o->radius < 1.5 * sqrt(0.5) * search->size) || o->shape == CT_OBSTACLE_PLANE) return CT_OK;
-  if (ct_tunnelling_surface(search, &narrowest, &stations->approach) != CT_OK)
+  if (!kind->is_round || !(o->radius < 1.5 * sqrt(0.5) * search->size)) return CT_OK;
+  if (ct_tunnelling_surface(search, &narrowest, &gaps->approach) != CT_OK)
     return CT_NO_MEMORY(error, "an obstacle");
   ct_bounds box;
   ct_tunnelling_box(search, NULL, search->x, &box);
   for (int c = 0; c < 3; c++) diagonal = hypot(diagonal, box.high[c] - box.low[c]);
   for (int64_t i = 0; i < surface->point_count; i++) area += surface->weight[i];
-  stations->area = area / search->face_count;
-  stations->fixed.point_count = 1;
-  if (o->shape == CT_OBSTACLE_SPHERE) return CT_OK;
+  obstacle->station_area = area / search->face_count;
+  gaps->side[1] = (ct_side_fixed){.kind = CT_SIDE_STATIONS, .point_count = 1};
+  gaps->sides = 2;
   // -- Half a width apart, over one and a half times the size of the surface (eq:station-axis)
-  stations->spacing = fmax(0.5 * narrowest, 1.5 * diagonal / MOST_STATIONS);
-  stations->fixed.point_count = 1 + (int64_t)ceil(1.5 * diagonal / stations->spacing);
+  if (kind->direction != NULL) {
+    obstacle->station_spacing = fmax(0.5 * narrowest, 1.5 * diagonal / MOST_STATIONS);
+    gaps->side[1].point_count = 1 + (int64_t)ceil(1.5 * diagonal / obstacle->station_spacing);
+  }
+  gaps->point_count += gaps->side[1].point_count;
   return CT_OK;
 }
 
-double ct_stations_springs(const ct_stations *stations, const ct_search *search, double epsilon)
+double ct_stations_springs(const ct_obstacle *obstacle)
 {
-  const double near = stations->spacing > 0.0 ? 2.0 + search->size / stations->spacing : 1.0;
+  const ct_gaps_fixed *gaps = &obstacle->contact.gaps;
+  const ct_search *search = gaps->side[0].search;
+  const double spacing = obstacle->station_spacing,
+               near = spacing > 0.0 ? 2.0 + search->size / spacing : 1.0;
   const double shares = search->per > search->edges ? 3.0 : 1.0;
+  if (gaps->sides == 1) return 0.0;
   // -- All stations near one node (eq:station-bound)
-  return shares * epsilon * stations->area * fmin(near, (double)stations->fixed.point_count);
+  return shares * obstacle->given.epsilon * obstacle->station_area *
+         fmin(near, (double)gaps->side[1].point_count);
 }
 
-ct_status ct_stations_open(ct_obstacle_state *s, const ct_stations *stations,
-                           const ct_constraint *law)
+ct_status ct_stations_open(ct_contact *contact)
 {
-  ct_side *surface = &s->side[0], *own = &s->side[1];
-  s->stations = stations;
-  s->sides = stations->fixed.point_count > 0 ? 2 : 1;
-  if (s->given->shape == CT_OBSTACLE_PLANE) return CT_OK;
-  surface->moved = ct_allocate((size_t)surface->search->node_count, 3 * sizeof *surface->moved);
-  if (surface->moved == NULL) return CT_ERROR_MEMORY;
-  if (s->sides == 1) return CT_OK;
-  own->fixed = &stations->fixed;
-  own->search = surface->search;
+  const ct_gaps_fixed *gaps = contact->gaps.fixed;
+  ct_side *own = &contact->gaps.side[1];
+  if (gaps->sides == 1) return CT_OK;
+  own->fixed = &gaps->side[1];
+  own->search = contact->gaps.side[0].search;
   own->points = ct_allocate((size_t)own->fixed->point_count, sizeof *own->points);
-  if (own->points == NULL || ct_search_equip(surface->search) != CT_OK) return CT_ERROR_MEMORY;
+  if (own->points == NULL || ct_search_equip(own->search) != CT_OK) return CT_ERROR_MEMORY;
   for (ct_point *p = own->points; p < own->points + own->fixed->point_count; p++) {
-    p->row = *law;
-    p->row.own_count = surface->search->per;
+    p->row = contact->fixed->law;
+    p->row.own_count = own->search->per;
     p->row.own_shape = p->N;
-    p->row.stiffness = law->stiffness * stations->area;
+    p->row.stiffness = p->row.stiffness * ct_obstacle_of(contact)->station_area;
   }
-  ct_stations_forget(s);
   return CT_OK;
-}
-
-void ct_stations_forget(ct_obstacle_state *s)
-{
-  for (int64_t i = 0; s->sides == 2 && i < s->stations->fixed.point_count; i++) {
-    ct_point *p = &s->side[1].points[i];
-    p->other = -1;
-    p->status = CT_POINT_NEW;
-    p->known = NAN;
-    p->row.force = p->force_size = p->admitted = p->stored = 0.0;
-  }
 }
 
 /* A station: its place on the axis, and the place of the surface where it was in the last step. */
 typedef struct station {
-  const ct_obstacle_state *obstacle;
+  const ct_contact *contact;
   const ct_search *search;
   double c[3];
   int has_last;
@@ -145,7 +136,7 @@ static void keep(const station *s, ct_point *p, const ct_nearest *found, double 
   memcpy(p->xi, found->xi, sizeof p->xi);
   memset(p->N, 0, sizeof p->N);
   ct_segment_shape(s->search->kind, found->xi, p->N);
-  p->row.own = ct_side_row_nodes(s->obstacle->side[0].fixed, found->face);
+  p->row.own = ct_side_row_nodes(s->contact->gaps.side[0].fixed, found->face);
   p->row.gap = p->known = gap;
   for (int c = 0; c < 3; c++) p->outward[c] = n[c], p->d[c] = -gap * n[c];
 }
@@ -171,7 +162,7 @@ static void meet(station *s, double motion, int first, ct_point *p)
     lose(p, CT_POINT_BURIED);
     return;
   }
-  const double gap = distance - s->obstacle->given->radius;
+  const double gap = distance - ct_obstacle_of(s->contact)->given.radius;
   keep(s, p, &found, gap, n);
   p->status = distance < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   // -- A gap that the motion does not explain (eq:admitted)
@@ -179,35 +170,34 @@ static void meet(station *s, double motion, int first, ct_point *p)
 }
 
 /* Positions along the axis: about the mean of the surface's nodes (eq:station-axis). */
-static double middle_of(const ct_obstacle_state *s)
+static double middle_of(const ct_contact *contact)
 {
-  const ct_search *search = s->side[0].search;
+  const ct_search *search = contact->gaps.side[0].search;
   double r[3];
   for (int64_t i = 0; i < search->node_count; i++) {
-    for (int c = 0; c < 3; c++) r[c] = search->x[3 * i + c] - s->place[c];
-    s->terms[i] = ct_vector_dot(r, s->given->axis);
+    for (int c = 0; c < 3; c++) r[c] = search->x[3 * i + c] - contact->place[c];
+    contact->terms[i] = ct_vector_dot(r, ct_obstacle_of(contact)->given.axis);
   }
-  return ct_sum(s->terms, search->node_count) / search->node_count;
+  return ct_sum(contact->terms, search->node_count) / search->node_count;
 }
 
-void ct_stations_meet(ct_obstacle_state *s, double reach, double motion, int first)
+void ct_stations_meet(ct_contact *contact, double motion, int first)
 {
-  if (s->sides == 1) return;
-  const int64_t count = s->stations->fixed.point_count;
-  const int sphere = s->given->shape == CT_OBSTACLE_SPHERE;
-  const double middle = sphere ? 0.0 : middle_of(s);
-  ct_search *search = s->side[0].search;
+  const ct_obstacle *data = ct_obstacle_of(contact);
+  ct_side *own = &contact->gaps.side[1];
+  ct_search *search = own->search;
+  const int64_t count = own->fixed->point_count;
+  const double middle = data->station_spacing > 0.0 ? middle_of(contact) : 0.0;
   ct_bounds box;
   int fitted = 0;
   ct_tunnelling_box(search, NULL, search->x, &box);
   for (int64_t i = 0; i < count; i++) {
-    ct_point *p = &s->side[1].points[i];
-    station now = {.obstacle = s, .search = search};
-    const double along =
-        sphere ? 0.0 : middle + ((double)i - 0.5 * (double)(count - 1)) * s->stations->spacing;
-    for (int c = 0; c < 3; c++) now.c[c] = s->place[c] + along * s->given->axis[c];
+    ct_point *p = &own->points[i];
+    station now = {.contact = contact, .search = search};
+    const double along = middle + ((double)i - 0.5 * (double)(count - 1)) * data->station_spacing;
+    for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * data->given.axis[c];
     p->jumped = 0;
-    if (ct_bounds_distance(&box, now.c) > s->given->radius + search->size + reach) {
+    if (ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
       lose(p, CT_POINT_NEW);
       continue;
     }
@@ -219,43 +209,4 @@ void ct_stations_meet(ct_obstacle_state *s, double reach, double motion, int fir
     }
     meet(&now, motion, first, p);
   }
-}
-
-/* The largest motion of a node relative to the obstacle since the last step. */
-static double relative_motion(const ct_obstacle_state *s, const double *moved,
-                              const ct_search *search, int32_t *node)
-{
-  double top = -1.0;
-  for (int32_t i = 0; i < search->node_count; i++) {
-    double d[3];
-    for (int c = 0; c < 3; c++) d[c] = moved[3 * (int64_t)i + c] - s->came[c];
-    if (!(ct_vector_dot(d, d) > top)) continue;
-    top = ct_vector_dot(d, d);
-    *node = search->nodes[i];
-  }
-  return sqrt(top);
-}
-
-ct_status ct_stations_check(const ct_obstacle_state *s, double time, ct_error *error)
-{
-  const ct_search *search = s->side[0].search;
-  const double approach = s->stations->approach;
-  int32_t node = 0;
-  if (s->side[0].moved == NULL) return CT_OK;
-  const double nearer = relative_motion(s, s->side[0].moved, search, &node);
-  if (!(nearer > approach)) return CT_OK;
-  // -- An obstacle that is farther away cannot have passed through the surface (eq:tunnelling)
-  ct_bounds box;
-  double middle[3], n[3], half = 0.0;
-  ct_tunnelling_box(search, NULL, search->x, &box);
-  for (int c = 0; c < 3; c++) {
-    middle[c] = 0.5 * (box.low[c] + box.high[c]);
-    half = hypot(half, 0.5 * (box.high[c] - box.low[c]));
-  }
-  if (ct_obstacle_distance(s, middle, n) - half > nearer + search->size) return CT_OK;
-  return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, node},
-                 "obstacle: in the step to t = %g a node of its surface has moved by %g relative "
-                 "to it, and the two may have passed through each other; not more than %g is safe. "
-                 "Take a smaller step",
-                 time, nearer, approach);
 }

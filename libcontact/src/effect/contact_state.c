@@ -28,8 +28,8 @@ const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, i
   return state_of(problem, state, effect, CT_EFFECT_CONTACT, "a contact", &status, error);
 }
 
-static const ct_obstacle_state *obstacle_of(const ct_problem *problem, ct_state *state,
-                                            int32_t effect, ct_status *status, ct_error *error)
+static const ct_contact *obstacle_of(const ct_problem *problem, ct_state *state, int32_t effect,
+                                     ct_status *status, ct_error *error)
 {
   return state_of(problem, state, effect, CT_EFFECT_OBSTACLE, "an obstacle", status, error);
 }
@@ -39,10 +39,10 @@ ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32
 {
   if (force == NULL || work == NULL) return CT_REFUSE(error, "obstacle: null argument");
   ct_status status = CT_OK;
-  const ct_obstacle_state *s = obstacle_of(problem, state, effect, &status, error);
+  const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
   if (s == NULL) return status;
-  memcpy(force, s->reaction, sizeof s->reaction);
-  *work = s->work;
+  memcpy(force, s->record.reaction, sizeof s->record.reaction);
+  *work = s->record.motion;
   return CT_OK;
 }
 
@@ -51,17 +51,17 @@ ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32
 {
   if (traction == NULL || area == NULL) return CT_REFUSE(error, "obstacle: null argument");
   ct_status status = CT_OK;
-  const ct_obstacle_state *s = obstacle_of(problem, state, effect, &status, error);
+  const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
   return s == NULL ? status
-                   : ct_side_traction(s->side, ct_obstacle_stations(s), traction, area, error);
+                   : ct_side_traction(s->gaps.side, ct_contact_acting(s, 0), traction, area, error);
 }
 
 ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
                                   ct_penetration_at at, ct_penetration *out, ct_error *error)
 {
   ct_status status = CT_OK;
-  const ct_obstacle_state *s = obstacle_of(problem, state, effect, &status, error);
-  return s == NULL ? status : ct_obstacle_depth(s, at, out, error);
+  const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
+  return s == NULL ? status : ct_contact_penetration(s, at, out, error);
 }
 
 ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
@@ -91,19 +91,6 @@ static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t
   return status;
 }
 
-/* The surfaces of an effect of a state; returns their number, 0 for another kind of effect. */
-static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
-{
-  if (effect->kind == CT_EFFECT_OBSTACLE) {
-    *sides = ((const ct_obstacle_state *)ct_touch_state(scratch))->side;
-    return 1;
-  }
-  if (effect->kind != CT_EFFECT_CONTACT) return 0;
-  const ct_contact *contact = ct_touch_state(scratch);
-  *sides = contact->gaps.side;
-  return contact->fixed->gaps.sides;
-}
-
 ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
                             ct_error *error)
 {
@@ -117,15 +104,11 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
   memset(pressure, 0, (size_t)nodes * sizeof *pressure);
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    const ct_side *sides = NULL;
-    int count = sides_of(effect, state->workspace->scratch[k], &sides);
-    for (int s = 0; status == CT_OK && s < count; s++)
-      status =
-          add_pressure(&sides[s],
-                       effect->kind == CT_EFFECT_CONTACT
-                           ? &sides[count - 1 - s]
-                           : ct_obstacle_stations(ct_touch_state(state->workspace->scratch[k])),
-                       nodes, buffer, pressure, error);
+    if (effect->kind != CT_EFFECT_CONTACT && effect->kind != CT_EFFECT_OBSTACLE) continue;
+    const ct_contact *contact = ct_touch_state(state->workspace->scratch[k]);
+    for (int s = 0; status == CT_OK && s < ct_gaps_surfaces(contact->gaps.fixed); s++)
+      status = add_pressure(&contact->gaps.side[s], ct_contact_acting(contact, s), nodes, buffer,
+                            pressure, error);
   }
   ct_release(buffer);
   return status;

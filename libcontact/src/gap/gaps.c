@@ -13,22 +13,30 @@ static void forget_faces(ct_side *side)
   }
 }
 
-ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error)
+ct_status ct_gaps_place(ct_gaps *gaps, ct_error *error)
 {
-  const int sides = gaps->fixed->sides;
+  const int surfaces = ct_gaps_surfaces(gaps->fixed);
   // No node moves before all checks pass: after an error the motion still counts from the last good
   // call.
-  for (int s = 0; s < sides; s++) {
+  for (int s = 0; s < surfaces; s++) {
     ct_status status = ct_search_check(gaps->side[s].search, NULL, gaps->side[s].moved, s, error);
     if (status != CT_OK) return status;
   }
-  for (int s = 0; s < sides; s++) ct_side_place(&gaps->side[s]);
+  for (int s = 0; s < surfaces; s++) ct_side_place(&gaps->side[s]);
+  return CT_OK;
+}
+
+ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error)
+{
+  const int sides = gaps->fixed->sides;
+  ct_status status = ct_gaps_place(gaps, error);
+  if (status != CT_OK) return status;
   if (ct_gaps_are_separated(gaps)) {
     for (int s = 0; s < sides; s++) forget_faces(&gaps->side[s]);
     return CT_OK;
   }
   for (int s = 0; s < sides; s++) ct_search_box(gaps->side[s].search);
-  ct_status status = ct_gaps_list_candidates(gaps, error);
+  status = ct_gaps_list_candidates(gaps, error);
   for (int s = 0; status == CT_OK && s < sides; s++) ct_pass_search(gaps, s);
   if (status == CT_OK) gaps->begun = 1;
   return status;

@@ -3,7 +3,8 @@
 
 #include "side.h"
 
-/* Constant data of the gaps between two surfaces, or of one with itself. */
+/* Constant data of the gaps between two surfaces, of one with itself, or of one with an obstacle,
+ * which has only the members from `approach` on that do not concern a search. */
 typedef struct ct_gaps_fixed {
   ct_project_options project; /* method and tolerance of the search */
   int separated;              /* whether the search is skipped while nothing can touch */
@@ -12,12 +13,31 @@ typedef struct ct_gaps_fixed {
   double near;  /* search distance of points afterwards (eq:contact-near) */
   double approach; /* the largest safe approach of the surfaces in a step (eq:tunnelling) */
   double skin;     /* additional distance to which candidates are listed */
-  int sides;       /* 2, or 1 for a surface with itself */
+  int sides;       /* 2, or 1 for a surface with itself or an obstacle without stations */
   int alone;       /* whether the surface touches neither another one nor itself */
   ct_side_fixed side[2];
   int64_t point_count; /* of all sides */
-  int32_t *place[2];   /* places of the nodes of each side in one list of the nodes of both */
+  int32_t *place[2];   /* places of the nodes of each side in one list of the nodes of both; null:
+                          the nodes of the only surface, in order */
 } ct_gaps_fixed;
+
+/* Number of sides with nodes: all but stations. */
+static inline int ct_gaps_surfaces(const ct_gaps_fixed *fixed)
+{
+  return fixed->sides - (fixed->side[fixed->sides - 1].kind == CT_SIDE_STATIONS);
+}
+
+/* The surface on whose faces the points of side `s` act. */
+static inline int ct_gaps_surface(const ct_gaps_fixed *fixed, int s)
+{
+  return fixed->side[s].kind == CT_SIDE_STATIONS ? 0 : s;
+}
+
+/* Place of node `n` of surface `s` in the list of the nodes of both. */
+static inline int32_t ct_gaps_node(const ct_gaps_fixed *fixed, int s, int32_t n)
+{
+  return fixed->place[s] == NULL ? n : fixed->place[s][n];
+}
 
 /* The same at a time. */
 typedef struct ct_gaps {
@@ -40,6 +60,9 @@ int ct_gaps_are_separated(const ct_gaps *gaps);
  * unknown; afterwards less, because a point that comes into contact was near before
  * (eq:contact-near). */
 double ct_gaps_reach(const ct_gaps *gaps);
+
+/* Move the nodes of all surfaces to the coordinates in `moved`; or none, if one is not finite. */
+ct_status ct_gaps_place(ct_gaps *gaps, ct_error *error);
 
 /* Closest points of all points at the coordinates in `moved` of the sides; or those of one side. */
 ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error);

@@ -66,7 +66,7 @@ void ct_side_clear(ct_side *side)
   void *blocks[] = {side->listed,          side->x_built,    side->moved, side->points,
                     side->candidate_first, side->candidates, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-  ct_search_free(side->search);
+  if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
 }
 
@@ -84,7 +84,8 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_const
   side->points = ct_allocate((size_t)fixed->point_count, sizeof *side->points);
   side->force = ct_allocate(nodes, 3 * sizeof *side->force);
   side->force_fine = ct_allocate(nodes, 3 * sizeof *side->force_fine);
-  if (side->points == NULL || side->force == NULL || side->force_fine == NULL ||
+  side->moved = ct_allocate(nodes, 3 * sizeof *side->moved);
+  if (!side->points || !side->force || !side->force_fine || !side->moved ||
       ct_search_share(fixed->search, &side->search) != CT_OK)
     return CT_ERROR_MEMORY;
   for (int64_t i = 0; i < fixed->point_count; i++) {
@@ -110,9 +111,7 @@ ct_status ct_side_equip(ct_side *side)
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
-  side->moved = ct_allocate(nodes, 3 * sizeof *side->moved);
-  int whole =
-      side->listed && side->candidate_first && side->candidates && side->x_built && side->moved;
+  int whole = side->listed && side->candidate_first && side->candidates && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 

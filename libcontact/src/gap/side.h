@@ -58,8 +58,14 @@ static inline double ct_point_distance(const ct_point *point)
   return point->row.gap + point->shift;
 }
 
-/* Constant data of one surface: its topology and reference shape, and its points on the faces. */
+/* Kinds of sides: a surface, whose points lie on its faces; or the stations of an obstacle, each of
+ * which acts on face `other` of the surface (eq:station-gap). */
+typedef enum ct_side_kind { CT_SIDE_SURFACE, CT_SIDE_STATIONS } ct_side_kind;
+
+/* Constant data of one side: its topology and reference shape, and its points. Of stations only
+ * kind and number of points. */
 typedef struct ct_side_fixed {
+  ct_side_kind kind;
   ct_search *search; /* at the reference shape */
   ct_rule rule;
   int on_edges;        /* whether the rule has points on edges and corners */
@@ -71,18 +77,19 @@ typedef struct ct_side_fixed {
                          surface's own numbers */
 } ct_side_fixed;
 
-/* State of one surface of a contact: its shape and tree, its points and forces. */
+/* State of one side of a contact: its shape and tree, its points and forces. Stations have only
+ * points, and the search of their surface. */
 typedef struct ct_side {
   const ct_side_fixed *fixed;
   ct_search *search;          /* shares the topology of the fixed one */
   ct_point *points;           /* shape (face_count, rule.count) */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
+  double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
+                    since the last update, shape (node_count, 3) */
   /* For a side opposite to another one, else null: */
   double *listed;  /* distance to which the candidates of a face are complete, shape (face_count)
                       (eq:skin) */
   double *x_built; /* coordinates at the last listing of candidates, shape (node_count, 3) */
-  double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
-                    since the last update, shape (node_count, 3) */
   int32_t *candidate_first,
       *candidates; /* candidate faces of the other side for each face, until the next listing */
   int32_t candidate_capacity;
@@ -101,8 +108,15 @@ const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face);
 ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law);
 void ct_side_clear(ct_side *side);
 
-/* Allocate for contact with another side: tree, lists of candidates, motions. */
+/* Allocate for contact with another side: tree, lists of candidates. */
 ct_status ct_side_equip(ct_side *side);
+
+/* Face of the surface on which point `i` acts. */
+static inline int32_t ct_side_face(const ct_side *side, int64_t i)
+{
+  return side->fixed->kind == CT_SIDE_STATIONS ? side->points[i].other
+                                               : (int32_t)(i / side->fixed->rule.count);
+}
 
 /* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum);
  * terms beyond `per` are 0. */

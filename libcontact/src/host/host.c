@@ -45,19 +45,18 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   contact->solved = 0;
   if (contact->host != NULL) contact->host->current = 0;
   for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->gaps.side[s]);
-  return ct_side_collect(contact->gaps.side, sides, 0, error);
+  return ct_contact_collect(contact, error);
 }
 
 /* Copy `width` numbers per node from the host's arrays, where there are any, to the contact's
  * numbering. */
-static void gather(const ct_contact_fixed *fixed, const double *const from[2], int width,
-                   double *to)
+static void gather(const ct_contact *contact, const double *const from[2], int width, double *to)
 {
-  for (int s = fixed->gaps.sides - 1; s >= 0; s--) {
-    const ct_search *search = fixed->gaps.side[s].search;
-    for (int32_t n = 0; from[s] != NULL && n < search->node_count; n++)
-      memcpy(&to[width * (int64_t)fixed->gaps.place[s][n]],
-             &from[s][width * (int64_t)search->nodes[n]], (size_t)width * sizeof *to);
+  for (int32_t n = 0; n < contact->fixed->is.node_count; n++) {
+    int side;
+    const int64_t node = ct_host_node(contact, n, &side);
+    if (from[side] != NULL)
+      memcpy(&to[width * (int64_t)n], &from[side][width * node], (size_t)width * sizeof *to);
   }
 }
 
@@ -102,18 +101,17 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
     all += part->is->row_count, count += has_set(h, part);
   if (all == 0) return CT_OK;
   ct_row_set *sets = ct_allocate((size_t)count, sizeof *sets);
-  int32_t *number = ct_allocate((size_t)fixed->node_count, sizeof *number), next = 0;
+  int32_t *number = ct_allocate((size_t)fixed->is.node_count, sizeof *number), next = 0;
   h->lists = ct_pool_take(&h->pool, (size_t)count, sizeof *h->lists);
   ct_status status = sets != NULL && number != NULL && h->lists != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (const ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
     if (!has_set(h, part)) continue;
     h->lists[next] = part;
     sets[next++] =
-        (ct_row_set){part->is->row_count, part->is->node_count,
-                     part->side < 0 ? NULL : fixed->gaps.place[part->side], part->is->row_nodes};
+        (ct_row_set){part->is->row_count, part->is->node_count, part->nodes, part->is->row_nodes};
   }
   if (status == CT_OK)
-    status = ct_solver_create(sets, count, fixed->node_count, number, &h->solver);
+    status = ct_solver_create(sets, count, fixed->is.node_count, number, &h->solver);
   ct_release(sets);
   ct_release(number);
   return status;
@@ -126,14 +124,13 @@ static void open_parts(ct_host *h)
   for (ct_host_part *part = &h->contact; part != NULL; part = part->next) {
     double **arrays[] = {&part->force, &part->x, &part->velocity};
     part->memory = h->memory_count;
-    h->memory_count += ct_host_part_memory(part);
+    h->memory_count += part->is->memory_count;
     for (int i = 0; i < (part->on != NULL ? 1 : 3); i++)
       *arrays[i] = ct_pool_take(&h->pool, (size_t)part->is->node_count, 3 * sizeof(double));
   }
 }
 
-/* Allocate for the steps of a contact. */
-static ct_status open_host(ct_contact *contact, ct_error *error)
+ct_status ct_host_open(ct_contact *contact, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
   ct_host *h = ct_host_of(contact);
@@ -142,7 +139,7 @@ static ct_status open_host(ct_contact *contact, ct_error *error)
   double **arrays[] = {&h->inverse_mass, &h->others, &h->increment, &h->force, &h->terms};
   open_parts(h);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
-    *arrays[i] = ct_pool_take(&h->pool, (size_t)fixed->node_count, 3 * sizeof(double));
+    *arrays[i] = ct_pool_take(&h->pool, (size_t)fixed->is.node_count, 3 * sizeof(double));
   h->memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
   h->next_memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
   if (h->pool.failed || open_solver(fixed, h) != CT_OK) {
@@ -170,12 +167,12 @@ static ct_prediction prepare(ct_contact *contact, const ct_contact_prediction *p
     given[3][s] = side[s].increment;
     given[4][s] = side[s].increment == NULL ? side[s].force : NULL;
   }
-  const int64_t count = 3 * (int64_t)fixed->node_count;
+  const int64_t count = 3 * (int64_t)fixed->is.node_count;
   memset(h->others, 0, (size_t)count * sizeof *h->others);
-  gather(fixed, given[0], 3, h->contact.x);
-  gather(fixed, given[1], 3, h->contact.velocity);
-  gather(fixed, given[2], 3, h->inverse_mass);
-  gather(fixed, given[4], 3, h->others);
+  gather(contact, given[0], 3, h->contact.x);
+  gather(contact, given[1], 3, h->contact.velocity);
+  gather(contact, given[2], 3, h->inverse_mass);
+  gather(contact, given[4], 3, h->others);
   ct_prediction to = {.tau = p->dt,
                       .force_time = p->force_time,
                       .whole = p->dt,
@@ -183,7 +180,7 @@ static ct_prediction prepare(ct_contact *contact, const ct_contact_prediction *p
                       .inverse_mass = h->inverse_mass,
                       .force = h->others};
   for (int64_t d = 0; d < count; d++) h->increment[d] = ct_prediction_increment(&to, d);
-  gather(fixed, given[3], 3, h->increment);
+  gather(contact, given[3], 3, h->increment);
   to.increment = h->increment;
   return to;
 }
@@ -226,11 +223,11 @@ static ct_status solve(ct_contact *contact, ct_prediction *p, const ct_surface_m
 static void add_forces(const ct_contact *contact, double *force)
 {
   const ct_contact_fixed *fixed = contact->fixed;
-  memset(force, 0, 3 * (size_t)fixed->node_count * sizeof *force);
+  memset(force, 0, 3 * (size_t)fixed->is.node_count * sizeof *force);
   for (const ct_host_part *part = &contact->host->contact; part != NULL; part = part->next)
     for (int32_t n = 0; n < part->is->node_count; n++) {
-      int32_t node = part->side < 0 ? n : fixed->gaps.place[part->side][n];
-      for (int c = 0; c < 3; c++) force[3 * (int64_t)node + c] += part->force[3 * (int64_t)n + c];
+      const int64_t node = ct_host_place(part, n);
+      for (int c = 0; c < 3; c++) force[3 * node + c] += part->force[3 * (int64_t)n + c];
     }
 }
 
@@ -238,7 +235,7 @@ static void add_forces(const ct_contact *contact, double *force)
 static void count_work(ct_contact *contact, const ct_prediction *p)
 {
   ct_host *h = contact->host;
-  const int64_t count = 3 * (int64_t)contact->fixed->node_count;
+  const int64_t count = 3 * (int64_t)contact->fixed->is.node_count;
   double part[2];
   add_forces(contact, h->force);
   // -- The work of both parts of the kick
@@ -259,12 +256,12 @@ static void count_work(ct_contact *contact, const ct_prediction *p)
 }
 
 /* Let the nodes of an obstacle's surface follow those of the contact. */
-static void follow(const ct_contact_fixed *fixed, ct_host_part *part, const ct_surface_motion *now)
+static void follow(ct_host_part *part, const ct_surface_motion *now)
 {
-  for (int64_t n = 0; n < part->is->node_count; n++) {
-    const int64_t from = 3 * (int64_t)fixed->gaps.place[part->side][n];
-    memcpy(&part->x[3 * n], &now->x[from], 3 * sizeof *part->x);
-    memcpy(&part->velocity[3 * n], &now->velocity[from], 3 * sizeof *part->velocity);
+  for (int32_t n = 0; n < part->is->node_count; n++) {
+    const int64_t from = 3 * (int64_t)ct_host_place(part, n), to = 3 * (int64_t)n;
+    memcpy(&part->x[to], &now->x[from], 3 * sizeof *part->x);
+    memcpy(&part->velocity[to], &now->velocity[from], 3 * sizeof *part->velocity);
   }
 }
 
@@ -280,9 +277,20 @@ static ct_status place(ct_contact *contact, const ct_surface_motion *now, ct_err
   if (status == CT_OK) h->current = 0;
   for (ct_host_part *part = h->contact.next; status == CT_OK && part != NULL; part = part->next) {
     if (part->on != NULL) continue;
-    follow(contact->fixed, part, now);
+    follow(part, now);
     const ct_surface_motion motion = ct_host_motion(h, part, now);
     status = part->is->calls->place(part->state, &motion, error);
+  }
+  return status;
+}
+
+/* Forces of all parts, after the rows are solved. */
+static ct_status find_forces(ct_host *h, const ct_surface_motion *now, ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
+    const ct_surface_motion motion = ct_host_motion(h, part, now);
+    status = part->is->calls->find_forces(part->state, &motion, part->force, error);
   }
   return status;
 }
@@ -298,7 +306,7 @@ static void end_step(ct_contact *contact, const ct_contact_prediction *p)
   h->now.before = p->dt;
   h->now.count += 1.0;
   h->now.time = h->now.since + h->now.count * p->dt;
-  ct_host_sum_energy(h);
+  ct_host_find_energy(h);
   memcpy(h->next_memory, &h->now, sizeof h->now);
   h->memory = h->next_memory;
   h->next_memory = memory;
@@ -314,13 +322,13 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
   const ct_surface_motion now = {.time = h->now.time,
                                  .before = h->now.before,
                                  .dt = p->dt,
-                                 .threads = ct_threads(contact->fixed->options.threads),
+                                 .threads = ct_threads(contact->fixed->threads),
                                  .first = h->now.begun == 0.0,
                                  .x = h->contact.x,
                                  .velocity = h->contact.velocity};
   ct_status status = place(contact, &now, error);
   if (status == CT_OK) status = solve(contact, &prediction, &now, error);
-  if (status == CT_OK) status = ct_host_find_forces(h, &now, error);
+  if (status == CT_OK) status = find_forces(h, &now, error);
   if (status != CT_OK) return status;
   count_work(contact, &prediction);
   end_step(contact, p);
@@ -348,21 +356,13 @@ static ct_status check_side(const ct_contact *contact, int s, const side_predict
   return CT_OK;
 }
 
-/* The record of the last good step. */
-static ct_host_record record_of(const ct_host *h)
-{
-  ct_host_record record;
-  memcpy(&record, h->memory, sizeof record);
-  return record;
-}
-
 /* Refuse times that are impossible for a leapfrog: a kick is the mean of the last step and the next
  * one, or the next one; in the first step it may be shorter. Other integrators pass increments. */
 static ct_status check_times(const ct_contact *contact, const ct_contact_prediction *p,
                              ct_error *error)
 {
   static const double SLACK = 1e-6;
-  const ct_host_record last = record_of(contact->host);
+  const ct_host_record last = ct_host_record_of(contact->host);
   double mean = last.begun != 0.0 ? 0.5 * (last.before + p->dt) : p->dt,
          least = last.begun != 0.0 ? fmin(mean, p->dt) : 0.0, most = fmax(mean, p->dt);
   if (!(p->dt > 0.0 && isfinite(p->dt) && p->force_time > 0.0 && isfinite(p->force_time)))
@@ -387,7 +387,7 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
-  ct_status status = open_host(contact, error);
+  ct_status status = ct_host_open(contact, error);
   if (status == CT_OK) status = check_times(contact, p, error);
   for (int s = 0; status == CT_OK && s < contact->fixed->gaps.sides; s++)
     status = check_side(contact, s, &side[s], error);
@@ -399,80 +399,15 @@ ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *o
   if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
   ct_status status = ct_host_check_current(contact, error);
   if (status != CT_OK) return status;
-  const ct_host_record record = record_of(contact->host);
+  const ct_host_record record = ct_host_record_of(contact->host);
   *out = (ct_contact_balance){.energy = ct_contact_energy(contact),
                               .work = record.work,
-                              .removal = contact->work + contact->host->energy.removal,
+                              .removal = contact->record.removal + contact->host->energy.removal,
                               .unconverged = (int64_t)record.unconverged,
                               .friction = contact->host->energy.dissipated,
                               .motion = contact->host->energy.motion,
-                              .late = contact->admission.late,
-                              .late_depth = contact->admission.late_depth};
-  return CT_OK;
-}
-
-int64_t ct_contact_save(const ct_contact *contact, double *memory)
-{
-  if (contact == NULL) return 0;
-  const ct_host *h = contact->host;
-  int64_t count = CT_HOST_RECORD + contact->fixed->is.memory_count;
-  for (const ct_host_part *part = h == NULL ? NULL : h->contact.next; part != NULL;
-       part = part->next)
-    count += ct_host_part_memory(part);
-  if (memory != NULL && h != NULL && h->open)
-    memcpy(memory, h->memory, (size_t)count * sizeof *memory);
-  else if (memory != NULL) memset(memory, 0, (size_t)count * sizeof *memory);
-  return count;
-}
-
-/* Whether the numbers before `end` are finite from `*from` on, except that the distance in the
- * records of points between `first` and `last` may be unknown; moves `*from` to `end`. */
-static int are_finite(const double *memory, int64_t *from, int64_t first, int64_t last, int64_t end)
-{
-  const int64_t known = offsetof(ct_point_record, known) / sizeof(double);
-  for (; *from < end; ++*from)
-    if (!isfinite(memory[*from]) &&
-        !(*from >= first && *from < last && (*from - first) % CT_RECORD == known))
-      return 0;
-  return 1;
-}
-
-/* Whether numbers are possible as the memory of a contact. */
-static int is_memory(const ct_contact *contact, const double *memory, int64_t count)
-{
-  ct_host_record record;
-  memcpy(&record, memory, sizeof record);
-  if (record.begun != 1.0) {
-    for (int64_t i = 0; i < count; i++)
-      if (memory[i] != 0.0) return 0;
-    return 1;
-  }
-  int64_t at = 0;
-  int finite = 1;
-  for (const ct_host_part *part = &contact->host->contact; finite && part != NULL;
-       part = part->next)
-    finite = are_finite(memory, &at, part->memory + part->is->first_record,
-                        part->memory + part->is->end_record, part->memory + part->is->memory_count);
-  return finite && are_finite(memory, &at, count, count, count) && record.before > 0.0 &&
-         record.unconverged >= 0.0 && record.unconverged < 9e15 &&
-         ct_contact_memory_begun(contact->fixed, memory + CT_HOST_RECORD);
-}
-
-ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
-                             ct_error *error)
-{
-  if (contact == NULL || memory == NULL) return CT_REFUSE(error, "contact: null argument");
-  ct_status status = open_host(contact, error);
-  if (status != CT_OK) return status;
-  ct_host *h = contact->host;
-  if (count != h->memory_count)
-    return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
-                     (long long)count, (long long)h->memory_count);
-  if (!is_memory(contact, memory, count))
-    return ct_fail(error, CT_INVALID, CT_NOWHERE,
-                   "contact: these numbers were not written by ct_contact_save");
-  memcpy(h->memory, memory, (size_t)count * sizeof *memory);
-  h->current = 0;
+                              .late = (int64_t)contact->record.admission.late,
+                              .late_depth = contact->record.admission.late_depth};
   return CT_OK;
 }
 
@@ -482,7 +417,7 @@ static void add_parts(const ct_contact *contact, double *const f[2])
   for (const ct_host_part *part = contact->host->contact.next; part != NULL; part = part->next)
     for (int32_t n = 0; n < part->is->node_count; n++) {
       int side;
-      const int64_t dof = 3 * (int64_t)ct_host_node(contact, part, n, &side);
+      const int64_t dof = 3 * (int64_t)ct_host_node(contact, ct_host_place(part, n), &side);
       for (int c = 0; c < 3; c++) f[side][dof + c] += part->force[3 * (int64_t)n + c];
     }
 }
@@ -533,9 +468,9 @@ static double *take_masses(const ct_contact *contact, const double *const mass[2
         return NULL;
       }
   }
-  double *own = ct_allocate((size_t)contact->fixed->node_count, sizeof *own);
+  double *own = ct_allocate((size_t)contact->fixed->is.node_count, sizeof *own);
   *status = own != NULL ? CT_OK : CT_NO_MEMORY(error, "a bound on the time step");
-  if (own != NULL) gather(contact->fixed, mass, 1, own);
+  if (own != NULL) gather(contact, mass, 1, own);
   return own;
 }
 
@@ -574,8 +509,7 @@ ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a
   for (; status == CT_OK && part != NULL; part = part->next) {
     double bound;
     const ct_host_part *on = part->on == NULL ? part : part->on;
-    const ct_masses own = {mass, part->side < 0 ? NULL : contact->fixed->gaps.place[part->side]};
-    status = ct_interaction_bound(part->is, on->state, own, &bound);
+    status = ct_interaction_bound(part->is, on->state, (ct_masses){mass, part->nodes}, &bound);
     if (status == CT_OK) omega2 += bound;
   }
   return end_bound(mass, status, omega2, dt, error);

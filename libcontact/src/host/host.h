@@ -5,6 +5,8 @@
 #include "../constraint/solve.h"
 #include "../contact/contact_internal.h"
 
+#include <string.h>
+
 /* An interaction of a host: first the contact itself, then obstacles and friction as they were
  * added. */
 typedef struct ct_host_part {
@@ -12,11 +14,17 @@ typedef struct ct_host_part {
   ct_interaction *is;
   void *state;
   const struct ct_host_part *on; /* of friction: the part that it acts on */
-  int side;             /* surface whose nodes it has, in order; -1: all nodes of the contact */
+  const int32_t *nodes;          /* in the numbering of the contact; null: all of them */
   int64_t memory;       /* begin of its memory in that of the host, from the first step on */
   double *force;        /* on its nodes, shape (node_count, 3) */
   double *x, *velocity; /* at them; null for friction, which has those of `on` */
+  ct_interaction_energy energy; /* after a step */
 } ct_host_part;
+
+static inline int32_t ct_host_place(const ct_host_part *part, int32_t n)
+{
+  return part->nodes == NULL ? n : part->nodes[n];
+}
 
 /* State of all parts after the steps so far, as doubles of a restart. */
 typedef struct ct_host_record {
@@ -29,16 +37,7 @@ typedef struct ct_host_record {
   double unconverged;
 } ct_host_record;
 
-/* Memory of friction on an obstacle behind its own: its force on the obstacle, the obstacle's
- * position, and the work of its motion against this force. */
-typedef struct ct_host_drag {
-  double begun, force[3], place[3], work;
-} ct_host_drag;
-
-enum {
-  CT_HOST_RECORD = sizeof(ct_host_record) / sizeof(double),
-  CT_HOST_DRAG = sizeof(ct_host_drag) / sizeof(double)
-};
+enum { CT_HOST_RECORD = sizeof(ct_host_record) / sizeof(double) };
 
 /* The host of a contact. Arrays exist from the first step on; those at nodes have the contact's
  * numbering and the shape (node_count, 3). */
@@ -58,17 +57,6 @@ typedef struct ct_host {
   ct_host_record now;
 } ct_host;
 
-/* Whether a part is friction on an obstacle; number of doubles in the memory of a part. */
-static inline int ct_host_has_drag(const ct_host_part *part)
-{
-  return part->on != NULL && part->side >= 0;
-}
-
-static inline int64_t ct_host_part_memory(const ct_host_part *part)
-{
-  return part->is->memory_count + (ct_host_has_drag(part) ? CT_HOST_DRAG : 0);
-}
-
 /* The host of a contact, created if there is none; null if out of memory. */
 ct_host *ct_host_of(ct_contact *contact);
 
@@ -76,9 +64,8 @@ ct_host *ct_host_of(ct_contact *contact);
 ct_surface_motion ct_host_motion(const ct_host *host, const ct_host_part *part,
                                  const ct_surface_motion *now);
 
-/* Forces of all parts at t_n, after the rows are solved; and the energies, from `next_memory`. */
-ct_status ct_host_find_forces(ct_host *host, const ct_surface_motion *now, ct_error *error);
-void ct_host_sum_energy(ct_host *host);
+/* Energies of all parts, after the forces are known. */
+void ct_host_find_energy(ct_host *host);
 
 /* Obstacle `number`; null: there is none. */
 const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number);
@@ -86,7 +73,24 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number);
 /* ``CT_ERROR_ARGUMENT`` if the forces do not belong to a step. */
 ct_status ct_host_check_current(const ct_contact *contact, ct_error *error);
 
-/* The node of the host's arrays that is node `n` of a part; `side` becomes its surface. */
-int32_t ct_host_node(const ct_contact *contact, const ct_host_part *part, int32_t n, int *side);
+/* Allocate for the steps of a contact, unless that is done. */
+ct_status ct_host_open(ct_contact *contact, ct_error *error);
+
+/* The record of the last good step. */
+static inline ct_host_record ct_host_record_of(const ct_host *host)
+{
+  ct_host_record record;
+  memcpy(&record, host->memory, sizeof record);
+  return record;
+}
+
+/* The node of the host's arrays that is node `n` of the contact; `side` becomes its surface. */
+static inline int32_t ct_host_node(const ct_contact *contact, int32_t n, int *side)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  const int32_t node = fixed->nodes[n], first = fixed->gaps.side[0].search->host_count;
+  *side = !fixed->one_array && node >= first;
+  return *side == 1 ? node - first : node;
+}
 
 #endif
