@@ -14,7 +14,9 @@
 
 #define SCHEME(scheme) ct_integrator_facts((ct_scheme)(scheme))->name
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty"};
-enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
+enum { ENFORCEMENTS = CT_ENFORCE_COUNT };
+typedef char every_enforcement_has_its_name
+    [sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] == CT_ENFORCE_COUNT ? 1 : -1];
 
 static unsigned long long bodies_seed = 88172645463325252ull;
 

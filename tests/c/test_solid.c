@@ -675,12 +675,10 @@ static void has_kernel(ct_brick_kind kind, ct_law law)
 int main(void)
 {
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
-    for (int law = CT_LINEAR; law <= CT_NEO_HOOKEAN; law++)
-      has_kernel((ct_brick_kind)kind, (ct_law)law);
+    for (int law = 0; law < CT_LAW_COUNT; law++) has_kernel((ct_brick_kind)kind, (ct_law)law);
     patch_test((ct_brick_kind)kind);
     energy_gradient((ct_brick_kind)kind);
-    for (int law = CT_LINEAR; law <= CT_NEO_HOOKEAN; law++)
-      stresses((ct_brick_kind)kind, (ct_law)law);
+    for (int law = 0; law < CT_LAW_COUNT; law++) stresses((ct_brick_kind)kind, (ct_law)law);
   }
   rigid_motions(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   rigid_motions(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");

@@ -123,7 +123,7 @@ static int ask_together(const ct_problem *problem, ct_state *state)
 int main(void)
 {
   int wrong = 0;
-  for (int enforcement = CT_ENFORCE_PENALTY; enforcement <= CT_ENFORCE_BIPENALTY; enforcement++) {
+  for (int enforcement = 0; enforcement < CT_ENFORCE_COUNT; enforcement++) {
     const ct_problem *problem = NULL;
     ct_scene *scene = make((ct_enforcement)enforcement, &problem);
     job jobs[THREADS];

@@ -87,7 +87,7 @@ static ct_mesh *any_mesh(play *p, int number, int may_be_bad)
 static ct_material any_material(dice *d)
 {
   ct_material m = {between(d, 0.5, 4.0), between(d, 0.0, 0.45), between(d, 0.5, 2.0),
-                   (ct_law)below(d, 3)};
+                   (ct_law)below(d, CT_LAW_COUNT)};
   if (d->wild && chance(d, 10)) m.law = (ct_law)(below(d, 9) - 3);
   return m;
 }
@@ -181,7 +181,7 @@ static void add_contact(play *p)
   c.faces_b = any_faces(p, c.body_b, 0, &c.face_count_b, &kind);
   if (c.body_a == c.body_b && chance(d, 2)) c.faces_b = c.faces_a, c.face_count_b = c.face_count_a;
   if (chance(d, 5)) c.beta = 0.0, c.options.epsilon = between(d, 0.1, 10.0);
-  if (chance(d, 3)) c.options.enforcement = (ct_enforcement)below(d, 4);
+  if (chance(d, 3)) c.options.enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT + 1);
   if (chance(d, 5)) c.options.dissipation = between(d, 0.0, 1.0);
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
@@ -292,7 +292,7 @@ static ct_obstacle_def any_obstacle(play *p)
                        .axis = {real(d), real(d), real(d)},
                        .radius = between(d, -1.0, 1.0),
                        .epsilon = between(d, 0.1, 5.0),
-                       .enforcement = (ct_enforcement)below(d, 3 + d->wild),
+                       .enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT + d->wild),
                        .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0)};
   if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
   if (chance(d, 3)) o.amplitude = any_history(p), o.travel[1] = 0.1 * real(d);
@@ -864,7 +864,8 @@ static void play_surfaces(dice *d)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
   options.points = (ct_contact_rule)below(d, 2);
-  options.enforcement = (ct_enforcement)(chance(d, 2) ? (int)options.enforcement : below(d, 3));
+  options.enforcement =
+      (ct_enforcement)(chance(d, 2) ? (int)options.enforcement : below(d, CT_ENFORCE_COUNT));
   const ct_surface *second = chance(d, 4) ? &s[0] : chance(d, 4) ? NULL : &s[1];
   ct_status made = TRY(ct_contact_create(&s[0], second, &options, &contact, &e));
   if (made == CT_OK && chance(d, 2)) play_steps(p, contact, second == &s[1]);

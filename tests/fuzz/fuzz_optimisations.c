@@ -192,7 +192,7 @@ static void add_body(run *r, dice *d, int number, int threads)
           amount * number_of_place(&b->plain->nodes[3 * n], salt + (uint64_t)c);
   ct_material material = {between(d, 0.5, 3.0), chance(d, 5) ? 0.0 : between(d, 0.1, 0.4),
                           between(d, 0.5, 2.0),
-                          (ct_law)(!r->plain && chance(d, 5) ? 1 + below(d, 2) : 0)};
+                          (ct_law)(!r->plain && chance(d, 5) ? 1 + below(d, CT_LAW_COUNT - 1) : 0)};
   double zeros[] = {0.0, -0.0}, velocity[3];
   for (int c = 0; c < 3; c++) velocity[c] = chance(d, 3) ? zeros[below(d, 2)] : 0.08 * real(d);
   if (chance(d, 3))
@@ -245,7 +245,7 @@ static void add_contact(run *r, dice *d)
                         .face_count_b = second->side_count[0],
                         .beta = between(d, 0.3, 2.0),
                         .options = ct_contact_options_default()};
-  if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 3);
+  if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
   if (chance(d, 5))
     c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_FORCE : CT_INITIAL_REMOVE;
@@ -440,7 +440,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
       .axis = {-sign, 0.0, 0.0},
       .radius = 5.0,
       .epsilon = between(d, 0.1, 1.0),
-      .enforcement = (ct_enforcement)below(d, 3),
+      .enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT),
       .dissipation = 0.1,
       .kind = kind,
       .face_count = count,

@@ -21,7 +21,7 @@ import warnings
 from pathlib import Path
 
 from libcontact._core import lib
-from libcontact.model import ENFORCEMENTS, INTEGRATORS
+from libcontact.model import ENFORCEMENTS, INTEGRATORS, LAWS
 from libcontact.run import Run, RunError
 
 import libcontact as ct
@@ -107,7 +107,7 @@ def good_scene(chance: random.Random) -> dict:
                 "young": chance.uniform(0.5, 3),
                 "poisson": chance.uniform(0, 0.45),
                 "density": 1.0,
-                "law": pick(["linear", "neo_hookean", "st_venant_kirchhoff"]),
+                "law": pick(list(LAWS)),
             }
         ],
         "time": {

@@ -64,6 +64,16 @@ def test_fortran_has_the_members_and_arguments_of_c():
         assert count == len(ffi.typeof(getattr(lib, other or name)).args), name
 
 
+def test_fortran_has_the_values_of_c():
+    text = (ROOT / "libcontact" / "fortran" / "libcontact.f90").read_text()
+    enums = re.findall(r"! (ct_\w+)\n +integer\(c_int\), parameter :: ((?:.*&\n)*.*)", text)
+    assert "ct_enforcement" in dict(enums)
+    for enum, rows in enums:
+        found = {name: int(value) for name, value in re.findall(r"(\w+) = (\d+)", rows)}
+        values = {name: number for number, name in ffi.typeof(enum).elements.items()}
+        assert found == {name: values[name] for name in values if "_COUNT" not in name}, enum
+
+
 def test_every_definition_and_all_options_begin_with_a_cookie():
     text = "".join(path.read_text() for path in (INCLUDE / "libcontact").glob("*.h"))
     names = re.findall(r"^typedef struct (ct_\w+_(?:def|options)) ", text, re.M)

@@ -19,6 +19,7 @@ from libcontact.parts import EFFECTS, MANY, ONCE, Parts, read, schema
 from libcontact.schema import Place, SceneError, Table
 
 import libcontact as ct
+from libcontact import explain
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "tutorials" / "scenes").glob("*.toml"))
@@ -380,6 +381,18 @@ def test_the_words_are_those_of_the_header(enum):
             constants[value].lower().endswith(f"_{word}")
             and getattr(lib, constants[value]) == value
         )
+
+
+def test_every_law_is_explained_and_named_where_users_choose_it():
+    assert set(explain.LAWS) == set(model.LAWS)
+    assert set(model.FEEDS) == set(model.ENFORCEMENTS)
+    page = Path(__file__).parents[2] / "docs" / "api" / "constraint.rst"
+    for words, text in (
+        (model.LAWS, model.Material.__doc__),
+        (model.ENFORCEMENTS, ct.Contact.__doc__),
+        (model.ENFORCEMENTS, page.read_text()),
+    ):
+        assert [word for word in words if f'"{word}"' not in text] == []
 
 
 # Derived from the model.

@@ -23,7 +23,7 @@ from .bridge import Floats, Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, StepError, bare, issue, new_error, place, raise_held, text_of
 from .limits import Depths
 from .mesh import view
-from .model import FEEDING, FIELDS, FILTERED
+from .model import FEEDS, FIELDS, FILTERED, LARGE
 from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
@@ -498,8 +498,7 @@ class Loop:
         step = "take a smaller step (time.fraction)"
         if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
-            law = 'a body that rotates needs the law "neo_hookean" or "st_venant_kirchhoff"'
-            return who, key, f"{step}; {law}"
+            return who, key, f"{step}; a body that rotates needs the law {LARGE}"
         words = {lib.CT_EFFECT_CONTACT: "contact ", lib.CT_EFFECT_OBSTACLE: "obstacle at "}
         if kind not in words:
             advice = f"{step}, and compare its stored energy with the work of its force"
@@ -508,7 +507,7 @@ class Loop:
         alike = [each for each in contact_tables(self.problem.parts) if each[0].startswith(name)]
         key, who, given = alike[nth]
         advice = f"points penetrate that did not pass the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
-        if given.enforcement in FEEDING:
+        if FEEDS[given.enforcement]:
             advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
         if len(getattr(given, "surfaces", ())) == 2:
             advice += whole_skin(given.surfaces)

@@ -36,12 +36,13 @@ from .schema import (
 
 LUMPINGS = names("ct_lumping")
 LAWS = names("ct_law")
+LARGE = " or ".join(f'"{law}"' for law in LAWS if law != "linear")
 KERNELS = names("ct_solid_kernel")
 METHODS = names("ct_method")
 ENFORCEMENTS = names("ct_enforcement")
-# Enforcements that can feed energy into the bodies. They store the energy of an impact and return it;
-# the others dissipate a part of it.
-FEEDING = ("penalty", "bipenalty")
+# Whether an enforcement can feed energy into the bodies. Such a law stores the energy of an impact and
+# returns it; the others dissipate a part of it.
+FEEDS = {"penalty": True, "energy_controlled": False, "bipenalty": True}
 POINTS = names("ct_contact_rule")
 INITIAL = names("ct_initial")
 INTEGRATORS = names("ct_scheme")
@@ -96,7 +97,7 @@ class Material(Table):
     law
         ``"linear"``: small strain and rotation, :eq:`hooke`; ``"st_venant_kirchhoff"``
         (:eq:`st-venant-kirchhoff`): any rotation, moderate strain; ``"neo_hookean"``
-        (:eq:`neo-hookean`): any rotation, large strain. All three agree where strain is small.
+        (:eq:`neo-hookean`): any rotation, large strain. All agree where strain is small.
     """
 
     name: str = key(Name(), kw_only=False)
@@ -287,7 +288,7 @@ class Body(Table):
                 yield key, f"{reason}; {other}"
         elif self.spin is not None:
             why = f"turns the body, {other}, with which a rotation causes false strain"
-            yield "spin", f'{why}; give it the law "st_venant_kirchhoff" or "neo_hookean"'
+            yield "spin", f"{why}; give it the law {LARGE}"
 
     def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
         """The ones among the given words that the body uses, each with the reason against it."""

@@ -18,7 +18,7 @@ from .chatter import chatter
 from .errors import SceneWarning, came_in_late
 from .limits import long_run, short_step
 from .mesh import rotation
-from .model import AXES, FEEDING, Contact
+from .model import AXES, FEEDS, Contact
 from .parts import acts_on
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import contact_tables, pair_name
@@ -407,7 +407,7 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
     part of the moving mass (eq:thin-loss)."""
     for touch in touches:
         meets = touch.closing > 0.0 and touch.time <= problem.end
-        if not meets or touch.given.enforcement in FEEDING:
+        if not meets or FEEDS[touch.given.enforcement]:
             continue
         first = _first_nodes(problem, touch)
         masses = {name: _masses(problem, name, first[name], touch.normal) for name in first}

@@ -20,7 +20,9 @@ typedef enum ct_enforcement {
   CT_ENFORCE_ENERGY_CONTROLLED,
   /** Penalty on the gap and on its acceleration, in a ratio that does not change the stable step,
      :eq:`bipenalty`. */
-  CT_ENFORCE_BIPENALTY
+  CT_ENFORCE_BIPENALTY,
+  /** Number of laws; it grows with later versions. */
+  CT_ENFORCE_COUNT
 } ct_enforcement;
 
 /**

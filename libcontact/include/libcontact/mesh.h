@@ -9,7 +9,7 @@
 
 CT_BEGIN_DECLS
 
-/** Elastic laws. For small strain and rotation all three agree with Hooke's law. */
+/** Elastic laws. For small strain and rotation all agree with Hooke's law. */
 typedef enum ct_law {
   /** small strain and small rotation, :eq:`hooke` */
   CT_LINEAR = 0,
@@ -17,7 +17,9 @@ typedef enum ct_law {
      strong compression */
   CT_ST_VENANT_KIRCHHOFF = 1,
   /** compressible neo-Hookean, :eq:`neo-hookean`: any rotation, large strain */
-  CT_NEO_HOOKEAN = 2
+  CT_NEO_HOOKEAN = 2,
+  /** Number of laws; it grows with later versions. */
+  CT_LAW_COUNT
 } ct_law;
 
 /** An isotropic elastic material, in one consistent set of units. */

@@ -52,7 +52,7 @@ static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
 
 /* All laws. */
 
-typedef struct law {
+static const struct law {
   /* The law in one step; null: its force does not depend on the next gap, and it has no rows. */
   ct_ramp (*ramp)(const ct_constraint *c);
   /* Energy stored at the middle of a step from the gap g0 to g1. */
@@ -60,29 +60,40 @@ typedef struct law {
   /* Energy at t = 0 of a force that begins then; null: the force counts as if it had always acted
    * (eq:energy-start). */
   double (*start)(const ct_constraint *c);
-  /* Least addition to both gaps of the last step with which it stored at most `most`; null: the
-     store counts as that of the present gap. */
+  /* Least addition to both gaps of the last step with which it stored at most `most`. Not null only
+     if the work of a row is minus what it stores and loses (eq:contact-step-work); null: the store
+     counts as that of the present gap. */
   double (*raise)(const ct_constraint *c, double most);
   /* Whether only a point that is inside at t_n can have a force. */
   int only_inside;
-} law;
+  /* Factor of the default penalty (eq:penalty-default). */
+  double usual;
+} LAWS[] = {[CT_ENFORCE_PENALTY] = {NULL, NULL, NULL, NULL, 0, 4.0},
+            [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start,
+                                              controlled_raise, 0, 40.0},
+            [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, NULL, 1, 4.0}};
 
-static const law LAWS[] = {
-    [CT_ENFORCE_PENALTY] = {0},
-    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start,
-                                      controlled_raise, 0},
-    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, NULL, 1}};
+/* A value of ct_enforcement without a row does not compile. */
+typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_COUNT ? 1 : -1];
+
+static int is_known(ct_enforcement law) { return (int)law >= 0 && law < CT_ENFORCE_COUNT; }
 
 ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 {
-  if ((int)c->enforcement < 0 || (size_t)c->enforcement >= sizeof LAWS / sizeof LAWS[0] ||
-      !(c->dissipation >= 0.0 && c->dissipation <= 1.0))
+  if (!is_known(c->enforcement) || !(c->dissipation >= 0.0 && c->dissipation <= 1.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: enforcement %d with dissipation %g",
                    who, (int)c->enforcement, c->dissipation);
   return CT_OK;
 }
 
-int ct_law_has_rows(const ct_constraint *c) { return LAWS[c->enforcement].ramp != NULL; }
+double ct_law_usual(ct_enforcement law)
+{
+  return LAWS[is_known(law) ? law : CT_ENFORCE_PENALTY].usual;
+}
+
+int ct_law_has_rows(ct_enforcement law) { return LAWS[law].ramp != NULL; }
+
+int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
 
 int ct_law_may_act(const ct_constraint *c)
 {
@@ -119,13 +130,13 @@ double ct_law_energy(const ct_constraint *c)
 
 double ct_law_claim(const ct_constraint *c)
 {
-  return LAWS[c->enforcement].raise != NULL ? stored_between(c, c->before, c->gap)
-                                            : ramp_energy(c->stiffness, c->gap);
+  return ct_law_keeps_account(c->enforcement) ? stored_between(c, c->before, c->gap)
+                                              : ramp_energy(c->stiffness, c->gap);
 }
 
 double ct_law_raise(const ct_constraint *c, double most)
 {
-  if (LAWS[c->enforcement].raise != NULL) return LAWS[c->enforcement].raise(c, most);
+  if (ct_law_keeps_account(c->enforcement)) return LAWS[c->enforcement].raise(c, most);
   return fmax(-c->gap - sqrt(2.0 * most / c->stiffness), 0.0);
 }
 

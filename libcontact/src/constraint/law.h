@@ -13,8 +13,15 @@ typedef struct ct_ramp {
   double b; /* offset of the next gap */
 } ct_ramp;
 
+/* The factor of ρ c₁² / h in the default penalty (eq:penalty-default); for an unknown law, too. */
+double ct_law_usual(ct_enforcement law);
+
 /* Whether a law has rows: its force depends on the next gap. */
-int ct_law_has_rows(const ct_constraint *law);
+int ct_law_has_rows(ct_enforcement law);
+
+/* Whether the work of a row is minus what it stores and loses (eq:contact-step-work): only then its
+ * account limits what points found inside may store (eq:admitted-store). */
+int ct_law_keeps_account(ct_enforcement law);
 
 /* Whether a row can have a force in the next step, judging by its gap g_n. */
 int ct_law_may_act(const ct_constraint *row);

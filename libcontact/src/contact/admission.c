@@ -19,13 +19,6 @@ static const double DEEP = 0.01;
 /* Change of a distance between two steps that may be rounding. */
 static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
 
-/* Whether the work of a row is minus what it stores and loses: only then an account says something
- * (eq:contact-step-work). */
-static int keeps_account(const ct_contact_fixed *fixed)
-{
-  return fixed->law.enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
-}
-
 /* The present start gap of a point, without that of the start. */
 static double later(const ct_side *side, const ct_point *p)
 {
@@ -127,7 +120,7 @@ void ct_admission_limit(ct_contact *contact)
       some += contact->terms[some] != 0.0;
     }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
-  if (!keeps_account(contact->fixed) || some == 0 ||
+  if (!ct_law_keeps_account(contact->fixed->law.enforcement) || some == 0 ||
       !(ct_sum(contact->terms, some) > admission->received + SLACK * admission->most))
     return;
   for (const ct_side *side = sides; side < sides + count; side++)
@@ -137,7 +130,7 @@ void ct_admission_limit(ct_contact *contact)
 
 void ct_admission_count(ct_contact *contact, int starting)
 {
-  const int controlled = keeps_account(contact->fixed);
+  const int controlled = ct_law_keeps_account(contact->fixed->law.enforcement);
   const ct_side *sides = contact->gaps.side;
   ct_admission *admission = &contact->record.admission;
   double *terms = contact->terms;

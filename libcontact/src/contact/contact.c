@@ -2,6 +2,7 @@
  * start gaps to rows, forces and energies. */
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../constraint/law.h"
 #include "contact_internal.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@ void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes)
 {
   const ct_side_fixed *side = fixed->gaps.side;
   const int rigid = ct_contact_is_rigid(fixed), surfaces = ct_gaps_surfaces(&fixed->gaps);
-  const int penalty = fixed->law.enforcement == CT_ENFORCE_PENALTY;
+  const int penalty = !ct_law_has_rows(fixed->law.enforcement);
   int64_t count = 0;
   for (int s = 0; s < surfaces; s++) count += side[s].point_count;
   fixed->is.calls = &ct_contact_calls;

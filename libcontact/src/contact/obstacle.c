@@ -312,7 +312,7 @@ ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surfa
     return status;
   }
   // -- Counted at a plane (eq:round-flops)
-  const int penalty = def->enforcement == CT_ENFORCE_PENALTY;
+  const int penalty = !ct_law_has_rows(def->enforcement);
   ct_contact_describe(&data->contact, penalty ? 164.0 : 414.0, penalty ? 6.0 : 26.0);
   *out = &data->contact.is;
   return CT_OK;

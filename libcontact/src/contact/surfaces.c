@@ -35,7 +35,7 @@ double ct_contact_penalty(double beta, double young, double h)
 double ct_contact_penalty_default(ct_enforcement enforcement, double modulus, double h)
 {
   // -- 40 ρ c₁² / h, or 4 where a stiff penalty costs steps (eq:penalty-default)
-  return (enforcement == CT_ENFORCE_ENERGY_CONTROLLED ? 40.0 : 4.0) * modulus / h;
+  return ct_law_usual(enforcement) * modulus / h;
 }
 
 /* The law of all points; both sides share the penalty. */
@@ -178,7 +178,7 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   if (status == CT_OK &&
       ct_tunnelling_init(&fixed->gaps, options->depth > 0.0, options->adjust) != CT_OK)
     status = CT_NO_MEMORY(error, "a contact");
-  const int penalty = options->enforcement == CT_ENFORCE_PENALTY;
+  const int penalty = !ct_law_has_rows(options->enforcement);
   // -- Counted in a contact of two plane surfaces (eq:round-flops)
   if (status == CT_OK) ct_contact_describe(fixed, penalty ? 800.0 : 1200.0, 0.0), *out = fixed;
   else ct_contact_fixed_free(fixed);

@@ -30,7 +30,7 @@ ct_status ct_material_check(const ct_material *material, ct_error *error)
     return CT_REFUSE(error, "Poisson's ratio must lie in -1 < nu < 1/2, not %g", material->poisson);
   if (!(material->density > 0.0) || !isfinite(material->density))
     return CT_REFUSE(error, "density must be positive, not %g", material->density);
-  if ((int)material->law < CT_LINEAR || (int)material->law > CT_NEO_HOOKEAN)
+  if ((int)material->law < CT_LINEAR || material->law >= CT_LAW_COUNT)
     return CT_REFUSE(error, "there is no material law %d", (int)material->law);
   return CT_OK;
 }

@@ -5,6 +5,9 @@
 
 /* The laws for large deformation at one point, from the displacement gradient G = ∂u/∂X = F - 1. */
 
+/* Floating-point operations of the stress of a law in `point.h`; 0 for CT_LINEAR. */
+double ct_large_flops(ct_law law);
+
 /* Second Piola-Kirchhoff stress S (symmetric); returns J = det F, which is not positive if the body
  * is inverted. */
 double ct_large_stress(const ct_material *material, double G[3][3], double S[3][3]);

@@ -78,16 +78,21 @@ CT_INLINE void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_lanes 
 }
 
 /* Second Piola-Kirchhoff stress from B and the change of volume J - 1 (eq:st-venant-kirchhoff,
- * eq:neo-hookean-stress). */
+ * eq:neo-hookean-stress). The compiler warns of a law without a case. */
 CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *change, double lambda,
                             double mu, ct_lanes S[6])
 {
-  if (law == CT_ST_VENANT_KIRCHHOFF) {
-    ct_lanes trace = (0.5 * lambda) * ((B[0] + B[1]) + B[2]);
+  ct_lanes A[6], I[3], trace;
+  switch (law) {
+  case CT_ST_VENANT_KIRCHHOFF:
+    trace = (0.5 * lambda) * ((B[0] + B[1]) + B[2]);
     for (int k = 0; k < 6; k++) S[k] = k < 3 ? mu * B[k] + trace : mu * B[k];
     return;
+  case CT_NEO_HOOKEAN:
+  case CT_LINEAR: // has no such kernel
+  case CT_LAW_COUNT:
+    break;
   }
-  ct_lanes A[6], I[3];
   ct_large_invariants(B, A, I);
   ct_lanes inverse = 1.0 / (1.0 + *change), p = (mu * inverse) * inverse,
            q = (lambda * *change) * inverse;
@@ -122,14 +127,19 @@ CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], do
 CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
                                      double mu, ct_lanes *energy)
 {
-  ct_lanes C[3][3], G[3][3], B[6], A[6], I[3], det;
+  ct_lanes C[3][3], G[3][3], B[6], A[6], I[3], det, trace, normal, shear;
   ct_large_gradient(J, H, C, &det, G);
   ct_large_strain(G, B);
-  if (law == CT_ST_VENANT_KIRCHHOFF) {
-    ct_lanes trace = (B[0] + B[1]) + B[2], normal = (B[0] * B[0] + B[1] * B[1]) + B[2] * B[2];
-    ct_lanes shear = (B[3] * B[3] + B[4] * B[4]) + B[5] * B[5];
+  switch (law) {
+  case CT_ST_VENANT_KIRCHHOFF:
+    trace = (B[0] + B[1]) + B[2], normal = (B[0] * B[0] + B[1] * B[1]) + B[2] * B[2];
+    shear = (B[3] * B[3] + B[4] * B[4]) + B[5] * B[5];
     *energy = det * ((0.125 * lambda) * (trace * trace) + (0.25 * mu) * (normal + 2.0 * shear));
     return;
+  case CT_NEO_HOOKEAN:
+  case CT_LINEAR: // has no such kernel
+  case CT_LAW_COUNT:
+    break;
   }
   ct_large_invariants(B, A, I);
   ct_lanes t = I[0] + (I[1] + I[2]), volume;

@@ -80,7 +80,8 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
   int fine = count >= 0 && count <= effect->constraint_count;
   for (int64_t r = 0; fine && effect->kind == CT_EFFECT_USER && r < count; r++) {
     const ct_constraint *row = rows[r];
-    fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK && ct_law_has_rows(row) &&
+    fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK &&
+           ct_law_has_rows(row->enforcement) &&
            has_places(effect, row->own_count, row->own, row->own_shape) &&
            has_places(effect, row->other_count, row->other, row->other_shape) &&
            row->own_count + row->other_count <= row_nodes(effect);
