@@ -155,8 +155,7 @@ int main(int count, char **argument)
                         .inverse_mass = inverse,
                         .initial_velocity = velocity,
                         .effects = (const ct_effect *const *)effect,
-                        .dt = 5e-4,
-                        .threads = 1};
+                        .dt = 5e-4};
   made += make(&problem, mesh, &effect[1]);
   problem.effect_count = made;
   ct_state *state;

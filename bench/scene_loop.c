@@ -203,8 +203,8 @@ int main(int count, char **argument)
   if (count != 4) return 2;
   ct_scene *scene;
   need(ct_scene_create(&scene, &error));
-  ct_scene_time time = {
-      .end = fill(scene, argument[1]), .fraction = 0.99, .threads = 1, .clock = seconds};
+  ct_scene_time time = {.end = fill(scene, argument[1]), .fraction = 0.99};
+  need(ct_scene_set_run_settings(scene, &(ct_run_settings){.clock = seconds}, &error));
   ct_optimisations optimisations = {.sleep = strchr(argument[2], 'q') != NULL,
                                     .shared_stiffness = strchr(argument[2], 'c') != NULL,
                                     .separated = strchr(argument[2], 'd') != NULL,

@@ -11,6 +11,8 @@ typedef struct block {
   void *scratch;
 } block;
 
+static const ct_run_settings TWO = {.threads = 2};
+
 static inline block open_body(ct_solid_body b)
 {
   block solid = {NULL, NULL};
@@ -35,7 +37,7 @@ static inline void close_block(block *solid)
 /* Forces at the displacement u, and the energy. */
 static inline double block_force(const block *solid, const double *u, double *f)
 {
-  ct_view view = {.threads = 1, .displacement = u, .scratch = solid->scratch};
+  ct_view view = {.displacement = u, .scratch = solid->scratch};
   double energy = NAN;
   ct_error e;
   need(solid->effect->calls->force(solid->effect, &view, f, &e), &e);
@@ -45,7 +47,7 @@ static inline double block_force(const block *solid, const double *u, double *f)
 
 static inline double block_frequency(const block *solid)
 {
-  ct_view view = {.threads = 1, .scratch = solid->scratch};
+  ct_view view = {.scratch = solid->scratch};
   double omega_squared = NAN;
   ct_error e;
   need(solid->effect->calls->bounds.omega2(solid->effect, &view, &omega_squared, &e), &e);

@@ -297,8 +297,7 @@ static inline void probe_force(probe *p, const double *u, double *sum)
   for (int k = 0; k < p->problem->effect_count; k++) {
     const ct_effect *effect = p->problem->effects[k];
     if (effect->phase == CT_PHASE_REACTION) continue;
-    ct_view view = {.threads = 1,
-                    .reference = p->problem->reference,
+    ct_view view = {.reference = p->problem->reference,
                     .displacement = u,
                     .velocity = u,
                     .memory = p->memory + memory,
@@ -569,6 +568,12 @@ static inline void add_weight(ct_scene *scene, weight w)
   } while (0)
 
 /* `steps` and `stable` may be null. */
+static inline void set_threads(ct_scene *scene, int threads)
+{
+  ct_error error;
+  need(ct_scene_set_run_settings(scene, &(ct_run_settings){.threads = threads}, &error), &error);
+}
+
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps,
                                       ct_stable_step *stable)
 {

@@ -41,8 +41,8 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   add_faces(scene, mesh, 0.0, &push);
   add_faces(scene, mesh, 10.0, NULL);
   int64_t steps;
-  const ct_problem *problem = build(
-      scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9, .threads = 1}, &steps, NULL);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9}, &steps, NULL);
   ct_state *state = new_state(problem);
   advance(problem, state, (int64_t)(6.0 / speed / problem->dt));
   ct_energy before = energy_of(problem, state);

@@ -125,7 +125,7 @@ static ct_status add_fields(world *w, ct_error *e)
 /* Build, step until the bodies touch, compute what a record needs, continue on a copy. */
 static ct_status run(world *w, ct_error *e)
 {
-  const ct_scene_time time = {.end = 0.02, .fraction = 0.5, .threads = 1};
+  const ct_scene_time time = {.end = 0.02, .fraction = 0.5};
   ct_monitor_options options = ct_monitor_options_default();
   ct_stable_step stable;
   ct_energy energy;

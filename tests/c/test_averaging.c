@@ -74,8 +74,7 @@ static void force(void)
     ct_error e;
     add_support(scene, 0, m, 0, 0.0, "xz", 0.0);
     add_averaging(scene, list, alone ? count : 0);
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 1, .fraction = 0.6, .threads = 1}, NULL, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 1, .fraction = 0.6}, NULL, NULL);
     const ct_effect *effect = averaging_of(p);
     double *f = numbers(3 * n), *got = numbers(3 * n), off = 0.0, top = 0.0, sum[3] = {0.0},
            *D = mass_difference(m, STEEL.density, alone ? apart : NULL),
@@ -83,7 +82,7 @@ static void force(void)
     void *scratch = NULL;
     for (int i = 0; i < 3 * n; i++) f[i] = uniform(1.0);
     need(effect->calls->create_scratch(effect, &scratch, &e), &e);
-    ct_view view = {.threads = 1, .total = f, .scratch = scratch, .dt = p->dt};
+    ct_view view = {.total = f, .scratch = scratch, .dt = p->dt};
     need(effect->calls->force(effect, &view, got, &e), &e);
     for (int i = 0; i < 3 * n; i++) {
       double want = 0.0;
@@ -118,8 +117,8 @@ static double wave_error(int cells, int mode, double courant)
   add_moving_body(scene, "bar", m, &ROD, CT_KERNEL_AUTO, v);
   add_support(scene, 0, m, -1, 0.0, "yz", 0.0);
   add_averaging(scene, NULL, 0);
-  const ct_problem *p = build(
-      scene, (ct_scene_time){.end = 1e3, .dt = courant, .keep_dt = 1, .threads = 1}, NULL, NULL);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1e3, .dt = courant, .keep_dt = 1}, NULL, NULL);
   ct_state *state = new_state(p);
   double omega =
       2.0 / courant * asin(courant * sqrt(s * (1.0 + (1.0 - courant * courant) * s / 3.0)));
@@ -234,8 +233,7 @@ static double energy_rise(int alone, double *balance)
   ct_mesh *a = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 4, 4, 4),
           *b = box_mesh(CT_HEX8, 2.001, 0.3, 0.2, 2, 1.5, 1.5, 4, 3, 3);
   ct_scene *scene = blocks_of(a, b, 0, 0.0, alone);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 60, .fraction = 0.7, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 60, .fraction = 0.7}, NULL, NULL);
   ct_state *state = new_state(p);
   double start = energy_of(p, state).total, rise = 0.0, last = start, contact = 0.0, least = 0.0;
   for (int i = 0; i < 300; i++) {
@@ -285,8 +283,7 @@ static void energy(void)
     add_moving_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, v);
     if (held) add_support(scene, 0, m, 2, 0.0, "xz", 0.01);
     add_averaging(scene, NULL, 0);
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 100, .fraction = 0.99, .threads = 1}, NULL, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 100, .fraction = 0.99}, NULL, NULL);
     ct_state *state = new_state(p);
     ct_energy first = energy_of(p, state), now = first;
     for (int i = 0; i < 400; i++) {
@@ -308,8 +305,8 @@ static ct_state *contact_run(ct_scene **scene, ct_mesh *a, ct_mesh *b, int mirro
   ct_error e;
   *scene = mirrored ? blocks_of(b, a, 0, 0.15, 1) : blocks_of(a, b, 0, 0.15, 1);
   need(ct_scene_set_optimisations(*scene, &fast, &e), &e);
-  const ct_problem *p =
-      build(*scene, (ct_scene_time){.end = 10, .dt = 0.07, .threads = threads}, NULL, NULL);
+  set_threads(*scene, threads);
+  const ct_problem *p = build(*scene, (ct_scene_time){.end = 10, .dt = 0.07}, NULL, NULL);
   ct_state *state = new_state(p);
   if (from != NULL) need(ct_state_copy(p, from, state, &e), &e);
   advance(p, state, steps);
@@ -352,7 +349,7 @@ static ct_status refused(ct_mesh *m, ct_material material, int before, ct_scheme
   const ct_problem *joined, *problem;
   ct_effect *effect = NULL;
   int64_t steps;
-  ct_scene_time time = {.end = 1.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time time = {.end = 1.0, .fraction = 0.5};
   time.integrator = ct_integrator_default(scheme);
   need(ct_scene_join(scene, &joined, e), e);
   ct_status status = ct_averaging_create_effect(&def, joined, &effect, e);
@@ -459,8 +456,7 @@ static double reported(int cells, ct_solid_kernel kernel, double hourglass, doub
     need(ct_scene_add_body(scene[s], &def, NULL, &e), &e);
     if (flat) add_support(scene[s], 0, m, -1, 0.0, "y", 0.0);
     if (s == 1) add_averaging(scene[s], NULL, 0);
-    p[s] = build(scene[s], (ct_scene_time){.end = 1e6, .fraction = 1.0, .threads = 1}, NULL,
-                 &stable[s]);
+    p[s] = build(scene[s], (ct_scene_time){.end = 1e6, .fraction = 1.0}, NULL, &stable[s]);
   }
   double dt = stable[1].dt, low = 0.5 * dt, high = 2.0 * dt;
   for (int i = 0; i < 24; i++) { // the true limit, where γ is that of the step
@@ -482,8 +478,7 @@ static void fixed_point(void)
   const ct_material material = {1.0, 0.25, 1.0, CT_LINEAR};
   add_body(scene, "block", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   add_averaging(scene, NULL, 0);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   for (double rate = 0.0; rate < 2.0; rate += 0.7) {
     const bounds sum = {.omega_squared = 5.0, .rate = rate};
     double dt = step_of(p, &sum), F = 1.0 + 26.0 / 27.0 * eta_of(&material, 1.0, dt);

@@ -581,8 +581,7 @@ static void bars(double beta, int wall)
   if (wall) add_support(scene, b, right, -1, 0.0, "xyz", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0}, &steps, &stable);
   double *u = numbers(3 * p->node_count);
   for (int n = 0; n < p->node_count; n++)
     u[3 * n] = n < p->node_count / 2 ? 1e-3 : 0.0; // pressed, so that the springs act

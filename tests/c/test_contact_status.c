@@ -68,7 +68,6 @@ static double take(hand *h, double z, double time, double *energy, double *exter
   need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.time = time,
                   .dt = 0.25,
-                  .threads = 1,
                   .reference = h->reference,
                   .displacement = h->u,
                   .velocity = h->rest,
@@ -248,7 +247,6 @@ static double evaluate(hand *h, double *force)
   double energy, *own = numbers(3 * effect->node_count);
   need(effect->calls->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.time = 1.0,
-                  .threads = 1,
                   .reference = h->reference,
                   .displacement = h->u,
                   .velocity = h->rest,

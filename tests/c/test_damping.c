@@ -15,12 +15,12 @@ static void decay(void)
   int64_t steps;
   ct_stable_step stable, free_step;
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 3, -4, 0);
-  build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &free_step);
+  build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2}, &steps, &free_step);
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_damping_def damping = {COOKIE, .rate = 2.0};
   add_made(scene, ct_damping_create_effect, &damping);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2}, &steps, &stable);
   double W = 4.0 / (free_step.dt * free_step.dt);
   tap_close(stable.dt / (4.0 / (2.0 + sqrt(4.0 + 4.0 * W))), 1.0, 1e-12,
             "the stable step includes the rate (%g of the undamped one)", stable.dt / free_step.dt);
@@ -67,11 +67,10 @@ static void strong(void)
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 3, -4, 0);
   ct_damping_def damping = {COOKIE, .rate = rate};
   add_made(scene, ct_damping_create_effect, &damping);
-  tap_ok(ct_scene_build(scene, &(ct_scene_time){.end = 1.0, .dt = 1.2 / rate, .threads = 1},
-                        &problem, &steps, NULL, &e) == CT_ERROR_STEP,
+  tap_ok(ct_scene_build(scene, &(ct_scene_time){.end = 1.0, .dt = 1.2 / rate}, &problem, &steps,
+                        NULL, &e) == CT_ERROR_STEP,
          "strong damping: %s", e.text);
-  problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  problem = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0}, &steps, &stable);
   tap_close(stable.dt * rate, 1.0, 1e-14, "the stable step is 1 / alpha");
   ct_state *state = new_state(problem);
   double least = 0.0;
@@ -101,7 +100,7 @@ static void relaxation_by_hand(void)
   ct_damping_def damping = {COOKIE, .relaxation = 1};
   add_made(scene, ct_damping_create_effect, &damping);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.1, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.1}, NULL, NULL);
   ct_state *state = new_state(problem);
   double k = 9.0, m = 1.0, dt = problem->dt, u = 0.0, v = 0.1, rate = 0.0, off = 0.0;
   double u0 = 0.0, f0 = 0.0, age = 0.0;
@@ -134,8 +133,7 @@ static void residual_by_hand(void)
   add_support(scene, body, mesh, 0, 0.0, "xyz", 0.0);
   ct_gravity_def gravity = {COOKIE, .acceleration = {20, 0, 0}};
   add_made(scene, ct_gravity_create_effect, &gravity);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   ct_state *state = new_state(p);
   ct_error e;
   double off = 0.0, *force = numbers(3 * p->node_count), *total = numbers(3 * p->node_count);
@@ -189,7 +187,7 @@ static void relaxation(void)
   add_made(scene, ct_damping_create_effect, &damping);
   int64_t steps;
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9, .threads = 1}, &steps, NULL);
+      build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9}, &steps, NULL);
   ct_state *state = new_state(problem), *other = new_state(problem);
   double unrest = 0.0, work = 0.0, balance = 0.0, off = 0.0;
   need(ct_energy_residual(problem, state, &unrest, &e), &e);
@@ -235,7 +233,7 @@ static void unrest_of_free_bodies(void)
     double unrest;
     add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, flies, 0, 0);
     const ct_problem *problem =
-        build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+        build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
     ct_state *state = new_state(problem);
     need(ct_energy_residual(problem, state, &unrest, &e), &e);
     tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: residual %g",

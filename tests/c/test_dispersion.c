@@ -380,7 +380,6 @@ static int run_front(const run *r, double dt, double *distance, double *stress)
                                     (ct_scene_time){.end = r->steps * dt,
                                                     .dt = dt,
                                                     .keep_dt = 1,
-                                                    .threads = 1,
                                                     .integrator = ct_integrator_default(r->scheme)},
                                     &steps, NULL);
   ct_state *state = new_state(problem);

@@ -60,8 +60,8 @@ static void named(const char *name)
              friction == NULL,
          "a host's effect \"%s\" has no friction points: %s", name, e.text);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  ct_state *state = new_state(
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL));
+  ct_state *state =
+      new_state(build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL));
   const ct_problem *problem = state->problem;
   advance(problem, state, 3);
   ct_energy energy = energy_of(problem, state);
@@ -136,8 +136,7 @@ static void refused(const char *name, ct_effect *first, ct_effect *second)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_stable_step stable;
-  ct_problem problem =
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, &stable);
+  ct_problem problem = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, &stable);
   const ct_effect *list[] = {problem.effects[0], first, second};
   ct_state *state = NULL;
   ct_error e = {0};
@@ -256,7 +255,7 @@ int main(void)
   ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;
-  ct_scene_time run = {.end = 3.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time run = {.end = 3.0, .fraction = 0.5};
   build(scene, run, &steps, &free_step);
   add_effect(scene, &filled);
   const ct_problem *problem = build(scene, run, &steps, &stable);

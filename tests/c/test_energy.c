@@ -61,8 +61,7 @@ static void reference_run(void)
   plane_strain(scene, 0, m, 0.125);
   add_support(scene, 0, m, 0, 0.0, "x", 0.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125}, &steps, NULL);
   ct_state *state = new_state(p);
   double kinetic = energy_of(p, state).kinetic, mass = 0.0;
   for (int n = 0; n < p->node_count; n++) mass += m->nodes[3 * n] > 0.0 ? p->mass[n] : 0.0;
@@ -93,9 +92,9 @@ static void contact_run(double beta, double courant, double fraction, double dri
   add_contact(scene, 1, left, 0.0, 0, right, 0.0, 0, beta);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(
-      scene, (ct_scene_time){.end = 1e-6, .courant = courant, .fraction = fraction, .threads = 1},
-      &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1e-6, .courant = courant, .fraction = fraction}, &steps,
+            &stable);
   ct_state *state = new_state(p);
   ledger l = watch(p, state, steps / 5 * 5, 5);
   char name[80];
@@ -140,8 +139,7 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
   t.problem = build(
       t.scene,
-      (ct_scene_time){
-          .end = 1e-6, .fraction = 0.8, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1e-6, .fraction = 0.8, .integrator = ct_integrator_default(scheme)},
       NULL, NULL);
   for (int n = 0; n < t.problem->node_count; n++) t.moving += 0.5 * t.problem->mass[n] * v * v;
   // Half the penalty at the points of each side, whose weights sum to the area.
@@ -240,8 +238,7 @@ static void pressed_at_rest(void)
     add_made(scene, ct_obstacle_create_effect, &o);
     ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -9810}};
     add_made(scene, ct_gravity_create_effect, &gravity);
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
     ct_state *state = new_state(p);
     double before = energy_of(p, state).total, rise = 0.0, top = 0.0;
     for (int i = 0; i < 60; i++) {
@@ -275,8 +272,7 @@ static void unlike_plates(void)
   plane_strain(scene, 1, fine, 0.25);
   add_contact(scene, 0, coarse, 0.0, 1, fine, 0.0, 0, 1.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7}, &steps, NULL);
   ct_state *state = new_state(p);
   ledger l = watch(p, state, steps / 10 * 10, 10);
   ct_momentum a = momentum_of(p, state, 0), b = momentum_of(p, state, 1);
@@ -304,8 +300,7 @@ static void flying_block(void)
   ct_mesh *box = box_mesh(CT_HEX8, 1, 2, 3, 1, 1, 2, 2, 2, 2);
   ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, &steps, NULL);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   ct_momentum now = momentum_of(p, state, 0);
@@ -347,8 +342,7 @@ static void discrete_kinetic(void)
   ct_mesh *box = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 2, 1);
   ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);
   add_support(scene, 0, box, 0, 0.0, "xyz", 0.0);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
   ct_state *state = new_state(p);
   double off = 0.0, *before = numbers(3 * p->node_count);
   for (int k = 0; k < 50; k++) {
@@ -379,8 +373,7 @@ static void many_impulses(void)
   add_weight(scene, (weight){.g = {g[0], g[1], g[2]}});
   int64_t steps;
   ct_error e;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7}, &steps, NULL);
   ct_state *state = new_state(p), *copy = new_state(p);
   double weighed = 0.0, balance = 0.0, mass = 0.0, impulse[3];
   int own = strcmp(p->effects[1]->label, "weight") == 0 ? 1 : 2;
@@ -477,8 +470,7 @@ static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, cons
   add_body(scene, "b", b, &STEEL, kernel, -1900, 0, 30);
   plane_strain(scene, 1, b, 0.5);
   add_contact(scene, 0, a, 0.0, 1, b, 0.0, 0, 1.0);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 3e-7, .fraction = 0.6, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 3e-7, .fraction = 0.6}, NULL, NULL);
   ct_state *state = new_state(p);
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor;
@@ -504,8 +496,7 @@ static void sleep_over_checks(int push)
   const ct_optimisations sleeping = {.sleep = 1};
   ct_error e;
   need(ct_scene_set_optimisations(scene, &sleeping, &e), &e);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
   ct_state *one = new_state(p), *other = new_state(p);
   one->velocity[0] = other->velocity[0] = 1000.0;
   ct_monitor_options options = ct_monitor_options_default();

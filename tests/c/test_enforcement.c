@@ -177,8 +177,8 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
                        .faces = faces};
   need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
   need(ct_scene_add_effect(b.scene, effect, &error), &error);
-  b.problem = build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction, .threads = 1},
-                    &b.steps, &b.stable);
+  b.problem =
+      build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction}, &b.steps, &b.stable);
   b.state = new_state(b.problem);
   free(faces);
   return b;
@@ -315,10 +315,9 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
                               .options = options_of(enforcement)};
   ct_error error;
   need(ct_scene_add_contact(p.scene, &contact, &error), &error);
-  p.problem =
-      build(p.scene,
-            (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8, .threads = threads},
-            &steps, &stable);
+  set_threads(p.scene, threads);
+  p.problem = build(p.scene, (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8},
+                    &steps, &stable);
   p.state = new_state(p.problem);
   for (int b = 0; b < 2; b++) {
     ct_mesh_free(flat[b]);
@@ -489,7 +488,7 @@ static void shared_nodes(void)
       need(ct_scene_add_effect(scene, effect, &error), &error);
     }
     const ct_problem *problem =
-        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, &steps, &stable);
     ct_state *state = new_state(problem);
     const ct_solver *s = state->workspace->constraints->solver;
     advance(problem, state, 1);
@@ -687,8 +686,7 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
       ground == FOLD ? folded_scene(kind[0], options) : sliding_scene(kind, ground, dissipation);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, &steps, &stable);
   ct_state *state = new_state(p), *copy = new_state(p);
   const ct_solver *s = state->workspace->constraints->solver;
   int64_t n = 3 * (int64_t)p->node_count;
@@ -761,7 +759,7 @@ static void a_twin_is_a_wall(void)
                      options_of(k ? CT_ENFORCE_PENALTY : CT_ENFORCE_ENERGY_CONTROLLED), 0.0, 0.0);
     add_body(one, "right", right, &SOFT, CT_KERNEL_AUTO, -1, 0, 0);
     add_support(one, 0, right, 0, 0.0, "x", 0.0);
-    ct_scene_time time = {.end = 0.1, .dt = 0.9 * 0.2 / 30.0 * (k ? 0.4 : 1.0), .threads = 1};
+    ct_scene_time time = {.end = 0.1, .dt = 0.9 * 0.2 / 30.0 * (k ? 0.4 : 1.0)};
     const ct_problem *p = build(two, time, &steps, &stable), *q = build(one, time, &steps, &stable);
     ct_state *s = new_state(p), *t = new_state(q);
     advance(p, s, steps);
@@ -817,8 +815,7 @@ static void driven(void)
   need(ct_scene_add_effect(scene, effect, &error), &error);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.9}, &steps, &stable);
   ct_state *state = new_state(p);
   for (int64_t n = 0; n + 1 < steps; n++) {
     advance(p, state, 1);

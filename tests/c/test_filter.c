@@ -8,7 +8,7 @@ static const double PI = 3.14159265358979323846;
 
 static const ct_problem *at_half(ct_scene *scene)
 {
-  return build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  return build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
 }
 
 static ct_filter *new_filter(const ct_problem *p, int passes)
@@ -38,8 +38,7 @@ static void waves(void)
   ct_stable_step stable;
   double c1, c2, *u = numbers(3 * n), *v = numbers(3 * n);
   add_support(scene, 0, m, -1, 0.0, "yz", 0.0);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, &stable);
   ct_state *state = new_state(p);
   ct_material_speeds(&STEEL, &c1, &c2);
   for (int passes = 1; passes <= 8; passes++) {

@@ -31,8 +31,8 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
                                .damping = pull > 0.0 ? 10.0 : 0.0,
                                .pull = pull,
                                .period = period});
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads}, NULL,
-                    &t.stable);
+  set_threads(t.scene, threads);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4}, NULL, &t.stable);
   t.state = new_state(t.problem);
   return t;
 }
@@ -196,8 +196,7 @@ static void momentum(ct_brick_kind kind, const char *name)
   contact.options.initial_penetration = CT_INITIAL_FORCE;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3}, NULL, NULL);
   ct_state *state = new_state(p);
   double linear = 0.0, angular = 0.0, *f = numbers(3 * (int64_t)p->node_count);
   int met = 0;
@@ -258,8 +257,7 @@ static pressed new_pressed(double mu, double rho, double skew, int axis)
   add_body(t.scene, "a", t.a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(t.scene, "b", t.b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_rough_contact(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, mu, rho);
-  t.problem =
-      build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, NULL, NULL);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3}, NULL, NULL);
   t.p = probe_open(t.problem);
   t.u = numbers(3 * (int64_t)t.problem->node_count);
   t.f = numbers(3 * (int64_t)t.problem->node_count);
@@ -341,8 +339,7 @@ static void rotation(void)
   memcpy(x0, t.u, 3 * (size_t)count * sizeof *x0);
   for (int i = 0; i < 3 * count; i++) x0[i] += t.problem->reference[i];
   memcpy(f0, t.f, 3 * (size_t)count * sizeof *f0);
-  ct_view view = {.threads = 1,
-                  .reference = t.problem->reference,
+  ct_view view = {.reference = t.problem->reference,
                   .displacement = t.u,
                   .velocity = t.u,
                   .scratch = t.p.scratch[0]};
@@ -403,8 +400,7 @@ static void bound(double rho)
   double *u0 = numbers(n), *solid = numbers(n), *solid0 = numbers(n);
   ct_error error;
   memcpy(u0, t.u, (size_t)n * sizeof *u0);
-  ct_view view = {.threads = 1,
-                  .reference = t.problem->reference,
+  ct_view view = {.reference = t.problem->reference,
                   .displacement = t.u,
                   .velocity = t.u,
                   .scratch = t.p.scratch[0]};
@@ -466,7 +462,7 @@ static void closed_skins(int n, double apart)
   ct_error error;
   need(ct_scene_add_contact(scene, &skins, &error), &error);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
   ct_state *state = new_state(problem);
   double omega2, rate;
   need(ct_stable_contribution(problem, state, 2, &omega2, &rate, &error), &error);

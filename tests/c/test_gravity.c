@@ -6,7 +6,7 @@ static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}
 static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity, double end)
 {
   add_made(scene, ct_gravity_create_effect, gravity);
-  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5}, NULL, NULL);
 }
 
 /* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion

@@ -394,7 +394,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   // touches already leaves.
   const int64_t from = p.inside || options.initial_penetration == CT_INITIAL_REMOVE;
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = end, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, &stable);
   ct_state *state = new_state(problem);
   const int32_t count = problem->node_count, split = p.bodies == 2 ? 3 * p.mesh[0]->node_count : 0;
   ct_contact *contact[2];

@@ -263,8 +263,7 @@ static void textbook(ct_scheme scheme, double share)
   ct_stable_step stable;
   ct_error e;
   ct_problem q =
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = g},
-             &steps, &stable);
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .integrator = g}, &steps, &stable);
   tap_close(stable.dt * sqrt(w), ct_integrator_limit(&g), 1e-9,
             "%s: the reported step is the limit over omega", SCHEME(scheme));
   q.initial_velocity = m->nodes;
@@ -304,8 +303,7 @@ static void free_fall(ct_scheme scheme)
   add_weight(scene, (weight){.g = {0, 0, -3}});
   const ct_problem *p = build(
       scene,
-      (ct_scene_time){
-          .end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1.0, .fraction = 0.9, .integrator = ct_integrator_default(scheme)},
       NULL, NULL);
   ct_state *state = new_state(p);
   double off = 0.0, fast = 0.0, v[24];
@@ -336,8 +334,7 @@ static void pressed_start(ct_scheme scheme, double beta)
   add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, beta, options, 0.0, 1.0);
   const ct_problem *p = build(
       scene,
-      (ct_scene_time){
-          .end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1.0, .fraction = 0.9, .integrator = ct_integrator_default(scheme)},
       NULL, NULL);
   ct_state *state = new_state(p);
   double *v = numbers(3 * p->node_count), *force = numbers(3 * p->node_count);
@@ -362,8 +359,7 @@ static void order_of(ct_scheme scheme)
   ct_scene *scene = new_scene_with("body", m, &SOFT, CT_KERNEL_AUTO, 0.3, -0.1, 0.2);
   add_weight(scene, (weight){.g = {0.5, -1.0, 0.25}});
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6}, &steps, NULL);
   int n = 3 * p->node_count;
   double *v0 = numbers(n), *fine = numbers(2 * n), *now = numbers(2 * n), error[2][3];
   for (int i = 0; i < n; i++) v0[i] = sin(2.0 * p->reference[i] + p->reference[3 * (i / 3)]);
@@ -427,10 +423,9 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   need(ct_scene_join(c.scene, &joined, &e), &e);
   need(create_motion(&motion, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(c.scene, effect, &e), &e);
-  c.own = *build(
-      c.scene,
-      (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = threads, .integrator = integrator},
-      NULL, NULL);
+  set_threads(c.scene, threads);
+  c.own = *build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = integrator},
+                 NULL, NULL);
   ct_mesh_free(a);
   ct_mesh_free(b);
   return c;
@@ -549,8 +544,7 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   add_made(scene, ct_obstacle_create_effect, &wall);
   ct_problem q = *build(
       scene,
-      (ct_scene_time){
-          .end = 1.4, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1.4, .fraction = 0.5, .integrator = ct_integrator_default(scheme)},
       NULL, NULL);
   // Omega of a bar with a penalty of one element's stiffness at its end (eq:step-bar with half of
   // it), c = 30, h = 0.1.
@@ -625,12 +619,11 @@ static void within_a_step(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_effect_create(&filled, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  const ct_problem *p = build(scene,
-                              (ct_scene_time){.end = 1.0,
-                                              .fraction = 0.5,
-                                              .threads = 1,
-                                              .integrator = ct_integrator_default(CT_NOH_BATHE)},
-                              NULL, NULL);
+  const ct_problem *p =
+      build(scene,
+            (ct_scene_time){
+                .end = 1.0, .fraction = 0.5, .integrator = ct_integrator_default(CT_NOH_BATHE)},
+            NULL, NULL);
   ct_state *state = new_state(p), *good = new_state(p);
   advance(p, state, 3);
   need(ct_state_copy(p, state, good, &e), &e);

@@ -39,7 +39,6 @@ static void evaluate(touch *t, const double *x, const double *velocity, int step
   const ct_surface_motion now = {.time = 0.1 * step,
                                  .before = step > 0 ? 0.1 : 0.0,
                                  .dt = 0.1,
-                                 .threads = 1,
                                  .x = t->x,
                                  .velocity = t->velocity,
                                  .memory = t->memory,
@@ -59,7 +58,6 @@ static void evaluate_effect(const ct_effect *effect, void *scratch, const void *
   ct_error e;
   const ct_view view = {.time = 0.1 * step,
                         .dt = 0.1,
-                        .threads = 1,
                         .reference = X,
                         .displacement = u,
                         .velocity = velocity,

@@ -23,8 +23,7 @@ static loaded load_faces(ct_scene *scene, ct_load_def load, int32_t *faces, int3
   load.kind = ct_brick_face_kind(joined->bodies[0].mesh->kind);
   need(ct_load_create_effect(&load, joined, &l.effect, &e), &e);
   need(ct_scene_add_effect(scene, l.effect, &e), &e);
-  l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1},
-                    &l.steps, &l.stable);
+  l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction}, &l.steps, &l.stable);
   free(faces);
   return l;
 }
@@ -37,7 +36,6 @@ static double *force_at(const loaded *l, const double *u)
   double *force = numbers(3 * (int64_t)l->problem->node_count),
          *own = numbers(3 * (int64_t)l->effect->node_count);
   ct_view view = {.time = 0.0,
-                  .threads = 1,
                   .reference = l->problem->reference,
                   .displacement = u != NULL ? u : state->displacement,
                   .velocity = state->velocity};

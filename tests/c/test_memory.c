@@ -90,7 +90,7 @@ static ct_mesh *block_of(const kind *k)
 
 static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
 {
-  return build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, NULL, stable);
+  return build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5}, NULL, stable);
 }
 
 /* Build, step, compute records; nothing is allocated after the start, and the memory is no more
@@ -257,7 +257,7 @@ static void bars(void)
     if (i == 2) add_contact(scene, 0, m[0], 0.0, 1, m[1], 0.001, 0, 0.5);
     int64_t steps;
     const ct_problem *problem =
-        build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9, .threads = 1}, &steps, NULL);
+        build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9}, &steps, NULL);
     ct_state *state = new_state(problem);
     held[i] = counted.held - before;
     long calls_before = counted.calls;

@@ -6,7 +6,7 @@
 
 static const double PI = 3.14159265358979323846;
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
-static const ct_scene_time HALF = {.end = 1.0, .fraction = 0.5, .threads = 1};
+static const ct_scene_time HALF = {.end = 1.0, .fraction = 0.5};
 
 static ct_monitor *new_watch(const ct_problem *problem, ct_state *state, ct_monitor_options options)
 {
@@ -40,8 +40,7 @@ static void same_bits(void)
   add_body(scene, "right", right, &large, CT_KERNEL_AUTO, -0.1, 0, 0);
   add_rough_contact(scene, 0, left, 0.0, 1, right, 0.01, 0, 1.0, 0.3, 0.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5}, &steps, NULL);
   ct_state *plain = new_state(p), *monitored = new_state(p);
   ct_monitor *monitor = new_watch(p, monitored, every(3));
   ct_error e;
@@ -88,8 +87,7 @@ static void stiffening(void)
   add_support(scene, 1, m, 0, 10.0, "x", 10.0 * rate);
   add_support(scene, 1, m, -1, 0.0, "yz", 0.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1000.0, .courant = f, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1000.0, .courant = f}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(4));
   ct_status status = ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e);
@@ -175,8 +173,7 @@ static void pump(double limit, int stores)
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 100.0, .fraction = 0.2, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 100.0, .fraction = 0.2}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_monitor_options options = every(2);
   options.energy_limit = limit;
@@ -223,8 +220,7 @@ static void told(int stores, double unit)
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(2));
   ct_status status = ct_run(state->problem, state, 2, &(ct_observers){.monitor = monitor}, &e);
@@ -268,8 +264,7 @@ static void least_energy(void)
   ct_scene *scene = new_scene();
   add_body(scene, "lower", lower, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "upper", upper, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   tap_close(floor_of(p) / DBL_EPSILON, 10.0 * 30.0 * 0.75 / (1.25 * 0.5), 1e-9,
             "the energy that counts as rounding");
 
@@ -332,8 +327,7 @@ static void at_rest(void)
     ct_error e = {0};
     need(ct_scene_add_contact(scene, &contact, &e), &e);
     int64_t steps;
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8, .threads = 1}, &steps, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8}, &steps, NULL);
     ct_state *state = new_state(p);
     ct_monitor *monitor = new_watch(p, state, every(1));
     if (ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e) != CT_OK &&

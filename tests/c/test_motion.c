@@ -14,7 +14,7 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   need(ct_scene_join(scene, &joined, &e), &e);
   need(create_motion(motions, count, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps, NULL);
+  return build(scene, (ct_scene_time){.end = end, .fraction = fraction}, steps, NULL);
 }
 
 /* A distorted block whose base follows a motion, waits and comes back, while the rest is free
@@ -107,7 +107,7 @@ static void inertia(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   need(create_motion(&motion, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01, .threads = 1}, NULL, NULL);
+  p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01}, NULL, NULL);
   ct_state *state = new_state(p);
   double force[81], sum[3] = {0, 0, 0};
   advance(p, state, 50);
@@ -187,7 +187,7 @@ static void refusals(void)
   need(ct_scene_add_effect(scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
-  ct_scene_time run = {.end = 1.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time run = {.end = 1.0, .fraction = 0.5};
   ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -1}};
   add_made(scene, ct_gravity_create_effect, &gravity);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_OK,

@@ -47,8 +47,7 @@ static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, dou
 
 static void finish(against *t, double end, double fraction)
 {
-  t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1},
-                     NULL, &t->stable);
+  t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction}, NULL, &t->stable);
   t->state = new_state(t->problem);
 }
 
@@ -95,7 +94,7 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   ct_error e;
   double omega2 = 0.0;
   const ct_effect *effect = t.problem->effects[1];
-  ct_view view = {.threads = 1};
+  ct_view view = {.time = 0.0};
   need(effect->calls->create_scratch(effect, &view.scratch, &e), &e);
   need(effect->calls->bounds.omega2(effect, &view, &omega2, &e), &e);
   effect->calls->free_scratch(view.scratch);
@@ -162,8 +161,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
   ct_error error;
   need(e->calls->create_scratch(e, &scratch, &error), &error);
   for (int64_t i = 0; i < n; i++) u[i] = uniform(0.05);
-  ct_view view = {.threads = 1,
-                  .reference = t.problem->reference,
+  ct_view view = {.reference = t.problem->reference,
                   .displacement = u,
                   .velocity = u,
                   .memory = memory,
@@ -308,7 +306,7 @@ static void overlap(int shape, ct_initial how, const char *name)
   against t = begin(box_mesh(CT_HEX8, -0.5, -0.5, -0.5, 1, 1, 1, 4, 4, 3), &SOFT, 0, 0, 0);
   const ct_obstacle_def o = shape_beneath(shape, how);
   add_obstacle(&t, o, 2, -0.5, 0.0);
-  ct_scene_time time = {.end = 0.4, .fraction = 0.8, .threads = 1};
+  ct_scene_time time = {.end = 0.4, .fraction = 0.8};
   ct_error error;
   int64_t steps;
   if (how == CT_INITIAL_REFUSE) {
@@ -721,7 +719,7 @@ static void refusals(void)
       2, 0.0, 0.0);
   const ct_problem *problem;
   int64_t steps;
-  ct_scene_time time = {.end = 1.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time time = {.end = 1.0, .fraction = 0.5};
   tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) ==
              CT_ERROR_GEOMETRY,
          "refused: %s", error.text);

@@ -163,10 +163,10 @@ static void lattices(void)
            *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
     int same = 0, tried = 0;
     for (int threads = 1; threads <= 5; threads += 2) {
-      ct_solid_body block = {.mesh = m,
-                             .material = STEEL,
-                             .optimisations = &NONE,
-                             .threads = threads == 5 ? 2 : threads};
+      const ct_run_settings prepared = {.threads = threads == 5 ? 2 : threads},
+                            settings = {.threads = threads};
+      m->settings = &prepared;
+      ct_solid_body block = {.mesh = m, .material = STEEL, .optimisations = &NONE};
       ct_effect *effect[2];
       void *scratch[2];
       for (int k = 0; k < 2; k++, block.optimisations = &on) {
@@ -180,7 +180,7 @@ static void lattices(void)
         for (int d = 0; d < 3 * m->node_count; d++)
           u[d] = d >= 3 * first && d < 3 * last ? uniform(1e-3) : 0.3 * (d % 3) + turn;
         for (int k = 0; k < 2; k++) {
-          ct_view view = {.threads = threads, .displacement = u, .scratch = scratch[k]};
+          ct_view view = {.settings = &settings, .displacement = u, .scratch = scratch[k]};
           need(effect[k]->calls->force(effect[k], &view, f[k], &e), &e);
           need(effect[k]->calls->energy(effect[k], &view, &energy[k], &e), &e);
         }
@@ -217,14 +217,15 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
   ct_optimisations on = {1, 1, 1, 1};
   int same = 0, alike = 0, tried = 0;
   for (int threads = 1; threads <= 3; threads++) {
+    const ct_run_settings settings = {.threads = threads};
+    m->settings = s->settings = &settings;
     ct_effect *effect[3], *hourglass;
     void *scratch[3];
     for (int k = 0; k < 3; k++) {
       ct_solid_body block = {.mesh = k == 0 ? m : s,
                              .material = STEEL,
                              .kernel = kernel,
-                             .optimisations = k == 2 ? &on : &NONE,
-                             .threads = threads};
+                             .optimisations = k == 2 ? &on : &NONE};
       need(create_solid(&block, 1, &effect[k], &e), &e);
       need(effect[k]->calls->create_scratch(effect[k], &scratch[k], &e), &e);
     }
@@ -233,7 +234,7 @@ static void shuffled(ct_solid_kernel kernel, int turned, const int cells[3])
       for (int32_t n = 0; n < nodes; n++) memcpy(&moved[3 * to[n]], &u[3 * n], 24);
       for (int k = 0; k < 3; k++) {
         ct_view view = {
-            .threads = threads, .displacement = k == 0 ? u : moved, .scratch = scratch[k]};
+            .settings = &settings, .displacement = k == 0 ? u : moved, .scratch = scratch[k]};
         need(effect[k]->calls->force(effect[k], &view, f[k], &e), &e);
         need(effect[k]->calls->energy(effect[k], &view, &energy[k], &e), &e);
         if (kernel != CT_KERNEL_REDUCED) continue;
@@ -282,7 +283,7 @@ static void shuffled_bar(void)
     add_moving_body(scene[k], "bar", s, &STEEL, CT_KERNEL_AUTO, v);
     need(ct_scene_set_optimisations(scene[k], &o, &e), &e);
     const ct_problem *problem =
-        build(scene[k], (ct_scene_time){.end = 1e-3, .fraction = 0.9, .threads = 1}, NULL, NULL);
+        build(scene[k], (ct_scene_time){.end = 1e-3, .fraction = 0.9}, NULL, NULL);
     state[k] = new_state(problem);
     advance(problem, state[k], 20);
   }
@@ -314,8 +315,8 @@ static ct_state *collision(ct_scene **scene, ct_mesh *const m[2], double side, i
              b ? side : 0.0, 0.0);
   add_contact_with(*scene, 0, m[0], 0.0, 1, m[1], 0.0, 0, 1.0, ct_contact_options_default(), 0.0,
                    0.0);
-  const ct_problem *problem =
-      build(*scene, (ct_scene_time){.end = 1.0, .dt = 2e-9, .threads = threads}, NULL, NULL);
+  set_threads(*scene, threads);
+  const ct_problem *problem = build(*scene, (ct_scene_time){.end = 1.0, .dt = 2e-9}, NULL, NULL);
   ct_state *state = new_state(problem);
   if (from != NULL) need(ct_state_copy(problem, from, state, &e), &e);
   advance(problem, state, steps);
@@ -372,7 +373,7 @@ static void without_contact(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   ct_scene *scene = new_scene_with("block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9}, NULL, NULL);
   ct_state *state = new_state(problem);
   tap_ok(problem->effect_count == 1 && state->memory_count == 0 && state->impulse_count == 0 &&
              state->work_count == 3 * m->node_count && state->workspace->shared_count == 0,
@@ -418,8 +419,9 @@ static place *impact(ct_brick_kind kind, ct_layers layers, int shuffle_it,
                    0.0);
   add_support(scene, 0, m[0], 2, -0.2, "z", 0.0);
   need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
+  set_threads(scene, 2);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, NULL);
+      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9}, &steps, NULL);
   ct_state *state = new_state(problem);
   advance(problem, state, steps);
   *count = problem->node_count;

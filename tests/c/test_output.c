@@ -120,8 +120,7 @@ static rig *rig_create(int curved, int with_probe)
     free(velocity);
     ct_mesh_free(mesh);
   }
-  r->problem =
-      *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  r->problem = *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5}, NULL, NULL);
   memcpy(r->body, r->problem.bodies, sizeof r->body);
   static const ct_effect_calls calls = {.force = hardening_force};
   r->probe = (ct_effect){

@@ -61,8 +61,7 @@ static void rig_open(rig *r, const char *folder)
   r->scene = new_scene_with("block", mesh, &MATERIAL, CT_KERNEL_GENERAL, 1, 0, 0);
   add_support(r->scene, 0, mesh, 0, 0.0, "y", 0.0);
   ct_mesh_free(mesh);
-  r->problem =
-      build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  r->problem = build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5}, NULL, NULL);
   for (int k = 0; k < RECORDS; k++)
     r->want[k] = later(r->problem, k > 0 ? r->want[k - 1] : NULL, 2);
   r->old = later(r->problem, NULL, 1);

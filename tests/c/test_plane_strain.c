@@ -14,9 +14,9 @@ static ct_mesh *layer(int axis, int along, int across)
   return box_mesh(CT_HEX8, 0.1, -0.3, 0.2, size[0], size[1], size[2], cells[0], cells[1], cells[2]);
 }
 
-static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis, int threads)
+static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis)
 {
-  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = kernel, .threads = threads};
+  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = kernel};
   b.fixed[axis] = 1;
   return open_body(b);
 }
@@ -59,7 +59,7 @@ static void zeros(void)
     ct_mesh *m = layer(axis, 5, 4);
     int n = 3 * m->node_count, minus = 0;
     double *u = numbers(n), *f = numbers(n);
-    block plane = open_held(m, CT_KERNEL_PLANE, axis, 1);
+    block plane = open_held(m, CT_KERNEL_PLANE, axis);
     for (int i = 0; i < n; i++) u[i] = i % 3 == axis ? 0.0 : 0.7;
     block_force(&plane, u, f);
     for (int i = 0; i < n; i++) minus += f[i] != 0.0 || signbit(f[i]);
@@ -79,7 +79,7 @@ static void forces(void)
     ct_mesh *m = layer(axis, 19, 23);
     int n = 3 * m->node_count;
     double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n), *h = numbers(n);
-    block plane = open_held(m, CT_KERNEL_AUTO, axis, 1), box = open_held(m, CT_KERNEL_BOX, axis, 1);
+    block plane = open_held(m, CT_KERNEL_AUTO, axis), box = open_held(m, CT_KERNEL_BOX, axis);
     double own = block_force(&plane, u, f), want = block_force(&box, u, g),
            energy = reference_force(m, &STEEL, u, h);
     tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX,
@@ -92,7 +92,7 @@ static void forces(void)
            largest_difference(f, h, n) / largest(h, n), own / energy - 1.0);
     tap_ok(block_frequency(&plane) == block_frequency(&box), "%c: the same bound on the step",
            "xyz"[axis]);
-    ct_view view = {.threads = 2, .displacement = u, .scratch = plane.scratch};
+    ct_view view = {.settings = &TWO, .displacement = u, .scratch = plane.scratch};
     ct_error e;
     need(plane.effect->calls->force(plane.effect, &view, h, &e), &e);
     tap_ok(memcmp(f, h, (size_t)n * sizeof *f) == 0, "%c: two threads, the same bits", "xyz"[axis]);
@@ -133,6 +133,7 @@ static void forces(void)
  * of threads. */
 static void rings(void)
 {
+  static const ct_run_settings three = {.threads = 3};
   static const char *const ORDER[] = {"in rows", "elements in any order", "nodes in any order"};
   for (int order = 0; order < 3; order++)
     for (int axis = 1; axis < 3; axis++) {
@@ -160,11 +161,12 @@ static void rings(void)
         memcpy(&m->nodes[3 * name[i]], &at[3 * i], 3 * sizeof *at);
       for (int i = 0; i < 8 * m->element_count; i++) m->elements[i] = name[m->elements[i]];
       double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n);
-      block plane = open_held(m, CT_KERNEL_PLANE, axis, 3),
-            box = open_held(m, CT_KERNEL_BOX, axis, 1);
+      m->settings = &three;
+      block plane = open_held(m, CT_KERNEL_PLANE, axis), box = open_held(m, CT_KERNEL_BOX, axis);
       block_force(&box, u, g);
       for (int threads = 1; threads < 6; threads += 2) {
-        ct_view view = {.threads = threads, .displacement = u, .scratch = plane.scratch};
+        const ct_run_settings settings = {.threads = threads};
+        ct_view view = {.settings = &settings, .displacement = u, .scratch = plane.scratch};
         ct_error e;
         memset(f, 0, (size_t)n * sizeof *f);
         need(plane.effect->calls->force(plane.effect, &view, f, &e), &e);
@@ -203,7 +205,7 @@ static void mirrored(void)
   int n = 3 * m->node_count;
   double *u = plane_displacement(m, 1), *v = numbers(n), *f = numbers(n), *g = numbers(n),
          *image = numbers(n);
-  block plane = open_held(m, CT_KERNEL_PLANE, 1, 1);
+  block plane = open_held(m, CT_KERNEL_PLANE, 1);
   block_force(&plane, u, f);
   for (int axis = 0; axis < 3; axis++) {
     mirror_field(cells, axis, u, v);
@@ -267,8 +269,7 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
     need(ct_scene_add_effect(p.scene, effect, &e), &e);
   }
   int64_t steps;
-  p.problem =
-      build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3, .threads = 1}, &steps, NULL);
+  p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3}, &steps, NULL);
   p.state = new_state(p.problem);
   advance(p.problem, p.state, steps);
   ct_mesh_free(m[0]);
@@ -318,9 +319,8 @@ static void choice(void)
           *bent = layer(1, 3, 4);
   ct_error e = {0};
   bent->nodes[0] += 1e-3;
-  block held = open_held(one, CT_KERNEL_AUTO, 1, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0, 1),
-        thick = open_held(two, CT_KERNEL_AUTO, 1, 1),
-        general = open_held(bent, CT_KERNEL_AUTO, 1, 1);
+  block held = open_held(one, CT_KERNEL_AUTO, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0),
+        thick = open_held(two, CT_KERNEL_AUTO, 1), general = open_held(bent, CT_KERNEL_AUTO, 1);
   tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE,
          "one layer of boxes fixed along its thickness is a plane");
   tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "fixed along another axis it is not");
@@ -330,15 +330,14 @@ static void choice(void)
     ct_scene *scene = new_scene();
     int32_t body = add_body(scene, "layer", one, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
     add_support(scene, body, one, -1, 0.0, "y", moving ? 3.0 : 0.0);
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9, .threads = 1}, NULL, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9}, NULL, NULL);
     tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE),
            "of a scene: fixed %s",
            moving ? "and moving, it is computed as bricks" : "at rest, it is a plane");
     ct_scene_free(scene);
   }
   double cost[2], bytes[2];
-  block box = open_held(one, CT_KERNEL_BOX, 1, 1);
+  block box = open_held(one, CT_KERNEL_BOX, 1);
   ct_solid_body_plan(held.effect, 0, NULL, &cost[0], &bytes[0], NULL);
   ct_solid_body_plan(box.effect, 0, NULL, &cost[1], &bytes[1], NULL);
   tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0],

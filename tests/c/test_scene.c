@@ -41,7 +41,7 @@ static void not_built(ct_scene *scene, ct_scene_time time, ct_status want, const
 static void times(void)
 {
   plates p = two_plates(4.0);
-  ct_scene_time t = {.end = 1e-6, .courant = 0.125, .threads = 1}, bad;
+  ct_scene_time t = {.end = 1e-6, .courant = 0.125}, bad;
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *problem = build(p.scene, t, &steps, &stable);
@@ -73,7 +73,7 @@ static void times(void)
   problem = build(p.scene, t, &steps, &stable);
   tap_ok(steps == 17, "17 times dt are 17 steps, not 18 (%d)", (int)steps);
 
-  t = (ct_scene_time){.end = 1e-6, .courant = 0.125, .threads = 1};
+  t = (ct_scene_time){.end = 1e-6, .courant = 0.125};
   bad = t, bad.courant = 0.99;
   not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step",
             "a Courant number above the stable one");
@@ -91,8 +91,12 @@ static void times(void)
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "end", "no end");
   bad = t, bad.end = INFINITY;
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "end", "an end at infinity");
-  bad = t, bad.threads = 0;
-  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "threads", "no threads");
+  ct_error e = {0};
+  tap_ok(ct_scene_set_run_settings(p.scene, &(ct_run_settings){.threads = -1}, &e) ==
+                 CT_ERROR_ARGUMENT &&
+             ct_scene_set_run_settings(p.scene, &(ct_run_settings){.threads = 1025}, &e) ==
+                 CT_ERROR_ARGUMENT,
+         "-1 threads and 1025 are refused: %s", e.text);
   bad = t, bad.courant = 1e-20;
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "steps", "more steps than can be counted");
   tap_ok(build(p.scene, t, &steps, &stable) != NULL,
@@ -126,7 +130,7 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
     const ct_problem *problem = NULL;
     int64_t steps;
     ct_stable_step stable;
-    ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+    ct_scene_time t = {.end = 1e-9, .courant = 0.1};
     status = ct_scene_build(scene, &t, &problem, &steps, &stable, &e);
   }
   tap_ok(status == want && e.code == want && e.body == 0 && strstr(e.text, word) != NULL,
@@ -191,7 +195,7 @@ static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_stat
     const ct_problem *problem = NULL;
     int64_t steps;
     ct_stable_step stable;
-    ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+    ct_scene_time t = {.end = 1e-9, .courant = 0.1};
     status = ct_scene_build(p->scene, &t, &problem, &steps, &stable, &e);
   }
   tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL, "%s: refused, %s", what,
@@ -263,8 +267,7 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
   add_body(scene, "small", small, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "large", large, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_add_contact(scene, &c, &e), &e);
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5}, NULL, NULL);
   ct_state *state = new_state(p);
   const ct_contact *contact = ct_state_contact(p, state, 1, &e);
   int64_t count = ct_contact_point_count(contact);
@@ -317,7 +320,7 @@ static void supports(void)
   static const int32_t nodes[2] = {0, 3}, negative[1] = {-1}, beyond[1] = {50};
   ct_scene_support good = {1, nodes, 2, {1, 0, 0}, {0, 0, 0}}, s;
   ct_error e = {0};
-  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1};
   tap_ok(p.right->node_count == 50, "each plate has 50 nodes");
   s = good, s.body = 7;
   tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT &&
@@ -353,7 +356,7 @@ static void supports(void)
 static void built_twice(void)
 {
   plates p = two_plates(4.0);
-  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1};
   ct_stable_step before, after;
   build(p.scene, t, NULL, &before);
   for (int k = 0; k < 3; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
@@ -389,7 +392,9 @@ static void started(void)
   int differ = 0, moved = 0;
   for (int trial = 0; trial < 24; trial++) {
     plates p = acted_on(trial), q = acted_on(trial);
-    ct_scene_time t = {.end = 1e-5, .fraction = 0.5, .threads = 1 + trial % 3};
+    ct_scene_time t = {.end = 1e-5, .fraction = 0.5};
+    set_threads(p.scene, 1 + trial % 3);
+    set_threads(q.scene, 1 + trial % 3);
     const ct_problem *later, *problem;
     int64_t steps, count;
     ct_stable_step stable, alone;
@@ -413,7 +418,7 @@ static void started(void)
          "24 scenes with the state of their stable step: the bits of one made later (%d differ)",
          differ);
   plates p = two_plates(4.0);
-  ct_scene_time t = {.end = 1e-6, .fraction = 1.5, .threads = 1};
+  ct_scene_time t = {.end = 1e-6, .fraction = 1.5};
   const ct_problem *problem = NULL;
   ct_state *state = NULL;
   int64_t steps = -1;
@@ -427,7 +432,7 @@ static void started(void)
 static void contents(void)
 {
   plates p = two_plates(4.0);
-  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1};
   char name[100];
   memset(name, 'n', sizeof name - 1);
   name[99] = '\0';
@@ -517,7 +522,7 @@ static void own_effects(void)
   ct_effect *effect = NULL;
   ct_error e = {0};
   const ct_problem *joined = NULL;
-  ct_scene_time t = {.end = 1e-7, .courant = 0.1, .threads = 1};
+  ct_scene_time t = {.end = 1e-7, .courant = 0.1};
   int64_t steps;
   ct_stable_step without, with;
   build(p.scene, t, &steps, &without);
@@ -550,7 +555,7 @@ static void own_effects(void)
   advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
   ct_state_free(state);
-  t.clock = ticks;
+  need(ct_scene_set_run_settings(p.scene, &(ct_run_settings){.clock = ticks}, &e), &e);
   problem = build(p.scene, t, &steps, &with);
   state = new_state(problem);
   advance(problem, state, 5);
@@ -602,8 +607,7 @@ static double swing(double factor, double w, double d)
                         .initial_velocity = velocity,
                         .effect_count = 2,
                         .effects = effects,
-                        .dt = 1.0,
-                        .threads = 1};
+                        .dt = 1.0};
   ct_stable_step stable;
   ct_error e = {0};
   need(ct_stable(&problem, NULL, &stable, &e), &e);
@@ -636,10 +640,11 @@ static ct_scene *prepared(ct_brick_kind kind, const ct_mesh *mesh, const ct_box 
                           const ct_problem **problem, ct_stable_step *stable, ct_error *e)
 {
   ct_scene *scene = new_scene();
-  ct_scene_body def = {.mesh = mesh, .kind = kind, .material = STEEL, .threads = threads};
+  ct_scene_body def = {.mesh = mesh, .kind = kind, .material = STEEL};
+  set_threads(scene, threads);
   if (mesh == NULL) def.box = *box;
   int64_t steps;
-  ct_scene_time time = {.end = 1e-7, .fraction = 0.5, .threads = threads};
+  ct_scene_time time = {.end = 1e-7, .fraction = 0.5};
   ct_status status = ct_scene_add_body(scene, &def, NULL, e);
   if (status == CT_OK) status = ct_scene_build(scene, &time, problem, &steps, stable, e);
   if (status == CT_OK) return scene;
@@ -721,11 +726,12 @@ static void test_rings(void)
   ct_scene *scene[2];
   for (int i = 0; i < 2; i++) {
     ct_scene_body def = {.kind = CT_HEX8, .material = STEEL};
-    ct_scene_time time = {.end = 1e-7, .fraction = 0.5, .threads = i == 0 ? 1 : 8};
+    ct_scene_time time = {.end = 1e-7, .fraction = 0.5};
     ct_stable_step stable;
     const ct_problem *problem = NULL;
     int64_t steps;
     scene[i] = new_scene();
+    set_threads(scene[i], i == 0 ? 1 : 8);
     for (int b = 0; b < 2; b++) {
       int k = b == 0 ? 10 : 20;
       def.box = (ct_box){.origin = {2.0 * b, 0, 0}, .size = {1, 1, 1}, .cells = {k, k, k}};

@@ -446,7 +446,7 @@ static void scene_of_a_c(void)
   contact.options.dissipation = 0.0;
   need(ct_scene_add_contact(scene, &contact, &e), &e);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, NULL);
+      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4}, &steps, NULL);
   ct_state *state = new_state(problem);
   for (int n = 0; n < m->node_count; n++)
     state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);

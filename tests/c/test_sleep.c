@@ -102,10 +102,9 @@ static bars open_bars(const form *f, int sleep, int threads)
                                      .data = (void *)f,
                                      .nodes = f->pushed == 3 ? NULL : nodes,
                                      .node_count = f->pushed == 3 ? count : 4});
-  ct_scene_time time = {.end = 1e-6,
-                        .fraction = 0.9,
-                        .threads = threads,
-                        .integrator = ct_integrator_default(f->scheme)};
+  ct_scene_time time = {
+      .end = 1e-6, .fraction = 0.9, .integrator = ct_integrator_default(f->scheme)};
+  set_threads(r.scene, threads);
   r.problem = build(r.scene, time, NULL, NULL);
   r.state = new_state(r.problem);
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
@@ -227,7 +226,7 @@ static void failure(void)
   add_effect(scene,
              &(ct_effect){.label = "fails", .nodes = &node, .node_count = 1, .calls = &calls});
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
   for (int k = 1; k < 6; k++) {
     fail_at = INFINITY;
     ct_state *state = new_state(problem);
@@ -270,7 +269,7 @@ static void front(ct_solid_kernel kernel)
   add_effect(scene,
              &(ct_effect){.label = "pull", .nodes = nodes, .node_count = 9, .calls = &calls});
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, &all, NULL);
+      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, &all, NULL);
   for (int k = 1; k < 40; k++) {
     ct_state *state = new_state(problem);
     advance(problem, state, k);
@@ -304,7 +303,7 @@ static void no_force(const form *f)
     double shift[3];
     for (int c = 0; c < 3; c++) shift[c] = uniform(1.0) * pow(10.0, uniform(12.0));
     for (int64_t d = 0; d < dofs; d++) u[d] = shift[d % 3], force[d] = 1.0;
-    ct_view view = {.threads = 1, .displacement = u, .scratch = scratch};
+    ct_view view = {.displacement = u, .scratch = scratch};
     need(effect->calls->force(effect, &view, force, &e), &e);
     for (int64_t d = 0; d < dofs; d++) zeros += force[d] == 0.0;
   }

@@ -248,7 +248,7 @@ static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled,
   tap_ok(off < 1e-13 && fabs(energy / want - 1.0) < 1e-13,
          "%s, %d elements%s: force off by %.2g, energy by %.2g", name, m->element_count,
          shuffled ? " in any order" : "", off, fabs(energy / want - 1.0));
-  ct_view view = {.threads = 2, .displacement = before, .scratch = solid.scratch};
+  ct_view view = {.settings = &TWO, .displacement = before, .scratch = solid.scratch};
   ct_error e;
   need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
   view.displacement = u;

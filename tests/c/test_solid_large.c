@@ -333,7 +333,7 @@ static void kernels(ct_brick_kind kind, ct_law law)
     double energy = block_force(&solid, u, f), want = reference_force(m, &material, u, g);
     off = worst(off, largest_difference(f, g, n) / largest(g, n));
     energy_off = worst(energy_off, energy / want - 1.0);
-    ct_view view = {.threads = 2, .displacement = u, .scratch = solid.scratch};
+    ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
     ct_error e;
     need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     same &= memcmp(f, g, (size_t)n * sizeof *f) == 0;
@@ -451,7 +451,7 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
   int64_t steps;
   int records = (int)(8.0 * end);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, &steps, NULL);
+      build(scene, (ct_scene_time){.end = end, .fraction = fraction}, &steps, NULL);
   ct_state *state = new_state(problem);
   ct_momentum start = momentum_of(problem, state, 0);
   double size = sqrt(start.L[0] * start.L[0] + start.L[1] * start.L[1] + start.L[2] * start.L[2]);
@@ -504,7 +504,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
   ct_material material = soft(law);
   ct_scene *scene = new_scene_with("block", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   ct_state *state = new_state(problem);
   double omega_squared[2], rate;
   ct_error e;
@@ -520,7 +520,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
       for (int i = 0; i < 3; i++)
         u[3 * a + i] = Q[i][0] * y[0] + Q[i][1] * y[1] + Q[i][2] * y[2] - m->nodes[3 * a + i];
     }
-    ct_view view = {.threads = 1, .displacement = u, .scratch = solid.scratch};
+    ct_view view = {.displacement = u, .scratch = solid.scratch};
     need(solid.effect->calls->bounds.omega2(solid.effect, &view, &omega_squared[1], &e), &e);
     double real = true_frequency(problem, u, 1e-6, -1, 300);
     least = fmin(least, omega_squared[1] / real), most = fmax(most, omega_squared[1] / real);
@@ -544,7 +544,7 @@ static void inside_out(ct_brick_kind kind, ct_law law)
   ct_scene *scene = new_scene_with("first", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "second", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   for (int bad = 0; bad < 2; bad++) {
     ct_state *state = new_state(problem);
     ct_error e = {0};

@@ -13,7 +13,7 @@ static double hourglass_energy(const block *solid, const double *u)
   ct_error e;
   double energy = NAN;
   need(ct_solid_create_hourglass(solid->effect, &effect, &e), &e);
-  ct_view view = {.threads = 1, .displacement = u};
+  ct_view view = {.displacement = u};
   need(effect->calls->energy(effect, &view, &energy, &e), &e);
   ct_effect_free(effect);
   return energy;
@@ -60,7 +60,7 @@ static void kernel(void)
     for (int i = 0; i < n; i++) work -= 0.5 * f[i] * u[i];
     tap_close((strain + hourglass) / work, 1.0, 1e-12,
               "both energies are half the work of the force");
-    ct_view view = {.threads = 2, .displacement = u, .scratch = solid.scratch};
+    ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
     ct_error e;
     need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "two threads: the same bits");
@@ -267,7 +267,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   double first = rr;
   for (int k = 0; k < 20 * n && rr > 1e-22 * first; k++) {
     double dq = 0.0, next = 0.0;
-    ct_view view = {.threads = 1, .displacement = d, .scratch = solid.scratch};
+    ct_view view = {.displacement = d, .scratch = solid.scratch};
     need(solid.effect->calls->force(solid.effect, &view, q, &e), &e);
     for (int i = 0; i < n; i++) dq -= d[i] * (fixed[i] ? 0.0 : q[i]);
     for (int i = 0; i < n; i++) {
@@ -373,8 +373,7 @@ static void ledger(void)
   block.hourglass = 0.5;
   need(ct_scene_add_body(scene, &block, NULL, &e), &e);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.9, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.9}, &steps, NULL);
   ct_state *state = new_state(p);
   double total = energy_of(p, state).total, spread = 0.0, balance = 0.0, most = 0.0, hourglass;
   for (int64_t k = 0; k < steps; k++) {

@@ -29,8 +29,7 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   add_body(scene, "other", other, &SOFT, kernel, 0.0, 0.0, 0.0);
   add_contact(scene, 0, m, 0.0, 1, other, 40.0, 0, 1.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, &steps, NULL);
   // dt and the velocity are powers of 2, so n dt v is exact.
   ct_problem q = changed(p, 0x1p-9, NULL);
   ct_state *state = new_state(&q);
@@ -65,8 +64,7 @@ static void vibration(double fraction)
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, &steps, &stable);
   double dt = fraction * 2.0 / omega, phi = 2.0 * asin(0.5 * omega * dt), off = 0.0, top = 0.0,
          drift = 0.0;
   ct_problem q = changed(p, dt, m->nodes);
@@ -106,8 +104,7 @@ static void second_order(ct_brick_kind kind)
   distort(m, 0.04);
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6}, &steps, NULL);
   int n = 3 * p->node_count;
   double *v0 = smooth_velocity(p), *fine_u = numbers(n), *fine_v = numbers(n), *v = numbers(n),
          error[2][3];
@@ -166,8 +163,7 @@ static void stability(ct_brick_kind kind)
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6}, &steps, &stable);
   double *v = numbers(3 * p->node_count), *zero = numbers(3 * p->node_count), start = 0.0;
   for (int i = 0; i < 3 * p->node_count; i++)
     v[i] = uniform(1.0), start += p->mass[i / 3] * v[i] * v[i];
@@ -210,8 +206,7 @@ static void bar_run(const char *name, ct_scene *scene, double end, double area,
                     const double want[5], double from, double to)
 {
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = end, .courant = 0.4, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = end, .courant = 0.4}, &steps, NULL);
   ct_state *state = new_state(p);
   double *force = numbers(3 * p->node_count), first = -1.0, last = -1.0, sum = 0.0, mass = 0.0,
          start = energy_of(p, state).kinetic;
@@ -302,11 +297,10 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
   add_contact(c.scene, 0, flat[0], 0.0, 1, flat[1], 0.0, 0, 2.0);
   add_support(c.scene, 0, flat[0], 0, axis == 0 ? 1.0 : -1.0, "y", 0.0);
   ct_stable_step stable;
-  c.problem =
-      build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, &stable);
+  c.problem = build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, &stable);
   c.own = *c.problem;
   c.own.dt = floor(stable.dt * 0.7 * 1048576.0) / 1048576.0;
-  c.own.threads = threads;
+  c.own.settings.threads = threads;
   for (int s = 0; s < 2; s++) {
     ct_mesh_free(flat[s]);
     ct_mesh_free(shape[s]);
@@ -400,8 +394,7 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   add_support(scene, 0, flat, 2, 0.0, "z", 0.0);
   add_support(scene, 1, flat_left, 2, 0.0, "z", 0.0);
   int64_t steps, faults = 0;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.5, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.5, .fraction = 0.5}, &steps, NULL);
   ct_state *state = new_state(p);
   double pressed = 0.0;
   int n = right->node_count;
@@ -434,8 +427,7 @@ static void loaded_start(void)
   add_body(scene, "right", right, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
   add_contact(scene, 0, left, 0.0, 1, right, -0.03125, 0, 1.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.5}, &steps, NULL);
   // eps = E / h = 4, area 1: the force is 4 * 0.03125, and each face's nodes share it as 1 : 2 : 4.
   ct_state *state = new_state(p);
   double *f = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), sum = 0.0, kick = 0.0,
@@ -498,8 +490,7 @@ static void blowup(int with_contact)
   add_body(scene, "right", right, &SOFT, CT_KERNEL_AUTO, with_contact ? -1.0 : 0.0, 0, 0);
   if (with_contact) add_contact(scene, 0, left, 0.0, 1, right, 0.0, 0, 4.0);
   ct_stable_step stable;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, NULL, &stable);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0}, NULL, &stable);
   double *v = smooth_velocity(p);
   for (int i = 0; i < 3 * left->node_count; i++) v[i] = 0.0;
   ct_problem q = changed(p, 50.0 * stable.dt_without_contact, v);
@@ -527,7 +518,7 @@ static void refusals(void)
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0),
            *other = one_body(two, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   ct_stable_step stable;
-  ct_scene_time t = {.end = 1.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time t = {.end = 1.0, .fraction = 0.5};
   const ct_problem *p = build(scene, t, NULL, &stable), *q = build(other, t, NULL, &stable);
   ct_state *state = new_state(p), *unlike = new_state(q), *none = NULL;
   ct_error e = {0};
@@ -553,9 +544,9 @@ static void refusals(void)
   bad = *p, bad.node_count = 4;
   tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT,
          "effects for another number of nodes are refused: %s", e.text);
-  bad = *p, bad.threads = 0;
+  bad = *p, bad.settings.threads = -1;
   tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT && none == NULL,
-         "0 threads are refused: %s", e.text);
+         "-1 threads are refused: %s", e.text);
 
   ct_stable_step at_start, later;
   need(ct_stable(p, NULL, &at_start, &e), &e);

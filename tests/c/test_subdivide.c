@@ -28,8 +28,7 @@ static void falling(void)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   ct_scene *scene = new_scene_with("body", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, v);
   add_weight(scene, (weight){.g = {0, 0, g}});
-  ct_problem problem[5] = {
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, NULL, NULL)};
+  ct_problem problem[5] = {*build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8}, NULL, NULL)};
   ct_state *state = new_state(&problem[0]);
   ct_error e;
   double off = 0.0, mass = SOFT.density, impulse[3], work;
@@ -85,8 +84,7 @@ static void order(ct_scheme scheme)
   int64_t steps;
   ct_problem p = *build(
       scene,
-      (ct_scene_time){
-          .end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1.0, .fraction = 0.5, .integrator = ct_integrator_default(scheme)},
       &steps, NULL);
   int n = 3 * p.node_count;
   double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)},
@@ -151,8 +149,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
   add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
   ct_problem coarse = *build(
       scene,
-      (ct_scene_time){
-          .end = 1.0, .fraction = 0.7, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = ct_integrator_default(scheme)},
       NULL, NULL);
   ct_problem fine = with_step(&coarse, coarse.dt / 3.0);
   ct_state *state = new_state(&coarse);
@@ -195,8 +192,7 @@ static void refusals(void)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   ct_scene *scene = new_scene_with("body", mesh, &SOFT, CT_KERNEL_AUTO, 0.1, 0, 0);
   int64_t steps;
-  ct_problem p =
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, &steps, NULL);
   ct_problem larger = with_step(&p, 2.0 * p.dt), odd = with_step(&p, p.dt / 1.5),
              other = with_step(&p, 0.5 * p.dt);
   other.integrator = ct_integrator_default(CT_CHUNG_LEE);

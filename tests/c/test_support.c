@@ -15,8 +15,7 @@ static void moving_base(ct_brick_kind kind)
   add_support(scene, body, m, 2, 0.0, "z", 0.7);
   add_support(scene, body, m, 2, 0.0, "x", 0.0);
   int64_t steps;
-  const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_momentum start = momentum_of(p, state, body), now;
   ct_energy energy, first = energy_of(p, state);
@@ -182,8 +181,7 @@ static void any_order(void)
       support.nodes = &lists[0][6], support.node_count = 1;
       need(ct_scene_add_support(scene, &support, &e), &e);
     }
-    const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, NULL, NULL);
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, NULL, NULL);
     memcpy(inverse[i], p->inverse_mass, sizeof inverse[i]);
     ct_scene_free(scene);
   }

@@ -19,14 +19,14 @@ static void forces(const ct_effect *effect, const double *velocity, double *forc
   void *scratch = NULL;
   ct_error e;
   need(effect->calls->create_scratch(effect, &scratch, &e), &e);
-  ct_view view = {.threads = 1, .velocity = velocity, .scratch = scratch};
+  ct_view view = {.velocity = velocity, .scratch = scratch};
   need(effect->calls->force(effect, &view, force, &e), &e);
   effect->calls->free_scratch(scratch);
 }
 
 static double rate_of(const ct_effect *effect, const double *velocity)
 {
-  ct_view view = {.threads = 1, .velocity = velocity};
+  ct_view view = {.velocity = velocity};
   double rate = NAN;
   ct_error e;
   need(effect->calls->bounds.rate(effect, &view, &rate, &e), &e);
@@ -238,7 +238,7 @@ static double rod(double linear, double quadratic, double courant, double v0, do
     need(ct_scene_add_effect(scene, effect, &e), &e);
   }
   int64_t steps;
-  p = build(scene, (ct_scene_time){.end = end, .courant = courant, .threads = 1}, &steps, NULL);
+  p = build(scene, (ct_scene_time){.end = end, .courant = courant}, &steps, NULL);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   double work = 0.0;
@@ -355,7 +355,7 @@ static void stability(void)
     add_made(scene, ct_viscosity_create_effect, &options);
     int64_t steps;
     ct_stable_step stable;
-    p = build(scene, (ct_scene_time){.end = 3e-5, .fraction = 1.0, .threads = 1}, &steps, &stable);
+    p = build(scene, (ct_scene_time){.end = 3e-5, .fraction = 1.0}, &steps, &stable);
     ct_state *state = new_state(p);
     double first = energy_of(p, state).kinetic, most = 0.0, work = 0.0, balance = 0.0;
     for (int i = 0; i < 60; i++) {

@@ -59,9 +59,7 @@ class Model:
             "memory": np.zeros(effect.memory_count + 1),
             "next_memory": np.zeros(effect.memory_count + 1),
         }
-        view = ffi.new(
-            "ct_view *", {"time": time, "threads": 1, "dt": 0.01, "c_dt": 0.01, "r_dt": 0.01}
-        )
+        view = ffi.new("ct_view *", {"time": time, "dt": 0.01, "c_dt": 0.01, "r_dt": 0.01})
         view.reference = self.problem.pointer.reference
         for key, array in keep.items():
             setattr(view, key, ffi.cast("double *", array.ctypes.data))

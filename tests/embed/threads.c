@@ -89,7 +89,7 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
   }
   contact.faces_a = faces[0], contact.faces_b = faces[1];
   need(ct_scene_add_contact(scene, &contact, &e), &e);
-  ct_scene_time time = {.end = 10.0, .fraction = 0.5, .threads = 1};
+  ct_scene_time time = {.end = 10.0, .fraction = 0.5};
   ct_stable_step stable;
   int64_t steps;
   need(ct_scene_build(scene, &time, problem, &steps, &stable, &e), &e);

@@ -400,10 +400,10 @@ static void build(play *p)
   dice *d = p->d;
   ct_error e = {0};
   ct_stable_step stable;
-  ct_scene_time time = {.end = between(d, 0.05, 3.0), .threads = 1};
+  ct_scene_time time = {.end = between(d, 0.05, 3.0)};
   double value = between(d, 0.1, 1.0);
   *(chance(d, 3) ? &time.courant : chance(d, 6) ? &time.dt : &time.fraction) = value;
-  if (d->wild && chance(d, 10)) time.courant = real(d), time.threads = below(d, 4) - 1;
+  if (d->wild && chance(d, 10)) time.courant = real(d);
   if (chance(d, 10)) time.keep_dt = 1;
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 6)) time.integrator.parameter = between(d, 0.0, 1.1);
@@ -412,6 +412,10 @@ static void build(play *p)
   if (chance(d, 3)) time.assembled = 1;
   drop_states(p);
   p->problem = NULL;
+  if (d->wild && chance(d, 10)) {
+    ct_run_settings settings = {.threads = below(d, 5) - 1};
+    (void)TRY(ct_scene_set_run_settings(p->scene, &settings, &e));
+  }
   if (chance(d, 5)) {
     ct_optimisations optimisations = {below(d, 2), below(d, 2), below(d, 2), below(d, 2)};
     (void)TRY(ct_scene_set_optimisations(p->scene, &optimisations, &e));

@@ -145,7 +145,7 @@ static void keep_sides(run *r, body *b, int all)
   b->end = high[0];
 }
 
-static void add_body(run *r, dice *d, int number, int threads)
+static void add_body(run *r, dice *d, int number)
 {
   ct_error e;
   body *b = &r->bodies[number];
@@ -213,7 +213,6 @@ static void add_body(run *r, dice *d, int number, int threads)
                         .material = material,
                         .lumping = lumping,
                         .kernel = kernel,
-                        .threads = threads,
                         .velocity = {velocity[0], velocity[1], velocity[2]}};
   // -- Some nodes, or all of them, have velocities of their own
   int own = !r->plain && chance(d, 6);
@@ -499,8 +498,7 @@ static void build(run *r, dice *d, const variant *v)
 {
   ct_stable_step stable;
   int64_t steps;
-  ct_scene_time time = {
-      .end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95), .threads = v->threads};
+  ct_scene_time time = {.end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95)};
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 8)) time.assembled = 1;
   int plane = !chance(d, 4);
@@ -522,9 +520,11 @@ static void open_run(run *r, dice *d, variant *v)
 {
   *r = (run){.own = {.far = -1}};
   demand(ct_scene_create(&r->scene, &r->error) == CT_OK, "an empty scene");
+  r->status =
+      ct_scene_set_run_settings(r->scene, &(ct_run_settings){.threads = v->threads}, &r->error);
   int bodies = 1 + below(d, MOST_BODIES);
   r->plain = chance(d, 3);
-  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, i, v->threads);
+  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, i);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_contact(r, d);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_support(r, d);
   if (r->status == CT_OK) add_effects(r, d);

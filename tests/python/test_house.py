@@ -123,6 +123,16 @@ def test_the_contract_of_an_effect_fits_on_a_page():
     assert {*effect, *sum(tables, [])} - named == {"bounds", "constraints"}
 
 
+def test_settings_of_a_run_are_given_once():
+    """Threads and clock: in the settings of a run, and where there is no run."""
+    headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
+    structs = re.findall(r"^typedef struct (\w+) \{\n(.*?)^\} ", headers, re.M | re.S)
+    threads = {name for name, text in structs if re.search(r"^  int threads;", text, re.M)}
+    clocks = {name for name, text in structs if "(*clock)" in text}
+    assert threads == {"ct_run_settings", "ct_search_options", "ct_contact_options"}
+    assert clocks == {"ct_run_settings"}
+
+
 def in_circles(needs):
     """Keys that reach themselves."""
 

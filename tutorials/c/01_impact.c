@@ -13,7 +13,7 @@ int main(void)
   right.velocity[0] = -0.1;
   ct_scene_contact contact = {.body_b = 1, .side_a = CT_X_MAX, .side_b = CT_X_MIN, .beta = 1};
   contact.options = ct_contact_options_default();
-  ct_scene_time time = {.end = 25, .fraction = 0.9, .threads = 1};
+  ct_scene_time time = {.end = 25, .fraction = 0.9};
   ct_scene *scene = NULL;
   const ct_problem *problem;
   ct_state *state = NULL;

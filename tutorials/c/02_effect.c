@@ -46,7 +46,7 @@ int main(void)
   springs of_cube = {.k = 0.125, .mass = 0.125};
   ct_effect filled = {.label = "springs", .calls = &SPRINGS, .data = &of_cube, .node_count = 8};
   ct_effect *effect = NULL;
-  ct_scene_time time = {.end = 1.5707963267948966, .fraction = 0.01, .threads = 1};
+  ct_scene_time time = {.end = 1.5707963267948966, .fraction = 0.01};
   ct_scene *scene = NULL;
   const ct_problem *problem;
   ct_state *state = NULL;

@@ -182,6 +182,9 @@ class Problem:
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
+        clock = ffi.addressof(lib, "wall_clock")
+        settings = ffi.new("ct_run_settings *", {"threads": self.threads, "clock": clock})
+        self._call("run.threads", lib.ct_scene_set_run_settings, self._scene, settings)
         savings = {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()}
         chosen = ffi.new("ct_optimisations *", savings)
         self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
@@ -366,7 +369,7 @@ class Problem:
         except (Error, ValueError, MemoryError, OverflowError) as error:
             raise self._error(f"{about}{error}", key) from None
         name = ffi.new("char[]", body.name.encode())
-        members = body.c("ct_scene_body", name=name, threads=self.threads, **shape)
+        members = body.c("ct_scene_body", name=name, **shape)
         members["material"] = given.c("ct_material")
         if body.integration == "reduced":
             members["kernel"] = lib.CT_KERNEL_REDUCED
@@ -382,7 +385,7 @@ class Problem:
         if contact.with_itself:
             faces = [_together(*faces)] * 2
         options = lib.ct_contact_options_default()
-        for name, value in contact.c("ct_contact_options", threads=self.threads).items():
+        for name, value in contact.c("ct_contact_options").items():
             setattr(options, name, value)
         new = ffi.new("ct_scene_contact *", contact.c("ct_scene_contact", options=options))
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
@@ -434,8 +437,6 @@ class Problem:
             "keep_dt": dt is not None,
             "integrator": given.scheme,
             "assembled": given.stable_step == "assembled",
-            "threads": self.threads,
-            "clock": ffi.addressof(lib, "wall_clock"),
         }
         time, self.stable = ffi.new("ct_scene_time *", members), ffi.new("ct_stable_step *")
         problem, count = ffi.new("const ct_problem **"), ffi.new("int64_t *")

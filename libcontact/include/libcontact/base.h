@@ -138,6 +138,16 @@ CT_API const char *ct_version(void);
  * whatever number is requested. */
 CT_API int ct_has_openmp(void);
 
+/** Settings of a run, which its problem holds. They change how long it takes and none of its
+ * results. All bytes zero: one thread, no clock. */
+typedef struct ct_run_settings {
+  /** Number of threads; 0: one. */
+  int threads;
+  /** Null, or a clock [seconds] with which the time loop measures the time spent in each effect
+   * (`effect_seconds` of the state). */
+  double (*clock)(void);
+} ct_run_settings;
+
 /** A factor that depends on time, piecewise linear between given points, :eq:`amplitude`, and
  * constant before the first and after the last. */
 typedef struct ct_amplitude {

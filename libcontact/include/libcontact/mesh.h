@@ -53,9 +53,9 @@ typedef struct ct_mesh {
   double *nodes;
   /** Node numbers of each element in VTK's order, shape (element_count, 8 or 20). */
   int32_t *elements;
-  /** Largest number of threads for checking the mesh, lumping its masses and preparing its
-   * elements; 0: one. Results do not depend on it. */
-  int threads;
+  /** Settings of the run, with whose threads the mesh is checked, its masses are lumped and its
+   * elements are prepared; null: one thread. */
+  const ct_run_settings *settings;
 } ct_mesh;
 
 /** Order of node and element numbers in a box: layer by layer along one axis, and row by row within

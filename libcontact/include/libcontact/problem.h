@@ -17,8 +17,8 @@ CT_BEGIN_DECLS
 typedef struct ct_view {
   /** Time t_n [time]. */
   double time;
-  /** Number of threads that the effect may use; results must not depend on it. */
-  int threads;
+  /** Settings of the run, with the threads that the effect may use; null: one thread. */
+  const ct_run_settings *settings;
   /** Reference coordinates X [length], shape (node_count, 3). */
   const double *reference;
   /** Displacement u_n [length], shape (node_count, 3). */
@@ -389,13 +389,8 @@ typedef struct ct_problem {
   const ct_effect *const *effects;
   /** Time step Δt [time]. */
   double dt;
-  /** Threads, >= 1; results do not depend on it. */
-  int threads;
-  /**
-   * Null, or a clock [seconds] with which the time loop measures the time spent in each effect
-   * (`effect_seconds` of the state); results do not depend on it.
-   */
-  double (*clock)(void);
+  /** Settings of the run. */
+  ct_run_settings settings;
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**

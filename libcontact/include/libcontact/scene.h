@@ -38,9 +38,6 @@ typedef struct ct_scene_body {
   /** Coefficient Q of the hourglass control with CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
    * 0: the default. */
   double hourglass;
-  /** Largest number of threads for checking and preparing the body (ct_mesh.threads); 0: one.
-   * Results do not depend on it. */
-  int threads;
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */
@@ -125,10 +122,6 @@ typedef struct ct_scene_time {
    * is continued needs its old Δt.
    */
   int keep_dt;
-  /** Threads, >= 1. */
-  int threads;
-  /** Null, or the clock [seconds] that the problem gets. */
-  double (*clock)(void);
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
@@ -139,6 +132,12 @@ typedef struct ct_scene_time {
 } ct_scene_time;
 
 /** Create an empty scene. */ CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
+
+/** Set threads and clock of the scene's run; best before the first body, which is then prepared
+ * with these threads. By default one thread, no clock. ``CT_ERROR_ARGUMENT``: fewer than 0 or more
+ * than 1024 threads. */
+CT_API ct_status ct_scene_set_run_settings(ct_scene *scene, const ct_run_settings *settings,
+                                           ct_error *error);
 
 /**
  * Add a body and write its number to `*body`, unless `body` is null. ``CT_ERROR_ARGUMENT``: an

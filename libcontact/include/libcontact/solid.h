@@ -57,8 +57,6 @@ typedef struct ct_solid_body {
   ct_lumping lumping;
   /** Optimisations of this body, read when the effect is created; null: all are on. */
   const ct_optimisations *optimisations;
-  /** Number of threads for which memory is allocated; 0: one. The forces do not depend on it. */
-  int threads;
   /** Coefficient Q of the hourglass control for CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
    * 0: the default. */
   double hourglass;

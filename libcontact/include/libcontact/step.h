@@ -1,7 +1,7 @@
 /* The state of a problem, which changes; time steps, and the largest stable step.
  * Threads: one call at a time per state; several states of one problem may be stepped at the same
- * time. One step may itself use several threads (ct_problem.threads), with the same results bit by
- * bit. */
+ * time. One step may itself use several threads (`settings` of the problem), with the same results
+ * bit by bit. */
 #ifndef LIBCONTACT_STEP_H
 #define LIBCONTACT_STEP_H
 
@@ -56,7 +56,7 @@ typedef struct ct_state {
   double *memory;
   /**
    * Time spent so far in the forces of each effect, and in a last entry in the rest of the time
-   * loop [seconds], shape (effect_count + 1); zero without the problem's clock. Not part of a
+   * loop [seconds], shape (effect_count + 1); zero without the run's clock. Not part of a
    * restart; written by `ct_step`.
    */
   double *effect_seconds;

@@ -4,7 +4,8 @@
 
 #include <unistd.h>
 
-int ct_threads(int wanted)
+/* The number of threads that this process may start. */
+static int startable(int wanted)
 {
   // The process in which OpenMP's threads were started; the only variable without an owner, like
   // these threads.
@@ -22,7 +23,7 @@ int ct_threads(int wanted)
 
 #else
 
-int ct_threads(int wanted) { return wanted; }
+static int startable(int wanted) { return wanted; }
 
 #endif
 
@@ -32,5 +33,5 @@ int ct_threads_for(int wanted, int64_t count, int64_t least)
   least = 1;
 #endif
   if (count / least < wanted) wanted = (int)(count / least);
-  return wanted < 2 ? 1 : ct_threads(wanted);
+  return wanted < 2 ? 1 : startable(wanted);
 }

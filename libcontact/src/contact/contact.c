@@ -58,7 +58,6 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   if (status == CT_OK) {
     contact->fixed = fixed;
     contact->gaps.fixed = &fixed->gaps;
-    contact->gaps.threads = fixed->threads;
     contact->reach = HUGE_VAL;
     contact->terms = ct_allocate((size_t)(fixed->gaps.point_count + fixed->is.node_count),
                                  sizeof *contact->terms);

@@ -120,8 +120,7 @@ static ct_status open_state(ct_contact *contact)
 static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   contact->gaps.start = !(now->time > 0.0);
-  contact->gaps.threads = now->threads;
-  return ct_gaps_measure(&contact->gaps, error);
+  return ct_gaps_measure(&contact->gaps, now->threads, error);
 }
 
 static ct_status check(ct_contact *contact, const ct_surface_motion *now, ct_error *error)

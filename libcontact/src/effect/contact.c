@@ -2,6 +2,7 @@
 #include "contact.h"
 
 #include "../base/error.h"
+#include "../base/threads.h"
 #include "../step/effect_internal.h"
 
 #include <string.h>
@@ -28,7 +29,7 @@ static ct_surface_motion motion_of(const ct_view *view)
   return (ct_surface_motion){.time = view->time,
                              .before = view->time > 0.0 ? view->dt : 0.0,
                              .dt = view->dt,
-                             .threads = view->threads,
+                             .threads = ct_threads_of(view->settings),
                              .x = s->x,
                              .velocity = s->velocity,
                              .memory = view->memory,

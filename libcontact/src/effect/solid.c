@@ -97,7 +97,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   ct_part_call *calls = ((const ct_solid_scratch *)view->scratch)->calls;
   for (int32_t i = 0; i < solid->part_count; i++) calls[i] = call_of(solid, i, view, force);
   ct_part_forces(calls, solid->part_count,
-                 ct_threads_for(view->threads, solid->flops, LEAST_FLOPS));
+                 ct_threads_for(ct_threads_of(view->settings), solid->flops, LEAST_FLOPS));
   ct_status status = CT_OK;
   for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
     if (solid->parts[i].energies != NULL)
@@ -254,7 +254,7 @@ static void place_values(solid_data *solid)
       const ct_force_ring *ring = plane ? solid->parts[i].plane : solid->parts[i].ring;
       if (ring == NULL) continue;
       if (ring->value_count > solid->ring_stride) solid->ring_stride = ring->value_count;
-      rings = ring->threads;
+      rings = ring->ring_count;
     }
   solid->value_count = solid->ring_stride * rings;
   for (int32_t i = 0; i < solid->part_count; i++) {

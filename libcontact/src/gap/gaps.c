@@ -26,7 +26,7 @@ ct_status ct_gaps_place(ct_gaps *gaps, ct_error *error)
   return CT_OK;
 }
 
-ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error)
+ct_status ct_gaps_measure(ct_gaps *gaps, int threads, ct_error *error)
 {
   const int sides = gaps->fixed->sides;
   ct_status status = ct_gaps_place(gaps, error);
@@ -37,7 +37,7 @@ ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error)
   }
   for (int s = 0; s < sides; s++) ct_search_box(gaps->side[s].search);
   status = ct_gaps_list_candidates(gaps, error);
-  for (int s = 0; status == CT_OK && s < sides; s++) ct_pass_search(gaps, s);
+  for (int s = 0; status == CT_OK && s < sides; s++) ct_pass_search(gaps, s, threads);
   if (status == CT_OK) gaps->begun = 1;
   return status;
 }

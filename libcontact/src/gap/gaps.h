@@ -42,7 +42,6 @@ static inline int32_t ct_gaps_node(const ct_gaps_fixed *fixed, int s, int32_t n)
 /* The same at a time. */
 typedef struct ct_gaps {
   const ct_gaps_fixed *fixed;
-  int threads;
   int begun;    /* whether the points have a status */
   int start;    /* whether this is t = 0 of a scene */
   int built;    /* whether the candidate lists exist; those of the start are discarded */
@@ -65,8 +64,8 @@ double ct_gaps_reach(const ct_gaps *gaps);
 ct_status ct_gaps_place(ct_gaps *gaps, ct_error *error);
 
 /* Closest points of all points at the coordinates in `moved` of the sides; or those of one side. */
-ct_status ct_gaps_measure(ct_gaps *gaps, ct_error *error);
-void ct_pass_search(ct_gaps *gaps, int s);
+ct_status ct_gaps_measure(ct_gaps *gaps, int threads, ct_error *error);
+void ct_pass_search(ct_gaps *gaps, int s, int wanted);
 
 /* Search distance of points after the start, and largest safe approach of two surfaces in a step,
  * with a depth that is `given` and gaps up to `adjust` that are closed at the start; and refuse a

@@ -436,8 +436,9 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-void ct_pass_search(ct_gaps *gaps, int s)
+void ct_pass_search(ct_gaps *gaps, int s, int wanted)
 {
+  (void)wanted; // without OpenMP
   ct_pass p = {.side = &gaps->side[s],
                .other = &gaps->side[gaps->fixed->sides - 1 - s],
                .project = gaps->fixed->project,
@@ -452,7 +453,7 @@ void ct_pass_search(ct_gaps *gaps, int s)
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
   int64_t count = p.side->fixed->point_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(gaps->threads, count, LEAST_POINTS);
+  int threads = ct_threads_for(wanted, count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t i = 0; i < count; i += CT_WARM)

@@ -3,7 +3,6 @@
 #include "host.h"
 
 #include "../base/error.h"
-#include "../base/threads.h"
 #include "../constraint/problem.h"
 
 #include <math.h>
@@ -40,7 +39,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
       memcpy(&contact->gaps.side[s].moved[3 * (int64_t)n], &x[s][3 * (int64_t)search->nodes[n]],
              3 * sizeof(double));
   }
-  ct_status status = ct_gaps_measure(&contact->gaps, error);
+  ct_status status = ct_gaps_measure(&contact->gaps, contact->fixed->threads, error);
   if (status != CT_OK) return status;
   contact->solved = 0;
   if (contact->host != NULL) contact->host->current = 0;
@@ -322,7 +321,7 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
   const ct_surface_motion now = {.time = h->now.time,
                                  .before = h->now.before,
                                  .dt = p->dt,
-                                 .threads = ct_threads(contact->fixed->threads),
+                                 .threads = contact->fixed->threads,
                                  .first = h->now.begun == 0.0,
                                  .x = h->contact.x,
                                  .velocity = h->contact.velocity};

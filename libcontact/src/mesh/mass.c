@@ -171,7 +171,8 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
   double (*octant)[8] = ct_allocate((size_t)mesh->node_count, sizeof *octant);
   if (octant == NULL) return CT_NO_MEMORY(error, "the masses");
   // Each thread has a part of the nodes; elements between two parts are lumped twice.
-  int failed = 0, threads = ct_threads_for(mesh->threads, mesh->node_count, CT_LEAST_OF_MESH);
+  int failed = 0,
+      threads = ct_threads_for(ct_threads_of(mesh->settings), mesh->node_count, CT_LEAST_OF_MESH);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) \
     reduction(| : failed) if (threads > 1)

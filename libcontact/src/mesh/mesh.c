@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, int threads,
-                               ct_mesh **out, ct_error *error)
+static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements,
+                               const ct_run_settings *settings, ct_mesh **out, ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
@@ -28,7 +28,7 @@ static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elemen
                       (int32_t)elements,
                       ct_allocate((size_t)nodes, 3 * sizeof(double)),
                       ct_allocate((size_t)elements * (size_t)per, sizeof(int32_t)),
-                      threads};
+                      settings};
   if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL) {
     ct_mesh_free(mesh);
     return CT_NO_MEMORY(error, "a mesh of %lld nodes", (long long)nodes);
@@ -132,7 +132,7 @@ static void enter_row(const lattice *l, const int axes[3], int per, int (*xi)[3]
  * run along axis axes[0] first, along axes[2] last; `cells` and `corners` are in that order. */
 static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int32_t cells[3],
                                 const int64_t corners[3], place_node *place, const void *shape,
-                                int threads, ct_mesh **out, ct_error *error)
+                                const ct_run_settings *settings, ct_mesh **out, ct_error *error)
 {
   const lattice l = lattice_of(cells, corners);
   int64_t n[3] = {cells[0], cells[1], cells[2]};
@@ -140,7 +140,7 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
   int64_t nodes = ct_brick_facts_of(kind)->cell_nodes > 1
                       ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2]
                       : l.first[1];
-  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], threads, out, error);
+  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], settings, out, error);
   if (status != CT_OK) return status;
 
   int per = ct_brick_node_count(kind), xi[20][3];
@@ -151,7 +151,7 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
   }
   int32_t rows = (int32_t)(n[1] * n[2]), *elements = (*out)->elements;
 #ifdef _OPENMP
-  threads = ct_threads_for(threads, (*out)->element_count, CT_LEAST_OF_MESH);
+  int threads = ct_threads_for(ct_threads_of(settings), (*out)->element_count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t row = 0; row < rows; row++) {
@@ -174,11 +174,11 @@ void ct_box_axes(const ct_box *box, int axes[3])
 
 ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
 {
-  return ct_mesh_make_box(kind, box, 0, mesh, error);
+  return ct_mesh_make_box(kind, box, NULL, mesh, error);
 }
 
-ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, ct_mesh **mesh,
-                           ct_error *error)
+ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_settings *settings,
+                           ct_mesh **mesh, ct_error *error)
 {
   if (box == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
     return CT_REFUSE(error, "box: null argument or unknown element");
@@ -192,7 +192,8 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, int threads, c
     cells[d] = box->cells[axes[d]];
     corners[d] = cells[d] + 1;
   }
-  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, threads, mesh, error);
+  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, settings, mesh,
+                        error);
 }
 
 /* Cosine and sine of the angle 2π i / n, reduced to the first eighth of the circle so that they
@@ -244,7 +245,7 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
   return create_lattice(kind, (const int[3]){0, 1, 2}, ring->cells, corners, ring_coordinates, ring,
-                        0, mesh, error);
+                        NULL, mesh, error);
 }
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)
@@ -252,8 +253,8 @@ ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *e
   if (source == NULL || mesh == NULL) return CT_REFUSE(error, "mesh: null argument");
   ct_status status = ct_mesh_check(source, error);
   if (status == CT_OK)
-    status = mesh_allocate(source->kind, source->node_count, source->element_count, source->threads,
-                           mesh, error);
+    status = mesh_allocate(source->kind, source->node_count, source->element_count,
+                           source->settings, mesh, error);
   if (status != CT_OK) return status;
   size_t per = (size_t)ct_brick_node_count(source->kind);
   memcpy((*mesh)->nodes, source->nodes, 3 * (size_t)source->node_count * sizeof(double));
@@ -432,7 +433,7 @@ static int32_t first_doubtful(const ct_mesh *mesh, const checks *at)
 {
   int32_t count = mesh->element_count, first = count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(mesh->threads, count, CT_LEAST_OF_MESH);
+  int threads = ct_threads_for(ct_threads_of(mesh->settings), count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) schedule(static) \
     reduction(min : first) if (threads > 1)
 #endif
@@ -505,7 +506,8 @@ double ct_mesh_shortest_edge(const ct_mesh *mesh)
   double shortest = INFINITY;
   if (mesh == NULL) return NAN;
 #ifdef _OPENMP
-  int threads = ct_threads_for(mesh->threads, mesh->element_count, CT_LEAST_OF_MESH);
+  int threads =
+      ct_threads_for(ct_threads_of(mesh->settings), mesh->element_count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) reduction(min : shortest) if (threads > 1)
 #endif
   for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT)

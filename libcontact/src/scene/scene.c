@@ -81,6 +81,17 @@ ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *op
   return CT_OK;
 }
 
+ct_status ct_scene_set_run_settings(ct_scene *scene, const ct_run_settings *settings,
+                                    ct_error *error)
+{
+  if (scene == NULL || settings == NULL) return CT_REFUSE(error, "run settings: null argument");
+  if (settings->threads < 0 || settings->threads > CT_MOST_THREADS)
+    return CT_REFUSE(error, "run settings: %d threads, not 0 to %d", settings->threads,
+                     (int)CT_MOST_THREADS);
+  scene->problem.settings = *settings;
+  return CT_OK;
+}
+
 /* Whether an effect was added, and not made by `ct_scene_build`. */
 static int is_added(const ct_scene *scene, const ct_effect *effect)
 {
@@ -149,10 +160,10 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
                            scene_body *part, ct_error *error)
 {
   ct_mesh source = def->mesh != NULL ? *def->mesh : (ct_mesh){.nodes = NULL};
-  source.threads = def->threads;
-  ct_status status = def->mesh != NULL
-                         ? ct_mesh_create_copy(&source, &part->mesh, error)
-                         : ct_mesh_make_box(def->kind, &def->box, def->threads, &part->mesh, error);
+  source.settings = &scene->problem.settings;
+  ct_status status = def->mesh != NULL ? ct_mesh_create_copy(&source, &part->mesh, error)
+                                       : ct_mesh_make_box(def->kind, &def->box, source.settings,
+                                                          &part->mesh, error);
   if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
   if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
   if (status == CT_OK) {
@@ -310,7 +321,8 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
                      "node %d of body %s belongs to no element", (int)(n - first),
                      scene->bodies[i].name);
 #ifdef _OPENMP
-  int threads = ct_threads_for(part->mesh->threads, part->mesh->node_count, CT_LEAST_OF_MESH);
+  int threads =
+      ct_threads_for(ct_threads_of(part->mesh->settings), part->mesh->node_count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (size_t n = first; n < first + count; n++)
@@ -356,7 +368,7 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
                                 .mass = scene->mass,
                                 .inverse_mass = scene->inverse_mass,
                                 .initial_velocity = scene->velocity,
-                                .threads = 1};
+                                .settings = scene->problem.settings};
   return CT_OK;
 }
 
@@ -406,7 +418,7 @@ static int body_is_fixed(const ct_scene *scene, int32_t body, int axis)
   return 1;
 }
 
-static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
+static ct_status make_solid(ct_scene *scene, ct_error *error)
 {
   ct_solid_body *bodies = ct_allocate((size_t)scene->body_count, sizeof *bodies);
   if (bodies == NULL) return CT_NO_MEMORY(error, "the bodies");
@@ -417,7 +429,6 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
                                 .first_node = scene->bodies[i].first_node,
                                 .lumping = scene->parts[i].given.lumping,
                                 .optimisations = &scene->optimisations,
-                                .threads = threads,
                                 .hourglass = scene->parts[i].given.hourglass};
     for (int axis = 0; axis < 3; axis++) bodies[i].fixed[axis] = body_is_fixed(scene, i, axis);
   }
@@ -515,7 +526,7 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
                          : status;
 }
 
-static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
+static ct_status make_effects(ct_scene *scene, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
   ct_effect *supports = NULL, *hourglass = NULL;
@@ -524,7 +535,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
   if (scene->effects == NULL) return CT_NO_MEMORY(error, "the effects");
   // The kernels depend on the supports, so these are created first; they are the last effects.
   ct_status status = make_supports(scene, &supports, error);
-  if (status == CT_OK) status = make_solid(scene, threads, error);
+  if (status == CT_OK) status = make_solid(scene, error);
   if (status == CT_OK) (*count)++;
   if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
   if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
@@ -542,13 +553,10 @@ static ct_status requested_step(const ct_scene_time *time, const ct_stable_step 
                                 ct_error *error)
 {
   int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
-  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1 ||
-      time->threads > CT_MOST_THREADS)
-    return CT_REFUSE(
-        error,
-        "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), "
-        "1 to 1024 threads (%d)",
-        time->end, given, time->threads);
+  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1)
+    return CT_REFUSE(error,
+                     "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given)",
+                     time->end, given);
   *dt = time->courant > 0.0    ? time->courant * stable->dt_courant
         : time->fraction > 0.0 ? time->fraction * stable->dt
                                : time->dt;
@@ -578,9 +586,7 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   for (int32_t i = 0; status == CT_OK && !scene->unchanged && i < scene->body_count; i++)
     status = start_body(scene, i, error);
   scene->unchanged = 0;
-  if (status == CT_OK) status = make_effects(scene, time->threads, error);
-  p->threads = 1;
-  p->clock = NULL;
+  if (status == CT_OK) status = make_effects(scene, error);
   p->integrator = time->integrator;
   p->integrator.pushforward_ratio = 0.0;
   p->assembled = time->assembled;
@@ -644,8 +650,6 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
     // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
     if (ct_integrator_facts(p->integrator.scheme)->pushforward)
       p->integrator.pushforward_ratio = fmax(1.0, stable->dt / p->dt);
-    p->threads = time->threads;
-    p->clock = time->clock;
     status = set_rooms(scene, begun, stable->dt, error);
     if (status == CT_OK && state != NULL) status = ct_state_finish(p, begun, error);
   }

@@ -86,7 +86,7 @@ int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
   int32_t stiffest = 0, count = part->mesh->element_count,
           groups = (count + CT_LANES_COUNT - 1) / CT_LANES_COUNT;
   double largest = 0.0;
-  int threads = ct_threads_for(part->mesh->threads, count, CT_LEAST_OF_MESH);
+  int threads = ct_threads_for(ct_threads_of(part->mesh->settings), count, CT_LEAST_OF_MESH);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif

@@ -306,7 +306,7 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int fixe
   const ct_mesh *mesh = part->mesh;
   double x[20][3], reached = 0.0, largest = 0.0;
   int32_t count = mesh->element_count, lanes = (count + CT_LANES_COUNT - 1) / CT_LANES_COUNT;
-  int failed = 0, threads = ct_threads_for(mesh->threads, count, LEAST_ELEMENTS);
+  int failed = 0, threads = ct_threads_for(ct_threads_of(mesh->settings), count, LEAST_ELEMENTS);
   ct_mass_shapes at;
   ct_status status = ct_mass_tabulate(mesh->kind, part->lumping, &at, error);
   if (status != CT_OK) return status;

@@ -45,7 +45,8 @@ int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
   int off = 0;
 #ifdef _OPENMP
-  int threads = ct_threads_for(mesh->threads, mesh->element_count, CT_LEAST_OF_MESH);
+  int threads =
+      ct_threads_for(ct_threads_of(mesh->settings), mesh->element_count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) reduction(| : off) if (threads > 1)
 #endif
   for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT)

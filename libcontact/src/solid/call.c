@@ -113,7 +113,7 @@ static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, doub
 static void ring_share(const ct_part_call *call, int share, int shares)
 {
   int32_t runs = call->ring->run_count;
-  if (shares > call->ring->threads) shares = call->ring->threads;
+  if (shares > call->ring->ring_count) shares = call->ring->ring_count;
   if (share < shares)
     sum_runs(call, ct_share(runs, share, shares), ct_share(runs, share + 1, shares),
              call->values + call->ring_stride * share);

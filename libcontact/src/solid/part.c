@@ -47,11 +47,11 @@ void ct_part_release(ct_solid_part *part)
 }
 
 /* Use the plane kernel if it is possible: one layer of boxes, fixed along its thickness. */
-static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *body, int threads)
+static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *body)
 {
   ct_status status = CT_OK;
   for (int axis = 0; status == CT_OK && part->plane == NULL && axis < 3; axis++)
-    if (body->fixed[axis]) status = ct_force_ring_create(part->mesh, axis, threads, &part->plane);
+    if (body->fixed[axis]) status = ct_force_ring_create(part->mesh, axis, &part->plane);
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   return status;
 }
@@ -64,7 +64,7 @@ static ct_status prepare_rows(ct_solid_part *part)
   if (part->rows == NULL) return CT_ERROR_MEMORY;
   int32_t count = part->mesh->element_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(part->mesh->threads, count, CT_LEAST_OF_MESH);
+  int threads = ct_threads_for(ct_threads_of(part->mesh->settings), count, CT_LEAST_OF_MESH);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t b = 0; b < count / 8; b++) {
@@ -78,17 +78,17 @@ static ct_status prepare_rows(ct_solid_part *part)
 
 /* A ring for the forces of a body of linear hex8: in the user's order if that has runs of nodes,
  * else in an order of its own. */
-static ct_status prepare_ring(ct_solid_part *part, int threads)
+static ct_status prepare_ring(ct_solid_part *part)
 {
-  ct_status status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  ct_status status = ct_force_ring_create(part->mesh, -1, &part->ring);
   int fits = part->plane == NULL && part->mesh->element_count <= INT32_MAX / 8;
   if (status != CT_OK || part->ring != NULL || !fits) return status;
   status = ct_order_create(part->mesh, &part->order);
   if (status != CT_OK) return status;
   part->mesh = &part->order->mesh;
-  status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  status = ct_force_ring_create(part->mesh, -1, &part->ring);
   if (status == CT_OK && part->ring == NULL)
-    status = ct_force_ring_create_listed(part->mesh, part->order->element, threads, &part->ring);
+    status = ct_force_ring_create_listed(part->mesh, part->order->element, &part->ring);
   return status;
 }
 
@@ -96,14 +96,13 @@ static ct_status prepare_ring(ct_solid_part *part, int threads)
 static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *body)
 {
   ct_status status = CT_OK;
-  int threads = body->threads < 1 ? 1 : body->threads,
-      trilinear = ct_brick_facts_of(part->mesh->kind)->trilinear;
+  int trilinear = ct_brick_facts_of(part->mesh->kind)->trilinear;
   int plane = body->kernel == CT_KERNEL_PLANE ||
               (body->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
-  if (plane && part->box && trilinear) status = choose_plane(part, body, threads);
+  if (plane && part->box && trilinear) status = choose_plane(part, body);
   if (status == CT_OK && trilinear && part->energies == NULL &&
       part->optimisations.shared_stiffness)
-    status = prepare_ring(part, threads);
+    status = prepare_ring(part);
   if (status == CT_OK) status = prepare_rows(part);
   if (status == CT_OK && part->batches == ct_solid_box20_batches) status = ct_box20_prepare(part);
   if (status == CT_OK && part->optimisations.sleep &&

@@ -63,8 +63,9 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
                           int32_t (*around)[8])
 {
   int32_t count = mesh->node_count;
-  int fits = 1,
-      threads = ring->corners == 4 ? 1 : ct_threads_for(mesh->threads, count, CT_LEAST_OF_MESH);
+  int fits = 1, threads = ring->corners == 4 ? 1
+                                             : ct_threads_for(ct_threads_of(mesh->settings), count,
+                                                              CT_LEAST_OF_MESH);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) \
     reduction(& : fits) if (threads > 1)
@@ -155,9 +156,9 @@ static ct_status enter_lists(const ct_mesh *mesh, const int32_t *sequence, ct_fo
 
 /* The first and last elements of the runs, and a ring that holds the pending elements and those
  * that are computed together (eq:lattice-ring). */
-static void size_ring(ct_force_ring *ring, int32_t element_count)
+static void size_ring(ct_force_ring *ring, const ct_mesh *mesh)
 {
-  int64_t need = 0, all = ((int64_t)element_count + 7) / 8 * 8;
+  int64_t need = 0, all = ((int64_t)mesh->element_count + 7) / 8 * 8;
   int32_t top = -1;
   for (int32_t r = 0; r < ring->run_count; r++) {
     ct_ring_run *run = &ring->runs[r];
@@ -178,9 +179,11 @@ static void size_ring(ct_force_ring *ring, int32_t element_count)
   ring->stride = ring->list != NULL ? 8 : ring->size + 8;
   ring->step = ring->list != NULL ? 24 : 1;
   ring->value_count = 3 * ring->corners * (ring->size + 8);
+  ring->ring_count = ct_threads_of(mesh->settings);
+  if (ring->ring_count > MOST_RINGS) ring->ring_count = MOST_RINGS;
 }
 
-ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out)
+ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, ct_force_ring **out)
 {
   ct_force_ring *ring = ct_allocate(1, sizeof *ring);
   int32_t *twin = ct_allocate((size_t)mesh->node_count, sizeof *twin),
@@ -192,8 +195,7 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
     *ring = (ct_force_ring){.corners = axis < 0 ? 8 : 4,
                             .axis = axis < 0 ? 2 : axis,
                             .p = axis == 0 ? 1 : 0,
-                            .q = axis == 2 || axis < 0 ? 1 : 2,
-                            .threads = threads < MOST_RINGS ? threads : MOST_RINGS};
+                            .q = axis == 2 || axis < 0 ? 1 : 2};
     for (int a = 0; a < 8; a++) {
       double xi[3];
       ct_brick_reference(CT_HEX8, a, xi);
@@ -207,7 +209,7 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
   ct_release(twin);
   ct_release(around);
   if (fits) {
-    size_ring(ring, mesh->element_count);
+    size_ring(ring, mesh);
     *out = ring;
   } else {
     ct_force_ring_free(ring);
@@ -215,15 +217,15 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
   return status;
 }
 
-ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence, int threads,
+ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence,
                                       ct_force_ring **out)
 {
   ct_force_ring *ring = *out = ct_allocate(1, sizeof *ring);
   if (ring == NULL) return CT_ERROR_MEMORY;
-  *ring = (ct_force_ring){.corners = 8, .threads = threads < MOST_RINGS ? threads : MOST_RINGS};
+  *ring = (ct_force_ring){.corners = 8};
   for (int a = 0; a < 8; a++) ring->local[a] = ct_brick_octant(CT_HEX8, a);
   ct_status status = enter_lists(mesh, sequence, ring);
-  if (status == CT_OK) size_ring(ring, mesh->element_count);
+  if (status == CT_OK) size_ring(ring, mesh);
   return status;
 }
 

@@ -31,21 +31,21 @@ typedef struct ct_force_ring {
    * of element e as 8 e + a, list[begin[n]] ... list[begin[n + 1] - 1] those at node n. Runs are
    * then pieces of the nodes, without elements. */
   int32_t *begin, *list;
-  /* Each of `threads` threads has a ring of `size` elements, a power of two, of `value_count`
+  /* Each of `ring_count` threads has a ring of `size` elements, a power of two, of `value_count`
    * numbers. The forces of one component of consecutive nodes have the stride `stride`, those of
    * the next 8 elements follow after 8 `step`. */
-  int threads;
+  int ring_count;
   int64_t size, stride, step, value_count;
 } ct_force_ring;
 
-/* The ring of a mesh of hex8 for `threads` threads, with `axis` that of its one layer as a plane,
- * or -1: bricks. Null, with CT_OK, if a node has two elements in one octant, if there is more than
- * one layer, or if runs are so short that tables are faster. CT_ERROR_MEMORY. */
-ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out);
+/* The ring of a mesh of hex8 for the threads of its run, with `axis` that of its one layer as a
+ * plane, or -1: bricks. Null, with CT_OK, if a node has two elements in one octant, if there is
+ * more than one layer, or if runs are so short that tables are faster. CT_ERROR_MEMORY. */
+ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, ct_force_ring **out);
 
 /* The same for any mesh of hex8, by lists; elements of one octant are added in the order of their
  * places in `sequence`. */
-ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence, int threads,
+ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequence,
                                       ct_force_ring **out);
 
 void ct_force_ring_free(ct_force_ring *ring);

@@ -110,8 +110,9 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
       (p->effects[0]->kind != CT_EFFECT_SOLID || !ct_problem_is_linear(p)))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "integrator: %s is for linear bodies",
                    ct_scheme_of(p)->name);
-  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
-    return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->threads);
+  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->settings.threads < 0 ||
+      p->settings.threads > CT_MOST_THREADS)
+    return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->settings.threads);
   return CT_OK;
 }
 
@@ -243,7 +244,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
          *last_acceleration = ct_stage_last_acceleration(problem, state);
   int64_t dofs = 3 * (int64_t)problem->node_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
+  int threads = ct_threads_for(problem->settings.threads, dofs, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   // -- v = v_0 - f Δt a_0, a⁻ = a_0 (eq:stage-start)
@@ -311,7 +312,8 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   const uint64_t *begun = ct_workspace_begun(state);
   // `total` is the first effect's force except at nodes where others were added.
 #ifdef _OPENMP
-  int threads = ct_threads_for(problem->threads, 3 * (int64_t)problem->node_count, LEAST_DOFS);
+  int threads =
+      ct_threads_for(problem->settings.threads, 3 * (int64_t)problem->node_count, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t n = 0; n < problem->node_count; n++)
@@ -324,7 +326,8 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
     const ct_effect *effect = problem->effects[k];
     ct_starts start = ct_state_starts(problem, k);
 #ifdef _OPENMP
-    threads = ct_threads_for(problem->threads, 3 * (int64_t)effect->node_count, LEAST_DOFS);
+    threads =
+        ct_threads_for(problem->settings.threads, 3 * (int64_t)effect->node_count, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
     for (int32_t i = 0; i < effect->node_count; i++) {
@@ -343,7 +346,7 @@ static void start_velocities(const ct_problem *problem, ct_state *state)
 {
   int64_t dofs = 3 * (int64_t)problem->node_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(problem->threads, dofs, LEAST_DOFS);
+  int threads = ct_threads_for(problem->settings.threads, dofs, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t d = 0; d < dofs; d++) state->velocity[d] = problem->initial_velocity[d];
@@ -444,7 +447,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
   ct_stage stage =
       state->workspace->starting ? (ct_stage){0.0, 0.0, 0.0, 0.0} : ct_stage_now(problem, state);
   return (ct_view){.time = state->time,
-                   .threads = ct_threads(problem->threads),
+                   .settings = &problem->settings,
                    .reference = problem->reference,
                    .displacement = state->displacement,
                    .velocity = state->velocity,
@@ -512,10 +515,11 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
   double *force = k == 0 ? w->total : w->force[k],
-         begin = problem->clock == NULL ? 0.0 : problem->clock();
+         begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
   ct_status status = effect->calls->force(effect, &view, force, error);
   if (status != CT_OK) return status;
-  if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
+  if (problem->settings.clock != NULL)
+    state->effect_seconds[k] += problem->settings.clock() - begin;
   if (k == 0) count_updates(problem, state);
   for (int32_t i = 0; k == 0 && i < w->shared_count; i++)
     memcpy(&w->shared_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->shared[i]],
@@ -554,7 +558,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
   // the first step is a central difference.
   if (!ct_scheme_of(problem)->pushforward || stages[0].l == 0.0 || state->step == 0) return CT_OK;
-  double begin = problem->clock == NULL ? 0.0 : problem->clock(),
+  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock(),
          pushforward = problem->integrator.pushforward_ratio * problem->dt,
          share = ct_integrator_share(&problem->integrator) * problem->dt;
   // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
@@ -569,7 +573,8 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
   count_updates(problem, state);
-  if (problem->clock != NULL) state->effect_seconds[0] += problem->clock() - begin;
+  if (problem->settings.clock != NULL)
+    state->effect_seconds[0] += problem->settings.clock() - begin;
   return status;
 }
 

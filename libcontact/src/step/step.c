@@ -78,7 +78,7 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
   ct_stage stage = ct_stage_now(problem, state);
   int32_t count = problem->node_count;
 #ifdef _OPENMP
-  int threads = ct_threads_for(problem->threads, count, LEAST_NODES);
+  int threads = ct_threads_for(problem->settings.threads, count, LEAST_NODES);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t begin = 0; begin < count; begin += NODES_AT_ONCE) {
@@ -102,7 +102,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   if (sampler != NULL && w->stage == 0) sampler->take(sampler->data, state);
-  double begin = problem->clock == NULL ? 0.0 : problem->clock();
+  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
   ct_ledger_keep(state);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
   ct_ledger_count(problem, state, share);
@@ -110,8 +110,8 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
          (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;
   w->followed = w->known;
-  if (problem->clock != NULL)
-    state->effect_seconds[problem->effect_count] += problem->clock() - begin;
+  if (problem->settings.clock != NULL)
+    state->effect_seconds[problem->effect_count] += problem->settings.clock() - begin;
   return CT_OK;
 }
 
