@@ -27,7 +27,7 @@ static void fill(rows *r)
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(&set, 1, NODES, place, &r->s), &e);
-  r->s->share = 1.0;
+  r->s->fraction = 1.0;
   for (int i = 0; i < NODES; i++)
     for (int c = 0; c < 3; c++) {
       r->A[3 * i + c] = 1.0 + 0.5 * uniform(1.0);
