@@ -235,7 +235,7 @@ $(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
 	$(Q)$(CC) $(SANITIZE) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
 $(BUILD)/asan/libcontact.a: $(ASAN_OBJECTS)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
-TEST_LIBS = $(GSL_LIBS) $(HDF5_LIBS) -lm
+TEST_LIBS = $(GSL_LIBS) $(HDF5_LIBS) -lpthread -lm
 $(BUILD)/tests/test_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $(ARCHIVES)
 	@mkdir -p $(@D)
 	$(Q)$(CC) -O1 $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(ADDON_ARCHIVES) $(BUILD)/lib/libcontact.a $(TEST_LIBS)

@@ -168,6 +168,22 @@ typedef struct ct_amplitude {
  */
 CT_API double ct_sum(const double *values, int64_t count);
 
+/**
+ * How the pieces of a distributed model exchange numbers, for example by ``MPI_Allreduce``. Each
+ * function replaces `count` numbers of every piece by their sums, or by the largest of each, over
+ * all pieces, and returns 0; another value fails the step in this piece. All pieces make the same
+ * calls in the same order. The numbers to be added are multiples of one spacing, so that their sums
+ * are exact and do not depend on the order, :eq:`order-free-sum`. The host writes all members.
+ */
+typedef struct ct_pieces {
+  /** Passed to both functions. */
+  void *data;
+  /** Add the numbers of all pieces. */
+  int (*sum)(void *data, double *values, int64_t count);
+  /** Take the largest. */
+  int (*largest)(void *data, double *values, int64_t count);
+} ct_pieces;
+
 CT_END_DECLS
 
 #endif

@@ -378,6 +378,23 @@ CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double
                                          double tangent, ct_error *error);
 
 /**
+ * Let this contact be one piece of several, each with its own `ct_contact` of the same surfaces,
+ * obstacles and friction, for a model that is distributed over processes. `owned_a`, `owned_b`,
+ * shapes (face_count), not 0 for the faces whose points this piece computes; each face has one
+ * piece. Every piece passes the same arrays at all nodes of the surfaces, as a host without pieces
+ * does, and gets the forces at all of them, with the bits of one contact that has all faces. From
+ * here on all pieces make the same calls on their contacts at the same time, because each may
+ * exchange numbers. `ct_contact_points` and `ct_contact_penetration` tell of the own points only,
+ * `ct_contact_save` writes those, and the number of late points in the balance is theirs. Masks and
+ * `pieces` are copied. Call it before the first step. ``CT_ERROR_ARGUMENT``: null argument, a step
+ * was already taken, the contact is in pieces already, or a face has no piece or several (`error`
+ * names surface and face).
+ */
+CT_API ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a,
+                                       const uint8_t *owned_b, const ct_pieces *pieces,
+                                       ct_error *error);
+
+/**
  * Force of the bodies on an obstacle of a host's contact in the last step, including friction
  * [force], and the work of its motion on the bodies [energy], :eq:`obstacle-work`.
  * ``CT_ERROR_ARGUMENT``: null argument, unknown obstacle, or the last call was not a successful

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "grid.h"
+#include "pieces.h"
 
 /* ct_sum of numbers that are never stored together. They are computed twice, in pieces of any size:
  * first to find the largest one and their count, then to be added (eq:order-free-sum). Zero it, and
@@ -13,9 +14,11 @@
  *
  * then ct_stream_sum gives the bits of ct_sum of all the terms. A sum that begins with the grids of
  * an earlier one, {.grid = ...}, computes its terms only once if these grids are its own, with the
- * same bits. */
+ * same bits. With `pieces`, the terms of all pieces are added, with the bits of one piece that has
+ * all of them. */
 typedef struct ct_stream {
-  int round; /* 0: not begun, 1: finding the largest, 2: adding, 3: done */
+  const ct_pieces *pieces; /* null: one piece */
+  int round;               /* 0: not begun, 1: finding the largest, 2: adding, 3: done */
   int64_t count;
   double top, coarse, fine;
   ct_grid grid;

@@ -57,17 +57,39 @@ int ct_is_zero(const double *values, int64_t count)
   return count == 0 || (values[0] == 0.0 && values[count - 1] == 0.0 && all_zero(values, count));
 }
 
+/* The largest number and the count of all pieces, after the first round. */
+static void join_terms(ct_stream *s)
+{
+  double count = (double)s->count;
+  ct_pieces_largest(s->pieces, &s->top, 1);
+  ct_pieces_sum(s->pieces, &count, 1);
+  s->count = isfinite(count) ? (int64_t)count : 0;
+}
+
+/* The sums of all pieces, after the last round. Multiples of one spacing have exact sums in any
+ * order (eq:order-free-sum). */
+static int join_sums(ct_stream *s)
+{
+  double sum[2] = {s->coarse, s->fine};
+  ct_pieces_sum(s->pieces, sum, 2);
+  s->coarse = sum[0];
+  s->fine = sum[1];
+  return 0;
+}
+
 /* Whether one sum needs its terms in the round that begins now: in the first round, and in the
  * second if there are terms that were not added on the same grids yet. */
 static int stream_again(ct_stream *s)
 {
   ct_grid before = s->grid;
   s->round++;
+  if (s->round == 3) return join_sums(s);
   if (s->round != 2) return s->round == 1;
+  if (s->pieces != NULL) join_terms(s);
   if (s->top == 0.0) return 0;
   // -- Choose two grids that the largest number and the count fix (eq:order-free-sum)
   int fits = ct_grid_init(&s->grid, s->top, s->count);
-  if (fits && s->grid.coarse == before.coarse && s->grid.fine == before.fine) return 0;
+  if (fits && s->grid.coarse == before.coarse && s->grid.fine == before.fine) return join_sums(s);
   s->coarse = fits ? 0.0 : NAN;
   s->fine = 0.0;
   return fits;
@@ -135,12 +157,14 @@ void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
 
 double ct_stream_sum(const ct_stream *s) { return s->coarse + s->fine; }
 
-double ct_sum(const double *values, int64_t count)
+double ct_sum_over(const ct_pieces *pieces, const double *values, int64_t count)
 {
-  ct_stream sum = {0};
+  ct_stream sum = {.pieces = pieces};
   while (ct_stream_again(&sum, 1)) ct_stream_add(&sum, values, count);
   return ct_stream_sum(&sum);
 }
+
+double ct_sum(const double *values, int64_t count) { return ct_sum_over(NULL, values, count); }
 
 void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,
                       double *terms)
@@ -153,7 +177,7 @@ double ct_sum_product(int32_t count, const double *mass, const double *x, const 
 {
   ct_stream sum = {0};
   double terms[CT_PIECE];
-  for (int32_t first, end; ct_stream_piece(&sum, 1, count, &first, &end);) {
+  for (int32_t first, end = 0; ct_stream_piece(&sum, 1, count, &first, &end);) {
     ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first,
                      y + 3 * (int64_t)first, terms);
     ct_stream_add(&sum, terms, end - first);

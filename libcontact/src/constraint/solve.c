@@ -57,6 +57,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
+  s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, entries, WIDE * sizeof *s->G);
   double **vectors[] = {&s->increment, &s->mobility, &s->last_increment, &s->sums, &s->moved};
@@ -240,13 +241,28 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
+/* Add the sums of the other pieces at the nodes that they share; `moved` is free until then. */
+static void join_nodes(ct_solver *s)
+{
+  const size_t size = WIDE * sizeof *s->sums;
+  for (int32_t k = 0; k < s->shared_count; k++)
+    memcpy(&s->moved[WIDE * (int64_t)k], &s->sums[s->shared_nodes[k]], size);
+  ct_pieces_sum(s->pieces, s->moved, WIDE * (int64_t)s->shared_count);
+  for (int32_t k = 0; k < s->shared_count; k++)
+    if (s->row_counts[s->shared_nodes[k] / WIDE] > 0)
+      memcpy(&s->sums[s->shared_nodes[k]], &s->moved[WIDE * (int64_t)k], size);
+}
+
 /* `moved` = A Gᵀ times forces. Returns 0 if they are not finite. */
 static int move_nodes(ct_solver *s, const double *force)
 {
   ct_grid grid;
+  double top = ct_largest(force, s->count);
+  ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
-  if (!ct_grid_init(&grid, 2.0 * ct_largest(force, s->count), s->most_row_count)) return 0;
+  if (!ct_grid_init(&grid, 2.0 * top, s->most_row_count)) return 0;
   times_G_transposed(&grid, s->entries, s->count, s->entry_place, s->G, force, s->sums);
+  if (s->shared_count > 0) join_nodes(s);
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
   return 1;
 }
@@ -301,6 +317,7 @@ static double predict_gaps(ct_solver *s)
 static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
+  ct_pieces_largest(s->pieces, &most, 1);
   s->count = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
@@ -329,6 +346,22 @@ static void list_active_nodes(ct_solver *s)
       *row_counts += e.alike;
       s->most_row_count = *row_counts > s->most_row_count ? *row_counts : s->most_row_count;
     }
+  }
+}
+
+/* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. */
+static void list_shared_nodes(ct_solver *s)
+{
+  s->shared_count = s->most_row_count = 0;
+  for (int32_t n = 0; n < s->node_count; n++) {
+    s->moved[2 * (int64_t)n] = s->row_counts[n];
+    s->moved[2 * (int64_t)n + 1] = s->row_counts[n] > 0;
+  }
+  ct_pieces_sum(s->pieces, s->moved, 2 * (int64_t)s->node_count);
+  for (int32_t n = 0; n < s->node_count; n++) {
+    const double rows = s->moved[2 * (int64_t)n], pieces = s->moved[2 * (int64_t)n + 1];
+    if (rows > s->most_row_count) s->most_row_count = (int32_t)rows;
+    if (pieces > 1.0) s->shared_nodes[s->shared_count++] = WIDE * n;
   }
 }
 
@@ -375,19 +408,17 @@ static int find_gradient(ct_solver *s)
 static double product(ct_solver *s, const double *x, const double *y)
 {
   multiply(s->count, x, y, s->terms);
-  return ct_sum(s->terms, s->count);
+  return ct_sum_over(s->pieces, s->terms, s->count);
 }
 
 /* Measures of a unit step down the gradient that keeps forces non-negative: the largest change of
  * any force, the largest change of a force that is 0, and the largest force. */
-typedef struct descent {
-  double most, lift, top;
-} descent;
+enum { MOST, LIFT, TOP, MEASURES };
 
 /* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force. */
 CT_CLONES
-static descent descend(int64_t count, const double *gradient, const double *scale,
-                       const double *force, double *restrict steps, double *restrict guide)
+static void descend(int64_t count, const double *gradient, const double *scale, const double *force,
+                    double *restrict steps, double *restrict guide, double measures[MEASURES])
 {
   double most = 0.0, top = 0.0, lift = 0.0;
 #pragma omp simd reduction(max : most, top, lift)
@@ -401,12 +432,12 @@ static descent descend(int64_t count, const double *gradient, const double *scal
     top = force[r] > top ? force[r] : top;
     lift = up > lift ? up : lift;
   }
-  return (descent){most, lift, top};
+  measures[MOST] = most, measures[LIFT] = lift, measures[TOP] = top;
 }
 
-/* Largest step along the direction until the first force becomes 0. */
+/* The largest part of any force by which a step along the direction decreases it. */
 CT_CLONES
-static double longest_step(int64_t count, const double *force, const double *direction)
+static double fastest_decrease(int64_t count, const double *force, const double *direction)
 {
   double fastest = 0.0;
 #pragma omp simd reduction(max : fastest)
@@ -414,6 +445,14 @@ static double longest_step(int64_t count, const double *force, const double *dir
     double part = direction[r] / force[r]; // NaN if both are 0
     fastest = part > fastest ? part : fastest;
   }
+  return fastest;
+}
+
+/* Largest step along the direction until the first force becomes 0. */
+static double longest_step(const ct_solver *s)
+{
+  double fastest = fastest_decrease(s->count, s->force, s->direction);
+  ct_pieces_largest(s->pieces, &fastest, 1);
   return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
 }
 
@@ -444,7 +483,8 @@ static void next_direction(int64_t count, double share, const double *guide,
  * (eq:constraint-iteration). */
 static int step_down(ct_solver *s)
 {
-  descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);
+  double measures[MEASURES];
+  descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, measures);
   for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->image[r];
   return find_gradient(s);
 }
@@ -455,8 +495,8 @@ static int step_down(ct_solver *s)
 static int improve(ct_solver *s, double slope)
 {
   if (!apply(s, s->direction, s->image)) return -1;
-  double curvature = product(s, s->direction, s->image),
-         longest = longest_step(s->count, s->force, s->direction), best = slope / curvature;
+  double curvature = product(s, s->direction, s->image), longest = longest_step(s),
+         best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
     step_along(s->count, best < longest ? best : longest, s->direction, s->image, s->force,
                s->gradient);
@@ -475,7 +515,7 @@ static int releases(ct_solver *s)
     // -- Σ r_j δ_j of the rows without a force, and of those with one
     for (int64_t r = 0; r < s->count; r++)
       s->terms[r] = (s->force[r] > 0.0) == with_force ? s->gradient[r] * s->image[r] : 0.0;
-    gain[with_force] = ct_sum(s->terms, s->count);
+    gain[with_force] = ct_sum_over(s->pieces, s->terms, s->count);
   }
   if (!(gain[0] > gain[1])) return 0; // (eq:proportioning)
   for (int64_t r = 0; r < s->count; r++) s->direction[r] = s->force[r] > 0.0 ? 0.0 : s->image[r];
@@ -488,12 +528,14 @@ static int iterate(ct_solver *s)
 {
   double last = 0.0, tolerance = 10.0 * TOLERANCE;
   int first = 1;
-  if (!find_gradient(s) || !isfinite(ct_sum(s->gradient, s->count))) return 0;
+  if (!find_gradient(s) || !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
   for (;; tolerance = TOLERANCE) {
-    descent d = descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide);
-    s->converged = d.most <= tolerance * d.top;
+    double d[MEASURES];
+    descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
+    ct_pieces_largest(s->pieces, d, MEASURES);
+    s->converged = d[MOST] <= tolerance * d[TOP];
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
-    int release = d.lift > 0.0 && releases(s);
+    int release = d[LIFT] > 0.0 && releases(s);
     double slope = product(s, release ? s->direction : s->guide, s->gradient);
     if (!release)
       next_direction(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->direction);
@@ -520,6 +562,7 @@ int ct_solver_solve(ct_solver *s)
   find_alike(s->first[s->set_count], s->entries);
   choose_active(s);
   list_active_nodes(s);
+  if (s->pieces != NULL) list_shared_nodes(s);
   s->iterations = 0;
   s->converged = 1;
   if (!fix_laws(s) || !iterate(s)) return 0;

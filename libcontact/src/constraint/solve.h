@@ -4,6 +4,7 @@
 #include <libcontact/constraint.h>
 
 #include "../base/memory.h"
+#include "../base/pieces.h"
 
 /* Rows of one effect; its nodes are ascending numbers of the problem. */
 typedef struct ct_row_set {
@@ -47,7 +48,10 @@ typedef struct ct_solver {
   int32_t *row_counts;    /* number of rows that act on each node */
   int32_t most_row_count; /* the largest of these numbers */
   int32_t active_node_count;
-  int32_t *active_nodes;  /* the nodes on which active rows act, as `entry_place` */
+  int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
+  const ct_pieces *pieces; /* null: this solver has all rows */
+  int32_t shared_count;
+  int32_t *shared_nodes;  /* the nodes on which active rows of several pieces act, likewise */
   ct_entries *entries;    /* of the listed rows, and then of those that may be active */
   double *G;              /* the entries, shape (any number, 4) */
   int32_t *entry_place;   /* begin of the places of their nodes in vectors at nodes */

@@ -120,8 +120,11 @@ void ct_admission_limit(ct_contact *contact)
       some += contact->terms[some] != 0.0;
     }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
-  if (!ct_law_keeps_account(contact->fixed->law.enforcement) || some == 0 ||
-      !(ct_sum(contact->terms, some) > admission->received + SLACK * admission->most))
+  double all = (double)some;
+  ct_pieces_sum(sides[0].pieces, &all, 1);
+  if (!ct_law_keeps_account(contact->fixed->law.enforcement) || all == 0.0 ||
+      !(ct_sum_over(sides[0].pieces, contact->terms, some) >
+        admission->received + SLACK * admission->most))
     return;
   for (const ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
@@ -146,6 +149,7 @@ void ct_admission_count(ct_contact *contact, int starting)
       terms[some] = own + (starting ? ct_law_claim(row) : 0.0);
       some += terms[some] != 0.0;
     }
-  admission->received = ct_sum(terms, some) + (starting ? 0.0 : admission->received);
+  admission->received =
+      ct_sum_over(sides[0].pieces, terms, some) + (starting ? 0.0 : admission->received);
   admission->most = fmax(admission->received, starting ? 0.0 : admission->most);
 }

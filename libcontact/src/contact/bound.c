@@ -17,7 +17,8 @@ typedef struct pass {
   const ct_side *side, *other;
   const ct_search *now; /* the other side with a tree for its present shape */
   reach reach;
-  double shift[3]; /* motion of the points that brings the surfaces into touch */
+  const double *places; /* of the points in the last update */
+  double shift[3];      /* motion of the points that brings the surfaces into touch */
 } pass;
 
 /* One point whose partner is searched for: its face, and the normal there, of any length. */
@@ -54,14 +55,28 @@ static int is_across(const seeker *s, const double d[3])
   return ct_vector_dot(d, d) == 0.0 || along >= 0.5; // (eq:friction-facing)
 }
 
+/* Where all points were in the last update: the number of the face, from 1, or 0; the status; and
+ * ξ. Each piece writes its own points. */
+enum { PLACE = 4 };
+static void list_places(const ct_side *side, double *places)
+{
+  for (int64_t i = 0; i < side->fixed->point_count; i++) {
+    const ct_point *point = &side->points[i];
+    const double place[PLACE] = {(double)point->other + 1.0, point->status, point->xi[0],
+                                 point->xi[1]};
+    if (ct_side_owns(side, i)) memcpy(&places[PLACE * i], place, sizeof place);
+  }
+  ct_pieces_sum(side->pieces, places, PLACE * side->fixed->point_count);
+}
+
 /* Face and shape functions on which a point would act: those of the last update, or of the nearest
  * face; -1 if it is not taken as active. */
 static int32_t partner(const pass *p, int64_t i, double N[8])
 {
-  const ct_point *point = &p->side->points[i];
-  if (point->other >= 0 && (p->reach == EVERY || point->status == CT_POINT_INSIDE)) {
-    for (int a = 0; a < 8; a++) N[a] = point->N[a];
-    return point->other;
+  const double *place = &p->places[PLACE * i];
+  if (place[0] >= 1.0 && (p->reach == EVERY || place[1] == CT_POINT_INSIDE)) {
+    ct_segment_shape(p->now->kind, &place[2], N);
+    return (int32_t)place[0] - 1;
   }
   double y[3], d[3], most = p->reach == NEAR ? p->fixed->gaps.near : HUGE_VAL;
   ct_nearest nearest;
@@ -143,7 +158,7 @@ static void find_shift(ct_search *const now[2], double shift[3])
 /* Row sums of both passes, and their largest value over the mass. Returns whether a point counts;
  * -1: a mass is not positive. */
 static int find_rows(const ct_contact *contact, ct_masses mass, reach which, double *rows[2],
-                     ct_search *const now[2], double *omega2)
+                     double *const places[2], ct_search *const now[2], double *omega2)
 {
   const ct_contact_fixed *fixed = contact->fixed;
   const int sides = fixed->gaps.sides;
@@ -152,7 +167,8 @@ static int find_rows(const ct_contact *contact, ct_masses mass, reach which, dou
   if (which == NEAR && sides == 2) find_shift(now, shift);
   for (int s = 0; s < sides; s++) memset(rows[s], 0, (size_t)now[s]->node_count * sizeof *rows[s]);
   for (int s = 0, t = sides - 1; !fixed->gaps.alone && s < sides; s++, t--) {
-    pass p = {fixed, &contact->gaps.side[s], &contact->gaps.side[t], now[t], which, {0.0}};
+    pass p = {fixed, &contact->gaps.side[s], &contact->gaps.side[t], now[t], which, places[s],
+              {0.0}};
     for (int c = 0; c < 3; c++) p.shift[c] = s == 0 ? shift[c] : -shift[c];
     found |= add_rows(&p, rows[s], rows[t]);
   }
@@ -175,22 +191,27 @@ ct_status ct_contact_find_springs(const ct_contact *contact, int facing, ct_mass
   // face each other does not touch itself yet.
   const reach first = facing ? NEAR : EVERY,
               last = facing && contact->fixed->gaps.sides == 1 ? FACING : EVERY;
-  double *rows[2] = {NULL, NULL};
+  double *rows[2] = {NULL, NULL}, *places[2] = {NULL, NULL};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   // Trees are built for the current shape, so that this also works before the first update.
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_search *search = contact->gaps.side[s].search;
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
-    if (rows[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK) status = CT_ERROR_MEMORY;
+    places[s] =
+        ct_allocate((size_t)contact->gaps.side[s].fixed->point_count, PLACE * sizeof *places[s]);
+    if (places[s] != NULL) list_places(&contact->gaps.side[s], places[s]);
+    if (rows[s] == NULL || places[s] == NULL || ct_search_snapshot(search, &now[s]) != CT_OK)
+      status = CT_ERROR_MEMORY;
   }
   int found = 0;
   for (int r = (int)first; status == CT_OK && found == 0 && r <= (int)last; r++) {
-    found = find_rows(contact, mass, (reach)r, rows, now, omega2);
+    found = find_rows(contact, mass, (reach)r, rows, places, now, omega2);
     if (found < 0) status = CT_ERROR_ARGUMENT;
   }
   for (int s = 0; s < 2; s++) {
     ct_release(rows[s]);
+    ct_release(places[s]);
     ct_search_free(now[s]);
   }
   return status;

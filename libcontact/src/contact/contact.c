@@ -186,7 +186,7 @@ static void count_motion(ct_contact *contact)
          side < contact->gaps.side + contact->gaps.fixed->sides; side++)
       for (int64_t i = 0; i < side->fixed->point_count; i++)
         contact->terms[count++] = -side->points[i].force[c];
-    record->reaction[c] = ct_sum(contact->terms, count);
+    record->reaction[c] = ct_sum_over(contact->gaps.side[0].pieces, contact->terms, count);
     // -- Minus the mean force on the obstacle times its motion (eq:obstacle-work)
     record->motion -= 0.5 * (record->reaction[c] + last) * contact->came[c];
   }

@@ -52,9 +52,10 @@ typedef struct friction_state {
   ct_pool pool;
   const friction *data;
   slip_point *points;
-  double *coarse, *fine; /* sums at the nodes */
-  double *rows;          /* row sums of the stiffness there */
-  double *terms;         /* one number per point or node */
+  const ct_pieces *pieces; /* those of the sides */
+  double *coarse, *fine;   /* sums at the nodes */
+  double *rows;            /* row sums of the stiffness there */
+  double *terms;           /* one number per point or node */
   tail_record tail;
 } friction_state;
 
@@ -295,6 +296,7 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
   const size_t size = 3 * (size_t)nodes * sizeof *force;
   double top = largest(s, data->points);
   ct_grid grid;
+  ct_pieces_largest(s->pieces, &top, 1);
   memset(s->coarse, 0, size);
   memset(s->fine, 0, size);
   if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 24 * data->points))
@@ -303,6 +305,10 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
   for (int k = 0; top > 0.0 && k < data->sides; k++) {
     push(now, k, &grid, p, s);
     p += data->side[k]->point_count;
+  }
+  if (top > 0.0) {
+    ct_pieces_sum(s->pieces, s->coarse, 3 * (int64_t)nodes);
+    ct_pieces_sum(s->pieces, s->fine, 3 * (int64_t)nodes);
   }
   for (int64_t d = 0; d < 3 * (int64_t)nodes; d++) force[d] = s->coarse[d] + s->fine[d];
   return CT_OK;
@@ -398,6 +404,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   if (at->on == NULL) return CT_REFUSE(error, "friction: what it acts on is not in the problem");
   int64_t first = 0;
   call now = begin(s, at);
+  s->pieces = now.side[0]->pieces;
   for (int k = 0; k < data->sides; k++) {
     int64_t count = data->side[k]->point_count;
 #ifdef _OPENMP
@@ -424,9 +431,9 @@ static void find_energy(const void *state, ct_interaction_energy *energy)
   memcpy(energy->reaction, s->tail.reaction, sizeof energy->reaction);
   for (int64_t i = 0; i < count; i++)
     s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
-  energy->stored = ct_sum(s->terms, count);
+  energy->stored = ct_sum_over(s->pieces, s->terms, count);
   for (int64_t i = 0; i < count; i++) s->terms[i] = s->points[i].lost;
-  energy->dissipated = ct_sum(s->terms, count);
+  energy->dissipated = ct_sum_over(s->pieces, s->terms, count);
 }
 
 void ct_friction_limit(ct_interaction *interaction, const double *mass, ct_friction_room room)

@@ -111,7 +111,7 @@ static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_e
   if (status != CT_OK) return status;
   move(contact, now);
   for (int64_t i = 0; i < surface->fixed->point_count; i++)
-    if (!meet(contact, i, now->first))
+    if (ct_side_owns(surface, i) && !meet(contact, i, now->first))
       return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
                      "obstacle: a point of the surface is at its centre");
   if (contact->gaps.fixed->sides == 1) return CT_OK;

@@ -77,7 +77,7 @@ static double potential_of(const ct_point *p)
 
 double ct_side_potential(const ct_side *sides, int count)
 {
-  ct_stream sum = {0};
+  ct_stream sum = {.pieces = sides[0].pieces};
   while (ct_stream_again(&sum, 1))
     for (int s = 0; s < count; s++)
       for (const ct_point *p = sides[s].points; p < sides[s].points + sides[s].fixed->point_count;
@@ -99,7 +99,7 @@ static double sum_energy(const ct_side *sides, int count, double (*part)(const c
       terms[some] = part(&sides[s].points[i].row);
       some += terms[some] != 0.0;
     }
-  return ct_sum(terms, some);
+  return ct_sum_over(sides[0].pieces, terms, some);
 }
 
 double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
@@ -185,6 +185,7 @@ ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
     memset(sides[s].force, 0, size);
     memset(sides[s].force_fine, 0, size);
   }
+  ct_pieces_largest(sides[0].pieces, &top, 1);
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   const int64_t terms = (ct_contact_is_rigid(contact->fixed) ? 8 : 16) * fixed->point_count;
@@ -193,5 +194,9 @@ ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
   for (int s = 0; s < fixed->sides; s++)
     if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, &sides[s], &sides[0]);
     else spread(&grid, &sides[s], ct_contact_other(contact, s));
+  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
+    ct_pieces_sum(sides[s].pieces, sides[s].force, 3 * (int64_t)sides[s].search->node_count);
+    ct_pieces_sum(sides[s].pieces, sides[s].force_fine, 3 * (int64_t)sides[s].search->node_count);
+  }
   return CT_OK;
 }

@@ -152,5 +152,5 @@ double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, d
       terms[some++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
       p->force_size = force_size;
     }
-  return ct_sum(terms, some);
+  return ct_sum_over(sides[0].pieces, terms, some);
 }

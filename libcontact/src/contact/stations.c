@@ -197,7 +197,9 @@ void ct_stations_meet(ct_contact *contact, double motion, int first)
     const double along = middle + ((double)i - 0.5 * (double)(count - 1)) * data->station_spacing;
     for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * data->given.axis[c];
     p->jumped = 0;
-    if (ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
+    // In pieces, the stations are those of the piece with the first face.
+    if (!ct_side_owns(&contact->gaps.side[0], 0) ||
+        ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
       lose(p, CT_POINT_NEW);
       continue;
     }

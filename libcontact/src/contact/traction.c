@@ -13,8 +13,8 @@
 /* One surface for the recovery of tractions. */
 typedef struct recovery {
   const ct_side *side;
-  char *is_loaded; /* whether a face carries forces, shape (face_count) */
-  double N[27][8]; /* at the points: shape functions of the linear face with the same corners */
+  double *is_loaded; /* 1: a face carries forces, else 0, shape (face_count) */
+  double N[27][8];   /* at the points: shape functions of the linear face with the same corners */
 } recovery;
 
 /* Mark the faces with forces of their own points, and those on which points of the other side,
@@ -23,9 +23,10 @@ static void mark_faces(const recovery *r, const ct_side *other)
 {
   const ct_side *side = r->side;
   for (int64_t i = 0; i < side->fixed->point_count; i++)
-    if (ct_point_has_force(&side->points[i])) r->is_loaded[i / side->fixed->rule.count] = 1;
+    if (ct_point_has_force(&side->points[i])) r->is_loaded[i / side->fixed->rule.count] = 1.0;
   for (int64_t i = 0; other != NULL && i < other->fixed->point_count; i++)
-    if (ct_point_has_force(&other->points[i])) r->is_loaded[other->points[i].other] = 1;
+    if (ct_point_has_force(&other->points[i])) r->is_loaded[other->points[i].other] = 1.0;
+  ct_pieces_largest(side->pieces, r->is_loaded, side->search->face_count);
 }
 
 /* Add a fraction of a node's force to three sums. */
@@ -65,7 +66,7 @@ static void force_of(const recovery *r, int32_t node, double force[3])
 static double fraction_of(const recovery *r, int64_t i, const double force[3])
 {
   double n[3], square = ct_vector_dot(force, force);
-  if (r->is_loaded[i / r->side->fixed->rule.count]) return 1.0;
+  if (r->is_loaded[i / r->side->fixed->rule.count] > 0.0) return 1.0;
   if (square == 0.0) return 0.0;
   ct_side_area(r->side, i, n);
   // -- How much the surface faces the force (eq:recovered-fraction)

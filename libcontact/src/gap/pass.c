@@ -413,7 +413,7 @@ static void search_point(const ct_pass *p, int64_t i)
   ct_point *point = &p->side->points[i];
   nearest best;
   double y[3];
-  if (is_alone(p, i)) {
+  if (!ct_side_owns(p->side, i) || is_alone(p, i)) {
     point->jumped = 0;
     close_point(p, point, point->status == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
     return;

@@ -5,6 +5,7 @@
 #include <libcontact/shape.h>
 
 #include "../base/grid.h"
+#include "../base/pieces.h"
 #include "../search/search_internal.h"
 
 /* A method that compares distances finds the closest point to the root of the rounding, as a
@@ -81,8 +82,11 @@ typedef struct ct_side_fixed {
  * points, and the search of their surface. */
 typedef struct ct_side {
   const ct_side_fixed *fixed;
-  ct_search *search;          /* shares the topology of the fixed one */
-  ct_point *points;           /* shape (face_count, rule.count) */
+  const ct_pieces *pieces; /* null: this side has all points */
+  const uint8_t *owned;    /* of a surface in pieces: whether the points of a face are this piece's,
+                              shape (face_count); else null */
+  ct_search *search;       /* shares the topology of the fixed one */
+  ct_point *points;        /* shape (face_count, rule.count) */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
                     since the last update, shape (node_count, 3) */
@@ -116,6 +120,13 @@ static inline int32_t ct_side_face(const ct_side *side, int64_t i)
 {
   return side->fixed->kind == CT_SIDE_STATIONS ? side->points[i].other
                                                : (int32_t)(i / side->fixed->rule.count);
+}
+
+/* Whether point `i` of a surface is one of this piece; the others find nothing and have no force.
+ */
+static inline int ct_side_owns(const ct_side *side, int64_t i)
+{
+  return side->owned == NULL || side->owned[i / side->fixed->rule.count];
 }
 
 /* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum);

@@ -223,6 +223,7 @@ static double deepest(const ct_gaps *gaps)
   for (int s = 0; s < gaps->fixed->sides; s++)
     for (int64_t i = 0; i < gaps->fixed->side[s].point_count; i++)
       depth = fmax(depth, -gaps->side[s].points[i].last_known);
+  ct_pieces_largest(gaps->side[0].pieces, &depth, 1);
   return depth;
 }
 

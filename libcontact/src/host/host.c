@@ -79,6 +79,7 @@ void ct_contact_free(ct_contact *contact)
     part->is->calls->free(part->is);
     ct_release(part);
   }
+  for (int s = 0; h != NULL && s < 2; s++) ct_release(h->owned[s]);
   ct_release(h);
   ct_contact_fixed *fixed = contact->own;
   ct_contact_close(contact);
@@ -111,13 +112,14 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
   }
   if (status == CT_OK)
     status = ct_solver_create(sets, count, fixed->is.node_count, number, &h->solver);
+  if (status == CT_OK) h->solver->pieces = h->pieces;
   ct_release(sets);
   ct_release(number);
   return status;
 }
 
 /* Arrays and memory of all parts. */
-static void open_parts(ct_host *h)
+static void open_parts(const ct_contact_fixed *fixed, ct_host *h)
 {
   h->memory_count = CT_HOST_RECORD;
   for (ct_host_part *part = &h->contact; part != NULL; part = part->next) {
@@ -126,6 +128,8 @@ static void open_parts(ct_host *h)
     h->memory_count += part->is->memory_count;
     for (int i = 0; i < (part->on != NULL ? 1 : 3); i++)
       *arrays[i] = ct_pool_take(&h->pool, (size_t)part->is->node_count, 3 * sizeof(double));
+    if (part->nodes != NULL && part->on == NULL)
+      ct_host_cut(h, part->nodes == fixed->gaps.place[1], part->state);
   }
 }
 
@@ -136,7 +140,7 @@ ct_status ct_host_open(ct_contact *contact, ct_error *error)
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
   if (h->open) return CT_OK;
   double **arrays[] = {&h->inverse_mass, &h->others, &h->increment, &h->force, &h->terms};
-  open_parts(h);
+  open_parts(fixed, h);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     *arrays[i] = ct_pool_take(&h->pool, (size_t)fixed->is.node_count, 3 * sizeof(double));
   h->memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
@@ -209,7 +213,9 @@ static ct_status solve(ct_contact *contact, ct_prediction *p, const ct_surface_m
   ct_host *h = contact->host;
   if (h->solver == NULL) return CT_OK;
   ct_status status = ct_rows_list_all(h->solver, list_rows, &(lister){contact, now}, error);
-  if (status != CT_OK || h->solver->first[h->solver->set_count] == 0) return status;
+  int64_t rows = h->solver->first[h->solver->set_count];
+  status = ct_host_agree(contact, status, &rows, error);
+  if (status != CT_OK || rows == 0) return status;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   p->before = !now->first ? now->before : p->force_time < p->tau ? 0.0 : p->tau;
   ct_rows_predict(h->solver, p);
@@ -325,7 +331,9 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                                  .first = h->now.begun == 0.0,
                                  .x = h->contact.x,
                                  .velocity = h->contact.velocity};
+  int64_t rows = 0;
   ct_status status = place(contact, &now, error);
+  status = ct_host_agree(contact, status, &rows, error);
   if (status == CT_OK) status = solve(contact, &prediction, &now, error);
   if (status == CT_OK) status = find_forces(h, &now, error);
   if (status != CT_OK) return status;
@@ -386,10 +394,12 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
+  int64_t rows = 0;
   ct_status status = ct_host_open(contact, error);
   if (status == CT_OK) status = check_times(contact, p, error);
   for (int s = 0; status == CT_OK && s < contact->fixed->gaps.sides; s++)
     status = check_side(contact, s, &side[s], error);
+  if (contact->host != NULL) status = ct_host_agree(contact, status, &rows, error);
   return status == CT_OK ? take_step(contact, p, side, error) : status;
 }
 

@@ -43,6 +43,9 @@ enum { CT_HOST_RECORD = sizeof(ct_host_record) / sizeof(double) };
  * numbering and the shape (node_count, 3). */
 typedef struct ct_host {
   ct_pool pool;
+  const ct_pieces *pieces; /* null: one piece */
+  ct_pieces given_pieces;
+  uint8_t *owned[2]; /* of pieces: which faces of each surface are this piece's */
   int open;
   int current; /* whether the forces belong to a step */
   ct_host_part contact;
@@ -72,6 +75,15 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number);
 
 /* ``CT_ERROR_ARGUMENT`` if the forces do not belong to a step. */
 ct_status ct_host_check_current(const ct_contact *contact, ct_error *error);
+
+/* ``CT_ERROR_ARGUMENT`` if a contact is null or has taken a step, so that it can't be extended. */
+ct_status ct_host_check_new(const ct_contact *contact, ct_error *error);
+
+/* Give a contact of the host, itself or an obstacle at surface `s`, to the pieces. */
+void ct_host_cut(const ct_host *host, int s, ct_contact *of);
+
+/* The same status in all pieces: CT_OK if all have it; `*rows` becomes the largest of all. */
+ct_status ct_host_agree(const ct_contact *contact, ct_status own, int64_t *rows, ct_error *error);
 
 /* Allocate for the steps of a contact, unless that is done. */
 ct_status ct_host_open(ct_contact *contact, ct_error *error);

@@ -31,12 +31,12 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
   return part;
 }
 
-/* Refuse to extend a contact that is null or has taken a step. */
-static ct_status check_new(const ct_contact *contact, ct_error *error)
+ct_status ct_host_check_new(const ct_contact *contact, ct_error *error)
 {
   if (contact == NULL) return CT_REFUSE(error, "contact: null argument");
   if (contact->host != NULL && contact->host->open)
-    return CT_REFUSE(error, "contact: obstacles and friction must be added before the first step");
+    return CT_REFUSE(error,
+                     "contact: obstacles, friction and pieces must be given before the first step");
   return CT_OK;
 }
 
@@ -79,7 +79,7 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
                                   const ct_obstacle_def *obstacle, ct_error *error)
 {
   ct_interaction *is = NULL;
-  ct_status status = check_new(contact, error);
+  ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
   if (side < 0 || side >= contact->fixed->gaps.sides || obstacle == NULL)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
@@ -91,7 +91,7 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
                                   double tangent, ct_error *error)
 {
   ct_interaction *is = NULL;
-  ct_status status = check_new(contact, error);
+  ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
   const ct_host *h = ct_host_of(contact);
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
