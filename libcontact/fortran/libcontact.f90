@@ -37,6 +37,11 @@ module libcontact
     integer(c_int32_t) :: number
   end type
 
+  type, bind(C) :: ct_pieces
+    type(c_ptr) :: data
+    type(c_funptr) :: sum, largest
+  end type
+
   type, bind(C) :: ct_face
     integer(c_int) :: kind
     real(c_double) :: node(3, 8)
@@ -201,6 +206,14 @@ module libcontact
       type(c_ptr), value :: contact
       integer(c_int32_t), value :: on
       real(c_double), value :: coefficient, tangent
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_set_pieces(contact, owned_a, owned_b, pieces, error) bind(C) result(status)
+      import :: c_int, c_ptr, ct_pieces, ct_error
+      type(c_ptr), value :: contact, owned_a, owned_b
+      type(ct_pieces), intent(in) :: pieces
       type(ct_error), intent(inout) :: error
       integer(c_int) :: status
     end function

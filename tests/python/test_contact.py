@@ -1,6 +1,8 @@
 """The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals; scikit-fem as a host."""
 
+import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -81,9 +83,10 @@ class Rods:
             energy += 0.5 * stiffness * (stretch**2).sum()
         return force, energy
 
-    def run(self, beta, fraction=0.9, end=30.0):
+    def run(self, beta, fraction=0.9, end=30.0, cut=lambda contact: None):
         """Total energy and force on the right rod at every step."""
         contact = ct.Contact(*self.surfaces, epsilon=beta / self.h)
+        cut(contact)
         x, v, dt, rows = self.X.copy(), self.v.copy(), fraction * self.h, []
         for n in range(int(end / dt)):
             force, strain = self.force(x)
@@ -116,6 +119,56 @@ def test_rods(beta):
     steady = (np.arange(len(force)) * dt > 5) & (np.arange(len(force)) * dt < 15)
     assert force[steady].mean() == pytest.approx(0.1, rel=5e-3)
     assert v[: rods.middle, 0].mean() == pytest.approx(-0.1, rel=0.02)
+
+
+class Meeting:
+    """Two threads that exchange numbers."""
+
+    def __init__(self):
+        self.barrier, self.given = threading.Barrier(2, timeout=60), {}
+
+    def cut(self, piece):
+        def exchange(combine):
+            def answer(values):
+                self.given[piece] = values.copy()
+                self.barrier.wait()
+                values[:] = combine(self.given[0], self.given[1])
+                self.barrier.wait()
+
+            return answer
+
+        masks = ([piece == 0], [piece == 1])
+        return lambda contact: contact.set_pieces(masks, exchange(np.add), exchange(np.maximum))
+
+
+@pytest.mark.parametrize("one_array", [False, True])
+def test_two_pieces_have_the_bits_of_one_contact(one_array):
+    rods, meeting = Rods(one_array), Meeting()
+    whole = rods.run(40, end=12.0)
+    with ThreadPoolExecutor(2) as pool:
+        runs = [pool.submit(rods.run, 40, 0.9, 12.0, meeting.cut(piece)) for piece in range(2)]
+        for run in runs:
+            for got, want in zip(run.result(), whole):
+                assert np.array_equal(got, want)
+    assert whole[1][:, 3].max() > 0.05
+
+
+def test_pieces_that_are_refused():
+    rods = Rods(one_array=False)
+    make = lambda: ct.Contact(*rods.surfaces, epsilon=1 / rods.h)
+    keep = lambda values: None
+    with pytest.raises(ValueError, match="a pair of masks"):
+        make().set_pieces([[True]] * 3, keep, keep)
+    with pytest.raises(ValueError, match=r"shape \(2,\); it must be \(1,\)"):
+        make().set_pieces(([True, False], [True]), keep, keep)
+    with pytest.raises(ValueError, match="face 0 of surface b is in 0 pieces"):
+        make().set_pieces(([True], [False]), keep, keep)
+
+    def fail(values):
+        raise RuntimeError("the network is down")
+
+    with pytest.raises(RuntimeError, match="the network is down"):
+        make().set_pieces(([True], [True]), fail, keep)
 
 
 def test_penalties_and_the_step_that_the_explicit_one_allows():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -23,7 +23,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import BorderWarning, InsideOutWarning, came_in_late, issue, renamed
+from .errors import BorderWarning, InsideOutWarning, came_in_late, held, issue, renamed
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -90,6 +90,20 @@ def _warn_of_inside_out(surfaces: Sequence[Surface]) -> None:
                     "corners of each face counter-clockwise from outside"
                 )
             )
+
+
+def _exchanged(function: Callable[[Floats], None]) -> Any:
+    """A function of ``ct_pieces`` that calls one of Python; what it raises ends the step."""
+
+    def answer(data: Any, values: Any, count: int) -> int:
+        try:
+            function(np.frombuffer(ffi.buffer(values, 8 * count), np.float64))
+        except BaseException as reason:  # whatever the user's function raises
+            held.reason = reason
+            return 1
+        return 0
+
+    return ffi.callback("int(void *, double *, int64_t)", answer)
 
 
 class Contact:
@@ -209,6 +223,7 @@ class Contact:
             _warn_of_inside_out(surfaces)
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
+        self._faces = [surface.given.face_count for surface in surfaces]
         self._pair = second is not None and other.reference != first.given.reference
         self._enforcement, self._sides, self._told = enforcement, list[int](), False
         self._add_friction(-1, *self._rubbing(friction, tangent))
@@ -338,6 +353,47 @@ class Contact:
         self._sides.append(side)
         self._add_friction(number, *rubbing)
         return number
+
+    def set_pieces(
+        self,
+        owned: Any,
+        add: Callable[[Floats], None],
+        largest: Callable[[Floats], None],
+    ) -> None:
+        """Let this contact be one piece of several, each with its own contact of the same surfaces.
+
+        Each piece computes the points of its own faces, and passes and gets the arrays of a host
+        without pieces, with the same bits. From here on all pieces make the same calls at the same
+        time. Call it before the first step.
+
+        Parameters
+        ----------
+        owned : array_like of bool, shape (number of faces), or a pair of them
+            The faces of each surface that are this piece's; each face has one piece.
+        add : callable
+            Replaces the numbers of an array by their sums over all pieces, as with mpi4py
+            ``lambda a: comm.Allreduce(MPI.IN_PLACE, a, MPI.SUM)``.
+        largest : callable
+            Replaces them by the largest of all pieces, as with ``MPI.MAX``.
+
+        Raises
+        ------
+        ValueError
+            A mask of another shape, a face that has no piece or several, or a step was taken.
+        """
+        pair = owned if len(self._faces) == 2 else (owned,)
+        if len(pair) != len(self._faces):
+            raise ValueError("two surfaces need a pair of masks")
+        masks = []
+        for given, count in zip(pair, self._faces):
+            mask = np.ascontiguousarray(given, np.uint8)
+            if mask.shape != (count,):
+                raise ValueError(f"a mask has shape {mask.shape}; it must be ({count},)")
+            masks.append(ffi.from_buffer("uint8_t *", mask))
+        self._exchange = [_exchanged(add), _exchanged(largest)]
+        pieces = ffi.new("ct_pieces *", [ffi.NULL, *self._exchange])
+        second = masks[1] if len(masks) == 2 else ffi.NULL
+        call(lib.ct_contact_set_pieces, self._contact, masks[0], second, pieces)
 
     @staticmethod
     def _rubbing(friction: float, tangent: float) -> tuple[float, float]:
