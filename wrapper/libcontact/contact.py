@@ -355,10 +355,7 @@ class Contact:
         return number
 
     def set_pieces(
-        self,
-        owned: Any,
-        add: Callable[[Floats], None],
-        largest: Callable[[Floats], None],
+        self, owned: Any, add: Callable[[Floats], None], largest: Callable[[Floats], None]
     ) -> None:
         """Let this contact be one piece of several, each with its own contact of the same surfaces.
 

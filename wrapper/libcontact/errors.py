@@ -270,7 +270,8 @@ def text_of(status: int, error: Any = None) -> str:
     return text or ffi.string(lib.ct_status_name(status)).decode()
 
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def renamed(**now: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
