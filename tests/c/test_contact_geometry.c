@@ -650,8 +650,8 @@ static void safe_approach(void)
   ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_GAUSS));
   update(contact, &a, &b);
   // The nodes of the second surface follow those of the first.
-  double *v = numbers(3 * contact->fixed->node_count);
-  for (int n = 0; n < contact->fixed->node_count; n++)
+  double *v = numbers(3 * contact->fixed->is.node_count);
+  for (int n = 0; n < contact->fixed->is.node_count; n++)
     v[3 * n + 2] = n < contact->fixed->gaps.side[0].search->node_count ? 3.0 : -2.0;
   const double limit = contact->fixed->gaps.approach / 5.0;
   ct_error e;
