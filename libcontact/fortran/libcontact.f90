@@ -107,7 +107,7 @@ module libcontact
     real(c_double) :: point(3), axis(3), radius, epsilon
     integer(c_int) :: enforcement
     real(c_double) :: dissipation
-    integer(c_int) :: initial_penetration
+    integer(c_int) :: points, initial_penetration
     real(c_double) :: removal_time, adjust, velocity(3), travel(3)
     type(ct_amplitude) :: amplitude
     integer(c_int) :: kind

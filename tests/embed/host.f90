@@ -228,7 +228,7 @@ contains
     type(ct_contact_balance), target :: w
     type(ct_amplitude), target :: m
     type(ct_obstacle_def), target :: g
-    integer(c_int64_t) :: there(86), here(82)
+    integer(c_int64_t) :: there(87), here(83)
     there = -1
     call host_layout(there)
     here = [ &
@@ -261,13 +261,13 @@ contains
       at(c_loc(m%time), c_loc(m)), at(c_loc(m%value), c_loc(m)), int(c_sizeof(m), c_int64_t), &
       at(c_loc(g%shape), c_loc(g)), at(c_loc(g%point), c_loc(g)), at(c_loc(g%axis), c_loc(g)), &
       at(c_loc(g%radius), c_loc(g)), at(c_loc(g%epsilon), c_loc(g)), at(c_loc(g%enforcement), c_loc(g)), &
-      at(c_loc(g%dissipation), c_loc(g)), at(c_loc(g%initial_penetration), c_loc(g)), &
+      at(c_loc(g%dissipation), c_loc(g)), at(c_loc(g%points), c_loc(g)), at(c_loc(g%initial_penetration), c_loc(g)), &
       at(c_loc(g%removal_time), c_loc(g)), at(c_loc(g%adjust), c_loc(g)), &
       at(c_loc(g%velocity), c_loc(g)), at(c_loc(g%travel), c_loc(g)), &
       at(c_loc(g%amplitude), c_loc(g)), at(c_loc(g%kind), c_loc(g)), at(c_loc(g%face_count), c_loc(g)), &
       at(c_loc(g%faces), c_loc(g)), &
       int(c_sizeof(g), c_int64_t)]
-    call check(all(there(:82) == here) .and. all(there(83:) == -1), &
+    call check(all(there(:83) == here) .and. all(there(84:) == -1), &
                "each member and each size of ten structs is where C has it")
     o = ct_project_options_default()
     k = ct_contact_options_default()

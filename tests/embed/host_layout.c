@@ -83,6 +83,7 @@ void host_layout(int64_t *place)
                                  PLACE(ct_obstacle_def, epsilon),
                                  PLACE(ct_obstacle_def, enforcement),
                                  PLACE(ct_obstacle_def, dissipation),
+                                 PLACE(ct_obstacle_def, points),
                                  PLACE(ct_obstacle_def, initial_penetration),
                                  PLACE(ct_obstacle_def, removal_time),
                                  PLACE(ct_obstacle_def, adjust),

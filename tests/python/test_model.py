@@ -136,6 +136,7 @@ history = { time = [0, 1], value = [0, 1] }
 surface = "b.outer"
 cylinder = { centre = [9, 0, 0], axis = [0, 0, 1], radius = 1 }
 adjust = 0.1
+points = "lobatto"
 initial_penetration = "remove"
 removal_time = 0.5
 [[obstacle]]

@@ -28,8 +28,11 @@ def enforced(name, enforcement):
     return ct.Scene(data).run(progress=False, output=False)
 
 
-def test_bar_on_a_wall():
-    run = ct.Scene.load(SCENES / "bar_on_a_wall.toml").run(progress=False, output=False)
+@pytest.mark.parametrize("points", ["gauss", "lobatto"])
+def test_bar_on_a_wall(points):
+    data = changed("bar_on_a_wall")
+    data["obstacle"][0]["points"] = points
+    run = ct.Scene(data).run(progress=False, output=False)
     energy, p = run.energy, run.momentum["p"][:, 0] / 0.1
     touching = energy["time"][energy["obstacle"] > 0.05 * energy["obstacle"].max()]
     assert abs(touching[0] - 0.5) < 0.02 and abs(touching[-1] - (0.5 + 2 / 3)) < 0.02

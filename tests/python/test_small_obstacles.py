@@ -72,6 +72,14 @@ def test_a_sphere_of_a_fifth_of_an_element_does_not_pass_through_a_plate(at):
     assert (pressure["area"][:, None] * pressure["traction"]).sum(axis=0)[2] < 0.0
 
 
+def test_a_gap_under_a_small_sphere_is_adjusted():
+    """The closest place to its centre has a normal without a point on a face."""
+    data = plate((0.03, 0.11), end=1e-4).data
+    data["obstacle"][0] |= {"adjust": 0.02, "velocity": [0, 0, -4.8]}
+    run = ct.Scene(data).run(progress=False, output=False)
+    assert run.energy["obstacle"][-1] > 0.0
+
+
 @needs_hdf5
 def test_a_restart_under_a_small_sphere_has_the_same_bits(tmp_path):
     scene = plate((0.03, 0.11))

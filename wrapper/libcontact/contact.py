@@ -269,6 +269,7 @@ class Contact:
         travel: Any = (0.0, 0.0, 0.0),
         history: tuple[Any, Any] | None = None,
         dissipation: float = 0.15,
+        points: str = "gauss",
         initial_penetration: str = "keep",
         removal_time: float = 0.0,
         adjust: float = 0.0,
@@ -299,6 +300,8 @@ class Contact:
             Times, from the first step on, and factors.
         dissipation : float
             Damping ratio of the surface mode, 0 ... 1.
+        points : {"gauss", "lobatto"}
+            Positions of its points on the faces of the surface.
         initial_penetration : {"keep", "force", "refuse", "remove"}
             Treatment of points that penetrate in the first step.
         removal_time : float
@@ -325,6 +328,7 @@ class Contact:
         definition = ffi.new("ct_obstacle_def *", lib.ct_obstacle_def_default())
         definition.shape = chosen("shape", shape, names("ct_obstacle_shape"))
         definition.enforcement = chosen("enforcement", self._enforcement, names("ct_enforcement"))
+        definition.points = chosen("points", points, names("ct_contact_rule"))
         definition.initial_penetration = _initial(initial_penetration)
         vectors = {"point": point, "axis": axis, "velocity": velocity, "travel": travel}
         for name, values in vectors.items():

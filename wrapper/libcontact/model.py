@@ -366,6 +366,9 @@ class ContactLaw(Table):
         overlap unless it is removed (:doc:`/theory/warnings`).
     removal_time
         Time in which ``"remove"`` separates the surfaces.
+    points
+        Positions of the contact points: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on
+        edges and inside, so that the penetration of every corner is detected, :eq:`unseen`.
     """
 
     rivals = (("beta", "epsilon"),)
@@ -388,6 +391,7 @@ class ContactLaw(Table):
         default=word(INITIAL, CONTACT.initial_penetration),
     )
     removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
+    points: str = key(Choice(POINTS), default=word(POINTS, CONTACT.points))
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
@@ -413,15 +417,11 @@ class ContactKeys(ContactLaw):
         may approach each other by at most D. By default D is the size of the largest face at the
         start, and afterwards the width of the narrowest face or three quarters of the smallest
         thickness, but at least twice ``adjust``, :eq:`contact-near`.
-    points
-        Positions of the contact points: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on
-        edges and inside, so that the penetration of every corner is detected, :eq:`unseen`.
     """
 
     method: str = key(Choice(METHODS), default=word(METHODS, CONTACT.method))
     tolerance: float | None = key(POSITIVE, default=None, says="the library's")
     depth: float | None = key(POSITIVE, unit="length", default=None, says="see text")
-    points: str = key(Choice(POINTS), default=word(POINTS, CONTACT.points))
 
 
 class Contact(ContactKeys):

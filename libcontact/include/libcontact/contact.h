@@ -326,6 +326,8 @@ typedef struct ct_obstacle_def {
    * penalty. With 0, energy is conserved while contact lasts.
    */
   double dissipation;
+  /** Positions of the points on the faces; default: Gauss points. */
+  ct_contact_rule points;
   /** Treatment of points that penetrate at the start; default CT_INITIAL_KEEP. */
   ct_initial initial_penetration;
   /** Time in which CT_INITIAL_REMOVE separates surface and obstacle [time], > 0; otherwise not

@@ -8,6 +8,18 @@
 #include <math.h>
 #include <string.h>
 
+ct_status ct_contact_check(const ct_contact_fixed *fixed, double epsilon, ct_contact_rule points,
+                           ct_error *error)
+{
+  const char *label = fixed->partner->label;
+  if (!(epsilon > 0.0) || !isfinite(epsilon))
+    return CT_REFUSE(error, "%s: the penalty must be positive, not %g", label, epsilon);
+  if (points != CT_POINTS_GAUSS && points != CT_POINTS_LOBATTO)
+    return CT_REFUSE(error, "%s: there is no rule of points %d", label, (int)points);
+  ct_status status = ct_law_check(&fixed->law, label, error);
+  return status == CT_OK ? ct_start_gap_check(&fixed->start_rule, label, error) : status;
+}
+
 void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes)
 {
   const ct_side_fixed *side = fixed->gaps.side;

@@ -107,6 +107,10 @@ static inline const ct_side *ct_contact_acting(const ct_contact *contact, int s)
 /* The calls of contacts and obstacles. */
 extern const ct_interaction_calls ct_contact_calls;
 
+/* Check the penalty, the rule of points, the law and the start rule of constant data. */
+ct_status ct_contact_check(const ct_contact_fixed *fixed, double epsilon, ct_contact_rule points,
+                           ct_error *error);
+
 /* Fill the interaction of constant data whose surfaces are known; `points` and `nodes` are flops of
  * a call per point and node (eq:round-flops). */
 void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes);

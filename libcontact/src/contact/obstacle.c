@@ -17,11 +17,6 @@ static void free_obstacle(ct_contact_fixed *fixed)
   ct_release(data->springs);
 }
 
-static ct_start_rule start_rule_of(const ct_obstacle_def *given)
-{
-  return (ct_start_rule){given->initial_penetration, given->removal_time, given->adjust};
-}
-
 /* The law of all points. */
 static ct_constraint law_of(const ct_obstacle_def *given)
 {
@@ -214,7 +209,8 @@ static const ct_partner_calls OBSTACLE = {.label = "obstacle",
                                           .distance = distance,
                                           .find_springs = find_springs};
 
-static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_error *error)
+static ct_status check(const ct_contact_fixed *fixed, const ct_obstacle_def *o,
+                       const ct_surface *surface, ct_error *error)
 {
   const ct_obstacle_kind *kind = ct_obstacle_kind_of(o->shape);
   double a[3];
@@ -225,13 +221,6 @@ static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_e
     return ct_fail(error, CT_INVALID, CT_NOWHERE,
                    "obstacle: its point, velocity or travel is not finite");
   if (kind == NULL) return CT_REFUSE(error, "obstacle: there is no shape %d", (int)o->shape);
-  if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
-    return CT_REFUSE(error, "obstacle: the penalty must be positive, not %g", o->epsilon);
-  const ct_constraint law = law_of(o);
-  const ct_start_rule rule = start_rule_of(o);
-  ct_status status = ct_law_check(&law, "obstacle", error);
-  if (status == CT_OK) status = ct_start_gap_check(&rule, "obstacle", error);
-  if (status != CT_OK) return status;
   if (kind->direction != NULL && !ct_obstacle_axis(o->axis, a))
     return CT_REFUSE(error, "obstacle: the %s has no length", kind->direction);
   if (kind->is_round && (!(o->radius > 0.0) || !isfinite(o->radius)))
@@ -245,7 +234,7 @@ static ct_status check(const ct_obstacle_def *o, const ct_surface *surface, ct_e
     if (surface->faces[i] < 0 || surface->faces[i] >= surface->node_count)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, surface->faces[i]},
                      "obstacle: there is no node %d", (int)surface->faces[i]);
-  return CT_OK;
+  return ct_contact_check(fixed, o->epsilon, o->points, error);
 }
 
 /* Row sums of the penalty's stiffness with all points inside (eq:obstacle-bound). */
@@ -265,8 +254,6 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
 {
   ct_contact_fixed *contact = &data->contact;
   size_t points = (size_t)o->amplitude.count;
-  contact->law = law_of(o);
-  contact->start_rule = start_rule_of(o);
   contact->threads = 1;
   contact->gaps.depth = HUGE_VAL;
   contact->gaps.sides = 1;
@@ -279,7 +266,8 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
   data->given.amplitude.value = data->value =
       ct_duplicate(o->amplitude.value, points * sizeof(double));
   if (!data->time || !data->value) return CT_NO_MEMORY(error, "an obstacle");
-  ct_status status = ct_side_fixed_init(&contact->gaps.side[0], surface, 0, 0, error);
+  ct_status status =
+      ct_side_fixed_init(&contact->gaps.side[0], surface, 0, o->points == CT_POINTS_LOBATTO, error);
   if (status != CT_OK) return status;
   contact->gaps.point_count = contact->gaps.side[0].point_count;
   status = ct_stations_init(data, error);
@@ -301,12 +289,15 @@ ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surfa
 {
   ct_status status = ct_check_options(def->cookie, "ct_obstacle_def_default", error);
   if (status == CT_OK) status = ct_amplitude_check(&def->amplitude, error);
-  if (status == CT_OK) status = check(def, surface, error);
   if (status != CT_OK) return status;
   ct_obstacle *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return CT_NO_MEMORY(error, "an obstacle");
   data->contact.partner = &OBSTACLE;
-  status = fill(data, def, surface, error);
+  data->contact.law = law_of(def);
+  data->contact.start_rule =
+      (ct_start_rule){def->initial_penetration, def->removal_time, def->adjust};
+  status = check(&data->contact, def, surface, error);
+  if (status == CT_OK) status = fill(data, def, surface, error);
   if (status != CT_OK) {
     ct_contact_fixed_free(&data->contact);
     return status;

@@ -46,36 +46,17 @@ static ct_constraint law_of(const ct_contact_options *options)
                          .dissipation = options->dissipation};
 }
 
-static ct_start_rule start_rule_of(const ct_contact_options *options)
+static ct_status check_options(const ct_contact_fixed *fixed, const ct_contact_options *options,
+                               ct_error *error)
 {
-  return (ct_start_rule){options->initial_penetration, options->removal_time, options->adjust};
-}
-
-static ct_status check_options(const ct_contact_options *options, ct_error *error)
-{
-  ct_status known = ct_check_options(options->cookie, "ct_contact_options_default", error);
-  if (known != CT_OK) return known;
-  if (!(options->epsilon > 0.0) || !isfinite(options->epsilon))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: the penalty must be positive, not %g", options->epsilon);
   if (!(options->tolerance > 0.0 && options->tolerance < 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g",
-                   options->tolerance);
+    return CT_REFUSE(error, "contact: a tolerance of %g", options->tolerance);
   if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 ||
       options->threads > CT_MOST_THREADS)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads",
-                   options->depth, options->threads);
-  const ct_start_rule start = start_rule_of(options);
-  ct_status status = ct_start_gap_check(&start, "contact", error);
-  if (status != CT_OK) return status;
-  if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d",
-                   (int)options->points);
+    return CT_REFUSE(error, "contact: depth %g, %d threads", options->depth, options->threads);
   if (!ct_method_exists(options->method))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d",
-                   (int)options->method);
-  const ct_constraint law = law_of(options);
-  return ct_law_check(&law, "contact", error);
+    return CT_REFUSE(error, "contact: there is no search method %d", (int)options->method);
+  return ct_contact_check(fixed, options->epsilon, options->points, error);
 }
 
 /* List the nodes of all surfaces, each in ascending order; those of the second have numbers beyond
@@ -140,7 +121,7 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                                   const ct_contact_options *options, ct_contact_fixed **out,
                                   ct_error *error)
 {
-  ct_status status = check_options(options, error);
+  ct_status status = ct_check_options(options->cookie, "ct_contact_options_default", error);
   if (status != CT_OK) return status;
   ct_contact_fixed *fixed = ct_allocate(1, sizeof *fixed);
   if (fixed == NULL) return CT_NO_MEMORY(error, "a contact");
@@ -149,7 +130,9 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   fixed->law = law_of(options);
   fixed->admits = 1;
   fixed->threads = options->threads;
-  fixed->start_rule = start_rule_of(options);
+  fixed->start_rule =
+      (ct_start_rule){options->initial_penetration, options->removal_time, options->adjust};
+  status = check_options(fixed, options, error);
   fixed->gaps.project = ct_project_options_default();
   fixed->gaps.project.method = options->method;
   fixed->gaps.project.tolerance = options->tolerance;

@@ -184,8 +184,22 @@ int ct_side_direction(const ct_side *side, const ct_point *point, double n[3])
   return length > 0.0;
 }
 
+/* Normal of the surface at the place of a station. */
+static void area_at(const ct_side *side, const ct_point *point, double normal[3])
+{
+  double tangent[2][3];
+  ct_face face;
+  ct_search_face(side->search, point->other, &face);
+  ct_segment_tangents(&face, point->xi, tangent[0], tangent[1]);
+  ct_vector_cross(tangent[0], tangent[1], normal);
+}
+
 void ct_side_area(const ct_side *side, int64_t i, double normal[3])
 {
+  if (side->fixed->kind == CT_SIDE_STATIONS) {
+    area_at(side, &side->points[i], normal);
+    return;
+  }
   const int32_t points = side->fixed->rule.count;
   static const double zero[3] = {0.0, 0.0, 0.0};
   const ct_search *search = side->search;

@@ -193,7 +193,7 @@ class Obstacle(ContactLaw, OnSurface):
         else:
             text += "; the default penalty"
         rub = f"friction {self.friction:g}" if self.friction else "without friction"
-        text += f", enforced by {self.enforcement}, {rub}, initial penetration {self.initial_penetration}"
+        text += f", {self.points} points, enforced by {self.enforcement}, {rub}, initial penetration {self.initial_penetration}"
         if self.removal_time:
             text += f" in {self.removal_time:g} {units.time}"
         return text + (f", adjust {self.adjust:g} {units.length}" if self.adjust else "")
