@@ -115,11 +115,12 @@ static void run(const ct_problem *problem, ct_mesh *const *mesh, ct_state *state
   def[1].name = "face", def[1].nodes = nodes, def[1].node_count = count;
   for (int i = 0; i < 2; i++) def[i].take[CT_QUANTITY_DISPLACEMENT] = 1;
   need(ct_probes_create(problem, def, 2, &probes, &error));
-  need(ct_run(state->problem, state, steps, &(ct_observers){.probes = probes}, &error));
+  need(
+      ct_run(state->problem, state, steps, (ct_observer[]){ct_probes_observer(probes)}, 1, &error));
   ct_probes_free(probes);
 #else
   (void)mesh;
-  need(ct_run(problem, state, steps, NULL, &error));
+  need(ct_run(problem, state, steps, NULL, 0, &error));
 #endif
 }
 

@@ -32,7 +32,6 @@ def scene(law: str, element: str) -> ct.Scene:
 
 def seconds(problem, every: int | None) -> float:
     state, error = new_state(problem), new_error()
-    observers = ffi.new("ct_observers *")
     if every is not None:
         options, out = (
             ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()),
@@ -40,9 +39,10 @@ def seconds(problem, every: int | None) -> float:
         )
         options.every = every
         check(lib.ct_monitor_create(problem.pointer, state, options, out, error), error)
-        observers.monitor = out[0]
+    observers = [] if every is None else [lib.ct_monitor_observer(out[0])]
+    given = ffi.new("ct_observer[]", observers), len(observers)
     begin = time.perf_counter()
-    check(lib.ct_run(problem.pointer, state, STEPS, observers, error), error)
+    check(lib.ct_run(problem.pointer, state, STEPS, *given, error), error)
     took = time.perf_counter() - begin
     if every is not None:
         lib.ct_monitor_free(out[0])

@@ -223,9 +223,9 @@ int main(int count, char **argument)
   size_t held = bytes_now, peak = bytes_peak;
   ct_probes *probes = strchr(argument[2], 'h') != NULL ? ten_probes(problem) : NULL;
   double start = seconds();
-  need(probes == NULL
-           ? ct_run(problem, state, steps, NULL, &error)
-           : ct_run(state->problem, state, steps, &(ct_observers){.probes = probes}, &error));
+  need(probes == NULL ? ct_run(problem, state, steps, NULL, 0, &error)
+                      : ct_run(state->problem, state, steps,
+                               (ct_observer[]){ct_probes_observer(probes)}, 1, &error));
   double loop = seconds() - start;
   uint64_t h = 14695981039346656037ull;
   h = hash(h, state->displacement, 3 * (int64_t)state->node_count);

@@ -154,7 +154,7 @@ def growth(problem: Problem, dt: float, steps: int) -> float:
     velocity = array(out[0].velocity, count)
     try:
         for _ in range(50):
-            check(lib.ct_run(own, out[0], max(steps // 50, 1), ffi.NULL, error), error)
+            check(lib.ct_run(own, out[0], max(steps // 50, 1), ffi.NULL, 0, error), error)
             top = max(top, float(np.abs(velocity).max() / np.abs(start).max()))
             if top > 1e12:
                 break

@@ -603,7 +603,7 @@ static inline void close_run(ct_state *state, ct_scene *scene, ct_mesh *mesh)
 static inline void advance(const ct_problem *problem, ct_state *state, int64_t steps)
 {
   ct_error error;
-  need(ct_run(problem, state, steps, NULL, &error), &error);
+  need(ct_run(problem, state, steps, NULL, 0, &error), &error);
 }
 
 /* The arrays of a restart, bit for bit. */

@@ -135,11 +135,12 @@ static ct_status run(world *w, ct_error *e)
   options.stable = stable.dt;
   if (status == CT_OK) status = ct_monitor_create(w->problem, w->state, &options, &w->monitor, e);
   if (status == CT_OK)
-    status = ct_run(w->state->problem, w->state, steps, &(ct_observers){.monitor = w->monitor}, e);
+    status = ct_run(w->state->problem, w->state, steps,
+                    (ct_observer[]){ct_monitor_observer(w->monitor)}, 1, e);
   if (status == CT_OK) status = ct_energy_of(w->problem, w->state, &energy, e);
   if (status == CT_OK) status = ct_state_create(w->problem, &w->copy, e);
   if (status == CT_OK) status = ct_state_copy(w->problem, w->state, w->copy, e);
-  if (status == CT_OK) status = ct_run(w->problem, w->copy, 2, NULL, e);
+  if (status == CT_OK) status = ct_run(w->problem, w->copy, 2, NULL, 0, e);
   return status;
 }
 

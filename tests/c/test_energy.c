@@ -476,8 +476,9 @@ static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, cons
   ct_monitor *monitor;
   ct_error e;
   need(ct_monitor_create(p, state, &options, &monitor, &e), &e);
-  need(ct_run(state->problem, state, 12, &(ct_observers){.monitor = monitor, .check_last = 1}, &e),
-       &e);
+  ct_observer at_end = ct_monitor_observer(monitor);
+  at_end.last = 1;
+  need(ct_run(state->problem, state, 12, &at_end, 1, &e), &e);
   check_row(p, state, ct_monitor_ledger(monitor), what);
   ct_energy energy = energy_of(p, state);
   tap_ok(memcmp(&energy, &ct_monitor_ledger(monitor)->energy, sizeof energy) == 0,
@@ -502,10 +503,11 @@ static void sleep_over_checks(int push)
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor;
   need(ct_monitor_create(p, one, &options, &monitor, &e), &e);
+  ct_observer at_end = ct_monitor_observer(monitor);
+  at_end.last = 1;
   for (int i = 0; i < 20; i++) {
     if (push && i == 10) one->velocity[3 * (p->node_count - 1)] = 1000.0;
-    need(ct_run(one->problem, one, 1, &(ct_observers){.monitor = monitor, .check_last = 1}, &e),
-         &e);
+    need(ct_run(one->problem, one, 1, &at_end, 1, &e), &e);
   }
   advance(p, other, push ? 10 : 20);
   if (push) other->velocity[3 * (p->node_count - 1)] = 1000.0;

@@ -486,7 +486,7 @@ static void too_stiff_for_the_step(void)
     need(ct_stable_contribution(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
     ct_friction_set_room((ct_effect *)t.problem->effects[t.friction],
                          (ct_friction_room){.bound = part * rho / 0.6 * omega2});
-    ct_status status = ct_run(t.problem, t.state, 100, NULL, &error);
+    ct_status status = ct_run(t.problem, t.state, 100, NULL, 0, &error);
     if (k == 0)
       tap_ok(status == CT_ERROR_STEP && error.point >= 0 && strstr(error.text, "at most"),
              "points that are too stiff for the step: %s", error.text);

@@ -641,7 +641,8 @@ static void within_a_step(void)
   advance(p, good, 2);
   tap_ok(same_state(state, good), "a copy of the last good state continues");
   state->velocity[0] = NAN;
-  tap_ok(ct_run(p, state, 4, NULL, &e) != CT_OK, "a velocity that is NaN is refused: %s", e.text);
+  tap_ok(ct_run(p, state, 4, NULL, 0, &e) != CT_OK, "a velocity that is NaN is refused: %s",
+         e.text);
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);
   advance(p, good, 2);

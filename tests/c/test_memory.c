@@ -123,7 +123,8 @@ static void budget(const kind *k)
 
   long calls_before = counted.calls;
   if (monitor != NULL)
-    need(ct_run(state->problem, state, 4, &(ct_observers){.monitor = monitor}, &e), &e);
+    need(ct_run(state->problem, state, 4, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e),
+         &e);
   else advance(problem, state, 4);
   ask(problem, state, monitor);
   tap_ok(counted.calls == calls_before,

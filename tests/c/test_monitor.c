@@ -45,11 +45,11 @@ static void same_bits(void)
   ct_monitor *monitor = new_watch(p, monitored, every(3));
   ct_error e;
   advance(p, plain, steps);
-  ct_status status =
-      ct_run(monitored->problem, monitored, steps / 2, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status = ct_run(monitored->problem, monitored, steps / 2,
+                            (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   if (status == CT_OK)
     status = ct_run(monitored->problem, monitored, steps - steps / 2,
-                    &(ct_observers){.monitor = monitor}, &e);
+                    (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   size_t n = 3 * (size_t)p->node_count * sizeof(double);
   tap_ok(status == CT_OK && monitored->step == steps &&
              memcmp(plain->displacement, monitored->displacement, n) == 0 &&
@@ -90,7 +90,8 @@ static void stiffening(void)
   const ct_problem *p = build(scene, (ct_scene_time){.end = 1000.0, .courant = f}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(4));
-  ct_status status = ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status =
+      ct_run(state->problem, state, steps, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   double stretch = 1.0 + rate * state->time;
   tap_ok(status == CT_ERROR_STEP && e.code == status && e.body == 1 && e.element >= 0 &&
              e.element < 10 && strstr(e.text, "bar") && strstr(e.text, "step "),
@@ -127,7 +128,8 @@ static void growth(double over)
   ct_monitor_options options = every(16);
   options.stable = stable.dt;
   ct_monitor *monitor = new_watch(&q, state, options);
-  ct_status status = ct_run(state->problem, state, 20000, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status =
+      ct_run(state->problem, state, 20000, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   if (over > 1.0)
     tap_ok(status == CT_ERROR_ENERGY && e.body == 1 && e.point >= 0 && e.point < m->node_count &&
                finite(&q, state) && finite(&q, ct_monitor_good(monitor)),
@@ -178,7 +180,8 @@ static void pump(double limit, int stores)
   ct_monitor_options options = every(2);
   options.energy_limit = limit;
   ct_monitor *monitor = new_watch(p, state, options);
-  ct_status status = ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status =
+      ct_run(state->problem, state, steps, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   if (stores)
     tap_ok(status == CT_ERROR_ENERGY && e.body == 0 && state->time > when &&
                state->time < when + 2.5 * p->dt,
@@ -223,10 +226,12 @@ static void told(int stores, double unit)
   const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(2));
-  ct_status status = ct_run(state->problem, state, 2, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status =
+      ct_run(state->problem, state, 2, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   int silent = ct_monitor_growth(monitor).ratio == 0.0;
   if (status == CT_OK)
-    status = ct_run(state->problem, state, steps - 2, &(ct_observers){.monitor = monitor}, &e);
+    status = ct_run(state->problem, state, steps - 2, (ct_observer[]){ct_monitor_observer(monitor)},
+                    1, &e);
   ct_growth found = ct_monitor_growth(monitor);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
@@ -330,7 +335,8 @@ static void at_rest(void)
     const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8}, &steps, NULL);
     ct_state *state = new_state(p);
     ct_monitor *monitor = new_watch(p, state, every(1));
-    if (ct_run(state->problem, state, steps, &(ct_observers){.monitor = monitor}, &e) != CT_OK &&
+    if (ct_run(state->problem, state, steps, (ct_observer[]){ct_monitor_observer(monitor)}, 1,
+               &e) != CT_OK &&
         alarms++ == 0)
       snprintf(text, sizeof text, ": %s", e.text);
     told_of += ct_monitor_growth(monitor).ratio > 0.0;
@@ -358,10 +364,11 @@ static void named(int bad)
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(2));
   ct_error e = {0};
-  need(ct_run(state->problem, state, 5, &(ct_observers){.monitor = monitor}, &e), &e);
+  need(ct_run(state->problem, state, 5, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e), &e);
   for (int n = 0; n < m->node_count; n++)
     if (m->nodes[3 * n] > 3.9) state->velocity[3 * (m->node_count + n)] = bad ? NAN : -1.5 / p->dt;
-  ct_status status = ct_run(state->problem, state, 4, &(ct_observers){.monitor = monitor}, &e);
+  ct_status status =
+      ct_run(state->problem, state, 4, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   if (bad)
     tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 &&
                strstr(e.text, "second") && strstr(e.text, "(step "),
@@ -403,7 +410,8 @@ static void refusals(void)
   tap_ok(refused == 5 && monitor == NULL, "options out of range are refused");
   tap_ok(ct_monitor_create(p, NULL, &good, &monitor, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_create(NULL, state, &good, &monitor, NULL) == CT_ERROR_ARGUMENT &&
-             ct_run(p, state, 1, &(ct_observers){.check_last = 1}, &e) == CT_ERROR_ARGUMENT &&
+             ct_run(p, state, 1, (ct_observer[]){ct_monitor_observer(NULL)}, 1, &e) ==
+                 CT_ERROR_ARGUMENT &&
              ct_monitor_check(NULL, state, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_good(NULL) == NULL && ct_monitor_growth(NULL).ratio == 0.0,
          "null arguments are refused");

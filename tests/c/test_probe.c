@@ -126,8 +126,9 @@ static void rows_are_what_a_host_sees(ct_scheme scheme)
   int64_t count = 3 * (int64_t)p->node_count, bad = 0;
   double *v = numbers(count), *force[3] = {numbers(count), numbers(count), numbers(count)},
          *stress = numbers(6 * (int64_t)r.mesh[0]->element_count), off = 0.0, top = 0.0;
-  need(ct_run(probed->problem, probed, STEPS, &(ct_observers){.probes = probes}, &e), &e);
-  need(ct_run(p, plain, STEPS, NULL, &e), &e);
+  need(ct_run(probed->problem, probed, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1, &e),
+       &e);
+  need(ct_run(p, plain, STEPS, NULL, 0, &e), &e);
   tap_ok(same_state(probed, plain) && probed->element_updates[0] == plain->element_updates[0] &&
              (scheme != CT_CENTRAL_DIFFERENCE || plain->element_updates[1] > 0),
          "%s: the state has the bits of %d steps without probes, and as many elements slept",
@@ -188,10 +189,10 @@ static void monitor_takes_the_same_rows(void)
   ct_error e;
   options.every = 7;
   need(ct_monitor_create(r.problem, other, &options, &monitor, &e), &e);
-  const ct_observers both = {.monitor = monitor, .probes = probes[1]};
-  need(ct_run(one->problem, one, STEPS, &(ct_observers){.probes = probes[0]}, &e), &e);
-  need(ct_run(other->problem, other, STEPS / 2, &both, &e), &e);
-  need(ct_run(other->problem, other, STEPS - STEPS / 2, &both, &e), &e);
+  const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
+  need(ct_run(one->problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1, &e), &e);
+  need(ct_run(other->problem, other, STEPS / 2, both, 2, &e), &e);
+  need(ct_run(other->problem, other, STEPS - STEPS / 2, both, 2, &e), &e);
   int good = 1;
   for (int32_t i = 0; i < PROBES; i++) {
     ct_probe_history a = history_of(probes[0], i), b = history_of(probes[1], i);
@@ -202,7 +203,7 @@ static void monitor_takes_the_same_rows(void)
   // Back to where the monitor's good state is, and again: what was later is taken anew.
   need(ct_state_copy(r.problem, ct_monitor_good(monitor), other, &e), &e);
   int64_t back = other->step;
-  need(ct_run(other->problem, other, 1, &both, &e), &e);
+  need(ct_run(other->problem, other, 1, both, 2, &e), &e);
   ct_probe_history b = history_of(probes[1], 0), a = history_of(probes[0], 0);
   tap_ok(back == 35 && b.row_count == back + 1 &&
              largest_difference(a.rows, b.rows, b.row_count * b.width) == 0.0,
@@ -225,7 +226,9 @@ static void same_bits_elsewhere(void)
   for (int i = 0; i < 3; i++) {
     ct_state *state = new_state(all[i]->problem);
     probes[i] = probe_all(all[i], i == 2 ? -1.0 : 1.0, 1);
-    need(ct_run(state->problem, state, STEPS, &(ct_observers){.probes = probes[i]}, &e), &e);
+    need(
+        ct_run(state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes[i])}, 1, &e),
+        &e);
     ct_state_free(state);
   }
   ct_probe_history a = history_of(probes[0], 2), b = history_of(probes[1], 2),
@@ -248,16 +251,18 @@ static void nothing_is_allocated_in_a_step(void)
   ct_probes *probes = probe_all(&r, 1.0, 1);
   ct_error e;
   long before = counted.calls;
-  need(ct_run(r.problem, state, STEPS, NULL, &e), &e);
+  need(ct_run(r.problem, state, STEPS, NULL, 0, &e), &e);
   long plain = counted.calls - before;
   before = counted.calls;
-  need(ct_run(state->problem, state, STEPS, &(ct_observers){.probes = probes}, &e), &e);
+  need(ct_run(state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1, &e),
+       &e);
   long probed = counted.calls - before;
   tap_ok(plain == 0 && probed == PROBES, "%ld blocks of memory in %d steps, %ld with %d probes",
          plain, STEPS, probed, PROBES);
   int64_t rows = history_of(probes, 0).row_count;
   counted.last_call = counted.calls;
-  ct_status status = ct_run(state->problem, state, 100000, &(ct_observers){.probes = probes}, &e);
+  ct_status status =
+      ct_run(state->problem, state, 100000, (ct_observer[]){ct_probes_observer(probes)}, 1, &e);
   counted.last_call = -1;
   tap_ok(status == CT_ERROR_MEMORY && state->step == 2 * STEPS &&
              history_of(probes, 0).row_count == rows,
@@ -302,7 +307,7 @@ static void refusals(void)
   ct_state *foreign = new_state(other.problem);
   ct_probe_history history;
   need(ct_probes_create(r.problem, &good, 1, &probes, &e), &e);
-  tap_ok(ct_run(foreign->problem, foreign, 1, &(ct_observers){.probes = probes}, &e) ==
+  tap_ok(ct_run(foreign->problem, foreign, 1, (ct_observer[]){ct_probes_observer(probes)}, 1, &e) ==
                  CT_ERROR_ARGUMENT &&
              foreign->step == 0,
          "a state of another problem: %s", e.text);
@@ -333,13 +338,13 @@ static void a_divided_step_keeps_the_times(void)
   fine.dt = r.problem->dt / 3;
   ct_state *state = new_state(r.problem), *next = new_state(&fine);
   need(ct_probes_create(r.problem, &def, 1, &probes, &e), &e);
-  need(ct_run(state->problem, state, 5, &(ct_observers){.probes = probes}, &e), &e);
+  need(ct_run(state->problem, state, 5, (ct_observer[]){ct_probes_observer(probes)}, 1, &e), &e);
   need(ct_state_subdivide_step(&fine, state, next, &e), &e);
   tap_ok(ct_probes_subdivide_step(probes, &fine, 0, &e) == CT_ERROR_ARGUMENT &&
              ct_probes_subdivide_step(probes, NULL, 3, &e) == CT_ERROR_ARGUMENT,
          "refused: %s", e.text);
   need(ct_probes_subdivide_step(probes, &fine, 3, &e), &e);
-  need(ct_run(next->problem, next, 16, &(ct_observers){.probes = probes}, &e), &e);
+  need(ct_run(next->problem, next, 16, (ct_observer[]){ct_probes_observer(probes)}, 1, &e), &e);
   ct_probe_history history;
   need(ct_probes_history(probes, 0, &history, NULL), &e);
   double off = 0.0;

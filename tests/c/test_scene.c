@@ -741,7 +741,7 @@ static void test_rings(void)
     ct_state_create(problem, &state[i], NULL);
     for (int64_t d = 0; state[i] != NULL && d < 3 * (int64_t)problem->node_count; d++)
       state[i]->displacement[d] = 1e-3 * sin(1.0 + 7.0 * (double)d);
-    if (state[i] != NULL) ct_run(problem, state[i], 3, NULL, NULL);
+    if (state[i] != NULL) ct_run(problem, state[i], 3, NULL, 0, NULL);
   }
   tap_ok(state[0] != NULL && state[1] != NULL &&
              !memcmp(state[0]->displacement, state[1]->displacement,

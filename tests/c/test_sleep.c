@@ -162,7 +162,7 @@ static void change_place(bars *r, int spoilt)
   ct_error e;
   ct_state *other = new_state(r->problem);
   for (int64_t d = 0; spoilt && d < 3 * (int64_t)other->node_count; d++) other->velocity[d] = NAN;
-  if (spoilt) (void)ct_run(r->problem, other, 3, NULL, &e);
+  if (spoilt) (void)ct_run(r->problem, other, 3, NULL, 0, &e);
   need(ct_state_copy(r->problem, r->state, other, &e), &e);
   other->element_updates[0] += r->state->element_updates[0];
   other->element_updates[1] += r->state->element_updates[1];
@@ -231,7 +231,7 @@ static void failure(void)
     fail_at = INFINITY;
     ct_state *state = new_state(problem);
     fail_at = (k - 0.5) * problem->dt;
-    ct_status status = ct_run(problem, state, 10, NULL, &e);
+    ct_status status = ct_run(problem, state, 10, NULL, 0, &e);
     double u = 0.0, off = 0.0;
     for (int i = 0; i < k; i++) u += problem->dt * 1000.0;
     for (int32_t n = 0; n < problem->node_count; n++)

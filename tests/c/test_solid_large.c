@@ -552,7 +552,7 @@ static void inside_out(ct_brick_kind kind, ct_law law)
     for (int n = 0; n < m->node_count; n++)
       if (m->nodes[3 * n] > 20.9)
         state->displacement[3 * (m->node_count + n)] = bad == 0 ? -1.5 : NAN;
-    ct_status status = ct_run(problem, state, 2, NULL, &e);
+    ct_status status = ct_run(problem, state, 2, NULL, 0, &e);
     if (bad == 0)
       tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 20,
              "%s, %s: the error names an inverted element: %s", KIND[kind], LAW[law], e.text);

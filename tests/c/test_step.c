@@ -144,7 +144,7 @@ static double largest_kinetic(const ct_problem *q, int64_t blocks, int64_t steps
   double top = 0.0;
   for (int64_t k = 0; k < blocks && top < 1e30; k++) {
     ct_error e;
-    ct_status status = ct_run(q, state, steps, NULL, &e);
+    ct_status status = ct_run(q, state, steps, NULL, 0, &e);
     double sum = 0.0;
     for (int i = 0; i < 3 * q->node_count; i++)
       sum += q->mass[i / 3] * state->velocity[i] * state->velocity[i];
@@ -496,7 +496,7 @@ static void blowup(int with_contact)
   ct_problem q = changed(p, 50.0 * stable.dt_without_contact, v);
   ct_state *state = new_state(&q);
   ct_error e = {0};
-  ct_status status = ct_run(&q, state, 100000, NULL, &e);
+  ct_status status = ct_run(&q, state, 100000, NULL, 0, &e);
   // With contact the surfaces come nearer by more than the depth before any number overflows.
   int named = with_contact ? status == CT_ERROR_STEP : status == CT_ERROR_BLOWUP && e.body >= 0;
   tap_ok(named && e.code == status && e.point >= 0 && e.point < 27 &&

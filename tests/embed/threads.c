@@ -27,8 +27,8 @@ static void *work(void *argument)
   if (j->status == CT_OK)
     j->status = ct_monitor_create(j->problem, j->state, &options, &monitor, &j->error);
   if (j->status == CT_OK)
-    j->status =
-        ct_run(j->state->problem, j->state, STEPS, &(ct_observers){.monitor = monitor}, &j->error);
+    j->status = ct_run(j->state->problem, j->state, STEPS,
+                       (ct_observer[]){ct_monitor_observer(monitor)}, 1, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
   ct_monitor_free(monitor);
   return NULL;

@@ -532,7 +532,7 @@ static void step(play *p, ct_state *s)
     s->velocity[below(d, 3 * s->node_count)] = chance(d, 2) ? (double)NAN : 1e3 * real(d);
   int64_t before = s->step;
   ct_status status =
-      TRY(chance(d, 2) ? ct_step(p->problem, s, &e) : ct_run(p->problem, s, count, NULL, &e));
+      TRY(chance(d, 2) ? ct_step(p->problem, s, &e) : ct_run(p->problem, s, count, NULL, 0, &e));
   total_steps += s->step - before;
   if (status == CT_OK && !d->wild)
     demand(all_finite(s->displacement, 3 * (int64_t)s->node_count), "motions are numbers");
@@ -550,9 +550,10 @@ static void monitor(play *p, ct_state *s)
     p->monitored = s;
     if (TRY(ct_monitor_create(p->problem, s, &options, &p->monitor, &e)) != CT_OK)
       p->monitor = NULL;
-  } else if (TRY(chance(d, 3) ? ct_monitor_check(p->monitor, p->monitored, &e)
-                              : ct_run(p->monitored->problem, p->monitored, below(d, 8),
-                                       &(ct_observers){.monitor = p->monitor}, &e)) == CT_OK)
+  } else if (TRY(chance(d, 3)
+                     ? ct_monitor_check(p->monitor, p->monitored, &e)
+                     : ct_run(p->monitored->problem, p->monitored, below(d, 8),
+                              (ct_observer[]){ct_monitor_observer(p->monitor)}, 1, &e)) == CT_OK)
     demand(ct_monitor_good(p->monitor) != NULL, "a monitor has a good state");
   if (chance(d, 12)) {
     ct_monitor_free(p->monitor);
@@ -569,8 +570,8 @@ static void copy(play *p)
   if (from == NULL || to == NULL || from == to ||
       TRY(ct_state_copy(p->problem, from, to, &e)) != CT_OK)
     return;
-  ct_status one = TRY(ct_run(p->problem, from, 2, NULL, &e)),
-            other = TRY(ct_run(p->problem, to, 2, NULL, &e));
+  ct_status one = TRY(ct_run(p->problem, from, 2, NULL, 0, &e)),
+            other = TRY(ct_run(p->problem, to, 2, NULL, 0, &e));
   demand(one == other && memcmp(from->displacement, to->displacement,
                                 3 * (size_t)to->node_count * sizeof(double)) == 0,
          "a copy goes on to the same bits");
@@ -590,7 +591,7 @@ static void refine(play *p, ct_state *from)
       demand(memcmp(from->displacement, to->displacement,
                     3 * (size_t)to->node_count * sizeof(double)) == 0,
              "a smaller step moves nothing");
-    if (status == CT_OK) (void)TRY(ct_run(&fine, to, 2, NULL, &e));
+    if (status == CT_OK) (void)TRY(ct_run(&fine, to, 2, NULL, 0, &e));
   }
   ct_state_free(to);
 }
@@ -616,7 +617,7 @@ static void files(play *p, ct_state *s)
   ct_status written = CT_OK;
   for (int i = below(d, 3); i >= 0 && written == CT_OK; i--) {
     written = TRY(ct_output_append(out, p->problem, s, &e));
-    if (written == CT_OK && i > 0 && TRY(ct_run(p->problem, s, 1, NULL, &e)) != CT_OK) break;
+    if (written == CT_OK && i > 0 && TRY(ct_run(p->problem, s, 1, NULL, 0, &e)) != CT_OK) break;
   }
   (void)TRY(ct_output_close(out, &e));
   int spoilt = chance(d, 2);
@@ -641,7 +642,7 @@ static void files(play *p, ct_state *s)
                     3 * (size_t)s->node_count * sizeof(double)) == 0,
              "a restart has the same bits");
     demand(spoilt || written != CT_OK || read == CT_OK, "what was written can be read");
-    if (read == CT_OK) (void)TRY(ct_run(p->problem, to, 1, NULL, &e));
+    if (read == CT_OK) (void)TRY(ct_run(p->problem, to, 1, NULL, 0, &e));
   }
   ct_state_free(to);
   remove(path);

@@ -580,7 +580,7 @@ static void change_state(run *r, dice *d)
   demand(ct_state_create(r->problem, &other, &e) == CT_OK, "another state");
   int pending = r->own.pending;
   r->own.pending = 0;
-  if (chance(d, 2)) (void)ct_run(r->problem, other, 1 + below(d, 30), NULL, &e);
+  if (chance(d, 2)) (void)ct_run(r->problem, other, 1 + below(d, 30), NULL, 0, &e);
   r->own.pending = pending;
   demand(ct_state_copy(r->problem, r->state, other, &e) == CT_OK, "a copy of a state");
   if (chance(d, 4)) {
@@ -602,8 +602,8 @@ static ct_status watched_steps(run *r, int64_t count, int64_t every)
   options.stable = r->problem->dt;
   ct_status status = ct_monitor_create(r->problem, r->state, &options, &watch, &r->error);
   if (status == CT_OK)
-    status =
-        ct_run(r->state->problem, r->state, count, &(ct_observers){.monitor = watch}, &r->error);
+    status = ct_run(r->state->problem, r->state, count, (ct_observer[]){ct_monitor_observer(watch)},
+                    1, &r->error);
   ct_monitor_free(watch);
   return status;
 }
@@ -615,7 +615,7 @@ static void take_steps(run *r, variant *v, int64_t count)
   r->status = CT_OK;
   if (v->calm) {
     r->own.armed = 1;
-    r->status = ct_run(r->problem, r->state, count, NULL, &r->error);
+    r->status = ct_run(r->problem, r->state, count, NULL, 0, &r->error);
   }
   while (r->status == CT_OK && r->state->step < end) {
     int64_t left = end - r->state->step,
@@ -630,7 +630,7 @@ static void take_steps(run *r, variant *v, int64_t count)
     int watched = how == 1 && !r->own.pending && !stale && part < left;
     r->status = how == 0 && part == 1 && !r->spoilt ? ct_step(r->problem, r->state, &r->error)
                 : watched ? watched_steps(r, part, 1 + below(&v->d, 9))
-                          : ct_run(r->problem, r->state, part, NULL, &r->error);
+                          : ct_run(r->problem, r->state, part, NULL, 0, &r->error);
     r->own.armed = 0;
   }
   r->own.armed = r->stale = 0;

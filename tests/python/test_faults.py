@@ -45,16 +45,17 @@ class Twisted:
     def __getattr__(self, name):
         return getattr(lib, name)
 
-    def ct_run(self, problem, state, count, observers, error):
+    def ct_run(self, problem, state, count, observers, number, error):
         before = 40 - state.step
         if 0 < before < count:
-            alone = ffi.new("ct_observers *", [observers.monitor, observers.probes])
-            status = lib.ct_run(problem, state, before, alone, error)
-            return status or self.ct_run(problem, state, count - before, observers, error)
+            alone = ffi.new("ct_observer[]", [observers[i] for i in range(number)])
+            alone[0].last = 0
+            status = lib.ct_run(problem, state, before, alone, number, error)
+            return status or self.ct_run(problem, state, count - before, observers, number, error)
         if before <= 0 and not self.done:
             self.done = True
             self.twist(state)
-        return lib.ct_run(problem, state, count, observers, error)
+        return lib.ct_run(problem, state, count, observers, number, error)
 
 
 def not_finite(state):

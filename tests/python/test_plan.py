@@ -81,7 +81,7 @@ def pressed_block(cells=16, **entries):
 def counted(problem):
     """Rounds per step and the fraction of computed elements of a whole run, from the counters of its state."""
     state = new_state(problem)
-    check(lib.ct_run(problem.pointer, state, problem.step_count, ffi.NULL, new_error()))
+    check(lib.ct_run(problem.pointer, state, problem.step_count, ffi.NULL, 0, new_error()))
     return state.constraint_rounds / state.step, planned.computed_fraction(state)
 
 

@@ -24,7 +24,7 @@ int main(void)
                ct_scene_add_body(scene, &right, NULL, &e) ||
                ct_scene_add_contact(scene, &contact, &e) ||
                ct_scene_build(scene, &time, &problem, &steps, NULL, &e) ||
-               ct_state_create(problem, &state, &e) || ct_run(problem, state, steps, NULL, &e) ||
+               ct_state_create(problem, &state, &e) || ct_run(problem, state, steps, NULL, 0, &e) ||
                ct_momentum_of(problem, state, 1, &momentum, &e);
   if (failed) puts(e.text);
   else printf("t = %g: the momentum of the right bar is %.2f\n", state->time, momentum.p[0]);

@@ -57,7 +57,7 @@ int main(void)
                ct_scene_join(scene, &problem, &e) || ct_effect_create(&filled, &effect, &e) ||
                ct_scene_add_effect(scene, effect, &e) ||
                ct_scene_build(scene, &time, &problem, &steps, NULL, &e) ||
-               ct_state_create(problem, &state, &e) || ct_run(problem, state, steps, NULL, &e) ||
+               ct_state_create(problem, &state, &e) || ct_run(problem, state, steps, NULL, 0, &e) ||
                ct_energy_stored(problem, state, 1, &stored, &e);
   if (failed) puts(e.text);
   else printf("displacement %.3f, energy of the springs %.3f\n", state->displacement[0], stored);

@@ -14,6 +14,7 @@ from .bridge import call
 from .errors import LongRunWarning, PenetrationWarning, ShortStepWarning
 from .mesh import Mesh
 from .model import ENFORCEMENTS
+from .observers import Observer, spread
 from .problem import Problem, new_state, penetrations, speeds
 from .surfaces import contact_tables
 
@@ -24,7 +25,7 @@ MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
 # Depth as a fraction of an element that is warned of, and that of the advised penalty (eq:too-soft).
 DEEP, FINE = 0.5, 0.1
 # Depths are checked this many times in a run, but not more often than every LEAST_STEPS steps.
-LOOKS, LEAST_STEPS = 50, 64
+CHECKS, LEAST_STEPS = 50, 64
 # Corners at the ends of the edges of a brick.
 EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
@@ -111,19 +112,15 @@ def _told(seconds: float) -> str:
     return f"{seconds:.2g} seconds"
 
 
-class Depths:
+class Depths(Observer):
     """Finds contacts and obstacles whose surfaces overlap by more than half an element."""
 
-    def __init__(self, problem: Problem):
-        self._problem = problem
-        self._open = {key: (who, given) for key, who, given in contact_tables(problem.parts)}
-        self._start: dict[str, float] = {}
-        #: Number of steps after which the depths are checked again.
-        self.every = max(LEAST_STEPS, problem.step_count // LOOKS)
+    at_records = True
 
-    def divide(self, problem: Problem, parts: int) -> None:
-        """Continue with a problem whose step is divided by ``parts``."""
-        self._problem, self.every = problem, parts * self.every
+    def __init__(self, problem: Problem):
+        self._open = {key: (who, given) for key, who, given in contact_tables(problem.parts)}
+        super().__init__(problem, spread(problem, CHECKS, LEAST_STEPS) if self._open else 0)
+        self._start: dict[str, float] = {}
 
     def warnings(self, state: Any) -> Iterator[PenetrationWarning]:
         """Yield a warning for each contact and obstacle that is too deep in a state (``ct_state *``), once

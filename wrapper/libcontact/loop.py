@@ -10,7 +10,7 @@ import signal
 import threading
 import time as clock
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from .errors import Error, NotBuiltIn, StepError, bare, issue, new_error, place,
 from .limits import Depths
 from .mesh import view
 from .model import FEEDS, FIELDS, FILTERED, LARGE
+from .observers import Observer, own
 from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
@@ -119,6 +120,7 @@ class Loop:
         watch: Any = None,
         until: Any = None,
         built: Callable[[float], Problem] | None = None,
+        observers: Iterable[Any] = (),
     ):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
         # The step with which the run begins, its present number of parts, and the changes so far.
@@ -128,8 +130,9 @@ class Loop:
         self.end_step, self.recorded = problem.step_count, -1
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
-        self.probes, self.turning = Histories(problem), Turning(problem)
-        self.borders, self.depths = Borders(problem), Depths(problem)
+        self.probes = Histories(problem)
+        self.observers: list[Observer] = [Turning(problem), Borders(problem), Depths(problem)]
+        self.observers += own(problem, observers, lambda state: self._state(state, state))
         self.filter = self._filter(problem.parts.output.filter)
         self.monitor: Any = None
         self.output: Any = None
@@ -339,11 +342,11 @@ class Loop:
         self.start_monitor()
         shown = {"total": last // self.parts, "initial": state.step // self.parts, "unit": " steps"}
         with bar(progress, **shown) as advanced:
-            self._record_and_warn()
-            self._warn_of_borders()
+            self.record(checked=True)
+            self._observe(at_end=True)
             while not self._goes_to_the_end(advanced.update, stop):
                 pass
-        self._warn_of_borders()
+        self._observe(at_end=True)
         state = self.state
         self.interrupted = bool(stop) and state.step < self.last
         at_end = self.last == self.end_step and not stop
@@ -362,18 +365,14 @@ class Loop:
             while self.state.step < self.last and not stop and not self._at_rest():
                 at = bisect_right(self.due, self.state.step)
                 due = min([*self.due[at : at + 1], self.last])
-                every = min(self.borders.every, self.depths.every)
-                look = int((self.state.step // every + 1) * every)
-                self._advance(min(due, self._next_rest(), look), due, advanced, stop)
-                if self.state.step == look:
-                    self._warn_of_borders()
-                    self._warn_of_depth()
+                checks = (observer.next(self.state.step) for observer in self.observers)
+                target = int(min(due, self._next_rest(), *checks))
+                self._advance(target, due, advanced, stop)
                 if self.state.step == due:
-                    self._record_and_warn()
-                self._warn_of_growth()
+                    self.record(checked=True)
+                self._observe()
             if self.state.step > self.recorded:
-                self._record_and_warn(checked=False)
-                self._warn_of_growth()
+                self.record(checked=False)
         except StepError as fault:
             self._divide_after(fault)
             return False
@@ -410,8 +409,8 @@ class Loop:
             return False
         if self.probes:
             self.probes.divide(problem, factor)
-        self.borders.divide(problem, factor)
-        self.depths.divide(problem, factor)
+        for observer in self.observers:
+            observer.divide(problem, factor)
         self.problem, self.parts = problem, parts
         self.last, self.end_step = factor * self.last, factor * self.end_step
         self.due, self.recorded = _divided(self.due, factor), factor * self.recorded
@@ -440,7 +439,7 @@ class Loop:
                 )
             raise fault
         self._call(lib.ct_state_copy, problem.pointer, good, state)
-        self._call(lib.ct_run, problem.pointer, state, before - good.step, ffi.NULL)
+        self._call(lib.ct_run, problem.pointer, state, before - good.step, ffi.NULL, 0)
         # At t = 0 there is no step to convert.
         status, error = lib.CT_OK, new_error()
         self.state = to = new_state(self.problem)
@@ -486,10 +485,14 @@ class Loop:
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
         issue(errors.EnergyGrowth(text, key, growth.ratio, growth.time, who))
 
-    def _warn_of_borders(self) -> None:
-        """Warn once of each contact around whose surfaces the bodies have come into each other."""
-        for warning in self.borders.warnings(self.state):
-            issue(warning)
+    def _observe(self, at_end: bool = False) -> None:
+        """Call the observers that check this state, all of them ``at_end`` and at the start."""
+        step = self.state.step
+        for observer in self.observers:
+            if at_end or observer.is_due(step, step == self.recorded):
+                for warning in observer.warnings(self.state):
+                    issue(warning)
+        self._warn_of_growth()
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """The cause of spurious energy growth, its key in the scene, and advice."""
@@ -512,18 +515,6 @@ class Loop:
         if len(getattr(given, "surfaces", ())) == 2:
             advice += whole_skin(given.surfaces)
         return words[kind] + who, key, advice
-
-    def _record_and_warn(self, checked: bool = True) -> None:
-        """Record, and warn once of each body that has rotated too far for its law."""
-        self.record(checked)
-        for warning in self.turning.warnings(self.state):
-            issue(warning)
-        self._warn_of_depth()
-
-    def _warn_of_depth(self) -> None:
-        """Warn once of each contact and obstacle that is too deep for its elements."""
-        for warning in self.depths.warnings(self.state):
-            issue(warning)
 
     def _residual(self) -> float:
         value = ffi.new("double *")
@@ -554,15 +545,22 @@ class Loop:
         while self.state.step < target and not stop:
             count = min(self.chunk, target - self.state.step)
             begin = clock.perf_counter()
-            observers = ffi.new("ct_observers *", [self.monitor, self.probes.pointer])
-            observers.check_last = self.state.step + count == due
-            self._call(lib.ct_run, self.problem.pointer, self.state, count, observers)
+            observers = self._observers(self.state.step + count == due)
+            given = self.problem.pointer, self.state, count, observers, len(observers)
+            self._call(lib.ct_run, *given)
             took = clock.perf_counter() - begin
             advanced(count / self.parts)
             next_count = (
                 2 * self.chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
             )
             self.chunk = min(max(CHUNK_STEPS, int(next_count)), 10**6)
+
+    def _observers(self, last: bool) -> Any:
+        """The observers of the C library; the monitor also checks the ``last`` state."""
+        monitor = lib.ct_monitor_observer(self.monitor)
+        monitor.last = last
+        probes = [lib.ct_probes_observer(self.probes.pointer)] if self.probes else []
+        return ffi.new("ct_observer[]", [monitor, *probes])
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Call the C library during a run; an error becomes a RunError of its kind, with the body's

@@ -298,7 +298,7 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
 
     def seconds_of(count: int) -> Array:
         before = step_seconds(problem, loop.state)
-        call(lib.ct_run, problem.pointer, loop.state, count, ffi.NULL)
+        call(lib.ct_run, problem.pointer, loop.state, count, ffi.NULL, 0)
         return (step_seconds(problem, loop.state) - before) / count
 
     with tempfile.TemporaryDirectory() as folder:
@@ -477,7 +477,7 @@ def _pass(coarse: Problem, steps: int) -> Rehearsal:
     impulse = _impulse(state)
     while not (len(acted) == windows or (acted and _at_rest(coarse, state))):
         target = round((len(acted) + 1) / windows * coarse.step_count)
-        call(lib.ct_run, coarse.pointer, state, target - state.step, ffi.NULL)
+        call(lib.ct_run, coarse.pointer, state, target - state.step, ffi.NULL, 0)
         before, impulse = impulse, _impulse(state)
         changed = (impulse != before).any(axis=1)
         acted.append([changed[first:end].any() for first, end in zip(ends, ends[1:])])

@@ -6,7 +6,7 @@ import copy
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from inspect import Parameter, Signature, signature
@@ -21,7 +21,7 @@ from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
 from .problem import Problem
-from .run import ENERGY, IN_ENERGY, Run
+from .run import ENERGY, IN_ENERGY, Run, State
 from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
 
 if TYPE_CHECKING:
@@ -474,6 +474,7 @@ class Scene:
         output: str | Path | bool | None = None,
         threads: int | None = None,
         watch: Callable[[Run], object] | None = None,
+        observers: Iterable[tuple[Callable[[State], object], int]] = (),
     ) -> Run:
         """
         Compute the scene.
@@ -497,6 +498,10 @@ class Scene:
         watch
             Function called at every record with a Run of this record only. Copy arrays that you
             want to keep.
+        observers
+            Pairs of a function and a number of steps: the function is called with the State at the
+            start, after each so many steps, and at the end. It may keep the State, and what it
+            raises ends the run. A run that divides its step goes back and calls it again.
 
         Returns
         -------
@@ -516,7 +521,9 @@ class Scene:
             self._check_output(path, restart)
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         problem = self._built(threads, dt and dt / parts)
-        loop = Loop(problem, self.toml(arrays=False), watch, until, partial(self._built, threads))
+        loop = Loop(
+            problem, self.toml(arrays=False), watch, until, partial(self._built, threads), observers
+        )
         loop.begin()
         for warning in known(loop.problem, path, state=loop.state):
             issue(warning)

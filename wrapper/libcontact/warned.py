@@ -19,6 +19,7 @@ from .errors import SceneWarning, came_in_late
 from .limits import long_run, short_step
 from .mesh import rotation
 from .model import AXES, FEEDS, Contact
+from .observers import Observer, spread
 from .parts import acts_on
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import contact_tables, pair_name
@@ -86,12 +87,14 @@ def at_start(
     return gaps, [found["points"] for found in inside]
 
 
-class Turning:
+class Turning(Observer):
     """Finds bodies with the small-strain law that have rotated too far for it. For each body a cheap
     bound on the displacements tells that it has not (:eq:`turned-bound`)."""
 
+    at_records = True
+
     def __init__(self, problem: Problem):
-        self._problem = problem
+        super().__init__(problem)
         self._bodies = {
             i: (body, *_spread_of(body.mesh.nodes))
             for i, body in enumerate(problem.bodies.values())
@@ -190,24 +193,19 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             yield errors.OverlapWarning(f"{name}: {text}", key)
 
 
-class Borders:
+class Borders(Observer):
     """Finds contacts around whose surfaces the bodies have come into each other."""
 
-    #: Looks at the corners in a run, and how deep one may be there, as a fraction of the shortest edge.
-    LOOKS, LEAST_STEPS, DEEP = 50, 16, 0.1
+    #: Checks of the corners in a run, and how deep one may be there, as a fraction of the shortest edge.
+    CHECKS, LEAST_STEPS, DEEP = 50, 16, 0.1
 
     def __init__(self, problem: Problem):
         contacts = problem.parts.contact
-        self._problem, self._told = problem, set[int]()
+        self._told = set[int]()
         self._open = {i for i, given in enumerate(contacts) if whole_skin(given.surfaces)}
         self._first = dict.fromkeys(self._open, 0.0)
-        steps = max(1, problem.step_count)
-        #: Steps between two looks.
-        self.every = max(self.LEAST_STEPS, steps // self.LOOKS) if self._open else steps
-
-    def divide(self, problem: Problem, parts: int) -> None:
-        """Continue with a problem whose step is divided by ``parts``."""
-        self._problem, self.every = problem, parts * self.every
+        least = self.LEAST_STEPS if self._open else 4 * self.LEAST_STEPS
+        super().__init__(problem, spread(problem, self.CHECKS, least) if contacts else 0)
 
     def warnings(self, state: Any) -> Iterator[SceneWarning]:
         """Yield a warning for each contact with points that were found inside, or for parts of skins

@@ -1,4 +1,5 @@
-/* A run, and what observes it: probes, and the monitor, which checks the state.
+/* A run, and what observes it: probes, the monitor, which checks the state, and a host's own
+ * observers.
  * Threads: one call at a time per state, per set of probes and per monitor. */
 #ifndef LIBCONTACT_OBSERVE_H
 #define LIBCONTACT_OBSERVE_H
@@ -6,6 +7,37 @@
 #include <libcontact/ledger.h>
 
 CT_BEGIN_DECLS
+
+/**
+ * What an observer does, :doc:`/develop/observers`. Calls that do not apply are null; none of them
+ * changes the state.
+ */
+typedef struct ct_observer_calls {
+  /** Before the first of `count` steps: here an observer allocates. An error ends the run. */
+  ct_status (*prepare)(void *data, const ct_problem *problem, ct_state *state, int64_t count,
+                       ct_error *error);
+  /**
+   * Within the step that begins at t_n, as soon as the forces f_n are known and before the nodes
+   * move. Nodes that sleep, :eq:`sleep`, have the displacement of the last check.
+   */
+  void (*sample)(void *data, const ct_state *state);
+  /** After a step. All calls that read a state are allowed, such as `ct_energy_of` and
+   * `ct_output_append`. An error ends the run. */
+  ct_status (*check)(void *data, ct_state *state, ct_error *error);
+} ct_observer_calls;
+
+/** An observer of a run. */
+typedef struct ct_observer {
+  /** Its calls. */
+  const ct_observer_calls *calls;
+  /** Passed to its calls. */
+  void *data;
+  /** Steps between two calls, >= 1: it is called where the number of steps is a multiple of this.
+   */
+  int64_t every;
+  /** Not zero: `check` is also called after the last step. */
+  int last;
+} ct_observer;
 
 /** Quantities that a probe records; one number per row unless stated otherwise. */
 typedef enum ct_quantity {
@@ -93,6 +125,9 @@ CT_API ct_status ct_probes_create(const ct_problem *problem, const ct_probe_def 
 /** Free probes and their histories; null is allowed. */
 CT_API void ct_probes_free(ct_probes *probes);
 
+/** The observer that records rows: every step, as each probe has its own `every`. */
+CT_API ct_observer ct_probes_observer(ct_probes *probes);
+
 /** Record the rows of the present state, for example after the last step. A row that exists is not
  * recorded again. */
 CT_API ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error);
@@ -161,6 +196,9 @@ CT_API ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
 /** Free a monitor; null is allowed. */
 CT_API void ct_monitor_free(ct_monitor *monitor);
 
+/** The observer that checks the state, every `every` steps of the options. */
+CT_API ct_observer ct_monitor_observer(ct_monitor *monitor);
+
 /** Check the state now. After CT_OK this is the last good state. Errors as `ct_run`. */
 CT_API ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error);
 
@@ -196,31 +234,20 @@ typedef struct ct_growth {
  * found more than the limit. */
 CT_API ct_growth ct_monitor_growth(const ct_monitor *monitor);
 
-/** Those who observe a run; all members may be zero. They do not change its results. */
-typedef struct ct_observers {
-  /** Null, or a monitor of the state, which checks it whenever the number of steps is a multiple of
-   * its `every`. */
-  ct_monitor *monitor;
-  /** Null, or probes of the problem, which record their rows before each step. */
-  ct_probes *probes;
-  /** Not zero: the monitor also checks the state after the last step; `ct_monitor_ledger` returns
-   * its row. */
-  int check_last;
-} ct_observers;
-
 /**
- * Take `count` steps; null `observers`: nobody observes. If the caller does not change the state
- * between two calls with a monitor, of which the first ends with a check, sleeping elements,
- * :eq:`sleep`, stay asleep. Rows of probes that are later than the state, for example after a
- * restart, are removed first. ``CT_ERROR_BLOWUP``: the state is no longer finite (`error` names
- * body, node and time); the remaining steps are not taken. ``CT_ERROR_MEMORY``: not enough memory
- * for the rows; no step was taken. With a monitor an error names the time, the step, and the body
- * with its element or node, and there are also ``CT_ERROR_GEOMETRY``: an inverted element;
- * ``CT_ERROR_STEP``: the solid has become too stiff for Δt; ``CT_ERROR_ENERGY``: spurious energy
- * growth.
+ * Take `count` steps; `observers` has the shape (observer_count) and may be null without any. They
+ * are called in their order. If the caller does not change the state between two calls with a
+ * monitor, of which the first ends with a check, sleeping elements, :eq:`sleep`, stay asleep. Rows
+ * of probes that are later than the state, for example after a restart, are removed first.
+ * ``CT_ERROR_BLOWUP``: the state is no longer finite; the remaining steps are not taken. Errors of
+ * observers: for probes ``CT_ERROR_MEMORY``, not enough memory for the rows, no step was taken; for
+ * a monitor ``CT_ERROR_GEOMETRY``: an inverted element; ``CT_ERROR_STEP``: the solid has become too
+ * stiff for Δt; ``CT_ERROR_ENERGY``: spurious energy growth. `error` names the time, the step, and
+ * the body with its element or node. ``CT_ERROR_ARGUMENT``: an observer without calls, with `every`
+ * < 1, or of another problem.
  */
 CT_API ct_status ct_run(const ct_problem *problem, ct_state *state, int64_t count,
-                        const ct_observers *observers, ct_error *error);
+                        const ct_observer *observers, int32_t observer_count, ct_error *error);
 
 CT_END_DECLS
 

@@ -77,6 +77,13 @@ CT_API ct_status ct_output_append_row(ct_output *output, const ct_problem *probl
                                       const ct_ledger *row, ct_error *error);
 
 /**
+ * The observer of `ct_run` that appends the state every `every` steps, and after the last step if
+ * the caller sets `last`. The state at the start is not appended. Errors are those of
+ * `ct_output_append`; without HDF5 `ct_run` returns them before the first step.
+ */
+CT_API ct_observer ct_output_observer(ct_output *output, int64_t every);
+
+/**
  * Close the file and free `output`, also after an error; `output` may be null. ``CT_ERROR_FILE``: a
  * step or the last bytes could not be written. An output without a step leaves no file.
  */

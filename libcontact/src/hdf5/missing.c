@@ -37,6 +37,19 @@ ct_status ct_output_append_row(ct_output *output, const ct_problem *problem, ct_
   return refuse(error);
 }
 
+static ct_status refuse_steps(void *output, const ct_problem *problem, ct_state *state,
+                              int64_t count, ct_error *error)
+{
+  (void)output, (void)problem, (void)state, (void)count;
+  return refuse(error);
+}
+
+ct_observer ct_output_observer(ct_output *output, int64_t every)
+{
+  static const ct_observer_calls CALLS = {.prepare = refuse_steps};
+  return (ct_observer){.calls = &CALLS, .data = output, .every = every};
+}
+
 ct_status ct_output_close(ct_output *output, ct_error *error)
 {
   (void)output;

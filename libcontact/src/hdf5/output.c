@@ -347,6 +347,17 @@ ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_stat
   return ct_output_append_row(output, problem, state, NULL, error);
 }
 
+static ct_status append_state(void *output, ct_state *state, ct_error *error)
+{
+  return ct_output_append(output, state->problem, state, error);
+}
+
+ct_observer ct_output_observer(ct_output *output, int64_t every)
+{
+  static const ct_observer_calls CALLS = {.check = append_state};
+  return (ct_observer){.calls = &CALLS, .data = output, .every = every};
+}
+
 /* -- Close -- */
 
 ct_status ct_output_close(ct_output *output, ct_error *error)

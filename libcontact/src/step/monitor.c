@@ -269,8 +269,10 @@ static void keep_ledger(ct_monitor *w)
   w->next = before;
 }
 
-ct_status ct_monitor_examine(ct_monitor *monitor, ct_state *state, ct_error *error)
+/* Check within a series of steps; this does not wake sleeping elements. */
+static ct_status examine(void *data, ct_state *state, ct_error *error)
 {
+  ct_monitor *monitor = data;
   energies e;
   ct_status status = measure(monitor, state, &e, error);
   if (status == CT_OK) status = check_energy(monitor, state, &e, error);
@@ -290,21 +292,29 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   if (is_good(monitor, state)) return CT_OK;
   // Known forces may be older than the last change of the state by its host.
   ct_series_begin(state, 0);
-  return ct_monitor_examine(monitor, state, error);
+  return examine(monitor, state, error);
 }
 
-int ct_monitor_knows(const ct_monitor *w, const ct_state *state)
+/* Whether the state is that of the last check, with all inputs of its forces. */
+static ct_status prepare_steps(void *data, const ct_problem *problem, ct_state *state,
+                               int64_t count, ct_error *error)
 {
+  const ct_monitor *w = data;
+  (void)count;
+  if (w == NULL || problem != w->problem)
+    return CT_REFUSE(error, "run: the monitor belongs to another problem");
   size_t bytes = (size_t)state->memory_count * sizeof *state->memory;
-  return state->problem == w->problem && is_good(w, state) &&
-         memcmp(w->good->memory, state->memory, bytes) == 0;
+  if (state->problem == w->problem && is_good(w, state) &&
+      memcmp(w->good->memory, state->memory, bytes) == 0)
+    state->workspace->unchanged = 1;
+  return CT_OK;
 }
 
-const ct_problem *ct_monitor_problem(const ct_monitor *monitor) { return monitor->problem; }
-
-int64_t ct_monitor_due(const ct_monitor *monitor, const ct_state *state)
+ct_observer ct_monitor_observer(ct_monitor *monitor)
 {
-  return monitor->options.every - state->step % monitor->options.every;
+  static const ct_observer_calls CALLS = {.prepare = prepare_steps, .check = examine};
+  return (ct_observer){
+      .calls = &CALLS, .data = monitor, .every = monitor != NULL ? monitor->options.every : 1};
 }
 
 /* First rounds of the power iteration. The stiffness of a linear solid does not change, so it is

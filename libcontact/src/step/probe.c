@@ -279,7 +279,7 @@ static void take_force(ct_probes *probes, const probe *p, const ct_state *state,
 
 /* The rows of a state whose forces are known, within the capacity. The time of a restart may equal
  * that of a row up to round-off. */
-void ct_probes_take(void *data, const ct_state *state)
+static void take(void *data, const ct_state *state)
 {
   ct_probes *probes = data;
   for (int32_t i = 0; i < probes->count; i++) {
@@ -333,11 +333,14 @@ static void keep_moving(const ct_probes *probes, const probe *p, ct_state *state
   }
 }
 
-ct_status ct_probes_prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error)
+/* Drop rows that are later than the state, and allocate the rows of some steps. */
+static ct_status prepare(void *data, const ct_problem *problem, ct_state *state, int64_t count,
+                         ct_error *error)
 {
-  if (probes == NULL || state == NULL || state->problem != probes->problem || count < 0)
-    return CT_REFUSE(error, "probes: null argument, a state of another problem, or %lld steps",
-                     (long long)count);
+  ct_probes *probes = data;
+  (void)problem;
+  if (probes == NULL || state == NULL || state->problem != probes->problem)
+    return CT_REFUSE(error, "probes: null argument, or a state of another problem");
   double last = state->time + 0.5 * probes->problem->dt;
   for (int32_t i = 0; i < probes->count; i++) {
     probe *p = &probes->list[i];
@@ -349,12 +352,18 @@ ct_status ct_probes_prepare(ct_probes *probes, ct_state *state, int64_t count, c
   return CT_OK;
 }
 
+ct_observer ct_probes_observer(ct_probes *probes)
+{
+  static const ct_observer_calls CALLS = {.prepare = prepare, .sample = take};
+  return (ct_observer){.calls = &CALLS, .data = probes, .every = 1};
+}
+
 ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error)
 {
-  ct_status status = ct_probes_prepare(probes, state, 0, error);
+  ct_status status = prepare(probes, NULL, state, 0, error);
   if (status == CT_OK) status = ct_stage_check(state, error);
   if (status == CT_OK) status = ct_workspace_forces(probes->problem, state, error);
-  if (status == CT_OK) ct_probes_take(probes, state);
+  if (status == CT_OK) take(probes, state);
   return status;
 }
 

@@ -3,55 +3,97 @@
 
 #include <string.h>
 
-static ct_status check_arguments(const ct_problem *problem, const ct_state *state, int64_t count,
-                                 const ct_observers *by, ct_error *error)
+static ct_status prepare(const ct_problem *problem, ct_state *state, int64_t count,
+                         const ct_observers *by, ct_error *error)
 {
-  if (problem == NULL || state == NULL || count < 0)
-    return CT_REFUSE(error, "run: null argument, or %lld steps", (long long)count);
-  if (by->monitor == NULL && by->check_last)
-    return CT_REFUSE(error, "run: check_last needs a monitor");
-  if (by->monitor != NULL && ct_monitor_problem(by->monitor) != problem)
-    return CT_REFUSE(error, "run: the monitor belongs to another problem");
-  return CT_OK;
+  if (problem == NULL || state == NULL || count < 0 || by->count < 0 ||
+      (by->count > 0 && by->list == NULL))
+    return CT_REFUSE(error, "run: null argument, %lld steps, or %d observers", (long long)count,
+                     (int)by->count);
+  for (int32_t i = 0; i < by->count; i++)
+    if (by->list[i].calls == NULL || by->list[i].every < 1)
+      return CT_REFUSE(error, "run: observer %d has no calls, or is called every %lld steps",
+                       (int)i, (long long)by->list[i].every);
+  ct_status status = CT_OK;
+  state->workspace->unchanged = 0;
+  for (int32_t i = 0; status == CT_OK && i < by->count; i++) {
+    const ct_observer *o = &by->list[i];
+    if (o->calls->prepare != NULL)
+      status = o->calls->prepare(o->data, problem, state, count, error);
+  }
+  return status;
 }
 
-/* Add time and body to the error of an effect. */
-static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
-                          ct_error *error)
+void ct_observers_sample(const ct_observers *samplers, const ct_state *state)
 {
-  char text[sizeof error->text];
-  if (status == CT_OK || error == NULL || strstr(error->text, "(step ") != NULL) return status;
-  memcpy(text, error->text, sizeof text);
-  int named = error->body >= 0 && error->body < problem->body_count;
-  const char *name = named ? problem->bodies[error->body].name : "", *quote = named ? "\"" : "";
-  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point},
+  for (int32_t i = 0; i < samplers->count; i++) {
+    const ct_observer *o = &samplers->list[i];
+    if (o->calls->sample != NULL && state->step % o->every == 0) o->calls->sample(o->data, state);
+  }
+}
+
+/* Whether an observer samples. */
+static int any_samples(const ct_observers *by)
+{
+  for (int32_t i = 0; i < by->count; i++)
+    if (by->list[i].calls->sample != NULL) return 1;
+  return 0;
+}
+
+/* Number of steps until the next check, at most `count`. */
+static int64_t steps_to_check(const ct_observers *by, const ct_state *state, int64_t count)
+{
+  for (int32_t i = 0; i < by->count; i++) {
+    int64_t due = by->list[i].every - state->step % by->list[i].every;
+    if (by->list[i].calls->check != NULL && due < count) count = due;
+  }
+  return count;
+}
+
+static ct_status check(const ct_observers *by, ct_state *state, int last, ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (int32_t i = 0; status == CT_OK && i < by->count; i++) {
+    const ct_observer *o = &by->list[i];
+    if (o->calls->check != NULL && (state->step % o->every == 0 || (last && o->last)))
+      status = o->calls->check(o->data, state, error);
+  }
+  return status;
+}
+
+/* The error of a run, with time and body; what a host's function left out is known from the status.
+ */
+static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
+                          const ct_error *own, ct_error *error)
+{
+  if (status == CT_OK || error == NULL) return status;
+  *error = *own;
+  if (strstr(own->text, "(step ") != NULL) return status;
+  int named = own->body >= 0 && own->body < problem->body_count;
+  const char *name = named ? problem->bodies[own->body].name : "", *quote = named ? "\"" : "";
+  ct_fail(error, status, (ct_place){own->body, own->element, own->point},
           "at t = %g (step %lld)%s%s%s%s", state->time, (long long)state->step,
           named ? ", body " : "", quote, name, quote);
-  if (error->element >= 0) ct_error_add(error, ", element %lld", (long long)error->element);
-  ct_error_add(error, ": %s", text);
+  if (own->element >= 0) ct_error_add(error, ", element %lld", (long long)own->element);
+  ct_error_add(error, ": %s", own->text[0] != 0 ? own->text : ct_status_name(status));
   return status;
 }
 
 ct_status ct_run(const ct_problem *problem, ct_state *state, int64_t count,
-                 const ct_observers *observers, ct_error *error)
+                 const ct_observer *observers, int32_t observer_count, ct_error *error)
 {
-  static const ct_observers nobody;
-  const ct_observers *by = observers != NULL ? observers : &nobody;
-  ct_monitor *monitor = by->monitor;
-  const ct_sampler sampler = {ct_probes_take, by->probes};
-  ct_status status = check_arguments(problem, state, count, by, error);
-  if (status == CT_OK && by->probes != NULL)
-    status = ct_probes_prepare(by->probes, state, count, error);
+  const ct_observers by = {observers, observer_count};
+  ct_error own = {.body = -1, .element = -1, .point = -1};
+  ct_status status = prepare(problem, state, count, &by, error);
   if (status != CT_OK) return status;
-  ct_series_begin(state, monitor != NULL && ct_monitor_knows(monitor, state));
+  const ct_observers *samplers = any_samples(&by) ? &by : NULL;
+  ct_series_begin(state, state->workspace->unchanged);
   while (status == CT_OK && count > 0) {
-    int64_t due = monitor != NULL ? ct_monitor_due(monitor, state) : count,
-            now = count < due ? count : due;
-    status = ct_series_steps(problem, state, now, by->probes != NULL ? &sampler : NULL, error);
+    int64_t now = steps_to_check(&by, state, count);
+    status = ct_series_steps(problem, state, now, samplers, &own);
     count -= now;
-    if (status == CT_OK && monitor != NULL && (now == due || (by->check_last && count == 0)))
-      status = ct_monitor_examine(monitor, state, error);
+    if (status == CT_OK) status = check(&by, state, count == 0, &own);
   }
   ct_series_end(state);
-  return monitor != NULL ? complete(problem, state, status, error) : status;
+  return complete(problem, state, status, &own, error);
 }

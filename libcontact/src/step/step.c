@@ -93,15 +93,15 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
 }
 
 /* Take one stage of a step. Known forces, and the set of sleeping elements, may be older than the
- * last change of the state by its host. If `sampler` is null the inlined code has no sampling, so
- * that steps without probes do not pay for it. */
+ * last change of the state by its host. If `samplers` is null the inlined code has no sampling,
+ * so that steps without probes do not pay for it. */
 CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, double share,
-                               const ct_sampler *sampler, ct_error *error)
+                               const ct_observers *samplers, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  if (sampler != NULL && w->stage == 0) sampler->take(sampler->data, state);
+  if (samplers != NULL && w->stage == 0) ct_observers_sample(samplers, state);
   double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
   ct_ledger_keep(state);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
@@ -116,8 +116,8 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
 }
 
 /* Take a step: its stages in order (eq:stage). */
-CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state, const ct_sampler *sampler,
-                              ct_error *error)
+CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state,
+                              const ct_observers *samplers, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   ct_stage stages[2];
@@ -125,7 +125,7 @@ CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state, const 
   ct_status status = ct_stage_check(state, error);
   for (int i = 0; status == CT_OK && i < count; i++) {
     w->stage = i;
-    status = take_stage(problem, state, stages[i].c, sampler, error);
+    status = take_stage(problem, state, stages[i].c, samplers, error);
   }
   if (status != CT_OK) return status;
   w->stage = 0;
@@ -162,11 +162,11 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 }
 
 CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64_t count,
-                               const ct_sampler *sampler, ct_error *error)
+                               const ct_observers *samplers, ct_error *error)
 {
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
-    status = take_step(problem, state, sampler, error);
+    status = take_step(problem, state, samplers, error);
     // An effect may be the first to detect a number that is not finite (CT_INVALID); the status is
     // the same as without it.
     if (status == CT_INVALID ||
@@ -180,8 +180,8 @@ CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64
 }
 
 ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
-                          const ct_sampler *sampler, ct_error *error)
+                          const ct_observers *samplers, ct_error *error)
 {
-  return sampler == NULL ? take_steps(problem, state, count, NULL, error)
-                         : take_steps(problem, state, count, sampler, error);
+  return samplers == NULL ? take_steps(problem, state, count, NULL, error)
+                          : take_steps(problem, state, count, samplers, error);
 }

@@ -20,11 +20,12 @@ typedef struct ct_workspace {
   int starting;      /* v_{-1/2} is not known yet */
   double start_dt;   /* Δt of the problem at the first evaluation of the forces */
   int stage;         /* of the step, 0 or 1: the next one to be evaluated */
-  int followed; /* whether one stage, and nothing else, has moved the state since the forces were
-                   computed: the sleeping elements are known (eq:wake) */
-  int known;    /* whether the sleeping elements are those of these forces */
-  int leapfrog; /* whether the integrator is the leapfrog: no acceleration before */
-  int seen;     /* whether an effect of a host may read all nodes */
+  int followed;  /* whether one stage, and nothing else, has moved the state since the forces were
+                    computed: the sleeping elements are known (eq:wake) */
+  int known;     /* whether the sleeping elements are those of these forces */
+  int unchanged; /* an observer knows that the state is as its last call left it */
+  int leapfrog;  /* whether the integrator is the leapfrog: no acceleration before */
+  int seen;      /* whether an effect of a host may read all nodes */
   struct ct_sleep *sleep; /* sleeping elements; the first effect's, null if none may sleep */
   double *total;          /* sum of all forces except reactions, shape (node_count, 3) */
   double **force; /* of each effect: on its own nodes; null for the first one (in `total`) and for
@@ -63,37 +64,22 @@ ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *
 /* Compute the forces at the state's time, unless they are known. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
 
-/* Receiver of each state with its forces, before the state is moved. */
-typedef struct ct_sampler {
-  void (*take)(void *data, const ct_state *state);
-  void *data;
-} ct_sampler;
+/* The observers of a run. */
+typedef struct ct_observers {
+  const ct_observer *list;
+  int32_t count;
+} ct_observers;
 
 /* Begin a series of steps, in which no other code changes the state; `unchanged` says that none has
  * since the last forces of the series before. */
 void ct_series_begin(ct_state *state, int unchanged);
 
-/* Steps within a series; `sampler` may be null. */
+/* Steps within a series; `samplers` are the observers if one of them samples, else null. */
 ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
-                          const ct_sampler *sampler, ct_error *error);
+                          const ct_observers *samplers, ct_error *error);
 
-/* The problem of a monitor. */
-const ct_problem *ct_monitor_problem(const ct_monitor *monitor);
-
-/* The number of steps until the next check of a monitor. */
-int64_t ct_monitor_due(const ct_monitor *monitor, const ct_state *state);
-
-/* Whether the state is that of the last check, with all inputs of its forces. */
-int ct_monitor_knows(const ct_monitor *monitor, const ct_state *state);
-
-/* Check within a series; this does not wake sleeping elements. */
-ct_status ct_monitor_examine(ct_monitor *monitor, ct_state *state, ct_error *error);
-
-/* Drop rows that are later than the state, and allocate the rows of some steps. */
-ct_status ct_probes_prepare(ct_probes *probes, ct_state *state, int64_t count, ct_error *error);
-
-/* Take the rows of a state whose forces are known (a sampler). */
-void ct_probes_take(void *probes, const ct_state *state);
+/* Let the observers sample a state whose forces are known. */
+void ct_observers_sample(const ct_observers *samplers, const ct_state *state);
 
 /* End a series: its host may now read and change the state. */
 void ct_series_end(ct_state *state);
