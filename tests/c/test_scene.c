@@ -719,6 +719,24 @@ static void test_threads(void)
   }
 }
 
+/* A mesh of a scene may be copied and outlive it: the copy has no settings of the scene's run. */
+static void test_copied_mesh(void)
+{
+  plates p = two_plates(4.0);
+  ct_mesh *copy = NULL;
+  ct_error e = {0};
+  set_threads(p.scene, 2);
+  const ct_problem *problem =
+      build(p.scene, (ct_scene_time){.end = 1e-9, .courant = 0.1}, NULL, NULL);
+  need(ct_mesh_create_copy(problem->bodies[0].mesh, &copy, &e), &e);
+  tap_ok(problem->bodies[0].mesh->settings == &problem->settings &&
+             problem->settings.threads == 2 && copy->settings == NULL,
+         "the settings of a run are in its problem, and a body's mesh has them; a copy has none");
+  close_plates(&p);
+  tap_ok(ct_mesh_check(copy, &e) == CT_OK, "a copy is checked without the scene");
+  ct_mesh_free(copy);
+}
+
 /* Forces of a small and a larger body go through the same rings, one a thread. */
 static void test_rings(void)
 {
@@ -765,6 +783,7 @@ int main(void)
   own_effects();
   damped_limit();
   test_threads();
+  test_copied_mesh();
   test_rings();
   return tap_done();
 }

@@ -127,7 +127,7 @@ typedef struct ct_ring {
 CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh,
                                      ct_error *error);
 
-/** Copy a mesh given by arrays and check it as `ct_mesh_check` does. */
+/** Copy a mesh given by arrays and check it as `ct_mesh_check` does. The copy has no `settings`. */
 CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
 
 /** Free a mesh that one of the `ct_mesh_create_...` calls made; null is allowed. */

@@ -164,6 +164,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
   ct_status status = def->mesh != NULL ? ct_mesh_create_copy(&source, &part->mesh, error)
                                        : ct_mesh_make_box(def->kind, &def->box, source.settings,
                                                           &part->mesh, error);
+  if (status == CT_OK) part->mesh->settings = source.settings;
   if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
   if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
   if (status == CT_OK) {
