@@ -860,6 +860,9 @@ static void refused(void)
 int main(void)
 {
   one_point();
+  for (int law = 0; law < CT_ENFORCE_COUNT; law++)
+    tap_ok(ct_contact_penalty_default((ct_enforcement)law, 3.0, 2.0) > 0.0,
+           "%s: it has a default penalty", ENFORCEMENT[law]);
   for (int i = 0; i < 3; i++) lasting(0.5 * i * i);
   damping_ratio(0.15);
   damping_ratio(0.5);
