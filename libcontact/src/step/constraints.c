@@ -106,11 +106,10 @@ static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_
   const int32_t k = from->state->workspace->constraints->effects[set];
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, from->state, k);
-  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
+  double begin = ct_run_seconds(problem);
   ct_status status = effect->calls->constraints.list(effect, &view, rows, count, error);
   if (status == CT_OK) status = check_rows(effect, rows, *count, error);
-  if (problem->settings.clock != NULL)
-    from->state->effect_seconds[k] += problem->settings.clock() - begin;
+  from->state->effect_seconds[k] += ct_run_seconds(problem) - begin;
   return status;
 }
 
@@ -183,7 +182,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
     memset(c->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *c->begun);
   int64_t rows = s->first[s->set_count];
   if (status != CT_OK || rows == 0) return status;
-  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
+  double begin = ct_run_seconds(problem);
   const ct_prediction p = predict(problem, state);
   ct_rows_predict(s, &p);
   status = prescribe(problem, state, error);
@@ -193,9 +192,9 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   state->unconverged += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
   // The time is charged to each effect in proportion to its rows.
-  for (int32_t set = 0; problem->settings.clock != NULL && set < s->set_count; set++) {
+  for (int32_t set = 0; set < s->set_count; set++) {
     double share = (double)(s->first[set + 1] - s->first[set]) / (double)rows;
-    state->effect_seconds[c->effects[set]] += (problem->settings.clock() - begin) * share;
+    state->effect_seconds[c->effects[set]] += (ct_run_seconds(problem) - begin) * share;
   }
   return CT_OK;
 }

@@ -514,12 +514,10 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
-  double *force = k == 0 ? w->total : w->force[k],
-         begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
+  double *force = k == 0 ? w->total : w->force[k], begin = ct_run_seconds(problem);
   ct_status status = effect->calls->force(effect, &view, force, error);
   if (status != CT_OK) return status;
-  if (problem->settings.clock != NULL)
-    state->effect_seconds[k] += problem->settings.clock() - begin;
+  state->effect_seconds[k] += ct_run_seconds(problem) - begin;
   if (k == 0) count_updates(problem, state);
   for (int32_t i = 0; k == 0 && i < w->shared_count; i++)
     memcpy(&w->shared_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->shared[i]],
@@ -558,7 +556,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
   // the first step is a central difference.
   if (!ct_scheme_of(problem)->pushforward || stages[0].l == 0.0 || state->step == 0) return CT_OK;
-  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock(),
+  double begin = ct_run_seconds(problem),
          pushforward = problem->integrator.pushforward_ratio * problem->dt,
          share = ct_integrator_share(&problem->integrator) * problem->dt;
   // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
@@ -573,8 +571,7 @@ static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_er
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
   count_updates(problem, state);
-  if (problem->settings.clock != NULL)
-    state->effect_seconds[0] += problem->settings.clock() - begin;
+  state->effect_seconds[0] += ct_run_seconds(problem) - begin;
   return status;
 }
 

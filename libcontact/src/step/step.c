@@ -102,7 +102,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   if (samplers != NULL && w->stage == 0) ct_observers_sample(samplers, state);
-  double begin = problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
+  double begin = ct_run_seconds(problem);
   ct_ledger_keep(state);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
   ct_ledger_count(problem, state, share);
@@ -110,8 +110,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
          (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;
   w->followed = w->known;
-  if (problem->settings.clock != NULL)
-    state->effect_seconds[problem->effect_count] += problem->settings.clock() - begin;
+  state->effect_seconds[problem->effect_count] += ct_run_seconds(problem) - begin;
   return CT_OK;
 }
 

@@ -12,6 +12,12 @@ static inline const ct_scheme_facts *ct_scheme_of(const ct_problem *problem)
   return ct_integrator_facts(problem->integrator.scheme);
 }
 
+/* The time of the run's clock [seconds]; without a clock always 0. */
+static inline double ct_run_seconds(const ct_problem *problem)
+{
+  return problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
+}
+
 /* Data of a state for steps that a restart does not need: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
