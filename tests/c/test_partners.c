@@ -65,9 +65,8 @@ static over open_over(const partner *what, setting set, double height)
             .floor = new_patch(CT_Q4, CELLS, CELLS, -0.5, -0.5, 1, 1, 1)};
   ct_error e;
   for (int n = 0; n < o.square.surface.node_count; n++) o.square.x[3 * n + 2] = height;
-  o.fixed = what->shape < 0
-                ? contact_of(&o, set)
-                : (ct_contact_fixed *)obstacle_of(what, &o.square.surface, set);
+  o.fixed = what->shape < 0 ? contact_of(&o, set)
+                            : (ct_contact_fixed *)obstacle_of(what, &o.square.surface, set);
   need(ct_contact_open(o.fixed, &o.state, &e), &e);
   const int all = 3 * o.fixed->is.node_count;
   o.x = numbers(all), o.velocity = numbers(all), o.force = numbers(all), o.start = numbers(all);
@@ -176,7 +175,8 @@ static void start_gaps(const partner *what)
   close_over(&o);
 }
 
-/* The middle node is over the highest place of each partner: a corner, and a Lobatto point. eq:unseen.
+/* The middle node is over the highest place of each partner: a corner, and a Lobatto point.
+ * eq:unseen.
  */
 static void penetration(const partner *what)
 {

@@ -251,6 +251,12 @@ typedef struct ct_friction_room {
  * (eq:friction-room). */
 void ct_friction_limit(ct_interaction *friction, const double *mass, ct_friction_room room);
 
+/* Refuse a step in which the row sums of the active points over the masses exceed the room: more
+ * points than the bound expected (eq:friction-room). */
+ct_status ct_friction_check_rows(const ct_interaction *friction, const ct_friction_room *room,
+                                 const double *mass, const double *rows, double dt,
+                                 ct_error *error);
+
 /* Whether the face of a point and the other surface face each other, for friction; normals of any
  * length, which is not 0. */
 static inline int ct_friction_facing(const double own[3], const double other[3])

@@ -361,36 +361,15 @@ static void add_rows(const call *now, int k, const slip_point *p, double *rows)
   }
 }
 
-/* The largest ω² of the active points for which a step is stable. */
-static double room_at(const ct_friction_room *room, double dt)
-{
-  const double rate = room->limit / dt;
-  // -- Ω² (1 / Δt² - 1 / Δt_s²) less the largest effect of damping (eq:friction-room)
-  return room->bound + room->fraction * fmax(rate * (rate - room->rate), 0.0);
-}
-
-/* Refuse a step for which the active points are too stiff: more of them than the bound expected
- * (eq:friction-room). */
+/* Refuse a step for which the active points are too stiff (eq:friction-room). */
 static ct_status check_room(const call *now, friction_state *s, ct_error *error)
 {
   const friction *data = now->data;
-  const ct_interaction *is = &data->is;
-  const double dt = now->at->dt;
   const slip_point *p = s->points;
-  if (data->room.bound == HUGE_VAL || !(dt > 0.0)) return CT_OK;
-  const double room = room_at(&data->room, dt);
-  memset(s->rows, 0, (size_t)is->node_count * sizeof *s->rows);
+  if (data->room.bound == HUGE_VAL || !(now->at->dt > 0.0)) return CT_OK;
+  memset(s->rows, 0, (size_t)data->is.node_count * sizeof *s->rows);
   for (int k = 0; k < data->sides; p += data->side[k++]->point_count) add_rows(now, k, p, s->rows);
-  for (int32_t n = 0; n < is->node_count; n++) {
-    double over = s->rows[n] / data->mass[is->nodes[n]] - room;
-    // -- 4 / Δt² must grow by what is too much (eq:friction-room)
-    if (over > 1e-9 * room)
-      return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, is->nodes[n]},
-                     "friction: the points in contact at node %d are too stiff for the time step "
-                     "%g, which may be %g at most",
-                     (int)is->nodes[n], dt, 2.0 / sqrt(4.0 / (dt * dt) + over));
-  }
-  return CT_OK;
+  return ct_friction_check_rows(&data->is, &data->room, data->mass, s->rows, now->at->dt, error);
 }
 
 /* Fewest points of a thread: a fraction of a millisecond. */

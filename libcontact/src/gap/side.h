@@ -154,6 +154,11 @@ void ct_side_place(ct_side *side);
 /* Normal of its face at point `i`, with the length of the area element. */
 void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 
+/* Depth of a place on a face of a side under another surface, which has a tree for its present
+ * shape, and the place; negative or NaN if it is not inside. */
+double ct_side_depth(const ct_side *side, const ct_search *other, int32_t face, const double xi[2],
+                     double y[3]);
+
 /* Unit direction of the force on a point: along the line to its closest point, or the normal if the
  * two coincide. Returns 0 if there is none. */
 int ct_side_direction(const ct_side *side, const ct_point *point, double n[3]);

@@ -420,37 +420,6 @@ ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *o
   return CT_OK;
 }
 
-/* Add the forces of obstacles and friction. */
-static void add_parts(const ct_contact *contact, double *const f[2])
-{
-  for (const ct_host_part *part = contact->host->contact.next; part != NULL; part = part->next)
-    for (int32_t n = 0; n < part->is->node_count; n++) {
-      int side;
-      const int64_t dof = 3 * (int64_t)ct_host_node(contact, ct_host_place(part, n), &side);
-      for (int c = 0; c < 3; c++) f[side][dof + c] += part->force[3 * (int64_t)n + c];
-    }
-}
-
-ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
-{
-  if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->gaps.sides == 2))
-    return CT_REFUSE(error, "contact: null argument");
-  const int more = contact->host != NULL && contact->host->current;
-  double *const f[2] = {fa, fb};
-  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
-    const ct_side *side = &contact->gaps.side[s];
-    for (int64_t n = 0; n < side->search->node_count; n++)
-      for (int c = 0; c < 3; c++)
-        f[s][3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
-  }
-  if (!more) return CT_OK;
-  if (contact->host->contact.next != NULL && contact->fixed->gaps.sides == 2 &&
-      contact->fixed->one_array && fa != fb)
-    return CT_REFUSE(error, "contact: two surfaces on one array of nodes need one array of forces");
-  add_parts(contact, f);
-  return CT_OK;
-}
-
 double ct_contact_energy(const ct_contact *contact)
 {
   if (contact == NULL) return NAN;
