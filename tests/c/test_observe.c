@@ -150,8 +150,10 @@ static void arguments(void)
   tap_ok(ct_run(r.problem, state, 2, NULL, 1, &e) == CT_ERROR_ARGUMENT &&
              ct_run(r.problem, state, 2, &none, -1, &e) == CT_ERROR_ARGUMENT,
          "%s", e.text);
-  tap_ok(ct_run(r.problem, state, 2, &never, 1, &e) == CT_ERROR_MEMORY && state->step == 0,
-         "an error of prepare: no step is taken");
+  memset(&e, 1, sizeof e);
+  tap_ok(ct_run(r.problem, state, 2, &never, 1, &e) == CT_ERROR_MEMORY && state->step == 0 &&
+             e.code == CT_ERROR_MEMORY && e.body == -1 && e.text[0] == 0,
+         "an error of prepare without a text: no step is taken, and none is made up");
   tap_ok(ct_run(r.problem, state, 2, &none, 1, &e) == CT_OK && state->step == 2,
          "an observer may have no call that applies");
   ct_state_free(state);

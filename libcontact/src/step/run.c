@@ -84,8 +84,12 @@ ct_status ct_run(const ct_problem *problem, ct_state *state, int64_t count,
 {
   const ct_observers by = {observers, observer_count};
   ct_error own = {.body = -1, .element = -1, .point = -1};
-  ct_status status = prepare(problem, state, count, &by, error);
-  if (status != CT_OK) return status;
+  ct_status status = prepare(problem, state, count, &by, &own);
+  if (status != CT_OK) {
+    own.code = status;
+    if (error != NULL) *error = own;
+    return status;
+  }
   const ct_observers *samplers = any_samples(&by) ? &by : NULL;
   ct_series_begin(state, state->workspace->unchanged);
   while (status == CT_OK && count > 0) {
