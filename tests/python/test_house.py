@@ -148,19 +148,19 @@ def in_circles(needs):
 
 
 @pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
-@pytest.mark.parametrize("room", ["constraint", "gap", "contact", "host"])
+@pytest.mark.parametrize("room", sorted(set(floors.FLOOR) - {"step"}))
 def test_no_files_of_a_room_need_each_other_in_a_circle(room):
     """By the functions that they call; the circle of contact, host, friction and obstacle had nine files."""
     gives, takes = {}, {}
     for source in (ROOT / floors.SOURCES / room).glob("*.c"):
         path = ROOT / "build" / "obj" / room / source.with_suffix(".o").name
-        if not path.exists():
-            pytest.skip("no objects")
+        if not path.exists():  # an add-on that is not built
+            continue
         listed = subprocess.run(["nm", str(path)], capture_output=True, text=True).stdout
         gives[source.stem] = set(re.findall(r"^[0-9a-f]+ [TDRBi] (\S+)$", listed, re.M))
         takes[source.stem] = set(re.findall(r"^ +U (\S+)$", listed, re.M))
     needs = {a: {b for b in gives if b != a and takes[a] & gives[b]} for a in gives}
-    assert gives and in_circles(needs) == set()
+    assert in_circles(needs) == set()
 
 
 def test_a_circle_is_found():

@@ -213,15 +213,10 @@ void ct_disk_unlock(int descriptor);
  * released (H5FDunregister). Returns whether that succeeded. */
 int ct_driver_use(ct_disk *disk, hid_t access);
 
-/* -- output.c -- */
+/* -- layout.c: the file without its steps -- */
 
 /* The rows of the current step. */
 const void *ct_record_at(const ct_record *now, const ct_column *column);
-/* Fields that are computed while they are written. */
-ct_fill ct_output_velocity, ct_output_stress, ct_output_stress_filtered;
-
-/* -- layout.c: the file without its steps -- */
-
 void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *problem,
                       const ct_output_options *options);
 

@@ -1,7 +1,10 @@
 #include "hdf5_internal.h"
 
+#include <libcontact/solid.h>
+
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The groups of the file, in the order in which they are made. */
 enum { POINT_DATA = 1, CELL_DATA, FIELD_DATA, STEPS, TO_OFFSETS = 4, OWN_GROUP = 8 };
@@ -73,6 +76,52 @@ static void write_grid(ct_task *task, const ct_output *o, const ct_problem *prob
   free(values);
 }
 
+/* -- Fields that are computed while they are written -- */
+
+static ct_status fill_velocity(const ct_output *o, const ct_problem *problem, ct_state *state,
+                               int64_t first, int64_t count, ct_error *error)
+{
+  return ct_state_velocity_at(problem, state, (int32_t)first, (int32_t)count, o->now.piece, error);
+}
+
+/* Stresses of some cells, counted over all bodies, from the displacements of all nodes. */
+static ct_status stress_rows(const ct_problem *problem, const double *displacement, int64_t first,
+                             int64_t count, double *values, ct_error *error)
+{
+  ct_status status = CT_OK;
+  int64_t start = 0;
+  for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++) {
+    const ct_body *body = &problem->bodies[b];
+    ct_mesh part = *body->mesh;
+    // -- The elements of the body that are among them
+    int64_t from = first > start ? first - start : 0, end = first + count - start;
+    if (end > part.element_count) end = part.element_count;
+    start += part.element_count;
+    if (from >= end) continue;
+    part.elements += from * ct_brick_node_count(part.kind);
+    part.element_count = (int32_t)(end - from);
+    status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
+                             values, error);
+    if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
+    values += 6 * (end - from);
+  }
+  return status;
+}
+
+static ct_status fill_stress(const ct_output *o, const ct_problem *problem, ct_state *state,
+                             int64_t first, int64_t count, ct_error *error)
+{
+  return stress_rows(problem, state->displacement, first, count, o->now.piece, error);
+}
+
+static ct_status fill_stress_filtered(const ct_output *o, const ct_problem *problem,
+                                      ct_state *state, int64_t first, int64_t count,
+                                      ct_error *error)
+{
+  (void)state;
+  return stress_rows(problem, o->smooth, first, count, o->now.piece, error);
+}
+
 /* -- The datasets that grow -- */
 
 static const ct_row_type ENERGY = {
@@ -136,6 +185,13 @@ static const plan COLUMN[] = {
     {OWN_GROUP, "momentum", CT_REAL, &MOMENTUM, BODIES, 0, NOW(bodies)},
     {OWN_GROUP, "effect", CT_REAL, &EFFECT, EFFECTS, 0, NOW(effects)}};
 
+const void *ct_record_at(const ct_record *now, const ct_column *column)
+{
+  const void *at = (const char *)now + column->source;
+  if (column->is_pointer) memcpy(&at, at, sizeof at);
+  return at;
+}
+
 /* Returns whether there is such a dataset. */
 static int create_column(ct_task *task, ct_output *o, const plan *p)
 {
@@ -146,9 +202,9 @@ static int create_column(ct_task *task, ct_output *o, const plan *p)
   column->width = p->width;
   column->source = p->source;
   column->is_pointer = p->per != ONE;
-  column->fill = p->source == NOW(velocity)          ? ct_output_velocity
-                 : p->source == NOW(stress)          ? ct_output_stress
-                 : p->source == NOW(stress_filtered) ? ct_output_stress_filtered
+  column->fill = p->source == NOW(velocity)          ? fill_velocity
+                 : p->source == NOW(stress)          ? fill_stress
+                 : p->source == NOW(stress_filtered) ? fill_stress_filtered
                                                      : NULL;
   if (column->rows == 0 || ct_record_at(&o->now, column) == NULL) return 0;
   column->type = p->row != NULL ? ct_hdf5_row_type(p->row) : ct_hdf5_type(p->kind);

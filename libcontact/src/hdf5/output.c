@@ -1,11 +1,9 @@
 #include "hdf5_internal.h"
 
 #include <libcontact/contact_effect.h>
-#include <libcontact/solid.h>
 #include <libcontact/base.h>
 
 #include <stdlib.h>
-#include <string.h>
 
 /* Bytes that HDF5 itself needs per step. Fields are computed in pieces of rows that fit the cache.
  */
@@ -15,13 +13,6 @@ static ct_task task_on(const ct_output *o, ct_error *error)
 {
   const ct_task task = {o->disk.path, error, CT_OK, o->file};
   return task;
-}
-
-const void *ct_record_at(const ct_record *now, const ct_column *column)
-{
-  const void *at = (const char *)now + column->source;
-  if (column->is_pointer) memcpy(&at, at, sizeof at);
-  return at;
 }
 
 /* -- Create -- */
@@ -217,49 +208,6 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
   now->cell_row = o->row * o->cell_count;
   if (now->displacement != NULL) now->displacement = state->displacement;
   return status;
-}
-
-ct_status ct_output_velocity(const ct_output *o, const ct_problem *problem, ct_state *state,
-                             int64_t first, int64_t count, ct_error *error)
-{
-  return ct_state_velocity_at(problem, state, (int32_t)first, (int32_t)count, o->now.piece, error);
-}
-
-/* Stresses of some cells, counted over all bodies, from the displacements of all nodes. */
-static ct_status stress_rows(const ct_problem *problem, const double *displacement, int64_t first,
-                             int64_t count, double *values, ct_error *error)
-{
-  ct_status status = CT_OK;
-  int64_t start = 0;
-  for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++) {
-    const ct_body *body = &problem->bodies[b];
-    ct_mesh part = *body->mesh;
-    // -- The elements of the body that are among them
-    int64_t from = first > start ? first - start : 0, end = first + count - start;
-    if (end > part.element_count) end = part.element_count;
-    start += part.element_count;
-    if (from >= end) continue;
-    part.elements += from * ct_brick_node_count(part.kind);
-    part.element_count = (int32_t)(end - from);
-    status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
-                             values, error);
-    if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
-    values += 6 * (end - from);
-  }
-  return status;
-}
-
-ct_status ct_output_stress(const ct_output *o, const ct_problem *problem, ct_state *state,
-                           int64_t first, int64_t count, ct_error *error)
-{
-  return stress_rows(problem, state->displacement, first, count, o->now.piece, error);
-}
-
-ct_status ct_output_stress_filtered(const ct_output *o, const ct_problem *problem, ct_state *state,
-                                    int64_t first, int64_t count, ct_error *error)
-{
-  (void)state;
-  return stress_rows(problem, o->smooth, first, count, o->now.piece, error);
 }
 
 /* Largest number of bytes by which the next step extends the file. */
