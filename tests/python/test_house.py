@@ -148,7 +148,7 @@ def in_circles(needs):
 
 
 @pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
-@pytest.mark.parametrize("room", sorted(set(floors.FLOOR) - {"step"}))
+@pytest.mark.parametrize("room", sorted(floors.FLOOR))
 def test_no_files_of_a_room_need_each_other_in_a_circle(room):
     """By the functions that they call; the circle of contact, host, friction and obstacle had nine files."""
     gives, takes = {}, {}

@@ -24,14 +24,6 @@ static ct_status prepare(const ct_problem *problem, ct_state *state, int64_t cou
   return status;
 }
 
-void ct_observers_sample(const ct_observers *samplers, const ct_state *state)
-{
-  for (int32_t i = 0; i < samplers->count; i++) {
-    const ct_observer *o = &samplers->list[i];
-    if (o->calls->sample != NULL && state->step % o->every == 0) o->calls->sample(o->data, state);
-  }
-}
-
 /* Whether an observer samples. */
 static int any_samples(const ct_observers *by)
 {

@@ -11,21 +11,6 @@ enum { FIXED_POINT_ROUNDS = 64 };
 /* Two steps are equal if they differ by at most this fraction. */
 static const double ALIKE = 1e-6;
 
-double ct_problem_edge(const ct_problem *problem)
-{
-  double edge = INFINITY;
-  for (int32_t i = 0; i < problem->body_count; i++)
-    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
-  return edge;
-}
-
-int ct_problem_is_linear(const ct_problem *problem)
-{
-  for (int32_t i = 0; i < problem->body_count; i++)
-    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
-  return 1;
-}
-
 ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int32_t k,
                                  double *omega_squared, double *rate, ct_error *error)
 {

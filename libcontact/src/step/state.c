@@ -1,56 +1,18 @@
-/* The moving part of a problem: creating, copying and freeing a state, and its forces. */
+/* The moving part of a problem: creating, copying and freeing a state. */
 #include <libcontact/ledger.h>
 
 #include "../base/bits.h"
-#include "../base/list.h"
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "../base/stream.h"
 #include "../base/threads.h"
-#include "../base/vector.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
 #include "effect_internal.h"
 #include "sums.h"
 #include "workspace.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
-
-ct_starts ct_state_starts(const ct_problem *problem, int32_t k)
-{
-  ct_starts start = {0, 0, 0};
-  for (int32_t i = 0; i < k; i++) {
-    int64_t dofs = 3 * (int64_t)problem->effects[i]->node_count;
-    start.work += problem->effects[i]->phase == CT_PHASE_REACTION ? 0 : dofs;
-    start.impulse += i == 0 ? 0 : dofs;
-    start.memory += problem->effects[i]->memory_count;
-  }
-  return start;
-}
-
-double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *state)
-{
-  return ct_scheme_of(problem)->stores
-             ? state->memory + ct_state_starts(problem, problem->effect_count).memory
-             : state->workspace->last_acceleration;
-}
-
-ct_status ct_stage_check(const ct_state *state, ct_error *error)
-{
-  if (state->workspace->stage == 0) return CT_OK;
-  return CT_REFUSE(error, "the state is within step %lld, whose second stage failed",
-                   (long long)state->step);
-}
-
-/* Number of the effect that effect `k` reads, an earlier one; -1: none. */
-static int32_t read_by(const ct_problem *problem, int32_t k)
-{
-  int32_t i = problem->effects[k]->reads == NULL ? -1 : k - 1;
-  while (i >= 0 && problem->effects[i] != problem->effects[k]->reads) i--;
-  return i;
-}
 
 /* Whether an effect that needs all other forces is not the only one. */
 static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
@@ -96,7 +58,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   }
   for (int32_t k = 1; k < p->effect_count; k++) {
     const ct_effect *effect = p->effects[k];
-    int32_t read = read_by(p, k);
+    int32_t read = ct_workspace_read_by(p, k);
     if (is_second_of_its_phase(p, k))
       return CT_REFUSE(error,
                        "problem: effect %s needs the forces of all others, as another one does",
@@ -272,13 +234,6 @@ static void step_back(const ct_problem *problem, ct_state *state)
   state->workspace->starting = 0;
 }
 
-const uint64_t *ct_workspace_begun(const ct_state *state)
-{
-  return state->step > 0 || state->workspace->constraints == NULL
-             ? NULL
-             : state->workspace->constraints->begun;
-}
-
 /* The velocity whose product with a force gives the work to be subtracted at t = 0; `has_begun`: a
  * force begins at the node. */
 static inline double start_velocity(const ct_problem *problem, const ct_state *state, double share,
@@ -437,161 +392,5 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   // Between two steps the last acceleration has no influence; it is cleared because 0 · inf is NaN.
   if (to->workspace->last_acceleration != NULL)
     memset(to->workspace->last_acceleration, 0, 3 * (size_t)problem->node_count * sizeof(double));
-  return CT_OK;
-}
-
-ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
-{
-  int64_t memory = ct_state_starts(problem, k).memory;
-  int32_t read = read_by(problem, k);
-  ct_stage stage =
-      state->workspace->starting ? (ct_stage){0.0, 0.0, 0.0, 0.0} : ct_stage_now(problem, state);
-  return (ct_view){.time = state->time,
-                   .settings = &problem->settings,
-                   .reference = problem->reference,
-                   .displacement = state->displacement,
-                   .velocity = state->velocity,
-                   .memory = state->memory + memory,
-                   .next_memory = state->workspace->next_memory + memory,
-                   .scratch = state->workspace->scratch[k],
-                   .read = read < 0 ? NULL : state->workspace->scratch[read],
-                   .dt = stage.tau,
-                   .c_dt = stage.c,
-                   .r_dt = stage.r,
-                   .l_dt = stage.l,
-                   .acceleration_before = ct_stage_last_acceleration(problem, state),
-                   .total = state->workspace->total};
-}
-
-ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
-{
-  int64_t count = 3 * (int64_t)problem->node_count, d = 0;
-  if (ct_largest(state->velocity, count) <= DBL_MAX &&
-      ct_largest(state->displacement, count) <= CT_LARGEST_LENGTH)
-    return CT_OK;
-  while (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) d++;
-  ct_place at = ct_effect_place(problem, (int32_t)(d / 3));
-  return ct_fail(error, CT_ERROR_BLOWUP, at,
-                 "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
-                 state->time, (long long)state->step, problem->bodies[at.body].name, (int)at.point);
-}
-
-void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
-                           double force[3])
-{
-  const ct_workspace *w = state->workspace;
-  int32_t node = ct_effect_node(problem->effects[k], i);
-  const double *total = &w->total[3 * (int64_t)node], *own = total;
-  if (problem->effects[k]->phase == CT_PHASE_REACTION) {
-    const double *inverse_mass = &problem->inverse_mass[3 * (int64_t)node];
-    // -- The reaction balances all other forces (eq:reaction)
-    for (int c = 0; c < 3; c++) force[c] = inverse_mass[c] == 0.0 ? -total[c] : 0.0;
-    return;
-  }
-  if (k > 0) own = &w->force[k][3 * (int64_t)i];
-  else {
-    // `total` is the first effect's force except at nodes where others were added.
-    int32_t place = ct_lower_bound(w->shared, w->shared_count, node);
-    if (place < w->shared_count && w->shared[place] == node)
-      own = &w->shared_first[3 * (int64_t)place];
-  }
-  memcpy(force, own, 3 * sizeof *force);
-}
-
-/* Count the elements whose forces the solid effect has computed and skipped. */
-static void count_updates(const ct_problem *problem, ct_state *state)
-{
-  if (state->workspace->sleep != NULL)
-    ct_sleep_count(state->workspace->sleep, state->element_updates);
-  else if (problem->effects[0]->kind == CT_EFFECT_SOLID)
-    for (int32_t i = 0; i < problem->body_count; i++)
-      state->element_updates[0] += problem->bodies[i].mesh->element_count;
-}
-
-/* Force of one effect, added to the total. */
-static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t k, ct_error *error)
-{
-  ct_workspace *w = state->workspace;
-  const ct_effect *effect = problem->effects[k];
-  ct_view view = ct_workspace_view(problem, state, k);
-  double *force = k == 0 ? w->total : w->force[k], begin = ct_run_seconds(problem);
-  ct_status status = effect->calls->force(effect, &view, force, error);
-  if (status != CT_OK) return status;
-  state->effect_seconds[k] += ct_run_seconds(problem) - begin;
-  if (k == 0) count_updates(problem, state);
-  for (int32_t i = 0; k == 0 && i < w->shared_count; i++)
-    memcpy(&w->shared_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->shared[i]],
-           3 * sizeof(double));
-  for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
-    for (int c = 0; c < 3; c++)
-      w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
-  return CT_OK;
-}
-
-/* Find the sleeping elements. The force is zero at nodes without active elements (eq:sleep). */
-static void find_sleep(const ct_problem *problem, ct_state *state)
-{
-  ct_workspace *w = state->workspace;
-  if (w->sleep == NULL) return;
-  if (w->followed) {
-    ct_sleep_wake(w->sleep, state->displacement);
-    for (int32_t i = 0; i < w->shared_count; i++)
-      memset(&w->total[3 * (int64_t)w->shared[i]], 0, 3 * sizeof(double));
-  } else {
-    ct_sleep_examine(w->sleep, state->displacement, state->velocity,
-                     ct_stage_last_acceleration(problem, state));
-    memset(w->total, 0, 3 * (size_t)problem->node_count * sizeof(double));
-  }
-  if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
-}
-
-/* Move the nodes for Δt_c by the known forces, and store the resulting change of acceleration in
- * the bodies as the last acceleration of the drift. */
-static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_error *error)
-{
-  ct_workspace *w = state->workspace;
-  const ct_effect *solid = problem->effects[0];
-  ct_stage stages[2];
-  ct_integrator_stages(&problem->integrator, stages);
-  // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
-  // the first step is a central difference.
-  if (!ct_scheme_of(problem)->pushforward || stages[0].l == 0.0 || state->step == 0) return CT_OK;
-  double begin = ct_run_seconds(problem),
-         pushforward = problem->integrator.pushforward_ratio * problem->dt,
-         share = ct_integrator_share(&problem->integrator) * problem->dt;
-  // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->pushed[d] = pushforward * ct_kick(state->velocity[d], share + 0.5 * pushforward,
-                                         problem->inverse_mass[d], w->total[d]);
-  ct_view view = ct_workspace_view(problem, state, 0);
-  view.displacement = w->pushed;
-  view.scratch = w->pushed_scratch;
-  ct_status status = solid->calls->force(solid, &view, w->pushed_force, error);
-  // -- In the place of the acceleration before: a_n - a* (eq:pullback-drift)
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
-  count_updates(problem, state);
-  state->effect_seconds[0] += ct_run_seconds(problem) - begin;
-  return status;
-}
-
-ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
-{
-  ct_workspace *w = state->workspace;
-  if (w->forces_at == state->step) return CT_OK;
-  w->forces_at = -1;
-  w->known = 0;
-  find_sleep(problem, state);
-  for (int phase = CT_PHASE_STATE; phase < CT_PHASE_REACTION; phase++) {
-    ct_status status = phase == CT_PHASE_CONSTRAINT && w->constraints != NULL
-                           ? ct_constraints_solve(problem, state, error)
-                           : CT_OK;
-    for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
-      if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);
-    if (status == CT_OK && phase == CT_PHASE_STATE) status = push_and_pull(problem, state, error);
-    if (status != CT_OK) return status;
-  }
-  w->forces_at = state->step;
-  w->known = 1;
   return CT_OK;
 }

@@ -92,6 +92,15 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
   state->time += stage.tau;
 }
 
+/* Let the observers sample a state whose forces are known. */
+static void sample(const ct_observers *samplers, const ct_state *state)
+{
+  for (int32_t i = 0; i < samplers->count; i++) {
+    const ct_observer *o = &samplers->list[i];
+    if (o->calls->sample != NULL && state->step % o->every == 0) o->calls->sample(o->data, state);
+  }
+}
+
 /* Take one stage of a step. Known forces, and the set of sleeping elements, may be older than the
  * last change of the state by its host. If `samplers` is null the inlined code has no sampling,
  * so that steps without probes do not pay for it. */
@@ -101,7 +110,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   ct_workspace *w = state->workspace;
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  if (samplers != NULL && w->stage == 0) ct_observers_sample(samplers, state);
+  if (samplers != NULL && w->stage == 0) sample(samplers, state);
   double begin = ct_run_seconds(problem);
   ct_ledger_keep(state);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);

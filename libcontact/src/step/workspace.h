@@ -84,9 +84,6 @@ void ct_series_begin(ct_state *state, int unchanged);
 ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
                           const ct_observers *samplers, ct_error *error);
 
-/* Let the observers sample a state whose forces are known. */
-void ct_observers_sample(const ct_observers *samplers, const ct_state *state);
-
 /* End a series: its host may now read and change the state. */
 void ct_series_end(ct_state *state);
 
@@ -107,6 +104,9 @@ double *ct_stage_last_acceleration(const ct_problem *problem, const ct_state *st
 
 /* Fails for a state whose last step ended after its first stage. */
 ct_status ct_stage_check(const ct_state *state, ct_error *error);
+
+/* Number of the effect that effect `k` reads, an earlier one; -1: none. */
+int32_t ct_workspace_read_by(const ct_problem *problem, int32_t k);
 
 /* The view of a state for effect `k`. */
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);
