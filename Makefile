@@ -27,7 +27,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -66,7 +66,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory info clean setup book-tools notebook-tools
-.PHONY: _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill
+.PHONY: _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill _memory
 .DELETE_ON_ERROR:
 
 help:
@@ -369,9 +369,11 @@ threads: $(BUILD)/tsan/host_threads
 	TSAN_OPTIONS=halt_on_error=1 $<
 
 # The C tests under valgrind; slow. MEMCHECK names some of them.
-MEMCHECK ?= mesh mass solid solid_large solid_reduced plane_strain step refine integrator contact contact_history contact_geometry self_contact enforcement friction scene watch obstacle motion energy search \
+MEMCHECK ?= mesh mass solid solid_large solid_reduced plane_strain step subdivide integrator contact contact_status contact_geometry self_contact enforcement friction scene observe obstacle motion energy search \
   $(if $(HDF5),output) api_fuzz
-memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
+memory: setup
+	@+$(MAKE) --no-print-directory $(JOBS) _memory
+_memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
 	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
 	  valgrind -q --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
 

@@ -16,12 +16,28 @@ HERE = Path(__file__).resolve().parent
 BATCH = 60.0
 # HDF5 itself loses memory on a damaged file.
 SUPPRESSED = "leak:libhdf5\n"
+# Counts that fuzz_api.c and fuzz_optimisations.c print after these words, and what they are called here.
+CALLS = {
+    "to": "next seed",
+    "inputs": "inputs",
+    "calls": "calls",
+    "scenes": "C scenes",
+    "built": "C scenes built",
+    "steps": "C steps",
+}
+PAIRS = {
+    "to": "next seed",
+    "scenes": "scenes",
+    "built": "pairs of runs",
+    "failures": "errors on the way",
+    "steps": "steps",
+}
 
 
 def run(
     program: str, seconds: float, seed: int, folder: Path, more: list[str], counted: dict[str, str]
 ) -> dict:
-    """Run a program with sanitizers for so long; `counted`: names of counts that it prints, and what they are called here."""
+    """Run a program with sanitizers for so long, and return the counts that it prints."""
     suppressions = folder / "suppressions"
     suppressions.write_text(SUPPRESSED)
     environment = {
@@ -49,27 +65,11 @@ def run(
 
 def api(program: str, seconds: float, seed: int, folder: Path) -> dict:
     """Random calls for so long; with files in every other batch."""
-    counted = {
-        "to": "next seed",
-        "inputs": "inputs",
-        "calls": "calls",
-        "scenes": "C scenes",
-        "built": "C scenes built",
-        "steps": "C steps",
-    }
-    return run(program, seconds, seed, folder, [str(folder) if seed % 2 else ""], counted)
+    return run(program, seconds, seed, folder, [str(folder) if seed % 2 else ""], CALLS)
 
 
 def savings(program: str, seconds: float, seed: int, folder: Path) -> dict:
-    counted = {
-        "to": "next seed",
-        "scenes": "scenes",
-        "built": "pairs of runs",
-        "renumbered": "numbered otherwise",
-        "failures": "errors on the way",
-        "steps": "steps",
-    }
-    return run(program, seconds, seed, folder, [], counted)
+    return run(program, seconds, seed, folder, [], PAIRS)
 
 
 def scenes(seconds: float, seed: int, folder: Path) -> dict:

@@ -1,5 +1,6 @@
 """A few of the scenes and files that ``make fuzz`` changes at random."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -7,6 +8,22 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
 fuzz_scenes = pytest.importorskip("fuzz_scenes")
+
+
+@pytest.mark.parametrize("program, words", [("api", "CALLS"), ("optimisations", "PAIRS")])
+def test_the_counts_that_make_fuzz_reads_are_printed(program, words):
+    import run_fuzz
+
+    text = (Path(run_fuzz.__file__).parent / f"fuzz_{program}.c").read_text()
+    told = re.findall(r"(\w+) %l", text[text.index('printf("seeds') :].split(";")[0])
+    assert set(getattr(run_fuzz, words)) <= set(told)
+
+
+def test_make_memory_names_programs_that_exist():
+    root = Path(__file__).resolve().parents[2]
+    listed = re.search(r"^MEMCHECK \?=((?:.*\\\n)*.*)$", (root / "Makefile").read_text(), re.M)
+    for name in re.sub(r"\$\(if \S*,(\w+)\)|\\", r"\1", listed.group(1)).split():
+        assert (root / "tests" / "c" / f"test_{name}.c").exists(), name
 
 
 def test_scenes_and_files_changed_at_random_are_refused_or_run(tmp_path):
