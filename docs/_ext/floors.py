@@ -32,7 +32,7 @@ FLOORS = (
         }
     ),
     ({"contact": "contract of interactions: surfaces in contact, obstacles, friction"}),
-    ({"gap": "where the points of a surface are: closest points, candidates, tunnelling"}),
+    ({"gap": "where the points of a surface are: closest points, candidates, depth, tunnelling"}),
     (
         {
             "solid": "elements and their kernels",

@@ -27,8 +27,8 @@ static ct_constraint law_of(const ct_obstacle_def *given)
 
 static double distance(const ct_contact_fixed *fixed, const double r[3], double n[3])
 {
-  const ct_obstacle_def *o = &((const ct_obstacle *)fixed)->given;
-  return ct_obstacle_kind_of(o->shape)->gap(o, r, n);
+  const ct_obstacle *data = (const ct_obstacle *)fixed;
+  return data->kind->gap(&data->given, r, n);
 }
 
 /* The obstacle's position at a time. */
@@ -258,8 +258,8 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
   contact->gaps.depth = HUGE_VAL;
   contact->gaps.sides = 1;
   data->given = *o;
-  if (ct_obstacle_kind_of(o->shape)->direction != NULL)
-    (void)ct_obstacle_axis(o->axis, data->given.axis);
+  data->kind = ct_obstacle_kind_of(o->shape);
+  if (data->kind->direction != NULL) (void)ct_obstacle_axis(o->axis, data->given.axis);
   data->given.faces = NULL; // the caller's
   data->given.amplitude.time = data->time =
       ct_duplicate(o->amplitude.time, points * sizeof(double));

@@ -3,6 +3,15 @@
 
 #include "contact_internal.h"
 
+/* What the shapes of obstacles differ in. */
+typedef struct ct_obstacle_kind {
+  const char *name, *direction; /* of its axis; null: it has none */
+  int is_round;                 /* whether it has a radius, and stations if that is small */
+  /* Signed distance of a place `r` relative to the obstacle, negative inside, and the unit normal
+   * out of it (eq:obstacle-gap); NaN at the centre of a sphere and on the axis of a cylinder. */
+  double (*gap)(const ct_obstacle_def *o, const double r[3], double n[3]);
+} ct_obstacle_kind;
+
 /* Constant data of an obstacle. Side 0 is the surface; side 1, if there is one, has the stations of
  * a sphere or cylinder that is smaller than the faces: places on its centre or axis, each with a
  * row at the closest place of the surface (eq:station-gap). In each point `d` leads to the closest
@@ -10,7 +19,8 @@
  * it; `other` and `xi` of a station are its closest place on the surface. */
 typedef struct ct_obstacle {
   ct_contact_fixed contact;
-  ct_obstacle_def given;  /* with an axis of length 1 */
+  ct_obstacle_def given; /* with an axis of length 1 */
+  const ct_obstacle_kind *kind;
   double *time, *value;   /* of the amplitude */
   double *springs;        /* row sums of the stiffness with all points inside */
   double station_spacing; /* along the axis; 0: one station */
@@ -21,15 +31,6 @@ static inline const ct_obstacle *ct_obstacle_of(const ct_contact *contact)
 {
   return (const ct_obstacle *)contact->fixed;
 }
-
-/* What the shapes of obstacles differ in. */
-typedef struct ct_obstacle_kind {
-  const char *name, *direction; /* of its axis; null: it has none */
-  int is_round;                 /* whether it has a radius, and stations if that is small */
-  /* Signed distance of a place `r` relative to the obstacle, negative inside, and the unit normal
-   * out of it (eq:obstacle-gap); NaN at the centre of a sphere and on the axis of a cylinder. */
-  double (*gap)(const ct_obstacle_def *o, const double r[3], double n[3]);
-} ct_obstacle_kind;
 
 /* The row of a shape, null if there is none. */
 const ct_obstacle_kind *ct_obstacle_kind_of(ct_obstacle_shape shape);

@@ -17,7 +17,7 @@ enum { MOST_STATIONS = 1024 };
 ct_status ct_stations_init(ct_obstacle *obstacle, ct_error *error)
 {
   const ct_obstacle_def *o = &obstacle->given;
-  const ct_obstacle_kind *kind = ct_obstacle_kind_of(o->shape);
+  const ct_obstacle_kind *kind = obstacle->kind;
   ct_gaps_fixed *gaps = &obstacle->contact.gaps;
   const ct_side_fixed *surface = &gaps->side[0];
   const ct_search *search = surface->search;
