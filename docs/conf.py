@@ -58,6 +58,7 @@ nitpick_ignore = [
     # Types of the C standard library, which has no pages here.
     ("c:identifier", "size_t"),
     ("c:identifier", "int32_t"),
+    ("c:identifier", "uint8_t"),
     ("c:identifier", "int64_t"),
     ("c:identifier", "uint64_t"),
     # What Scene.explain is made from: not for callers.

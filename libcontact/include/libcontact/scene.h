@@ -131,11 +131,14 @@ typedef struct ct_scene_time {
   int assembled;
 } ct_scene_time;
 
-/** Create an empty scene. */ CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
+/** Create an empty scene. */
+CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
-/** Set threads and clock of the scene's run; best before the first body, which is then prepared
- * with these threads. By default one thread, no clock. ``CT_ERROR_ARGUMENT``: fewer than 0 or more
- * than 1024 threads. */
+/**
+ * Set threads and clock of the scene's run; best before the first body, which is then prepared with
+ * these threads. By default one thread, no clock. ``CT_ERROR_ARGUMENT``: fewer than 0 or more than
+ * 1024 threads.
+ */
 CT_API ct_status ct_scene_set_run_settings(ct_scene *scene, const ct_run_settings *settings,
                                            ct_error *error);
 
