@@ -21,7 +21,7 @@ RIVALS = ("time.courant", "time.fraction")
 
 def hourglass(share: float, nu: float) -> float:
     """The key ``hourglass`` for which the hourglass modes have the stiffness share·(λ + 2μ), H' in the
-    chapter "Averaged mass"."""
+    chapter "Reduced integration"."""
     return 3 * share * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
 
 
@@ -30,7 +30,6 @@ SHARP: Keys = TCHAMWA | {"time.fraction": 1.0, "time.integrator_parameter": 0.95
 DAMPED: Keys = {"viscosity.linear": 0.06}
 ONE_POINT: Keys = {"body.integration": "reduced"}
 HEX20: Keys = {"body.element": "hex20"}
-AVERAGED: Keys = {"averaging": {}}
 FILTERED: Keys = {"output.filter": 2}
 PULLBACK: Keys = {"time.integrator": "pushforward_pullback", "time.integrator_parameter": 0.75}
 STIFF: Keys = {"body.integration": "reduced", "body.hourglass": round(hourglass(0.8, 0.3), 4)}
@@ -47,10 +46,6 @@ METHODS: dict[str, Keys] = {
     "Tchamwa–Wielgosz 0.95": SHARP,
     "Tchamwa–Wielgosz 0.95, H' = 0.8": SHARP | STIFF,
     "Tchamwa–Wielgosz 0.95, H' = 0.8, filtered": SHARP | STIFF | {"output.filter": 1},
-    "averaged mass": BEST | AVERAGED,
-    "averaged mass, H' = 0.8": BEST | AVERAGED | STIFF,
-    "averaged mass, H' = 0.8, viscosity": BEST | AVERAGED | STIFF | {"viscosity.linear": 0.03},
-    "averaged mass, H' = 0.8, filtered": BEST | AVERAGED | STIFF | FILTERED,
     "default at 0.98, filtered": BEST | FILTERED,
     "pushforward–pullback": PULLBACK | {"time.courant": 0.5},
     "hex20": BEST | HEX20,
@@ -61,7 +56,6 @@ METHODS: dict[str, Keys] = {
 DAMPING = (
     *("Noh–Bathe", "Tchamwa–Wielgosz", "Tchamwa–Wielgosz 0.95"),
     *("Tchamwa–Wielgosz 0.95, H' = 0.8", "Tchamwa–Wielgosz 0.95, H' = 0.8, filtered"),
-    "averaged mass, H' = 0.8, filtered",
     "pushforward–pullback",
 )
 POISSON = (0.2, 0.4)
@@ -75,7 +69,6 @@ FACTORS: dict[str, list[Keys]] = {
         *({"time.fraction": value} for value in FRACTIONS),
     ],
     "element": [ONE_POINT, HEX20],
-    "mass": [AVERAGED],
     "integrator": [
         *({"time.integrator": name} for name in ("chung_lee", "noh_bathe", "tchamwa_wielgosz")),
         *(TCHAMWA | {"time.integrator_parameter": value} for value in (0.8, 0.93, 0.95, 0.97)),

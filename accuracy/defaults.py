@@ -36,7 +36,6 @@ FACTORS: dict[str, list[Keys]] = {
         {"time.integrator": "noh_bathe"},
         *(campaign.TCHAMWA | {"time.integrator_parameter": value} for value in (0.9, 0.95, 0.98)),
     ],
-    "mass": [campaign.AVERAGED],
     "bulk viscosity": [{"viscosity.linear": value} for value in (0.03, 0.06)],
     "β": [{"contact.beta": value} for value in (1.0, 4.0, 10.0, 100.0)],
 }
@@ -74,9 +73,8 @@ def measure(name: str, keys: Keys) -> dict[str, Any]:
         return row | {"status": type(error).__name__}
     updates, total = int(run.writer.state.element_updates[0]), run.energy["total"]
     scale = float(max(run.energy["kinetic"].max(), np.ptp(total)))
-    each = drawings.counts()
-    weights = {"averaging": each["averaged mass"], "viscosity.linear": each["viscosity 0.06"]}
-    cost = updates * float(np.prod([weights[key] for key in keys if key in weights]))
+    weight = drawings.counts()["viscosity 0.06"] if "viscosity.linear" in keys else 1.0
+    cost = updates * weight
     return (
         row
         | errors
@@ -146,9 +144,6 @@ def laid_over(data: dict[str, Any], keys: Keys) -> ct.Scene:
     """A scene with the keys of a setting; keys of contact apply to its obstacles."""
     for name, value in keys.items():
         place, _, key = name.partition(".")
-        if not key:
-            data[place] = value
-            continue
         for found in data["obstacle"] if place == "contact" else [data.setdefault(place, {})]:
             found[key] = value
     return ct.Scene(data)

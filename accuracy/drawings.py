@@ -218,7 +218,6 @@ WORDS = {
     "time.fraction": "{:g} of the stable step",
     "time.integrator": "{}",
     "time.integrator_parameter": "{:g}",
-    "averaging": "averaged mass",
     "body.integration": "one-point hex8",
     "body.element": "{}",
     "viscosity.linear": "bulk viscosity {:g}",

@@ -68,9 +68,6 @@ def scene_of(own: Case, end: float, times: Any = None) -> ct.Scene:
         data["contact"] = [{"surfaces": data["contact"][0]["surfaces"]}]
     for name, value in own.keys.items():
         table, _, key = name.partition(".")
-        if not key:
-            data[table] = value
-            continue
         found = data.setdefault(table, {})
         for place in found if isinstance(found, list) else [found]:
             place[key] = value

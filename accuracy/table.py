@@ -85,10 +85,17 @@ def write_prices(rows: list[dict[str, Any]], path: Path) -> None:
     path.write_text("".join(line(each) for each in (head, *values)), encoding="utf-8")
 
 
+def of_campaign(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of cases that some level has, not those of a method that has left."""
+    known = {case.name for level in campaign.LEVELS for case in campaign.cases(level)}
+    return [row for row in rows if (row["scene"], int(row["cells"]), row["setting"]) in known]
+
+
 def collect(level: str, path: Path) -> list[dict[str, Any]]:
-    """Run the cases that the table lacks, and add each row when it is complete."""
+    """Run the cases that the table lacks, and add each row when it is complete. Rows of cases that no level
+    has any more are dropped."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    rows = read(path)
+    rows = of_campaign(read(path))
     head = "".join([line(COLUMNS), *(line(row[name] for name in COLUMNS) for row in rows)])
     path.with_suffix(".new").write_text(head, encoding="utf-8")
     path.with_suffix(".new").replace(path)

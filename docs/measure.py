@@ -776,7 +776,6 @@ def accuracy() -> Numbers:
         found |= {f"{name}_{key[3:]}": own[key] for key in ("l1_fig4", "l1_fig5")}
         found |= {f"{name}_{key}": own[key] for key in ("overshoot", "width")}
         found[f"{name}_updates"] = own["cost"]
-    found["averaged_instructions"] = drawings.counts()["averaged mass"]
     table = defaults.table.read(defaults.table.BOOK / "accuracy_defaults.csv")
     for name in defaults.SCENES:
         own = [row for row in table if row["scene"] == name]

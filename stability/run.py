@@ -25,7 +25,6 @@ BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
 GROUPS = {
     "bar on a wall, other integrators": "bar on a wall, other integrators",
     "plates, other integrators": "plates, other integrators",
-    "plates, averaged mass": "plates, averaged mass",
     "cube dropped on its face": "cube dropped",
     "cube dropped on its edge": "cube dropped",
     "cube dropped on its corner": "cube dropped",

@@ -30,7 +30,7 @@ TOPICS = (
     ),
     (
         "further physics",
-        """effect/ absorb. averaging. damping. friction. gravity. history. load. motion. obstacle. viscosity. amplitude.
+        """effect/ absorb. damping. friction. gravity. history. load. motion. obstacle. viscosity. amplitude.
         contact/friction contact/obstacle solid/large solid/reduced integrator. step/integrator refine. step/refine
         step/subdivide""".split(),
     ),

@@ -43,6 +43,6 @@ def impact():
 
 
 def accuracy():
-    """Error against time for all methods; five have colours."""
-    named = ("paper's setting", "hex20", "default at 0.98", "averaged mass")
+    """Error against time for all methods; four have colours."""
+    named = ("paper's setting", "hex20", "default at 0.98")
     return drawings.work(named=(*named, "Tchamwa–Wielgosz 0.95, H' = 0.8"))

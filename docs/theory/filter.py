@@ -10,7 +10,7 @@ CELLS = 40
 HOURGLASS = 3.231  # H' = 0.8
 
 
-def plates(cells=CELLS, passes=2, averaged=True):
+def plates(cells=CELLS, passes=2):
     """The reference plate of Figs. 4 and 5 at c₁t = 0.56 d, in units d = ρ = v₀ = c₁ = 1."""
     young, h = (1 + NU) * (1 - 2 * NU) / (1 - NU), 1 / cells
     scene = ct.Scene(title="plate", units={"length": "m", "mass": "kg", "time": "s"})
@@ -20,8 +20,6 @@ def plates(cells=CELLS, passes=2, averaged=True):
     scene.add_body("plate", material="steel", box=box, velocity=[-1e-3, 0, 0], **control)
     for face in ("x_min", "z_min", "y_min", "y_max"):
         scene.add_support(f"plate.{face}", fix=face[0])
-    if averaged:
-        scene.add("averaging")
     scene.set_output(filter=passes)
     return scene.set_time(end=0.56, fraction=0.98).run(progress=False, output=False)
 

@@ -180,33 +180,6 @@ def test_distorted_bars_and_two_materials(cells, nu):
             assert not body.grows(dt), (linear, quadratic)
 
 
-@pytest.mark.parametrize("nu", NUS)
-@pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
-def test_averaged_mass_enlarges_the_dashpots_too(cells, nu):
-    """With :eq:`averaged-mass`, whose shares follow from the step."""
-    nodes, elements = mesh(cells)
-    consistent = np.zeros((len(nodes), len(nodes)))
-    one = np.where(SIGNS[:, None] == SIGNS[None], 1 / 3, 1 / 6).prod(2)
-    for element in elements:
-        consistent[np.ix_(element, element)] += one
-    for linear, rate in ((0.0, 0.0), (0.06, 0.0), (0.0, 0.7)):
-        made, body = scene(nu, **box(cells)).add("averaging"), Body(nodes, elements, nu)
-        if linear:
-            made.add("viscosity", linear=linear, quadratic=0.0)
-        if rate:
-            made.add("damping", rate=rate)
-        body.damping += linear * body.viscous + rate * np.diag(body.mass)
-        dt, lumped = stable(made), np.diag(1 / body.mass)
-
-        def averaged(dt):
-            gamma = 0.5 * (1 - (body.c1 * dt) ** 2)
-            rest = gamma * (np.diag(body.mass) - np.kron(consistent, np.eye(3)))
-            return lumped + lumped @ rest @ lumped
-
-        assert not body.grows(dt, averaged(dt)), (linear, rate)
-        assert body.grows(dt / 0.95, averaged(dt / 0.95)), (linear, rate)
-
-
 @pytest.mark.parametrize("cells", [(50, 1, 1), (50, 2, 2)])
 @pytest.mark.parametrize("speed", [0.1, 0.3])
 def test_a_front_that_the_start_does_not_show(cells, speed):

@@ -29,7 +29,6 @@ def impact(cells=12, passes=0, contact=False, **output):
         scene.add_contact("left.x_max", "right.x_min")
     else:
         scene.add_support("right.x_min", fix="x")
-    scene.add("averaging")
     scene.set_output(**({"filter": passes} if passes else {}), **output)
     return scene.set_time(end=0.56, fraction=0.98)
 
@@ -49,9 +48,9 @@ def error(body):
 
 @pytest.mark.parametrize("contact", [False, True])
 def test_the_plates_are_nearer_to_the_closed_form(contact):
-    """An independent prototype had 0.0487 with two passes at d/40; its weight was a few percent larger."""
+    """The rows of the chapter's table at 0.56 with two passes at d/40: from 0.0852 and 0.0837 to 0.0530."""
     body = run_of(impact(40, 2, contact)).state["right"]
-    assert error(body) > 0.058 and abs(error(body.filtered) - 0.0487) < 0.003
+    assert error(body) > 0.083 and abs(error(body.filtered) - 0.0530) < 1e-4
 
 
 @pytest.mark.parametrize("contact", [False, True])
@@ -130,7 +129,7 @@ def test_a_restart_filters_on(tmp_path):
 def test_what_is_refused():
     data = impact(passes=1).data
     data["material"][0]["law"] = "neo_hookean"
-    del data["averaging"], data["body"][0]["integration"], data["body"][0]["hourglass"]
+    del data["body"][0]["integration"], data["body"][0]["hourglass"]
     with pytest.raises(ct.SceneError, match="output.filter.*not linear"):
         run_of(ct.Scene(data))
     for passes in (-1, 9, 1.5):

@@ -69,7 +69,6 @@ material = [{ name = "soft", young = 900.0, poisson = 0.3, density = 1.0, law = 
 gravity = { acceleration = [0, 0, -9.81], bodies = ["a", "b"] }
 damping = { rate = 0.5 }
 viscosity = { linear = 0.1, quadratic = 1.0, bodies = ["a"] }
-averaging = { bodies = ["c"] }
 time = { end = 0.01, fraction = 0.5, integrator = "chung_lee", integrator_parameter = 1.03, stable_step = "elements", energy_limit = 0.5, look_every = 12 }
 output = { file = "all.vtkhdf", fields = ["stress"], every = 3, filter = 0 }
 run = { threads = 2, savings = ["quiet", "distant"] }
@@ -478,3 +477,15 @@ def test_an_effect_of_ones_own_declaration_is_read():
         Wind.read({"sped": 2}, Place("wind"))
     assert Wind.schema()["properties"]["speed"]["description"] == "Its speed."
     assert issubclass(Wind, Table)
+
+
+def test_a_method_that_has_left_is_answered():
+    """A table in a file and in a call, and a word: the error says what to write instead."""
+    with pytest.raises(
+        SceneError, match='averaging: is gone.*write integrator = "tchamwa_wielgosz"'
+    ):
+        ct.Scene(FULL | {"averaging": {}}).explain()
+    with pytest.raises(SceneError, match='averaging: is gone.*"tchamwa_wielgosz"'):
+        ct.Scene(FULL).add("averaging")
+    with pytest.raises(ValueError, match='mass = "averaged" is gone.*"lumped"'):
+        ct.dispersion([[1.0, 0.0, 0.0]], mass="averaged")

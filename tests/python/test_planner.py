@@ -285,7 +285,7 @@ def test_on_a_mesh_of_its_own_all_settings_have_one_limit():
     for tried in own.tried:
         changed = own.changed(tried.keys, 2.0).data
         assert {name.partition(".")[0] for name in tried.keys} == {"time"}
-        assert changed["obstacle"][0] == data["obstacle"][0] and "averaging" not in changed
+        assert changed["obstacle"][0] == data["obstacle"][0]
         assert changed["time"]["fraction"] == tried.keys["time.fraction"] / 2.0
 
 
@@ -434,14 +434,16 @@ def test_what_a_setting_changes():
     data["time"] |= {"integrator": "noh_bathe", "integrator_parameter": 0.55}
     data["contact"][0] |= {"points": "lobatto"}
     own = planner.Planner(ct.Scene(data), None, 1.0)
-    keys = {"time.fraction": 0.9, "contact.beta": 3.0, "averaging": "{}"}
+    keys = {"time.fraction": 0.9, "contact.beta": 3.0}
     new = own.changed(keys, 0.5).data
     end = data["time"]["end_c1t_over"]
     assert new["time"] == {"end_c1t_over": end, "fraction": 0.9}
     assert new["contact"] == [
         {**{k: data["contact"][0][k] for k in ("surfaces", "method", "points")}, "beta": 3.0}
     ]
-    assert new["averaging"] == {} and "viscosity" not in new
+    assert "viscosity" not in new
+    damped = own.changed({"time.fraction": 0.9, "viscosity.linear": 0.06}, 1.0)
+    assert damped.data["viscosity"] == {"linear": 0.06}
     assert [body["box"]["cells"] for body in new["body"]] == [[10, 1, 10]] * 2
     assert [body["box"]["size"] for body in new["body"]] == [[2.5, 0.25, 2.5]] * 2
     assert (

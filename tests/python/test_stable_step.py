@@ -1,11 +1,10 @@
-"""Reported over true stable step on regular meshes, for the integrators and masses that the price list compares. The true step comes from all eigenvalues of the assembled matrices and from runs just below and above it."""
+"""Reported over true stable step on regular meshes, for the integrators that the price list compares. The true step comes from all eigenvalues of the assembled matrices and from runs just below and above it."""
 
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from libcontact._core import ffi
 
 import libcontact as ct
 
@@ -32,14 +31,12 @@ LIMITS = {"tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1), "pushforward_pullback": 
 BLOWN = 1e3
 
 
-def built(shape, element, nu, integrator="central_difference", averaged=False):
+def built(shape, element, nu, integrator="central_difference"):
     cells, size = SHAPES[shape]
     made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     made.add_material("elastic", young=1.0, poisson=nu, density=1.0)
     box = {"size": list(size), "cells": list(cells)}
     made.add_body("block", material="elastic", box=box, **ELEMENTS[element])
-    if averaged:
-        made.add("averaging")
     return made.set_time(end=1.0, fraction=0.5, integrator=integrator)._built(None)
 
 
@@ -62,43 +59,6 @@ def test_integrators(shape, element, nu):
         if integrator == "pushforward_pullback":
             for part in (0.3, 0.6, 0.9):
                 assert steps.growth(problem, part * problem.stable.dt, 500) < BLOWN
-
-
-def consistent(cells):
-    """Consistent mass of a box of elements with the volume 1, one component of the motion; as a product of bars."""
-    mass = np.ones((1, 1))
-    for n in reversed(cells):
-        bar = (np.eye(n + 1, k=1) + np.eye(n + 1, k=-1) + 4 * np.eye(n + 1)) / 6
-        bar[0, 0] = bar[-1, -1] = 1 / 3
-        mass = np.kron(mass, bar)
-    return mass
-
-
-@pytest.mark.parametrize("nu", [0.2, 0.3, 0.45])
-@pytest.mark.parametrize("element", ["hex8", "one-point", "one-point, stiff"])
-@pytest.mark.parametrize("shape", ["cube", "layer"])
-def test_averaged_mass(shape, element, nu):
-    """The inverse mass of :eq:`averaged-mass` from the consistent mass of the test; the bound has the tangent of :eq:`averaged-tangent`."""
-    problem = built(shape, element, nu, averaged=True)
-    stiffness = steps.stiffness(problem)
-    lumped = np.diag(steps.array(problem.pointer.inverse_mass, len(stiffness)))
-    rest = np.linalg.inv(lumped) - np.kron(consistent(SHAPES[shape][0]), np.eye(3))
-    c1 = np.sqrt((1 - nu) / ((1 + nu) * (1 - 2 * nu)))
-
-    def stable(dt):
-        inverse = lumped + 0.5 * (1 - (c1 * dt) ** 2) * lumped @ rest @ lumped
-        root = np.linalg.cholesky(inverse)
-        return dt**2 * np.linalg.eigvalsh(root.T @ stiffness @ root)[-1] <= 4
-
-    low, high = 0.5 / c1, 1 / c1
-    while high - low > 1e-7 * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if stable(middle) else (low, middle)
-    own = ffi.cast("ct_problem *", problem.pointer)
-    assert 0.95 <= problem.stable.dt / low <= 1 + 1e-6
-    for dt, grows in ((0.999 * problem.stable.dt, False), (1.02 * low, True)):
-        own.dt = dt  # the averaging takes its coefficient from the step of its problem
-        assert (steps.growth(problem, dt, 2000) > BLOWN) == grows
 
 
 def thrown(n, friction, fraction=0.9, surfaces="outer", size=0.6):

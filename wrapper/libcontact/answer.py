@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 # Effects that do not change the limit to which a scene converges.
-NUMERICAL = ("viscosity", "averaging")
+NUMERICAL = ("viscosity",)
 
 
 @dataclass(frozen=True)

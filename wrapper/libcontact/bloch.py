@@ -143,8 +143,8 @@ def dispersion(
         Their edges; all lengths are in this unit.
     poisson : float
         Poisson's ratio, -1 < ν < ½.
-    mass : {"lumped", "consistent", "averaged"}
-        The mass matrix; runs use the lumped one, or with ``[averaging]`` the averaged one (hex8, central difference).
+    mass : {"lumped", "consistent"}
+        The mass matrix; runs use the lumped one.
     integrator : {"central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"}
         The method of the time steps.
     parameter : float, optional

@@ -105,6 +105,7 @@ GONE = {
         "lagrange": "is gone: on unlike meshes multipliers are neither unique nor bounded, and most steps do not converge; "
         'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element'
     },
+    "mass": {"averaged": 'is gone; runs have the mass "lumped"'},
     "initial_penetration": {"push": 'is gone; write "force", which is the same'},
 }
 

@@ -6,13 +6,18 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
-from .effects import Added, Effect, absorb, averaging, damping, gravity, load, obstacle, viscosity
+from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
 from .mesh import FACTS
 from .model import Body, Contact, History, Material, Output, Probe, Run, Support, Time
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
-NO_FRICTION = "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]"
+# Tables that a scene cannot have, and what to write instead.
+NO_TABLE = {
+    "friction": "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]",
+    "averaging": "is gone: other methods reach its errors at a lower price; for a front without oscillations write "
+    'integrator = "tchamwa_wielgosz" in [time]',
+}
 
 
 class Parts(Table):
@@ -31,7 +36,6 @@ class Parts(Table):
     damping: Any = key(Nested(damping.Damping), default=None)
     absorb: Any = key(Several(absorb.Absorb), default=())
     viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
-    averaging: Any = key(Nested(averaging.Averaging), default=None)
     time: Any = key(Nested(Time), default=None)
     output: Output = key(Nested(Output), default=Output())
     probe: tuple[Probe, ...] = key(Several(Probe), default=())
@@ -68,8 +72,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     """Check the tables of a scene. ``whole`` also requires bodies and time, which a scene that is still
     being built may lack."""
     top = Place("", file)
-    if isinstance(data, dict) and "friction" in data:
-        raise (top / "friction").error(NO_FRICTION)
+    for name, reason in NO_TABLE.items():
+        if isinstance(data, dict) and name in data:
+            raise (top / name).error(reason)
     parts = Parts.read(data, top)
     if whole and parts.time is None:
         raise (top / "time").error("is missing")
@@ -124,7 +129,6 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     yield from _same_pair(parts)
     yield from _absorbing(parts)
     yield from _probing(parts)
-    yield from _averaging(parts)
     turning = [body.name for body in parts.body if parts.materials[body.material].law != "linear"]
     if parts.output.filter and turning:
         yield "output.filter", f'is for linear bodies; "{turning[0]}" is not linear'
@@ -177,21 +181,6 @@ def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
         if len(held) == 3:
             why = "is held along x, y and z by a [[support]]; what does not move absorbs nothing"
             yield at, f"{name} {why}"
-
-
-def _averaging(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Refuse the averaged mass with relaxation, quadratic elements or nonlinear bodies."""
-    if parts.averaging is None:
-        return
-    if parts.damping is not None and parts.damping.relaxation:
-        yield "averaging", "and relaxation exclude each other: relaxed bodies carry no waves"
-    for body in parts.body:
-        if not acts_on(parts.averaging, body.name):
-            continue
-        if not FACTS[body.bricks or "hex8"].trilinear:
-            yield "averaging.bodies", f'"{body.name}" is of {body.bricks}; averaging is for hex8'
-        if parts.materials[body.material].law != "linear":
-            yield "averaging.bodies", f'"{body.name}" is not linear'
 
 
 def resultant_of(parts: Parts, probe: Probe) -> tuple[int, Any, tuple[str, ...]]:

@@ -35,7 +35,6 @@ WORDS = {
     "time.fraction": "{:g} of the stable step",
     "time.integrator": "{}",
     "time.integrator_parameter": "parameter {:g}",
-    "averaging": "averaged mass",
     "viscosity.linear": "bulk viscosity {:g}",
     "viscosity.quadratic": "quadratic {:g}",
     "contact.enforcement": "{}",
@@ -463,7 +462,7 @@ class Planner:
         for name, value in keys.items():
             where, _, key = name.partition(".")
             for table in tables if where == "contact" else [data.setdefault(where, {})]:
-                table |= {key: value} if key else {}
+                table[key] = value
         if self.own_mesh:
             time["fraction"] /= scale
         else:

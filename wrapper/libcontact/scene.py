@@ -19,7 +19,7 @@ from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
 from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
-from .parts import EFFECTS, MANY, Parts, read
+from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run, State
 from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
@@ -290,6 +290,8 @@ class Scene:
         >>> scene.add("gravity", acceleration=[0, 0, -9810])
         """
         at = Place("", self._file)
+        if effect in NO_TABLE:
+            raise (at / effect).error(NO_TABLE[effect])
         if effect not in EFFECTS:
             raise at.error(f'no effect is named "{effect}"' + suggestion(effect, EFFECTS))
         if effect not in MANY and effect in self._data:

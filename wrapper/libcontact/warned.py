@@ -39,7 +39,7 @@ TURNED, TURN_NODES = 0.04, 2000
 # n equal elements.
 THIN = 0.3
 # Effects that do not act on a body that moves without strain, or accelerate all its nodes equally.
-HARMLESS = ("gravity", "viscosity", "averaging")
+HARMLESS = ("gravity", "viscosity")
 
 
 def known(

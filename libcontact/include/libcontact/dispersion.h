@@ -13,10 +13,8 @@ typedef enum ct_mass_form {
   /** diagonal, as in a run by default: row sum for hex8, HRZ for hex20, :eq:`hrz` */
   CT_MASS_LUMPED = 0,
   /** consistent, :eq:`mass-consistent` */
-  CT_MASS_CONSISTENT = 1,
-  /** lumped and averaged over neighbouring nodes for the time step, :eq:`averaged-mass`; hex8 and
-     central difference only */
-  CT_MASS_AVERAGED = 2
+  CT_MASS_CONSISTENT = 1
+  /* 2 was the averaged mass, which is gone: the next form is 3. */
 } ct_mass_form;
 
 /** An infinite mesh of equal rectangular bricks with edges along x, y, z, and a method of time
@@ -68,9 +66,8 @@ CT_API ct_dispersion_def ct_dispersion_def_default(void);
  * branches have the same frequency, their shapes are any two orthogonal ones of that frequency.
  *
  * Errors: ``CT_ERROR_ARGUMENT`` for a null pointer, a definition without its cookie, sizes that are
- * not positive, an invalid material, mass form or integrator, an averaged mass with another element
- * kind or integrator, a negative step, or a wave vector that is not finite (`error` has its number
- * in `point`). `branches` is not written then.
+ * not positive, an invalid material, mass form or integrator, a negative step, or a wave vector
+ * that is not finite (`error` has its number in `point`). `branches` is not written then.
  */
 CT_API ct_status ct_dispersion(const ct_dispersion_def *def, size_t count, const double *wave,
                                ct_branch *branches, ct_error *error);

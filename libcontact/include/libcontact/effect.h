@@ -1,5 +1,5 @@
 /* Effects of the library: solid bodies, supports, prescribed motions, loads, gravity, damping,
- * viscosity, absorbing faces, averaged mass; and the filter of output fields.
+ * viscosity, absorbing faces; and the filter of output fields.
  * Threads: effects may be created at any time. An effect is constant, so several states may use it
  * at the same time. */
 #ifndef LIBCONTACT_EFFECT_H
@@ -266,39 +266,6 @@ CT_API ct_absorb_def ct_absorb_def_default(void);
  */
 CT_API ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
-
-/** Bodies whose accelerations are averaged. */
-typedef struct ct_averaging_def {
-  /** Set by `ct_averaging_def_default`. */
-  int32_t cookie;
-  /** Numbers of the bodies, shape (body_count); null: all bodies. */
-  const int32_t *bodies;
-  /** Number of bodies. */
-  int32_t body_count;
-  /**
-   * Nodes of the problem, in any order, whose elements are not averaged, shape (apart_count): the
-   * nodes on which a force acts that is unknown before the averaging, such as that of a contact,
-   * its friction, an obstacle, or a prescribed motion.
-   */
-  const int32_t *apart;
-  /** Number of these nodes. */
-  int32_t apart_count;
-} ct_averaging_def;
-
-/** A definition with its cookie set and all other members zero. */
-CT_API ct_averaging_def ct_averaging_def_default(void);
-
-/**
- * Create the effect "averaging" of a mass that is averaged over neighbouring nodes,
- * :eq:`averaging-force`. It removes the leading error of the speed of dilatational waves along the
- * axes. It must follow all other effects of CT_PHASE_STATE in the list and requires central
- * differences with the `dt` of this problem, which must outlive the effect. Its stored energy is
- * the kinetic energy of the averaged mass minus that of the lumped mass, :eq:`averaged-energy`, and
- * therefore negative. `problem` comes from `ct_scene_join`. ``CT_ERROR_UNSUPPORTED``: a body is not
- * linear, or its elements are not equal hex8 boxes along the axes.
- */
-CT_API ct_status ct_averaging_create_effect(const ct_averaging_def *def, const ct_problem *problem,
-                                            ct_effect **effect, ct_error *error);
 
 /** A filter of output fields, :doc:`/theory/filter`; opaque. One thread at a time may use it. */
 typedef struct ct_filter ct_filter;

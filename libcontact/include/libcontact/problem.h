@@ -90,9 +90,8 @@ typedef enum ct_effect_kind {
   /** `ct_viscosity_create_effect` */
   CT_EFFECT_VISCOSITY = 11,
   /** `ct_absorb_create_effect` */
-  CT_EFFECT_ABSORB = 12,
-  /** `ct_averaging_create_effect` */
-  CT_EFFECT_AVERAGING = 13
+  CT_EFFECT_ABSORB = 12
+  /* 13 was the averaged mass, which is gone: the next kind is 14. */
 } ct_effect_kind;
 
 /**
@@ -131,13 +130,6 @@ typedef struct ct_effect_bounds {
    * :eq:`damped-step-bound`. */
   ct_status (*rate)(const struct ct_effect *effect, const ct_view *view, double *rate,
                     ct_error *error);
-  /**
-   * Return a bound >= 1 of the factor by which the effect multiplies the ω² and the rates of all
-   * effects at a step Δt [time], :eq:`averaged-bound`, for an effect whose force depends on the
-   * forces of the others. It must not grow with Δt. Such an effect must be the last one of
-   * CT_PHASE_STATE and needs central differences.
-   */
-  double (*amplification)(const struct ct_effect *effect, double dt);
   /**
    * Add to `matrix`, shape (24, 24), the term of the effect in :eq:`joint-bound`, in addition to
    * Δt² K, for one brick along x, y, z at a step Δt [time]. The brick belongs to the body whose

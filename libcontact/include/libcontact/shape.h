@@ -99,7 +99,7 @@ typedef struct ct_brick_facts {
    * :eq:`row-sum`; 0: by :eq:`hrz`. */
   int row_sum;
   /** 1 for the trilinear brick, which alone has the kernels `CT_KERNEL_PLANE` and
-   * `CT_KERNEL_REDUCED`, bounds by blocks, bulk viscosity and the averaged mass. */
+   * `CT_KERNEL_REDUCED`, bounds by blocks and bulk viscosity. */
   int trilinear;
 } ct_brick_facts;
 

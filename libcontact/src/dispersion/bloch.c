@@ -42,18 +42,6 @@ static void consistent_mass(ct_bloch *bloch, ct_brick_kind kind)
   }
 }
 
-/* γ = (1 - Co²) / 2 along each edge (eq:averaged-gamma). */
-static void set_shares(ct_bloch *bloch, const ct_dispersion_def *def)
-{
-  double c1, c2;
-  ct_material_speeds(&def->material, &c1, &c2);
-  for (int d = 0; d < 3; d++) {
-    double courant = c1 * def->step / def->size[d];
-    bloch->size[d] = def->size[d];
-    if (def->mass == CT_MASS_AVERAGED) bloch->gamma[d] = fmax(0.5 * (1.0 - courant * courant), 0.0);
-  }
-}
-
 ct_status ct_bloch_init(const ct_dispersion_def *def, ct_bloch *bloch, ct_error *error)
 {
   double lumped[20];
@@ -64,14 +52,10 @@ ct_status ct_bloch_init(const ct_dispersion_def *def, ct_bloch *bloch, ct_error 
     if (!(def->size[d] > 0.0 && def->size[d] < CT_LARGEST_LENGTH))
       return CT_REFUSE(error, "dispersion: size[%d] = %g is not positive and finite", d,
                        def->size[d]);
-  if ((int)def->mass < CT_MASS_LUMPED || (int)def->mass > CT_MASS_AVERAGED)
+  if ((int)def->mass < CT_MASS_LUMPED || (int)def->mass > CT_MASS_CONSISTENT)
     return CT_REFUSE(error, "dispersion: there is no mass form %d", (int)def->mass);
-  if (def->mass == CT_MASS_AVERAGED &&
-      (!ct_brick_facts_of(def->kind)->trilinear || !ct_integrator_is_leapfrog(&def->integrator)))
-    return CT_REFUSE(error, "dispersion: averaged mass is for hex8 and central differences");
   ct_status status = ct_material_check(&def->material, error);
   if (status != CT_OK) return status;
-  set_shares(bloch, def);
   place_nodes(bloch, def->kind, def->size);
   const int n = 3 * bloch->per;
   bloch->mass = def->material.density * (def->size[0] * def->size[1]) * def->size[2];
@@ -195,29 +179,6 @@ static void diagonalize(int n, double A[SIZE][SIZE], double V[SIZE][SIZE])
   }
 }
 
-/* Apply averaging to ω² and its slope: the product with 1 + Σ γ_i t_i d_i, d_i = ⅔ sin² (½ k_i
- * h_i), where t_i is the mean of the products of 1 - d of the earlier axes over all orders
- * (eq:averaged-symbol). */
-static void average(const ct_bloch *bloch, const double k[3], ct_bloch_wave *wave)
-{
-  double d[3], slope[3], factor = 1.0, lean[3] = {0.0};
-  for (int i = 0; i < 3; i++) {
-    double half = 0.5 * k[i] * bloch->size[i], s = sin(half);
-    d[i] = 2.0 / 3.0 * s * s, slope[i] = 2.0 / 3.0 * bloch->size[i] * s * cos(half);
-  }
-  for (int i = 0; i < 3; i++) {
-    const int a = (i + 1) % 3, b = (i + 2) % 3;
-    double m = 1.0 - d[a], n = 1.0 - d[b], g = bloch->gamma[i];
-    double t = (1.0 + m * n) / 3.0 + (m + n) / 6.0;
-    factor += g * t * d[i];
-    lean[i] += g * t * slope[i];
-    lean[a] -= g * d[i] * (n / 3.0 + 1.0 / 6.0) * slope[a];
-    lean[b] -= g * d[i] * (m / 3.0 + 1.0 / 6.0) * slope[b];
-  }
-  for (int i = 0; i < 3; i++) wave->slope[i] = factor * wave->slope[i] + lean[i] * wave->omega2;
-  wave->omega2 *= factor;
-}
-
 void ct_bloch_waves(const ct_bloch *bloch, const double k[3], ct_bloch_wave wave[SIZE])
 {
   const int families = bloch->families, n = 3 * families;
@@ -245,6 +206,5 @@ void ct_bloch_waves(const ct_bloch *bloch, const double k[3], ct_bloch_wave wave
     wave[m].omega2 = fmax(wave[m].omega2, 0.0);
     solve(families, L, 1, wave[m].shape);
     add_slope(bloch, k, &wave[m]);
-    if (bloch->families == 1) average(bloch, k, &wave[m]);
   }
 }

@@ -16,11 +16,9 @@ typedef struct ct_bloch {
   double mass;
   double K[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE];
   double M[20][20];
-  double size[3], gamma[3]; /* edges, and γ along them of an averaged mass (eq:averaged-mass) */
 } ct_bloch;
 
-/* The waves of one wave vector: ω², its slope ∂ω²/∂k, and the shape φ with φ·M(k)φ = 1,
- * M(k) lumped if it is averaged. */
+/* The waves of one wave vector: ω², its slope ∂ω²/∂k, and the shape φ with φ·M(k)φ = 1. */
 typedef struct ct_bloch_wave {
   double omega2, slope[3], shape[CT_CELL_SIZE];
 } ct_bloch_wave;

@@ -598,19 +598,15 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
                          : status;
 }
 
-/* What a step shorter than the stable one leaves for `count` frictions, without their bounds;
- * nothing with an averaged mass, which enlarges the bounds by an unknown factor
+/* What a step shorter than the stable one leaves for `count` frictions, without their bounds
  * (eq:friction-room). */
 static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t count)
 {
   ct_integrator first = p->integrator;
   first.pushforward_ratio = 0.0;
-  ct_friction_room room = {.limit = ct_integrator_limit(&p->integrator),
-                           .rate = ct_integrator_limit(&first) / stable,
-                           .fraction = 1.0 / count};
-  for (int32_t k = 0; k < p->effect_count; k++)
-    if (p->effects[k]->calls->bounds.amplification != NULL) room.limit = 0.0;
-  return room;
+  return (ct_friction_room){.limit = ct_integrator_limit(&p->integrator),
+                            .rate = ct_integrator_limit(&first) / stable,
+                            .fraction = 1.0 / count};
 }
 
 /* Tell each friction of a contact for which ω² of its points the step is stable. */

@@ -77,22 +77,6 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds s
   return CT_OK;
 }
 
-/* The stable step for these sums. The increase by an effect is smaller for a larger step; the fixed
- * point is approached from below, so each round is stable (eq:averaged-bound). */
-static double step_of(const ct_problem *problem, const bounds *sum)
-{
-  const ct_effect *enlarging = NULL;
-  for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->calls->bounds.amplification != NULL) enlarging = problem->effects[k];
-  double dt = 0.0;
-  for (int round = 0; round < (enlarging == NULL ? 1 : FIXED_POINT_ROUNDS); round++) {
-    double factor = enlarging == NULL ? 1.0 : enlarging->calls->bounds.amplification(enlarging, dt);
-    // (eq:averaged-bound)
-    dt = ct_integrator_step(&problem->integrator, factor * sum->omega_squared, factor * sum->rate);
-  }
-  return dt;
-}
-
 /* Increase a stable step by the bound of the sum if some effect has an element matrix. The bound
  * grows more slowly than Δt², so each round is stable (eq:joint-step). */
 static ct_status raise_step(const ct_problem *problem, const bounds *sum, double *dt,
@@ -134,7 +118,7 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   dt[0] = &out->dt;
   dt[1] = &out->dt_without_contact;
   for (int i = 0; status == CT_OK && i < 2; i++) {
-    *dt[i] = step_of(problem, &sum[i]);
+    *dt[i] = ct_integrator_step(&problem->integrator, sum[i].omega_squared, sum[i].rate);
     status = raise_step(problem, &sum[i], dt[i], error);
     // -- No damping may reverse a velocity (eq:damping-sign)
     if (sum[i].damping > 0.0) *dt[i] = fmin(*dt[i], 1.0 / sum[i].damping);

@@ -24,20 +24,6 @@ static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
   return 0;
 }
 
-/* An effect that depends on all forces of the state comes after them. */
-static ct_status check_enlarging(const ct_problem *p, int32_t k, ct_error *error)
-{
-  const ct_effect *effect = p->effects[k];
-  if (effect->calls->bounds.amplification == NULL) return CT_OK;
-  if (effect->phase != CT_PHASE_STATE || !ct_integrator_is_leapfrog(&p->integrator))
-    return CT_REFUSE(error, "problem: effect %s is for central differences", effect->label);
-  for (int32_t i = k + 1; i < p->effect_count; i++)
-    if (p->effects[i]->phase == CT_PHASE_STATE)
-      return CT_REFUSE(error, "problem: effect %s must follow %s, whose force it averages",
-                       effect->label, p->effects[i]->label);
-  return CT_OK;
-}
-
 static ct_status check_problem(const ct_problem *p, ct_error *error)
 {
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
@@ -53,7 +39,6 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
     if (p->effects[k] == NULL) return CT_REFUSE(error, "problem: effect %d is null", (int)k);
     ct_status status = ct_effect_check(p->effects[k], error);
     if (status == CT_OK) status = ct_effect_check_nodes(p->effects[k], p->node_count, error);
-    if (status == CT_OK) status = check_enlarging(p, k, error);
     if (status != CT_OK) return status;
   }
   for (int32_t k = 1; k < p->effect_count; k++) {
