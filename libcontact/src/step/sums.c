@@ -62,8 +62,7 @@ static void node_terms(const ct_problem *problem, const ct_state *state, int32_t
     // -- v_n = ½ (v⁻ + v⁺), x_n
     v[c] = 0.5 * (before[c] + after);
     x[c] = problem->reference[d] + u[c];
-    // -- v⁻ v⁺ of each component, or v_0² where a force begins (eq:discrete-energy,
-    // eq:energy-start)
+    // -- v⁻ v⁺ of each component, v_0² where a force begins (eq:discrete-energy, eq:energy-start)
     product[c] = begun ? v[c] * v[c] : before[c] * after;
     // -- Σ f (v⁻ + v⁺) + f_n v_{n-1/2} (eq:work-sum, eq:stage-work)
     work[c] = state->work[d] + 2.0 * share * own[c] * before[c];
