@@ -86,7 +86,6 @@ FACTORS: dict[str, list[Keys]] = {
 CONTACT_FACTORS: dict[str, list[Keys]] = {
     "enforcement": [
         {"contact.enforcement": "penalty", "contact.beta": 1.0},
-        {"contact.enforcement": "bipenalty", "contact.beta": 1.0},
         {"contact.enforcement": "energy_controlled", "contact.beta": 4.0},
         {"contact.enforcement": "energy_controlled", "contact.beta": 40.0},
     ],
@@ -99,7 +98,7 @@ CONTACT_FACTORS: dict[str, list[Keys]] = {
 
 # The penalty, with each law, at each fraction of its stable step, on a coarse mesh for short runs.
 BETAS = (0.5, 1.0, 4.0, 10.0, 40.0, 100.0)
-LAWS = ("penalty", "bipenalty", "energy_controlled")
+LAWS = ("penalty", "energy_controlled")
 LAW_FRACTIONS = (0.3, 0.6, 0.9, 0.98)
 LAW_CELLS = 50
 

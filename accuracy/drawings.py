@@ -20,11 +20,7 @@ from campaign import Case, Keys  # noqa: E402
 
 Rows = dict[tuple[str, int, str], dict[str, Any]]
 NAMES = {"l1_fig4": "L1 error on Fig. 4's line", "l1_fig5": "L1 error on Fig. 5's line"}
-LAWS = {
-    "penalty": "explicit penalty",
-    "bipenalty": "bipenalty",
-    "energy_controlled": "energy-controlled (default)",
-}
+LAWS = {"penalty": "explicit penalty", "energy_controlled": "energy-controlled (default)"}
 
 
 def load(folder: Path = table.BOOK) -> Rows:

@@ -24,7 +24,7 @@ class Options:
     """How a scene of the zoo is run. The defaults are those of the library."""
 
     element: str = "hex8"  # also "hex20" and "reduced"
-    enforcement: str | None = None  # or "penalty"; the bipenalty leaves the library
+    enforcement: str | None = None  # or "penalty"
     beta: float | None = None
     points: str | None = None
     friction: float = 0.0

@@ -11,7 +11,7 @@ from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, VIOLET
 import libcontact as ct
 
 TABLES = Path(__file__).resolve().parents[1] / "stability"
-COLOURS = {"energy-controlled": BLUE, "penalty": ORANGE, "bipenalty": VIOLET, "none": GREY}
+COLOURS = {"energy-controlled": BLUE, "penalty": ORANGE, "none": GREY}
 SMALLEST = 1e-17  # what is less is drawn there
 
 
@@ -22,7 +22,7 @@ def growth():
     cases = list(dict.fromkeys(row["case"] for row in rows))[::-1]
     figure = Figure(figsize=(7.5, 7.2))
     ax = figure.subplots()
-    shift = {"energy-controlled": 0.0, "penalty": 0.22, "bipenalty": -0.22, "none": 0.0}
+    shift = {"energy-controlled": 0.0, "penalty": 0.22, "none": 0.0}
     for row in rows:
         passed, _, of = row["passes"].partition(" of ")
         law = row["enforcement"]

@@ -24,8 +24,7 @@ module libcontact
   integer(c_int), parameter :: CT_INTERIOR = 0, CT_EDGE = 1, CT_VERTEX = 2, CT_OUTSIDE = 3
 
   ! ct_enforcement
-  integer(c_int), parameter :: CT_ENFORCE_PENALTY = 0, CT_ENFORCE_ENERGY_CONTROLLED = 1, &
-    CT_ENFORCE_BIPENALTY = 2
+  integer(c_int), parameter :: CT_ENFORCE_PENALTY = 0, CT_ENFORCE_ENERGY_CONTROLLED = 1
   ! ct_obstacle_shape
   integer(c_int), parameter :: CT_OBSTACLE_PLANE = 0, CT_OBSTACLE_SPHERE = 1, CT_OBSTACLE_CYLINDER = 2
 

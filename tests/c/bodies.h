@@ -13,7 +13,7 @@
 #include "defs.h"
 
 #define SCHEME(scheme) ct_integrator_facts((ct_scheme)(scheme))->name
-static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty"};
+static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled"};
 enum { ENFORCEMENTS = CT_ENFORCE_COUNT };
 typedef char every_enforcement_has_its_name
     [sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] == CT_ENFORCE_COUNT ? 1 : -1];

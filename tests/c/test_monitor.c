@@ -327,7 +327,6 @@ static void at_rest(void)
                                 .faces_b = faces[1],
                                 .beta = 4.0,
                                 .options = ct_contact_options_default()};
-    if (i % 4 == 1) contact.options.enforcement = CT_ENFORCE_BIPENALTY;
     if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
     ct_error e = {0};
     need(ct_scene_add_contact(scene, &contact, &e), &e);

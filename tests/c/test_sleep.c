@@ -25,7 +25,7 @@ typedef struct form {
 static const form FORMS[] = {
     {.name = "bars that fly together", .v = {1000, -1000}},
     {.name = "a bar at rest", .v = {1000, 0}, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
-    {.name = "to the left", .v = {0, -1000}, .enforcement = CT_ENFORCE_BIPENALTY},
+    {.name = "to the left", .v = {0, -1000}, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
     {.name = "general kernel", .kernel = CT_KERNEL_GENERAL, .v = {1000, -1000}},
     {.name = "reduced kernel", .kernel = CT_KERNEL_REDUCED, .v = {1000, 0}},
     {.name = "distorted", .distort = 0.1, .v = {1000, -700}, .held = 300.0},

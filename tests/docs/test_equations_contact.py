@@ -113,8 +113,8 @@ def fall(enforcement, steps=40):
     return np.array(rows).T
 
 
-@pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled", "bipenalty"])
-@executes("contact-penalty", "energy-controlled", "surface-damping", "bipenalty")
+@pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
+@executes("contact-penalty", "energy-controlled", "surface-damping")
 def test_law(enforcement):
     g, force, *_ = fall(enforcement)
     before, now, after = g[:-2], g[1:-1], g[2:]
@@ -123,7 +123,6 @@ def test_law(enforcement):
     expected = {
         "penalty": STIFFNESS * np.maximum(-now, 0),
         "energy_controlled": STIFFNESS * np.maximum(-((1 + a) * after + (1 - a) * p) / 2, 0),
-        "bipenalty": np.where(now < 0, -STIFFNESS * (after + 2 * now + before) / 4, 0),
     }[enforcement]
     assert np.count_nonzero(expected) > 5
     close(force[1:-1], expected, 1e-9)

@@ -39,7 +39,6 @@ KEYS = [
     "neo_hookean",
     "penalty",
     "energy_controlled",
-    "bipenalty",
     "reduced",
     "box",
     "plane",

@@ -313,7 +313,7 @@ def test_refusals():
     a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE + 0, [[0, 1, 2, 3]])
     with pytest.raises(ct.ArgumentError, match="penalty must be positive"):
         ct.Contact(a, b, epsilon=0.0)
-    with pytest.raises(ValueError, match="energy_controlled, .*, not 'penalti'"):
+    with pytest.raises(ValueError, match="energy_controlled, not 'penalti'"):
         ct.Contact(a, b, epsilon=1.0, enforcement="penalti")
     contact = ct.Contact(a, b, epsilon=1.0)
     pair = (np.zeros((4, 3)), np.zeros((4, 3)))
@@ -466,6 +466,7 @@ def test_an_old_word_answers_what_to_write():
     for gone, now in (
         ({"initial_penetration": "push"}, "force"),
         ({"enforcement": "lagrange"}, "energy_controlled"),
+        ({"enforcement": "bipenalty"}, "energy_controlled"),
     ):
         with pytest.raises(ValueError, match=f'is gone.*write "{now}"'):
             ct.Contact(surface, epsilon=1.0, **gone)

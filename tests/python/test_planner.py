@@ -410,7 +410,7 @@ reference,12,body.element=hex20; time.fraction=0.98,1.0,0.05,0
 reference,25,time.fraction=0.98; time.integrator=chung_lee,9.0,0.05,0
 contact,12,contact.beta=4.0; contact.enforcement=penalty; time.fraction=0.98,1,0.01,0.5
 contact,12,contact.beta=40.0; contact.enforcement=energy_controlled; time.fraction=0.98,1,0.03,0
-contact,12,contact.beta=1.0; contact.enforcement=bipenalty; time.fraction=0.98,1,0.04,0
+contact,12,contact.beta=1.0; contact.enforcement=penalty; time.fraction=0.98,1,0.04,0
 contact,25,contact.beta=40.0; contact.enforcement=energy_controlled; time.fraction=0.98,1,0.02,0
 contact,12,contact.beta=2.0; contact.enforcement=penalty; time.fraction=0.98,1,0.09,0
 """
@@ -423,7 +423,7 @@ def test_settings_that_are_tried(tmp_path, monkeypatch):
     step = {"time.fraction": 0.98}
     methods = [step, step | {"viscosity.linear": 0.06}, step | {"time.integrator": "chung_lee"}]
     assert planner.settings(False) == methods
-    soft = {"contact.beta": 1.0, "contact.enforcement": "bipenalty"}
+    soft = {"contact.beta": 1.0, "contact.enforcement": "penalty"}
     laws = ({}, {"contact.beta": 40.0}, soft)
     assert planner.settings(True) == [method | law for method in methods for law in laws]
 

@@ -103,7 +103,9 @@ def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
 GONE = {
     "enforcement": {
         "lagrange": "is gone: on unlike meshes multipliers are neither unique nor bounded, and most steps do not converge; "
-        'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element'
+        'write "energy_controlled" with beta = 1000, where an impact at 1 % of the wave speed overlaps by at most 0.0001 of an element',
+        "bipenalty": 'is gone: contact that opens and closes gained energy; write "energy_controlled", '
+        "which has the same stable step and gains none",
     },
     "mass": {"averaged": 'is gone; runs have the mass "lumped"'},
     "initial_penetration": {"push": 'is gone; write "force", which is the same'},

@@ -15,8 +15,7 @@ from .surfaces import contact_tables
 # penalty; the pushforward has almost no damping near the stable step.
 DAMPING = (lib.CT_CHUNG_LEE, lib.CT_NOH_BATHE, lib.CT_TCHAMWA_WIELGOSZ)
 PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
-DEFAULT = 4.0  # default of these laws in ρ c₁² / h (eq:penalty-default); β is in E / h
-BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
+DEFAULT = 4.0  # default of the explicit penalty in ρ c₁² / h (eq:penalty-default); β is in E / h
 
 
 def chatter(problem: Problem) -> Iterator[ChatterWarning]:
@@ -42,9 +41,8 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
         beta = given.beta or DEFAULT * wave / young
         if given.epsilon:
             beta = given.epsilon * min(body.mesh.shortest_edge for body in bodies) / young
-        stable = problem.stable.dt_without_contact
-        fraction = problem.dt / (problem.stable.dt if given.enforcement == "penalty" else stable)
-        if _makes_energy(problem, given.enforcement, beta, fraction):
+        fraction = problem.dt / problem.stable.dt
+        if given.enforcement == "penalty" and _makes_energy(problem, beta, fraction):
             yield ChatterWarning(
                 f'{who}: enforcement = "{given.enforcement}" with beta = {beta:.3g} at '
                 f"{fraction:.2g} of the stable step is known to feed energy into the bodies; take "
@@ -53,12 +51,9 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
             )
 
 
-def _makes_energy(problem: Problem, enforcement: str, beta: float, fraction: float) -> bool:
-    if enforcement == "bipenalty":
-        return beta >= BIPENALTY_BETA and beta * fraction > BIPENALTY_PRODUCT
+def _makes_energy(problem: Problem, beta: float, fraction: float) -> bool:
     own = problem.pointer.integrator
     default = lib.ct_integrator_default(own.scheme).parameter
     damped = own.scheme in DAMPING and own.parameter == default
-    return enforcement == "penalty" and any(
-        beta >= least and fraction > most for least, most in (DAMPED_PENALTY if damped else PENALTY)
-    )
+    limits = DAMPED_PENALTY if damped else PENALTY
+    return any(beta >= least and fraction > most for least, most in limits)

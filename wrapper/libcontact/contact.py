@@ -124,7 +124,7 @@ class Contact:
         ``itself=False`` only with obstacles.
     epsilon : float
         Penalty [stress / length]; see :meth:`penalty`.
-    enforcement : {"energy_controlled", "penalty", "bipenalty"}
+    enforcement : {"energy_controlled", "penalty"}
         Law by which forces follow from gaps.
     dissipation : float
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.

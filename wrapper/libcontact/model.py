@@ -42,7 +42,7 @@ METHODS = names("ct_method")
 ENFORCEMENTS = names("ct_enforcement")
 # Whether an enforcement can feed energy into the bodies. Such a law stores the energy of an impact and
 # returns it; the others dissipate a part of it.
-FEEDS = {"penalty": True, "energy_controlled": False, "bipenalty": True}
+FEEDS = {"penalty": True, "energy_controlled": False}
 POINTS = names("ct_contact_rule")
 INITIAL = names("ct_initial")
 INTEGRATORS = names("ct_scheme")

@@ -18,10 +18,8 @@ typedef enum ct_enforcement {
    * in the motion. The stable step does not change.
    */
   CT_ENFORCE_ENERGY_CONTROLLED,
-  /** Penalty on the gap and on its acceleration, in a ratio that does not change the stable step,
-     :eq:`bipenalty`. */
-  CT_ENFORCE_BIPENALTY,
-  /** Number of laws; it grows with later versions. */
+  /** One past the largest number; it grows with later versions. The next law has the number 3,
+     because 2 was the bipenalty of version 0.1. */
   CT_ENFORCE_COUNT
 } ct_enforcement;
 

@@ -33,23 +33,6 @@ static double controlled_raise(const ct_constraint *c, double most)
   return fmax(-fmin(c->gap, c->before) - deeper, 0.0);
 }
 
-static double controlled_start(const ct_constraint *c) { return ramp_energy(c->stiffness, c->gap); }
-
-/* Bipenalty (eq:bipenalty). */
-
-static ct_ramp bipenalty_ramp(const ct_constraint *c)
-{
-  // -- k g + m d²g/dt² with m = k Δt² / 4 (eq:bipenalty)
-  return (ct_ramp){.C = 4.0 / c->stiffness, .b = c->before + 2.0 * c->gap};
-}
-
-/* Valid on both sides of 0 while the point is inside. */
-static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
-{
-  const double middle = 0.5 * (g0 + g1);
-  return c->gap < 0.0 ? 0.5 * c->stiffness * middle * middle : 0.0;
-}
-
 /* All laws. */
 
 static const struct law {
@@ -57,21 +40,15 @@ static const struct law {
   ct_ramp (*ramp)(const ct_constraint *c);
   /* Energy stored at the middle of a step from the gap g0 to g1. */
   double (*stored)(const ct_constraint *c, double g0, double g1);
-  /* Energy at t = 0 of a force that begins then; null: the force counts as if it had always acted
-   * (eq:energy-start). */
-  double (*start)(const ct_constraint *c);
   /* Least addition to both gaps of the last step with which it stored at most `most`. Not null only
      if the work of a row is minus what it stores and loses (eq:contact-step-work); null: the store
      counts as that of the present gap. */
   double (*raise)(const ct_constraint *c, double most);
-  /* Whether only a point that is inside at t_n can have a force. */
-  int only_inside;
   /* Factor of the default penalty (eq:penalty-default). */
   double usual;
-} LAWS[] = {[CT_ENFORCE_PENALTY] = {NULL, NULL, NULL, NULL, 0, 4.0},
-            [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start,
-                                              controlled_raise, 0, 40.0},
-            [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, NULL, 1, 4.0}};
+} LAWS[] = {
+    [CT_ENFORCE_PENALTY] = {NULL, NULL, NULL, 4.0},
+    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_raise, 40.0}};
 
 /* A value of ct_enforcement without a row does not compile. */
 typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_COUNT ? 1 : -1];
@@ -94,11 +71,6 @@ double ct_law_usual(ct_enforcement law)
 int ct_law_has_rows(ct_enforcement law) { return LAWS[law].ramp != NULL; }
 
 int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
-
-int ct_law_may_act(const ct_constraint *c)
-{
-  return c->gap < 0.0 || !LAWS[c->enforcement].only_inside;
-}
 
 ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
 
@@ -140,10 +112,8 @@ double ct_law_raise(const ct_constraint *c, double most)
   return fmax(-c->gap - sqrt(2.0 * most / c->stiffness), 0.0);
 }
 
-int ct_law_begins(const ct_constraint *c) { return LAWS[c->enforcement].start != NULL; }
-
 double ct_law_start(const ct_constraint *c)
 {
   // -- Energy of the gap itself, before the force has acted (eq:energy-start)
-  return ct_law_begins(c) ? LAWS[c->enforcement].start(c) : ct_law_energy(c);
+  return ramp_energy(c->stiffness, c->gap);
 }

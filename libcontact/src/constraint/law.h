@@ -23,9 +23,6 @@ int ct_law_has_rows(ct_enforcement law);
  * account limits what points found inside may store (eq:admitted-store). */
 int ct_law_keeps_account(ct_enforcement law);
 
-/* Whether a row can have a force in the next step, judging by its gap g_n. */
-int ct_law_may_act(const ct_constraint *row);
-
 /* The law of a row in the next step, after all its values at t_n are set. */
 ct_ramp ct_law_ramp(const ct_constraint *row);
 
@@ -50,9 +47,5 @@ double ct_law_start(const ct_constraint *c);
  * to both gaps with which it is at most `most` (eq:admitted-store). */
 double ct_law_claim(const ct_constraint *c);
 double ct_law_raise(const ct_constraint *c, double most);
-
-/* Whether a force of the law at t = 0 begins then. The force of a law that depends on past gaps
- * only counts as if it had always acted (eq:energy-start). */
-int ct_law_begins(const ct_constraint *c);
 
 #endif

@@ -324,7 +324,7 @@ static void choose_active(ct_solver *s)
     double force = c->force;
     c->force = 0.0;
     // -- Neither touched now nor without the force of the step (eq:near-constraints)
-    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_may_act(c)) continue;
+    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most)) continue;
     s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
     s->force[s->count] = force;

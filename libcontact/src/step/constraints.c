@@ -165,7 +165,7 @@ static void mark_start(const ct_solver *s, uint64_t *begun)
 {
   for (int64_t r = 0; r < s->count; r++) {
     ct_entries e = s->entries[r];
-    if (!(s->force[r] > 0.0) || !ct_law_begins(s->active[r])) continue;
+    if (!(s->force[r] > 0.0)) continue;
     for (int64_t i = e.place; i < e.place + e.own + e.other; i++) {
       int32_t node = s->nodes[s->entry_place[i] / CT_SOLVER_WIDE];
       ct_bits_put(begun, node, node + 1, 1);
