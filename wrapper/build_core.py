@@ -95,6 +95,39 @@ static double wall_clock(void)
 #endif
 """
 
+# An allocator that counts the bytes that the library holds; each block stores its size before it.
+COUNTED = """
+#include <stdlib.h>
+#ifdef __GNUC__
+#define ADD(to, n) __atomic_add_fetch(to, n, __ATOMIC_RELAXED)
+#else
+#define ADD(to, n) (*(to) += (n))
+#endif
+static long long held;
+static long long bytes_held(void) { return ADD(&held, 0); }
+static void *counted_allocate(size_t size, void *context)
+{
+  size_t *block = size > (size_t)-1 - 16 ? NULL : malloc(size + 16);
+  (void)context;
+  if (block == NULL) return NULL;
+  *block = size + 16;
+  ADD(&held, (long long)*block);
+  return (char *)block + 16;
+}
+static void counted_release(void *memory, void *context)
+{
+  size_t *block = (size_t *)(void *)((char *)memory - 16);
+  (void)context;
+  ADD(&held, -(long long)*block);
+  free(block);
+}
+static ct_status count_memory(void)
+{
+  ct_allocator counted = {counted_allocate, counted_release, NULL};
+  return ct_set_allocator(&counted, NULL);
+}
+"""
+
 # Functions of an effect that is written in Python (effects/own.py).
 OWN = """
 extern "Python" {
@@ -106,11 +139,16 @@ extern "Python" {
 """
 
 ffi = cffi.FFI()
-ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);" + OWN)
+ffi.cdef(
+    "\n".join(map(declarations, headers))
+    + "\nstatic double wall_clock(void); long long bytes_held(void); ct_status count_memory(void);"
+    + OWN
+)
 ffi.set_source(
     "libcontact._core",
     "\n".join(f"#include <{header}>" for header in ["libcontact.h", *ADDON_HEADERS.values()])
-    + CLOCK,
+    + CLOCK
+    + COUNTED,
     sources=sources,
     include_dirs=[str(INCLUDE)],
     extra_objects=objects,

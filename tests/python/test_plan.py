@@ -1,13 +1,15 @@
 """The plan of a scene: its predictions, and the corresponding counts and measurements of a run."""
 
+import gc
 import math
 
 import numpy as np
 import pytest
 from libcontact._core import ffi, lib
+from libcontact.bridge import ask
 from libcontact.errors import check, new_error
 from libcontact.plan import LOOP, OUTPUT
-from libcontact.problem import new_state
+from libcontact.problem import Held, new_state
 
 import libcontact as ct
 from libcontact import plan as planned
@@ -112,6 +114,17 @@ def test_memory_and_the_size_of_the_file_are_foretold(tmp_path):
     assert two_bars(end=0.5).explain().data["cost"]["output_bytes"] == 0
     parts = [cost.predicted for cost in scene.costs()]
     assert data["seconds"] > 0.0 and all(part > 0.0 for part in parts)
+
+
+def test_the_bytes_of_a_block_are_counted_and_nothing_else():
+    with Held() as outer:
+        with Held() as inner:
+            problem = two_bars()._built(None)
+        assert gc.isenabled() is False
+        lib.ct_state_free(ask("ct_state **", lib.ct_state_create, problem.pointer))
+    assert gc.isenabled() and outer.bytes == inner.bytes == problem.held
+    assert problem.held > 24 * 9 * problem.pointer.node_count
+    del problem
 
 
 def test_what_cannot_have_larger_elements_is_planned_as_if_all_touched_from_the_start(monkeypatch):

@@ -329,6 +329,6 @@ def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
     check(lib.ct_monitor_create(problem.pointer, state, options, watch, new_error()))
     held = held_bytes() - before
     lib.ct_monitor_free(watch[0])
-    assert told == pytest.approx(held, rel=0.06), (
+    assert told == pytest.approx(held, rel=0.02), (
         f"{name}: {held} bytes, told {told}: {told / held:.3f}"
     )

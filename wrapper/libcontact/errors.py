@@ -24,6 +24,9 @@ __all__ += ["OverlapWarning", "PenetrationWarning", "RotationWarning", "SamePlac
 __all__ += ["SceneWarning", "ShortStepWarning", "StepDivided", "ThinWarning"]
 __all__ += ["TwiceWarning", "UnitsWarning"]
 
+# The library counts its memory from its first object on.
+lib.count_memory()
+
 
 ADDRESS = " [docs: reference/symptoms.html#{}]"
 

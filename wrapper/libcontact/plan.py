@@ -27,7 +27,7 @@ from .bridge import ask, call
 from .errors import Error
 from .mesh import FACTS
 from .model import Body, Time
-from .problem import Problem, memory_of, new_state
+from .problem import Held, Problem, memory_of, new_state
 from .progress import table_text
 from .touch import first_touch
 
@@ -156,7 +156,7 @@ def predict(problem: Problem, records: int) -> Prediction:
         share = active.get(cost.name, 1.0)
         costs.append(replace(cost, seconds_a_step=price, active=share, predicted=price * count))
     size = round(tried.first_bytes + tried.record_bytes * (records - 1))
-    return Prediction(tuple(costs), steps, memory_of(problem), size, bool(seen))
+    return Prediction(tuple(costs), steps, memory_of(problem, tried.grown), size, bool(seen))
 
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
@@ -274,11 +274,12 @@ def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
 @dataclass(frozen=True, eq=False)
 class _Trial:
     """Time of a step in each part, and of a record [s]; bytes of the file after the first record, and of
-    each further record."""
+    each further record; bytes of memory that the run adds to its problem and state."""
 
     seconds: dict[str, float]
     first_bytes: float
     record_bytes: float
+    grown: int
 
 
 def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
@@ -301,7 +302,7 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
         call(lib.ct_run, problem.pointer, loop.state, count, ffi.NULL, 0)
         return (step_seconds(problem, loop.state) - before) / count
 
-    with tempfile.TemporaryDirectory() as folder:
+    with Held() as held, tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "trial.vtkhdf"
         if problem.parts.output.file is not None and has("hdf5"):
             loop.open(file)
@@ -323,7 +324,8 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     # The median excludes rounds that another program interrupted.
     middle = np.median(rounds[1:], axis=0)
     seconds = _by_name(problem, middle[:-1]) | {OUTPUT: float(middle[-1])}
-    return _Trial(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
+    growth = (sizes[-1] - sizes[0]) / (len(sizes) - 1)
+    return _Trial(seconds, sizes[0], growth, held.bytes)
 
 
 def _place(problem: Problem, state: Any, together: bool) -> None:

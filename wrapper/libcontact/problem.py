@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -34,9 +35,6 @@ from .probes import locate
 from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
-# Bytes per point of a contact: the point, its memory, and its part of the faces and their search. An
-# obstacle needs no search.
-POINT_BYTES, OBSTACLE_POINT_BYTES = 640, 550
 # With shorter rows the layers follow one another along z: many short rows cost more than layers save.
 SHORTEST_ROW = 32
 # The library treats bodies with shorter rows as general ones (ct_force_ring_create).
@@ -112,53 +110,35 @@ def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False
     return nodes * 31 * 8 + elements * width * 4 + forces
 
 
-def memory_of(problem: Problem) -> int:
-    """Estimate the memory of a whole problem [bytes]: bodies, kernels, integrator, effects, contacts and
-    their search."""
-    total = 0
-    integrator = ffi.addressof(problem.pointer.integrator)
-    facts = lib.ct_integrator_facts(integrator.scheme)
-    # Earlier accelerations, also in the last good state, or a pushed displacement and its force.
-    leapfrog = lib.ct_integrator_is_leapfrog(integrator)
-    accelerations = 0 if leapfrog else 24 * (1 + facts.stores + 2 * facts.pushforward)
-    for name, body in problem.bodies.items():
-        nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
-        given, width = problem.parts.bodies[name], WIDTH[body.mesh.element]
-        lattice = problem._is_lattice(given) or problem._is_numbered_in_rows(given, body.mesh)
-        linear = FACTS[body.mesh.element].trilinear and body.material.law == "linear"
-        ordered = linear and not lattice and "congruent" in problem.parts.run.savings
-        if ordered:
-            # The mesh is copied in an order by rows, with its numbering and displacements. Lists of
-            # corners are needed if two elements have one node as the same corner.
-            lattice = all(np.bincount(corner).max() == 1 for corner in body.mesh.elements.T)
-            total += nodes * 56 + elements * (36 if lattice else 68)
-        total += memory_estimate(nodes, elements, width, lattice or ordered)
-        # Sleeping needs the batches of each node, except in a lattice.
-        total += nodes * 22 if "quiet" in problem.parts.run.savings and not lattice else 0
-        # A body that may stiffen has its frequency monitored: a vector, and the force on it.
-        total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
-        # A scene holds the arrays of a mesh twice: in its tables and as it has read them.
-        total += nodes * 24 + elements * width * 8 if given.elements is not None else 0
-        total += nodes * accelerations
-    for effect in problem.made[1:]:
-        # Impulses in two parts, of the state and of the last good one. A support also has its nodes and
-        # their owners; a force has its work, its value, and the correction of its sum.
-        works = effect.phase != lib.CT_PHASE_REACTION
-        total += effect.node_count * (96 + (48 + 24 + 76 if works else 16))
-        total += 24 * effect.memory_count
-        total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
-        # The solver stores the entries of a row, their nodes, and 10 numbers for its force.
-        constrained = effect.phase == lib.CT_PHASE_CONSTRAINT
-        total += (
-            constrained * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
-        )
-        # Points of an obstacle: one per row; without rows about four per node.
-        if effect.kind == lib.CT_EFFECT_OBSTACLE:
-            total += OBSTACLE_POINT_BYTES * (effect.constraint_count or 4 * effect.node_count)
-    # Rows of probes; their capacity may be twice their number.
-    for probe in problem.probes:
-        total += 2 * problem.step_count // probe.given.every * probe.row_bytes
-    return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
+class Held:
+    """Counts the bytes that the library allocates within the block and does not free. Python's collector,
+    which may free other objects, waits."""
+
+    def __enter__(self) -> Held:
+        self.bytes, self._collects = -lib.bytes_held(), gc.isenabled()
+        gc.disable()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.bytes += lib.bytes_held()
+        if self._collects:
+            gc.enable()
+
+
+def memory_of(problem: Problem, grown: int = 0) -> int:
+    """
+    Memory of a run [bytes]: of the problem and its state, and ``grown`` bytes that a run adds to them.
+
+    The capacity for rows of probes may be twice their number, and a scene holds the arrays of its own
+    meshes twice: in its tables and as it has read them.
+    """
+    rows = sum(2 * problem.step_count // p.given.every * p.row_bytes for p in problem.probes)
+    own = sum(
+        problem.bodies[name].mesh.nodes.nbytes + 2 * problem.bodies[name].mesh.elements.nbytes
+        for name, given in problem.parts.bodies.items()
+        if given.elements is not None
+    )
+    return int(problem.held + grown + rows + own)
 
 
 class Problem:
@@ -179,25 +159,31 @@ class Problem:
         self.parts, self.file, self.own = parts, file, tuple(own)
         self.threads = parts.run.threads if threads is None else threads
         self._check_size()
+        with Held() as held:
+            self._make(dt)
+        # Of the problem and its first state [bytes].
+        self.held = held.bytes
+
+    def _make(self, dt: float | None) -> None:
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
         clock = ffi.addressof(lib, "wall_clock")
         settings = ffi.new("ct_run_settings *", {"threads": self.threads, "clock": clock})
         self._call("run.threads", lib.ct_scene_set_run_settings, self._scene, settings)
-        savings = {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()}
+        savings = {member: key in self.parts.run.savings for key, member in OPTIMISATIONS.items()}
         chosen = ffi.new("ct_optimisations *", savings)
         self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
         self._add_bodies()
-        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contact)]
-        for i, support in enumerate(parts.support):
+        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(self.parts.contact)]
+        for i, support in enumerate(self.parts.support):
             if not support.history:
                 self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects()
         self._build(dt)
-        self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
-        self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
+        self.bodies = {name: self._built_body(i, name) for i, name in enumerate(self.parts.bodies)}
+        self.contacts = [self._built_contact(*each) for each in enumerate(self.parts.contact)]
         self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
         self.effects = [ffi.string(effect.label).decode() for effect in self.made]
         self.stores = [effect.calls.energy != ffi.NULL for effect in self.made]
@@ -281,19 +267,6 @@ class Problem:
             and FACTS[str(body.bricks)].trilinear
             and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
         )
-
-    def _is_numbered_in_rows(self, body: Body, mesh: Mesh) -> bool:
-        """The same for a mesh of its own: most elements have the node numbers of the preceding one plus
-        one."""
-        if (
-            "congruent" not in self.parts.run.savings
-            or self.parts.materials[body.material].law != "linear"
-            or not FACTS[mesh.element].trilinear
-            or (body.elements is None and body.mesh is None)
-        ):
-            return False
-        follows = (np.diff(mesh.elements, axis=0) == 1).all(axis=1)
-        return len(follows) > 0 and bool(follows.mean() >= 1.0 - 1.0 / SHORTEST_LATTICE)
 
     def layers(self, body: Body) -> str:
         """
