@@ -31,7 +31,6 @@ DAMPED: Keys = {"viscosity.linear": 0.06}
 ONE_POINT: Keys = {"body.integration": "reduced"}
 HEX20: Keys = {"body.element": "hex20"}
 FILTERED: Keys = {"output.filter": 2}
-PULLBACK: Keys = {"time.integrator": "pushforward_pullback", "time.integrator_parameter": 0.75}
 STIFF: Keys = {"body.integration": "reduced", "body.hourglass": round(hourglass(0.8, 0.3), 4)}
 # One line per method: an integrator by "time.integrator", an option of the output by "output.…".
 METHODS: dict[str, Keys] = {
@@ -47,7 +46,6 @@ METHODS: dict[str, Keys] = {
     "Tchamwa–Wielgosz 0.95, H' = 0.8": SHARP | STIFF,
     "Tchamwa–Wielgosz 0.95, H' = 0.8, filtered": SHARP | STIFF | {"output.filter": 1},
     "default at 0.98, filtered": BEST | FILTERED,
-    "pushforward–pullback": PULLBACK | {"time.courant": 0.5},
     "hex20": BEST | HEX20,
     "hex20, Noh–Bathe": BEST | HEX20 | {"time.integrator": "noh_bathe"},
 }
@@ -56,7 +54,6 @@ METHODS: dict[str, Keys] = {
 DAMPING = (
     *("Noh–Bathe", "Tchamwa–Wielgosz", "Tchamwa–Wielgosz 0.95"),
     *("Tchamwa–Wielgosz 0.95, H' = 0.8", "Tchamwa–Wielgosz 0.95, H' = 0.8, filtered"),
-    "pushforward–pullback",
 )
 POISSON = (0.2, 0.4)
 
@@ -72,10 +69,6 @@ FACTORS: dict[str, list[Keys]] = {
     "integrator": [
         *({"time.integrator": name} for name in ("chung_lee", "noh_bathe", "tchamwa_wielgosz")),
         *(TCHAMWA | {"time.integrator_parameter": value} for value in (0.8, 0.93, 0.95, 0.97)),
-        *(
-            {"time.integrator": "pushforward_pullback", "time.integrator_parameter": value}
-            for value in (0.5, 0.7, 0.8)
-        ),
     ],
     "filter of the picture": [{"output.filter": value} for value in (1, 2, 4)],
     "bulk viscosity": [

@@ -29,13 +29,11 @@ import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 import face as free_face  # noqa: E402 (the program of the chapter on the exact solution)
-import two_speeds as speeds  # noqa: E402 (the prototype of the chapter)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
 import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
-import price  # noqa: E402 (one row of the campaign)
 
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
@@ -726,30 +724,6 @@ def exact() -> Numbers:
 
 
 @measurement
-def two_speeds() -> Numbers:
-    """Pushforward and pullback with two speeds: errors on the lines of Figs. 4 and 5, the field errors of two layers, and the limits. The prototype is the program of the chapter."""
-    one, two, iso = speeds.ONE, speeds.COMPONENTS, speeds.ISOTROPIC
-    mesh = speeds.Mesh(100)
-    found = {"four": speeds.errors(mesh, one, 0.7)[0], "one": speeds.errors(mesh, one, 0.7)[1]}
-    found["two"] = speeds.errors(mesh, two, 0.7)[1]
-    # As many updates of elements, nothing skipped: one evaluation a step, and a step of 0.92 edges.
-    bargain = campaign.case("reference", 138, campaign.SHARP | campaign.STIFF)
-    means = price.times_of(bargain)[1]
-    found |= {"bargain_four": means["l1_fig4"], "bargain": means["l1_fig5"]}
-    for name, keys in (("02", {"nu": 0.2}), ("04", {"nu": 0.4}), ("shaken", {"shaken": 0.2})):
-        mesh = speeds.Mesh(50, **keys)
-        for split, own in (("one", one), ("two", two)):
-            found[f"{split}_{name}"] = speeds.errors(mesh, own, 0.6)[1]
-    halves = speeds.layers((one, two))
-    found |= {"one_slow": halves[one][1], "two_slow": halves[two][1]}
-    small = {name: speeds.Mesh(6, nu) for name, nu in (("02", 0.2), ("03", 0.3), ("04", 0.4))}
-    found["growth"] = speeds.growth(small["03"], iso, 0.5)
-    found |= {f"limit_{name}": speeds.limit(own, two) for name, own in small.items()}
-    small["03"].assemble(np.pi / 4)
-    return found | {"limit_turned": speeds.limit(small["03"], two)}
-
-
-@measurement
 def accuracy() -> Numbers:
     """From the table of the campaign: errors and cost of the paper's setting, of the same mesh at 0.98 and of the best buy; what a contact error is; powers of 1/h."""
     rows = drawings.load()
@@ -768,14 +742,10 @@ def accuracy() -> Numbers:
     front = ("width", "overshoot", "variation_fig5", "variation_along", "variation_fig5_at_056")
     found |= {f"sharp_{name}": sharp[name] for name in front} | {"sharp_updates": sharp["cost"]}
     found |= {f"step_{name}": best[name] for name in ("overshoot", "variation_along")}
-    for name, method in (
-        ("filtered", "default at 0.98, filtered"),
-        ("pullback", "pushforward–pullback"),
-    ):
-        own = rows[campaign.case("reference", 100, campaign.METHODS[method]).name]
-        found |= {f"{name}_{key[3:]}": own[key] for key in ("l1_fig4", "l1_fig5")}
-        found |= {f"{name}_{key}": own[key] for key in ("overshoot", "width")}
-        found[f"{name}_updates"] = own["cost"]
+    own = rows[campaign.case("reference", 100, campaign.METHODS["default at 0.98, filtered"]).name]
+    found |= {f"filtered_{key[3:]}": own[key] for key in ("l1_fig4", "l1_fig5")}
+    found |= {f"filtered_{key}": own[key] for key in ("overshoot", "width")}
+    found["filtered_updates"] = own["cost"]
     table = defaults.table.read(defaults.table.BOOK / "accuracy_defaults.csv")
     for name in defaults.SCENES:
         own = [row for row in table if row["scene"] == name]

@@ -148,7 +148,6 @@ def growth(problem: Problem, dt: float, steps: int) -> float:
     start = np.random.default_rng(3).uniform(-1e-6, 1e-6, count)
     own = ffi.new("ct_problem *", problem.pointer[0])
     own.dt, own.initial_velocity = dt, ffi.cast("double *", start.ctypes.data)
-    own.integrator.pushforward_ratio = max(1.0, problem.stable.dt / dt)
     out, error, top = ffi.new("ct_state **"), new_error(), 0.0
     check(lib.ct_state_create(own, out, error), error)
     velocity = array(out[0].velocity, count)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from shared.drawing import BLUE, GREEN, GREY, ORANGE, VIOLET
+from shared.drawing import BLUE, GREEN, GREY, ORANGE
 from shared.scenes import bar, done, found_roots, scene_of
 
 SCHEMES = {
@@ -10,7 +10,6 @@ SCHEMES = {
     "chung_lee": ("Chung, Lee", 28 / 27),
     "noh_bathe": ("Noh, Bathe", 0.54),
     "tchamwa_wielgosz": ("Tchamwa, Wielgosz", 0.9),
-    "pushforward_pullback": ("pushforward, pullback", 0.7),
 }
 
 
@@ -40,7 +39,7 @@ def free_cube(integrator, fraction, softer=1.0, steps=40):
     return run.probes["end"]["displacement"][:, 0], 2 * np.sqrt(softer) * run.dt
 
 
-def amplification(integrator, omega, push=None):
+def amplification(integrator, omega):
     """The matrix of one step for (u, Δt v, Δt² a of the evaluation before), eq:stage with a = -ω² u."""
     _, parameter = SCHEMES[integrator]
     stages = [(1.0, 1.0, 1.0, 0.0)]  # τ, c, r, l
@@ -54,10 +53,6 @@ def amplification(integrator, omega, push=None):
     step, x = np.eye(3), omega**2
     for tau, c, r, carried in stages:
         step = [[1 - tau * r * x, tau, tau * carried], [-c * x, 1, 0], [-x, 0, 0]] @ step
-    if integrator == "pushforward_pullback":
-        mu = parameter / 6 * (push**2 - 1)
-        step = np.zeros((3, 3))
-        step[:2, :2] = [[1 - x - mu * (1 + push) * x**2 / 2, 1 + mu * x], [-x, 1]]
     return step
 
 
@@ -71,13 +66,12 @@ def radii():
     """Spectral radius and error of the period: eigenvalues of the amplification matrix, and those found from runs of the library."""
     figure = Figure(figsize=(7.5, 3.8))
     radius, period = figure.subplots(1, 2)
-    colours = (GREY, BLUE, ORANGE, GREEN, VIOLET)
-    limits = (2.0, 1.867, 3.745, 1.902, 1.0)
+    colours = (GREY, BLUE, ORANGE, GREEN)
+    limits = (2.0, 1.867, 3.745, 1.902)
     for (name, (label, _)), colour, limit in zip(SCHEMES.items(), colours, limits, strict=True):
         two = 2.0 if name == "noh_bathe" else 1.0  # two evaluations of the forces in a step
-        push = 2.0 if name == "pushforward_pullback" else None
         omega = np.linspace(0.02, limit, 300)
-        roots = [np.linalg.eigvals(amplification(name, w, push)) for w in omega]
+        roots = [np.linalg.eigvals(amplification(name, w)) for w in omega]
         largest = np.array([np.abs(r).max() for r in roots])
         radius.plot(omega / two, largest, color=colour, label=label)
         angle = np.array([abs(np.angle(principal(r))) for r in roots])
@@ -85,8 +79,7 @@ def radii():
         end = turns[0] if len(turns) else len(omega)
         period.plot(omega[:end] / two, 100 * (omega[:end] / angle[:end] - 1), color=colour, lw=1.4)
         for part in (0.15, 0.3, 0.45, 0.6, 0.75, 0.9):
-            # The push is twice the step at half of the stable step.
-            u, found = free_cube(name, 0.5, part**2) if push else free_cube(name, part)
+            u, found = free_cube(name, part)
             root = found_roots(u[2:], 3 if name == "chung_lee" else 2)  # after the pull
             radius.plot(found / two, np.abs(root).max(), "o", color=colour, ms=4)
             if found < omega[end - 1]:
@@ -105,9 +98,9 @@ def radii():
 
 def steps_of_front():
     """The front of a step of stress after 56 elements, with each integrator at half of its stable step."""
-    figure = Figure(figsize=(7.5, 5.2))
-    axes = figure.subplots(5, 1, sharex=True, sharey=True)
-    colours = (GREY, BLUE, ORANGE, GREEN, VIOLET)
+    figure = Figure(figsize=(7.5, 4.4))
+    axes = figure.subplots(4, 1, sharex=True, sharey=True)
+    colours = (GREY, BLUE, ORANGE, GREEN)
     for ax, (name, (label, _)), colour in zip(axes, SCHEMES.items(), colours, strict=True):
         scene = bar(scene_of(), cells=100, length=100.0, velocity=[-1, 0, 0])
         scene.add_support("bar.x_min", fix="x")

@@ -248,7 +248,6 @@ static void group_is_the_derivative(void)
       ct_branch b[BRANCHES], low[BRANCHES], high[BRANCHES];
       double k[3], small = 1e-5;
       def.integrator = ct_integrator_default((ct_scheme)scheme);
-      if (scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.pushforward_ratio = 1.3;
       def.step = 0.15 / c_of(&STEEL, 0);
       for (int d = 0; d < 3; d++) k[d] = 0.3 + d + uniform(0.3);
       branches_at(&def, k, b);
@@ -287,8 +286,7 @@ static void symmetric(void)
 /* Coefficients of λ³, λ², λ and 1 as the chapter on integrators writes the polynomials. */
 static void polynomial(const ct_integrator *g, double x, double c[4])
 {
-  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p, q = g->pushforward_ratio,
-               mu = p * (q * q - 1.0) / 6.0;
+  const double p = g->parameter, phi = 2.0 / (1.0 + p), s = 1.0 - p;
   double trace = NAN, det = NAN;
   switch (g->scheme) {
   case CT_CENTRAL_DIFFERENCE:
@@ -303,9 +301,6 @@ static void polynomial(const ct_integrator *g, double x, double c[4])
   case CT_TCHAMWA_WIELGOSZ:
     trace = 2.0 - phi * x, det = 1.0 - (phi - 1.0) * x;
     break;
-  case CT_PUSHFORWARD_PULLBACK:
-    trace = 2.0 - x - 0.5 * mu * (q + 1.0) * x * x, det = 1.0 - 0.5 * mu * (q - 1.0) * x * x;
-    break;
   case CT_SCHEME_COUNT:
     break;
   }
@@ -317,7 +312,6 @@ static void integrators_by_their_polynomials(void)
 {
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
     ct_integrator integrator = ct_integrator_default((ct_scheme)scheme);
-    if (ct_integrator_facts(integrator.scheme)->pushforward) integrator.pushforward_ratio = 1.8;
     double off = 0.0, limit = ct_integrator_limit(&integrator);
     for (int i = 1; i < 50; i++) {
       // A row of cubes at k h = π has ω_h = 2 c1 / h: the step chooses Ω.
@@ -417,8 +411,6 @@ static void front_of_a_run(const run *r)
   double s[MOST_POINTS], computed[MOST_POINTS], predicted[MOST_POINTS], c1 = c_of(&STEEL, 0),
                                                                         top[2];
   def.integrator = ct_integrator_default(r->scheme);
-  // The reported step of the row is that of Courant number 1.
-  if (r->scheme == CT_PUSHFORWARD_PULLBACK) def.integrator.pushforward_ratio = 1.0 / r->courant;
   def.step = r->courant / c1;
   int count = run_front(r, def.step, s, computed), near = 0;
   // The free sides of the layer disturb its diagonal later and farther out than this.
@@ -445,8 +437,6 @@ static void fronts(void)
                              {CT_HEX8, 0, CT_CHUNG_LEE, 0.6, 66},
                              {CT_HEX8, 0, CT_NOH_BATHE, 1.2, 33},
                              {CT_HEX8, 0, CT_TCHAMWA_WIELGOSZ, 0.6, 66},
-                             {CT_HEX8, 0, CT_PUSHFORWARD_PULLBACK, 0.5, 80},
-                             {CT_HEX8, 0, CT_PUSHFORWARD_PULLBACK, 0.8, 50},
                              {CT_HEX20, 0, CT_CENTRAL_DIFFERENCE, 0.2, 200},
                              {CT_HEX20, 0, CT_NOH_BATHE, 0.4, 100},
                              {CT_HEX20, 0, CT_CENTRAL_DIFFERENCE, 0.1, 400},

@@ -875,9 +875,9 @@ static void test_other_problem(void)
   r->problem.dt = 0.03;
   refuse_restart(r, path, CT_ERROR_FILE, "the time step");
   r->problem.dt = 0.02;
-  r->problem.integrator = (ct_integrator){CT_TCHAMWA_WIELGOSZ, 0.9, 0.0};
+  r->problem.integrator = (ct_integrator){CT_TCHAMWA_WIELGOSZ, 0.9};
   refuse_restart(r, path, CT_ERROR_FILE, "the integrator");
-  r->problem.integrator = (ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0, 0.0};
+  r->problem.integrator = (ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0};
   r->body[1].material.density = 3;
   refuse_restart(r, path, CT_ERROR_FILE,
                  "body 1 'right' (in the file 'right') has another density");

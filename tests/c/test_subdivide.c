@@ -226,9 +226,7 @@ static void refusals(void)
 int main(void)
 {
   falling();
-  // A push is as long as before, so it has no order in the step alone.
-  for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
-    if (!ct_integrator_facts((ct_scheme)scheme)->pushforward) order((ct_scheme)scheme);
+  for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++) order((ct_scheme)scheme);
   for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++)
     for (int enforcement = 0; enforcement < ENFORCEMENTS; enforcement++)
       meeting((ct_scheme)scheme, (ct_enforcement)enforcement);

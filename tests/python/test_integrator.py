@@ -18,7 +18,6 @@ LIMITS = {
     "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3),
     "noh_bathe": 2 / np.sqrt(0.46 * 0.62),
     "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1),
-    "pushforward_pullback": 2.0,
 }
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
@@ -75,9 +74,7 @@ def test_explain_tells_limit_and_evaluations(integrator):
     time = said.data["time"]
     assert time["integrator"] == integrator and integrator in said
     assert time["integrator_limit"] == pytest.approx(LIMITS[integrator], rel=1e-12)
-    assert time["evaluations_per_step"] == (
-        2 if integrator in ("noh_bathe", "pushforward_pullback") else 1
-    )
+    assert time["evaluations_per_step"] == (2 if integrator == "noh_bathe" else 1)
     central = plates("central_difference").explain().data["time"]
     assert time["stable"] / central["stable"] == pytest.approx(LIMITS[integrator] / 2.0, rel=1e-12)
 
@@ -166,28 +163,6 @@ def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator,
     held = (done.time > 0.6) & (done.time < 1.1)
     assert abs(np.polyfit(done.time[held], p[held], 1)[0] / (300.0 * 0.01) - 1.0) < 1e-3
     assert abs((p[-1] - p[0]) / (300.0 * 0.01 * 2 / 3) - 1.0) < 1.5e-2
-
-
-@pytest.mark.parametrize("nu", [0.2, 0.3])
-def test_the_push_has_the_stresses_of_the_program_of_the_chapter(nu):
-    """Bricks of one layer in plane strain are the quadrilaterals of docs/theory/two_speeds.py, which are assembled there by Gauss' rule."""
-    speeds = imported("docs/theory", "two_speeds")
-    n, steps, dt = 20, 22, 0.5 / 20
-    made = ct.Scene(title="plate", units=UNITS)
-    young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
-    made.add_material("soft", young=young, poisson=nu, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [1, 1 / n, 1], "cells": [n, 1, n]}
-    made.add_body("plate", material="soft", velocity=[-1e-3, 0, 0], box=box)
-    for face in ("x_min", "z_min", "y_min", "y_max"):
-        made.add_support(f"plate.{face}", fix=face[0])
-    made.set_time(end=steps * dt, dt=dt, integrator="pushforward_pullback")
-    push = made.explain().data["time"]["stable"] / dt
-    body = run(made, output=False).state["plate"]
-    place = np.lexsort(body.centres[:, [2, 0]].round(9).T)
-    mesh = speeds.Mesh(n, nu)
-    ((_, *stress),) = speeds.plate(mesh, speeds.ONE, dt * n, [steps * dt], push)
-    assert push > 1.5 and np.abs(stress).max() > 0.3
-    np.testing.assert_allclose(body.stress[place][:, [0, 2]].T * 1e3, stress, atol=1e-10)
 
 
 def test_the_stable_step_is_safe_and_sharp():

@@ -487,5 +487,11 @@ def test_a_method_that_has_left_is_answered():
         ct.Scene(FULL | {"averaging": {}}).explain()
     with pytest.raises(SceneError, match='averaging: is gone.*"tchamwa_wielgosz"'):
         ct.Scene(FULL).add("averaging")
+    with pytest.raises(
+        SceneError, match='"pushforward_pullback" is gone.*write "tchamwa_wielgosz"'
+    ):
+        ct.Scene(FULL | {"time": {"end": 1.0, "integrator": "pushforward_pullback"}}).explain()
+    with pytest.raises(ValueError, match='"pushforward_pullback" is gone.*"tchamwa_wielgosz"'):
+        ct.dispersion([[1.0, 0.0, 0.0]], integrator="pushforward_pullback")
     with pytest.raises(ValueError, match='mass = "averaged" is gone.*"lumped"'):
         ct.dispersion([[1.0, 0.0, 0.0]], mass="averaged")

@@ -27,7 +27,7 @@ ELEMENTS = {
     "one-point, stiff": {"integration": "reduced", "hourglass": 3.2308},
     "hex20": {"element": "hex20"},
 }
-LIMITS = {"tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1), "pushforward_pullback": 2.0}
+LIMITS = {"tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1)}
 BLOWN = 1e3
 
 
@@ -56,9 +56,6 @@ def test_integrators(shape, element, nu):
     for integrator, limit in LIMITS.items():
         problem = built(shape, element, nu, integrator)
         check(problem, limit / omega)
-        if integrator == "pushforward_pullback":
-            for part in (0.3, 0.6, 0.9):
-                assert steps.growth(problem, part * problem.stable.dt, 500) < BLOWN
 
 
 def thrown(n, friction, fraction=0.9, surfaces="outer", size=0.6):

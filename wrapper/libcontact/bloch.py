@@ -114,8 +114,6 @@ def _definition(
     out.integrator = lib.ct_integrator_default(chosen("integrator", integrator, SCHEMES))
     if parameter is not None:
         out.integrator.parameter = parameter
-    if lib.ct_integrator_facts(out.integrator.scheme).pushforward and 0.0 < courant < 1.0:
-        out.integrator.pushforward_ratio = 1.0 / courant
     out.step = float(courant) * min(out.size)
     return out
 
@@ -145,7 +143,7 @@ def dispersion(
         Poisson's ratio, -1 < ν < ½.
     mass : {"lumped", "consistent"}
         The mass matrix; runs use the lumped one.
-    integrator : {"central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "pushforward_pullback"}
+    integrator : {"central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz"}
         The method of the time steps.
     parameter : float, optional
         Its parameter β, p or ρ∞; by default the usual one.

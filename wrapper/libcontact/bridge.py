@@ -107,6 +107,10 @@ GONE = {
         "bipenalty": 'is gone: contact that opens and closes gained energy; write "energy_controlled", '
         "which has the same stable step and gains none",
     },
+    "integrator": {
+        "pushforward_pullback": "is gone: other methods reach its errors at a lower price; "
+        'write "tchamwa_wielgosz" with the parameter 0.95 and, in a scene, fraction = 1'
+    },
     "mass": {"averaged": 'is gone; runs have the mass "lumped"'},
     "initial_penetration": {"push": 'is gone; write "force", which is the same'},
 }

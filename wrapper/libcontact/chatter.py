@@ -12,7 +12,7 @@ from .surfaces import contact_tables
 
 # Pairs (β, largest fraction of the stable step), measured on the bar on a wall for different initial
 # gaps: within these limits its energy grows by less than 1 %. These integrators allow a stiffer
-# penalty; the pushforward has almost no damping near the stable step.
+# penalty.
 DAMPING = (lib.CT_CHUNG_LEE, lib.CT_NOH_BATHE, lib.CT_TCHAMWA_WIELGOSZ)
 PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
 DEFAULT = 4.0  # default of the explicit penalty in ρ c₁² / h (eq:penalty-default); β is in E / h

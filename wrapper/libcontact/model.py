@@ -622,7 +622,10 @@ class Time(Table):
     courant: float | None = key(POSITIVE, default=None, says="see text")
     fraction: float | None = key(POSITIVE, default=0.9)
     dt: float | None = key(POSITIVE, unit="time", default=None, says="see text")
-    integrator: str = key(Choice(INTEGRATORS), default=word(INTEGRATORS, lib.CT_CENTRAL_DIFFERENCE))
+    integrator: str = key(
+        Choice(INTEGRATORS, GONE["integrator"]),
+        default=word(INTEGRATORS, lib.CT_CENTRAL_DIFFERENCE),
+    )
     integrator_parameter: float | None = key(Number(), default=None, says="by integrator")
     stable_step: str = key(Choice(("elements", "assembled")), default="elements")
     until_static: float | None = key(Number(least=1e-12), default=None, says="none", free=True)

@@ -262,9 +262,7 @@ typedef enum ct_scheme {
   CT_NOH_BATHE,
   /** Tchamwa and Wielgosz; parameter ρ∞, :eq:`tchamwa-wielgosz-drift`. */
   CT_TCHAMWA_WIELGOSZ,
-  /** Pushforward-pullback of Park, Lim and Huh for linear bodies, two forces of the bodies in a
-     step; parameter θ, :eq:`pullback-drift`. */
-  CT_PUSHFORWARD_PULLBACK,
+  /* 4 was the pushforward-pullback, which is gone: the next method is 5. */
   /** Number of methods; it grows with later versions. */
   CT_SCHEME_COUNT
 } ct_scheme;
@@ -285,9 +283,6 @@ typedef struct ct_scheme_facts {
   int order;
   /** 1 if a step needs the acceleration of the step before, which the state then stores. */
   int stores;
-  /** 1 if the accelerations before are those of a pushforward, :eq:`pullback-push`, which needs one
-   * more force of the bodies in each step, and linear bodies. */
-  int pushforward;
 } ct_scheme_facts;
 
 /** A method and its one parameter. All bytes zero: central difference. */
@@ -296,12 +291,6 @@ typedef struct ct_integrator {
   ct_scheme scheme;
   /** Its parameter; see `ct_scheme`. */
   double parameter;
-  /**
-   * For a method with a pushforward: its time Δt_c divided by Δt, >= 1. 0 means 1,
-   * with which the method is the central difference. `ct_scene_build` sets it to the stable step
-   * divided by Δt.
-   */
-  double pushforward_ratio;
 } ct_integrator;
 
 /** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are fractions of
@@ -335,7 +324,7 @@ CT_API int ct_integrator_evaluations(const ct_integrator *integrator);
 CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);
 
 /** Whether a method with this parameter is the leapfrog, :eq:`leapfrog`: one stage with τ = c = r =
- * 1 and l = 0, and no pushforward. */
+ * 1 and l = 0. */
 CT_API int ct_integrator_is_leapfrog(const ct_integrator *integrator);
 
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */

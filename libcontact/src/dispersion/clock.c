@@ -13,21 +13,8 @@ typedef struct gain {
   double B[3][3], d[3][3];
 } gain;
 
-static int has_pushforward(const ct_integrator *integrator)
+static gain stage_gain(const ct_stage *s, double x)
 {
-  return ct_integrator_facts(integrator->scheme)->pushforward;
-}
-
-static gain stage_gain(const ct_integrator *integrator, const ct_stage *s, double x)
-{
-  if (has_pushforward(integrator)) {
-    // -- The change over the pushforward follows from u and v, and there is no memory
-    // (eq:pullback-gain)
-    const double k = fmax(1.0, integrator->pushforward_ratio), m = s->l * k,
-                 n = 0.5 * m * (1.0 + k);
-    return (gain){.B = {{-x - n * x * x, 1.0 + m * x}, {-x}, {-x, 0.0, -1.0}},
-                  .d = {{-1.0 - 2.0 * n * x, m}, {-1.0}, {-1.0}}};
-  }
   // -- A stage of one oscillator (eq:dispersion-stage)
   return (gain){.B = {{-s->tau * s->r * x, s->tau, s->tau * s->l}, {-s->c * x}, {-x, 0.0, -1.0}},
                 .d = {{-s->tau * s->r}, {-s->c}, {-1.0}}};
@@ -54,7 +41,7 @@ static gain step_gain(const ct_integrator *integrator, double x)
   gain all = {{{0.0}}, {{0.0}}};
   int count = ct_integrator_stages(integrator, stage);
   for (int s = 0; s < count; s++) {
-    gain next = stage_gain(integrator, &stage[s], x);
+    gain next = stage_gain(&stage[s], x);
     all = after(&next, &all);
   }
   return all;
@@ -125,14 +112,6 @@ double ct_clock_advance(const ct_integrator *integrator, double Omega, int64_t s
   gain g = step_gain(integrator, Omega * Omega);
   double power[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   for (int i = 0; i < 3; i++) g.B[i][i] += 1.0;
-  // -- The first step has no pushforward (eq:pullback-drift)
-  if (has_pushforward(integrator) && steps > 0) {
-    ct_integrator without = {CT_CENTRAL_DIFFERENCE, 0.0, 0.0};
-    gain first = step_gain(&without, Omega * Omega);
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) power[i][j] += first.B[i][j];
-    steps--;
-  }
   for (; steps > 0; steps /= 2) {
     if (steps % 2) multiply(g.B, power, power);
     multiply(g.B, g.B, g.B);

@@ -589,7 +589,6 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   scene->unchanged = 0;
   if (status == CT_OK) status = make_effects(scene, error);
   p->integrator = time->integrator;
-  p->integrator.pushforward_ratio = 0.0;
   p->assembled = time->assembled;
   p->dt = DBL_MIN; // unknown yet, and any value will do
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
@@ -602,11 +601,8 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
  * (eq:friction-room). */
 static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t count)
 {
-  ct_integrator first = p->integrator;
-  first.pushforward_ratio = 0.0;
-  return (ct_friction_room){.limit = ct_integrator_limit(&p->integrator),
-                            .rate = ct_integrator_limit(&first) / stable,
-                            .fraction = 1.0 / count};
+  double limit = ct_integrator_limit(&p->integrator);
+  return (ct_friction_room){.limit = limit, .rate = limit / stable, .fraction = 1.0 / count};
 }
 
 /* Tell each friction of a contact for which ω² of its points the step is stable. */
@@ -644,9 +640,6 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
     // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
     count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
     p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)count;
-    // -- Where there is a pushforward it is as long as the stable step (eq:pullback-limit)
-    if (ct_integrator_facts(p->integrator.scheme)->pushforward)
-      p->integrator.pushforward_ratio = fmax(1.0, stable->dt / p->dt);
     status = set_rooms(scene, begun, stable->dt, error);
     if (status == CT_OK && state != NULL) status = ct_state_finish(p, begun, error);
   }

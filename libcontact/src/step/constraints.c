@@ -133,8 +133,7 @@ static ct_prediction predict(const ct_problem *problem, const ct_state *state)
   // -- At the start the last acceleration is that of t = 0, and the velocity already contains its
   // part of it (eq:stage-start)
   if (state->workspace->starting) {
-    p.force_time = stage.r + (ct_scheme_of(problem)->pushforward ? 0.0 : stage.l) -
-                   ct_integrator_share(&problem->integrator) * problem->dt;
+    p.force_time = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
     p.acceleration = NULL;
   }
   return p;

@@ -52,36 +52,6 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
 }
 
-/* Move the nodes for Δt_c by the known forces, and store the resulting change of acceleration in
- * the bodies as the last acceleration of the drift. */
-static ct_status push_and_pull(const ct_problem *problem, ct_state *state, ct_error *error)
-{
-  ct_workspace *w = state->workspace;
-  const ct_effect *solid = problem->effects[0];
-  ct_stage stages[2];
-  ct_integrator_stages(&problem->integrator, stages);
-  // A contact at t = 0 has changed the velocity at half a step by forces that are unknown here, so
-  // the first step is a central difference.
-  if (!ct_scheme_of(problem)->pushforward || stages[0].l == 0.0 || state->step == 0) return CT_OK;
-  double begin = ct_run_seconds(problem),
-         pushforward = problem->integrator.pushforward_ratio * problem->dt,
-         share = ct_integrator_share(&problem->integrator) * problem->dt;
-  // -- u* - u_n = Δt_c v_n + ½ Δt_c² a_n, and M⁻¹ f(u* - u_n) = a* - a_n (eq:pullback-push)
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->pushed[d] = pushforward * ct_kick(state->velocity[d], share + 0.5 * pushforward,
-                                         problem->inverse_mass[d], w->total[d]);
-  ct_view view = ct_workspace_view(problem, state, 0);
-  view.displacement = w->pushed;
-  view.scratch = w->pushed_scratch;
-  ct_status status = solid->calls->force(solid, &view, w->pushed_force, error);
-  // -- In the place of the acceleration before: a_n - a* (eq:pullback-drift)
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    w->last_acceleration[d] = -(problem->inverse_mass[d] * w->pushed_force[d]);
-  count_updates(problem, state);
-  state->effect_seconds[0] += ct_run_seconds(problem) - begin;
-  return status;
-}
-
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_workspace *w = state->workspace;
@@ -95,7 +65,6 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
                            : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
       if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);
-    if (status == CT_OK && phase == CT_PHASE_STATE) status = push_and_pull(problem, state, error);
     if (status != CT_OK) return status;
   }
   w->forces_at = state->step;

@@ -5,7 +5,6 @@
 #include "../base/error.h"
 #include "workspace.h"
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -79,48 +78,23 @@ static double tchamwa_wielgosz_stiffening(const ct_integrator *integrator)
   return 2.0 * phi_of(integrator) - 1.0;
 }
 
-/* Δt_c / Δt of the pushforward, q. */
-static double pushforward_of(const ct_integrator *integrator)
-{
-  return fmax(1.0, integrator->pushforward_ratio);
-}
-
-static int pushforward_pullback_stages(const ct_integrator *integrator, ct_stage *stages)
-{
-  const double q = pushforward_of(integrator);
-  // -- The drift adds a fraction of the change of acceleration over the pushforward
-  // (eq:pullback-drift)
-  stages[0] = (ct_stage){1.0, 1.0, 1.0, integrator->parameter * (q - 1.0 / q) / 6.0};
-  return 1;
-}
-
-static double pushforward_pullback_stiffening(const ct_integrator *integrator)
-{
-  const double theta = integrator->parameter, q = pushforward_of(integrator);
-  // -- 4 - x - χ/6 q(q² - 1) x² = 0 (eq:pullback-limit)
-  return 0.5 * (1.0 + sqrt(1.0 + 8.0 / 3.0 * theta * q * (q * q - 1.0)));
-}
-
 /* 2 - √2: with a larger τ₁ the dissipation of the method of Noh and Bathe decreases again. */
 #define LARGEST_P 0.585786437626905
 
-/* All methods: name, parameter, its least, largest and usual value, order, stores, pushforward. */
+/* All methods: name, parameter, its least, largest and usual value, order, stores. */
 static const method METHODS[] = {
-    [CT_CENTRAL_DIFFERENCE] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0, 2, 0, 0},
+    [CT_CENTRAL_DIFFERENCE] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0, 2, 0},
                                leapfrog_stages,
                                leapfrog_stiffening},
-    [CT_CHUNG_LEE] = {{"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0, 2, 1, 0},
+    [CT_CHUNG_LEE] = {{"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0, 2, 1},
                       chung_lee_stages,
                       chung_lee_stiffening},
-    [CT_NOH_BATHE] = {{"noh_bathe", "p", 0.5, LARGEST_P, 0.54, 2, 0, 0},
+    [CT_NOH_BATHE] = {{"noh_bathe", "p", 0.5, LARGEST_P, 0.54, 2, 0},
                       noh_bathe_stages,
                       noh_bathe_stiffening},
-    [CT_TCHAMWA_WIELGOSZ] = {{"tchamwa_wielgosz", "rho_inf", 0.0, 1.0, 0.9, 1, 0, 0},
+    [CT_TCHAMWA_WIELGOSZ] = {{"tchamwa_wielgosz", "rho_inf", 0.0, 1.0, 0.9, 1, 0},
                              tchamwa_wielgosz_stages,
-                             tchamwa_wielgosz_stiffening},
-    [CT_PUSHFORWARD_PULLBACK] = {{"pushforward_pullback", "theta", 0.0, 1.0, 0.7, 2, 0, 1},
-                                 pushforward_pullback_stages,
-                                 pushforward_pullback_stiffening}};
+                             tchamwa_wielgosz_stiffening}};
 
 /* A value of ct_scheme without a row does not compile, if it is the last one. */
 typedef char
@@ -141,7 +115,7 @@ static const method *method_of(const ct_integrator *integrator)
 ct_integrator ct_integrator_default(ct_scheme scheme)
 {
   const ct_scheme_facts *facts = ct_integrator_facts(scheme);
-  return (ct_integrator){scheme, facts == NULL ? 0.0 : facts->usual, 0.0};
+  return (ct_integrator){scheme, facts == NULL ? 0.0 : facts->usual};
 }
 
 ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
@@ -150,10 +124,6 @@ ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
   if (f == NULL)
     return CT_REFUSE(error, "integrator: there is no scheme %d",
                      integrator == NULL ? -1 : (int)integrator->scheme);
-  if (integrator->pushforward_ratio != 0.0 &&
-      !(integrator->pushforward_ratio >= 1.0 && integrator->pushforward_ratio <= DBL_MAX))
-    return CT_REFUSE(error, "integrator: a pushforward of %.17g steps is not 1 or more",
-                     integrator->pushforward_ratio);
   if (integrator->parameter >= f->least && integrator->parameter <= f->most) return CT_OK;
   return CT_REFUSE(error, "integrator: %s = %.17g of %s is not between %.17g and %.17g",
                    f->parameter, integrator->parameter, f->name, f->least, f->most);
@@ -167,15 +137,14 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
 int ct_integrator_evaluations(const ct_integrator *integrator)
 {
   ct_stage stages[2];
-  return ct_integrator_stages(integrator, stages) + method_of(integrator)->facts.pushforward;
+  return ct_integrator_stages(integrator, stages);
 }
 
 int ct_integrator_is_leapfrog(const ct_integrator *integrator)
 {
-  const ct_scheme_facts *facts = &method_of(integrator)->facts;
   ct_stage s[2];
   return ct_integrator_stages(integrator, s) == 1 && s[0].tau == 1.0 && s[0].c == 1.0 &&
-         s[0].r == 1.0 && s[0].l == 0.0 && !facts->stores && !facts->pushforward;
+         s[0].r == 1.0 && s[0].l == 0.0 && !method_of(integrator)->facts.stores;
 }
 
 double ct_integrator_share(const ct_integrator *integrator)

@@ -53,10 +53,6 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
                        "problem: effect %s reads one whose force does not come before its own",
                        effect->label);
   }
-  if (ct_scheme_of(p)->pushforward &&
-      (p->effects[0]->kind != CT_EFFECT_SOLID || !ct_problem_is_linear(p)))
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "integrator: %s is for linear bodies",
-                   ct_scheme_of(p)->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->settings.threads < 0 ||
       p->settings.threads > CT_MOST_THREADS)
     return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->settings.threads);
@@ -69,7 +65,6 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
   if (w->constraints != NULL) ct_pool_free(w->constraints->solver);
   for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
     if (w->scratch[k] != NULL) problem->effects[k]->calls->free_scratch(w->scratch[k]);
-  if (w->pushed_scratch != NULL) problem->effects[0]->calls->free_scratch(w->pushed_scratch);
   ct_pool_free(w);
 }
 
@@ -96,7 +91,6 @@ static void list_shared(const ct_problem *problem, ct_workspace *w)
 static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct_error *error)
 {
   size_t n = (size_t)problem->node_count, effects = (size_t)problem->effect_count;
-  const ct_scheme_facts *scheme = ct_scheme_of(problem);
   ct_status status = CT_OK;
   w->forces_at = -1;
   w->total = ct_pool_take(&w->pool, n, 3 * sizeof(double));
@@ -107,14 +101,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   w->grids = ct_pool_take(&w->pool, ct_sum_grids(problem), sizeof *w->grids);
   w->addends = ct_pool_take(&w->pool, (size_t)problem->body_count, 3 * sizeof *w->addends);
   w->leapfrog = ct_integrator_is_leapfrog(&problem->integrator);
-  if (!w->leapfrog && !scheme->stores)
+  if (!w->leapfrog && !ct_scheme_of(problem)->stores)
     w->last_acceleration = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-  if (scheme->pushforward) {
-    w->pushed = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-    w->pushed_force = ct_pool_take(&w->pool, n, 3 * sizeof(double));
-    status =
-        problem->effects[0]->calls->create_scratch(problem->effects[0], &w->pushed_scratch, error);
-  }
   list_shared(problem, w);
   ct_constraints_create(problem, w);
   for (int32_t k = 0; status == CT_OK && !w->pool.failed && k < problem->effect_count; k++) {
@@ -127,8 +115,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
       status = effect->calls->create_scratch(effect, &w->scratch[k], error);
   }
   if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
-  // A pushforward moves sleeping elements, so none may sleep.
-  if (problem->effects[0]->kind == CT_EFFECT_SOLID && !scheme->pushforward)
+  if (problem->effects[0]->kind == CT_EFFECT_SOLID)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
   return CT_OK;
@@ -200,7 +187,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = // (eq:leapfrog-start)
         ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d],
                 state->workspace->total[d]);
-    if (last_acceleration != NULL && !ct_scheme_of(problem)->pushforward)
+    if (last_acceleration != NULL)
       last_acceleration[d] = problem->inverse_mass[d] * state->workspace->total[d];
   }
   // A force that depends on velocity was computed with another one; a restart would use this one.

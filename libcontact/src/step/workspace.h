@@ -45,10 +45,8 @@ typedef struct ct_workspace {
       *shared_work;          /* v_{n-1/2} and the first effect's work there, before the step */
   double *last_acceleration; /* acceleration of the last evaluation, shape (node_count, 3); null if
                    the state stores it, and for the leapfrog */
-  double *pushed, *pushed_force; /* of the pushforward, shape (node_count, 3), or null */
-  void *pushed_scratch;
-  ct_grid *grids;  /* of the sums for the last row of the energy balance (ct_sum_grids) */
-  double *addends; /* memory for sums over the bodies, shape (3, body_count) */
+  ct_grid *grids;            /* of the sums for the last row of the energy balance (ct_sum_grids) */
+  double *addends;           /* memory for sums over the bodies, shape (3, body_count) */
   struct ct_constraints *constraints; /* null if there are none */
 } ct_workspace;
 
