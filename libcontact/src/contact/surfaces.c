@@ -160,9 +160,13 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   if (status == CT_OK &&
       ct_tunnelling_init(&fixed->gaps, options->depth > 0.0, options->adjust) != CT_OK)
     status = CT_NO_MEMORY(error, "a contact");
+  if (status != CT_OK) {
+    ct_contact_fixed_free(fixed);
+    return status;
+  }
   const int penalty = !ct_law_has_rows(options->enforcement);
   // -- Counted in a contact of two plane surfaces (eq:round-flops)
-  if (status == CT_OK) ct_contact_describe(fixed, penalty ? 800.0 : 1200.0, 0.0), *out = fixed;
-  else ct_contact_fixed_free(fixed);
-  return status;
+  ct_contact_describe(fixed, penalty ? 800.0 : 1200.0, 0.0);
+  *out = fixed;
+  return CT_OK;
 }
