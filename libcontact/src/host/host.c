@@ -119,7 +119,7 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
 }
 
 /* Arrays and memory of all parts. */
-static void open_parts(const ct_contact_fixed *fixed, ct_host *h)
+static void open_parts(ct_host *h)
 {
   h->memory_count = CT_HOST_RECORD;
   for (ct_host_part *part = &h->contact; part != NULL; part = part->next) {
@@ -128,8 +128,7 @@ static void open_parts(const ct_contact_fixed *fixed, ct_host *h)
     h->memory_count += part->is->memory_count;
     for (int i = 0; i < (part->on != NULL ? 1 : 3); i++)
       *arrays[i] = ct_pool_take(&h->pool, (size_t)part->is->node_count, 3 * sizeof(double));
-    if (part->nodes != NULL && part->on == NULL)
-      ct_host_cut(h, part->nodes == fixed->gaps.place[1], part->state);
+    if (part != &h->contact && part->on == NULL) ct_host_cut(h, part->surface, part->state);
   }
 }
 
@@ -140,7 +139,7 @@ ct_status ct_host_open(ct_contact *contact, ct_error *error)
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
   if (h->open) return CT_OK;
   double **arrays[] = {&h->inverse_mass, &h->others, &h->increment, &h->force, &h->terms};
-  open_parts(fixed, h);
+  open_parts(h);
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
     *arrays[i] = ct_pool_take(&h->pool, (size_t)fixed->is.node_count, 3 * sizeof(double));
   h->memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);

@@ -14,6 +14,7 @@ typedef struct ct_host_part {
   ct_interaction *is;
   void *state;
   const struct ct_host_part *on; /* of friction: the part that it acts on */
+  int32_t surface;               /* of an obstacle */
   const int32_t *nodes;          /* in the numbering of the contact; null: all of them */
   int64_t memory;       /* begin of its memory in that of the host, from the first step on */
   double *force;        /* on its nodes, shape (node_count, 3) */

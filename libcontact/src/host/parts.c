@@ -40,19 +40,17 @@ ct_status ct_host_check_new(const ct_contact *contact, ct_error *error)
   return CT_OK;
 }
 
-/* Take ownership of an interaction as the last part; out of memory, it is freed. */
-static ct_status append(ct_contact *contact, ct_interaction *is, const ct_host_part *on,
-                        const int32_t *nodes, ct_error *error)
+/* Append a copy of a part, and take ownership of its interaction; out of memory, that is freed. */
+static ct_status append(ct_contact *contact, ct_host_part made, ct_error *error)
 {
   ct_host *h = ct_host_of(contact);
   ct_host_part *part = h == NULL ? NULL : ct_allocate(1, sizeof *part), *last;
-  void *state = NULL;
-  if (part == NULL || is->calls->open(is, &state, error) != CT_OK) {
+  if (part == NULL || made.is->calls->open(made.is, &made.state, error) != CT_OK) {
     ct_release(part);
-    is->calls->free(is);
+    made.is->calls->free(made.is);
     return CT_NO_MEMORY(error, "the steps of a contact");
   }
-  *part = (ct_host_part){.is = is, .state = state, .on = on, .nodes = nodes};
+  *part = made;
   for (last = &h->contact; last->next != NULL; last = last->next) continue;
   last->next = part;
   return CT_OK;
@@ -84,7 +82,8 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
   if (side < 0 || side >= contact->fixed->gaps.sides || obstacle == NULL)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
   status = create_obstacle(contact->fixed, side, obstacle, &is, error);
-  return status == CT_OK ? append(contact, is, NULL, is->nodes, error) : status;
+  if (status != CT_OK) return status;
+  return append(contact, (ct_host_part){.is = is, .nodes = is->nodes, .surface = side}, error);
 }
 
 ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coefficient,
@@ -101,7 +100,8 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
   for (const ct_host_part *part = h->contact.next; part != NULL; part = part->next)
     if (part->on == what) return CT_REFUSE(error, "friction: there is one already");
   status = ct_friction_create(coefficient, tangent, what->is, &is, error);
-  return status == CT_OK ? append(contact, is, what, what->nodes, error) : status;
+  if (status != CT_OK) return status;
+  return append(contact, (ct_host_part){.is = is, .nodes = what->nodes, .on = what}, error);
 }
 
 ct_surface_motion ct_host_motion(const ct_host *h, const ct_host_part *part,
