@@ -205,14 +205,16 @@ static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_
   return CT_OK;
 }
 
-/* Solve for the forces of all points together. */
-static ct_status solve(ct_contact *contact, ct_prediction *p, const ct_surface_motion *now,
-                       ct_error *error)
+/* Solve for the forces of all points together, if the status of `place` is CT_OK in all pieces. */
+static ct_status solve(ct_contact *contact, ct_status status, ct_prediction *p,
+                       const ct_surface_motion *now, ct_error *error)
 {
   ct_host *h = contact->host;
-  if (h->solver == NULL) return CT_OK;
-  ct_status status = ct_rows_list_all(h->solver, list_rows, &(lister){contact, now}, error);
-  int64_t rows = h->solver->first[h->solver->set_count];
+  int64_t rows = 0;
+  if (status == CT_OK && h->solver != NULL) {
+    status = ct_rows_list_all(h->solver, list_rows, &(lister){contact, now}, error);
+    rows = h->solver->first[h->solver->set_count];
+  }
   status = ct_host_agree(contact, status, &rows, error);
   if (status != CT_OK || rows == 0) return status;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
@@ -330,10 +332,8 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                                  .first = h->now.begun == 0.0,
                                  .x = h->contact.x,
                                  .velocity = h->contact.velocity};
-  int64_t rows = 0;
   ct_status status = place(contact, &now, error);
-  status = ct_host_agree(contact, status, &rows, error);
-  if (status == CT_OK) status = solve(contact, &prediction, &now, error);
+  status = solve(contact, status, &prediction, &now, error);
   if (status == CT_OK) status = find_forces(h, &now, error);
   if (status != CT_OK) return status;
   count_work(contact, &prediction);

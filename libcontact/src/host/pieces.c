@@ -47,9 +47,9 @@ ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a, con
   status = check_masks(contact, owned, pieces, error);
   for (int s = 0; status == CT_OK && s < sides; s++) {
     const size_t count = (size_t)contact->fixed->gaps.side[s].search->face_count;
-    h->owned[s] = ct_allocate(count, sizeof *h->owned[s]);
+    ct_release(h->owned[s]); // of a call that ran out of memory
+    h->owned[s] = ct_duplicate(owned[s], count);
     if (h->owned[s] == NULL) return CT_NO_MEMORY(error, "the pieces of a contact");
-    memcpy(h->owned[s], owned[s], count);
   }
   if (status != CT_OK) return status;
   h->given_pieces = *pieces;
