@@ -150,6 +150,23 @@ static inline void distort(ct_mesh *mesh, double amount) { shake_regular(mesh, a
 /* Nodes on the outside of a box stay. */
 static inline void distort_inside(ct_mesh *mesh, double amount) { shake_regular(mesh, amount, 1); }
 
+/* Bend a box [0, 1] x [0, .4] x [0, 1] to a hairpin: two layers of the length 1 and the thickness
+ * .2, one above the other, joined by half a ring of the given middle radius; v: the velocity
+ * (nodes, 3) of the upper layer, which flies at the lower one, along it. */
+static inline void bend_to_hairpin(ct_mesh *m, double middle, double *v)
+{
+  const double arc = 3.14159265358979324 * middle;
+  for (int n = 0; n < m->node_count; n++) {
+    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0],
+           angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
+           radius = middle - 0.2 * (x[2] - 0.5);
+    x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
+    x[2] = -radius * cos(angle);
+    double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
+    v[3 * n] = 6.0 * share, v[3 * n + 2] = -6.0 * share;
+  }
+}
+
 /* Local node of a brick at the given reference coordinates. */
 static inline int local_node(ct_brick_kind kind, const double xi[3])
 {

@@ -87,20 +87,11 @@ static inline pair blocks(ct_brick_kind up, ct_brick_kind low, double apart, dou
 /* A strip bent to a hairpin whose upper layer flies at the lower one. */
 static inline pair strip(void)
 {
-  const double middle = 0.15, arc = 3.14159265358979324 * middle;
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.4, 1, 40, 2, 2);
   pair p = {.bodies = 1, .mesh = {m}, .material = SOFT};
   p.faces[0] = integers(8 * 6 * m->element_count);
   p.velocity[0] = numbers(3 * m->node_count);
-  for (int n = 0; n < m->node_count; n++) {
-    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0],
-           angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
-           radius = middle - 0.2 * (x[2] - 0.5);
-    x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
-    x[2] = -radius * cos(angle);
-    double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
-    p.velocity[0][3 * n] = 6.0 * share, p.velocity[0][3 * n + 2] = -6.0 * share;
-  }
+  bend_to_hairpin(m, 0.15, p.velocity[0]);
   p.face_count[0] = ct_mesh_outer_faces(m, p.faces[0], NULL);
   return p;
 }

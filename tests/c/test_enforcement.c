@@ -586,18 +586,9 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.4, 1, 12, 1, 1);
   int32_t *faces = integers(4000);
   options.depth = 0.05;
-  double *v = numbers(3 * (int64_t)m->node_count), middle = 0.11,
-         arc = middle * 3.14159265358979324;
+  double *v = numbers(3 * (int64_t)m->node_count);
   ct_error error;
-  for (int n = 0; n < m->node_count; n++) {
-    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0],
-           angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
-           radius = middle - 0.2 * (x[2] - 0.5);
-    x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
-    x[2] = -radius * cos(angle);
-    double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
-    v[3 * n] = 6.0 * share, v[3 * n + 2] = -6.0 * share;
-  }
+  bend_to_hairpin(m, 0.11, v);
   add_moving_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, v);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
   ct_scene_contact contact = {.face_count_a = count,
