@@ -73,10 +73,10 @@ def measure() -> dict:
         }
         off = counted(compiled("effect_loop.c", folder, whole=True), loop, folder)
         plates = [
-            counted(compiled("scene_loop.c", folder, whole=whole), ["plates", "qcd", "20"], folder)
+            counted(compiled("scene_loop.c", folder, whole=whole), ["plates", "qc", "20"], folder)
             for whole in (False, True)
         ]
-        probed = counted(compiled("scene_loop.c", folder), ["plates", "qcdh", "20"], folder)
+        probed = counted(compiled("scene_loop.c", folder), ["plates", "qch", "20"], folder)
     assert probed["hash"] == plates[0]["hash"]
     for alone, all_linked in ((rows["none"], off), plates):
         assert alone["hash"] == all_linked["hash"] and alone["bytes"] == all_linked["bytes"]

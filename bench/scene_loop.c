@@ -1,6 +1,6 @@
 /* Run one scene with chosen optimisations and tell steps, seconds, bytes held and at most on the
  * way there, and a hash of the state, as one line of JSON: scene_loop SCENE SAVINGS STEPS SCENE:
- * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -, and h
+ * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c p, or -, and h
  * for the histories of ten probes in a scene with contact; STEPS 0: to the end. Memory is counted
  * where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
@@ -207,7 +207,6 @@ int main(int count, char **argument)
   need(ct_scene_set_run_settings(scene, &(ct_run_settings){.clock = seconds}, &error));
   ct_optimisations optimisations = {.sleep = strchr(argument[2], 'q') != NULL,
                                     .shared_stiffness = strchr(argument[2], 'c') != NULL,
-                                    .separated = strchr(argument[2], 'd') != NULL,
                                     .plane_strain = strchr(argument[2], 'p') != NULL};
   const ct_problem *problem;
   int64_t steps;

@@ -73,7 +73,7 @@ module libcontact
     real(c_double) :: epsilon
     integer(c_int) :: method
     real(c_double) :: tolerance, depth
-    integer(c_int) :: threads, separated, enforcement
+    integer(c_int) :: threads, enforcement
     real(c_double) :: dissipation
     integer(c_int) :: points, initial_penetration
     real(c_double) :: removal_time, adjust

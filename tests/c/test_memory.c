@@ -9,7 +9,7 @@
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR},
                          RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
-static const ct_optimisations NONE = {0, 0, 0, 0};
+static const ct_optimisations NONE = {0, 0, 0};
 
 /* A block of 16 x 24 x 24 cells in free flight, and its options. */
 typedef struct kind {

@@ -247,7 +247,7 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10),
                    box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
-  ct_optimisations optimisations = (ct_optimisations){1, 1, 1, 1};
+  ct_optimisations optimisations = (ct_optimisations){1, 1, 1};
   ct_error e;
   optimisations.shared_stiffness = congruent;
   need(ct_scene_set_optimisations(p.scene, &optimisations, &e), &e);

@@ -91,7 +91,7 @@ static bars open_bars(const form *f, int sleep, int threads)
     add_contact_with(r.scene, 0, m[0], 0, 1, m[1], 0.1 * f->gap, 0, 0.5, options, 0.0, 0.0);
   if (f->distort == 0.0)
     add_support(r.scene, 1, m[1], 0, 0.1 * f->gap + 2.3, "x", f->held + f->v[1]);
-  ct_optimisations optimisations = (ct_optimisations){1, 1, 1, 1};
+  ct_optimisations optimisations = (ct_optimisations){1, 1, 1};
   optimisations.sleep = sleep;
   need(ct_scene_set_optimisations(r.scene, &optimisations, &e), &e);
   int32_t count = m[0]->node_count + m[1]->node_count;
@@ -289,7 +289,7 @@ static void no_force(const form *f)
 {
   ct_error e;
   ct_mesh *m = box_mesh(f->kind, -1.3, 0.7, 0.1, 1.1, 0.9, 1.7, 3, 3, 3);
-  ct_optimisations none = {0, 0, 0, 0};
+  ct_optimisations none = {0, 0, 0};
   ct_solid_body block = {.mesh = m, .material = STEEL, .kernel = f->kernel, .optimisations = &none};
   ct_effect *effect;
   void *scratch;

@@ -512,7 +512,7 @@ static double held_frequency(const ct_mesh *m, int el, const int held[3])
 static void definite(ct_brick_kind kind)
 {
   static const int HELD[3][3] = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}};
-  static const ct_optimisations NONE = {0, 0, 0, 0};
+  static const ct_optimisations NONE = {0, 0, 0};
   for (int k = 0; k < 3; k++) {
     ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, kind == CT_HEX8 ? 11 : 5, 1, 1);
     for (int n = 0; n < m->node_count; n++)

@@ -247,7 +247,7 @@ contains
       at(c_loc(s%node_count), c_loc(s)), at(c_loc(s%face_count), c_loc(s)), &
       at(c_loc(s%faces), c_loc(s)), at(c_loc(s%reference), c_loc(s)), int(c_sizeof(s), c_int64_t), &
       at(c_loc(k%epsilon), c_loc(k)), at(c_loc(k%method), c_loc(k)), at(c_loc(k%tolerance), c_loc(k)), at(c_loc(k%depth), c_loc(k)), &
-      at(c_loc(k%threads), c_loc(k)), at(c_loc(k%separated), c_loc(k)), &
+      at(c_loc(k%threads), c_loc(k)), &
       at(c_loc(k%enforcement), c_loc(k)), at(c_loc(k%dissipation), c_loc(k)), &
       at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial_penetration), c_loc(k)), at(c_loc(k%removal_time), c_loc(k)), &
       at(c_loc(k%adjust), c_loc(k)), int(c_sizeof(k), c_int64_t), &

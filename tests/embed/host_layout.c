@@ -45,7 +45,6 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_options, tolerance),
                                  PLACE(ct_contact_options, depth),
                                  PLACE(ct_contact_options, threads),
-                                 PLACE(ct_contact_options, separated),
                                  PLACE(ct_contact_options, enforcement),
                                  PLACE(ct_contact_options, dissipation),
                                  PLACE(ct_contact_options, points),

@@ -185,7 +185,6 @@ static void add_contact(play *p)
   if (chance(d, 5)) c.options.dissipation = between(d, 0.0, 1.0);
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
-  if (chance(d, 8)) c.options.separated = below(d, 2);
   if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
   if (chance(d, 3)) c.options.initial_penetration = (ct_initial)below(d, 4 + d->wild);
   if (chance(d, 5)) c.options.adjust = between(d, 0.0, 0.3);

@@ -250,7 +250,6 @@ static void add_contact(run *r, dice *d)
     c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_FORCE : CT_INITIAL_REMOVE;
   if (chance(d, 5)) c.options.adjust = 0.05;
   c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
-  c.options.separated = 1;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
   tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n",
        (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
@@ -825,13 +824,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   variant all = {.threads = 1, .calm = 1, .d = {.seed = mixed(d.seed + 1) | 1}},
           some = {.d = {.seed = mixed(d.seed + 2) | 1}};
   dice *own = &some.d;
-  some.optimisations = (ct_optimisations){
-      .sleep = !chance(own, 5), .shared_stiffness = below(own, 2), .separated = below(own, 2)};
+  some.optimisations =
+      (ct_optimisations){.sleep = !chance(own, 5), .shared_stiffness = below(own, 2)};
   some.threads = chance(own, 3) ? (int[]){2, 3, 8}[below(own, 3)] : 1;
   some.calm = chance(own, 4);
-  tell("sleep %d, shared stiffness %d, separated %d, %d threads, calm %d\n",
-       some.optimisations.sleep, some.optimisations.shared_stiffness, some.optimisations.separated,
-       some.threads, some.calm);
+  tell("sleep %d, shared stiffness %d, %d threads, calm %d\n", some.optimisations.sleep,
+       some.optimisations.shared_stiffness, some.threads, some.calm);
   beside(scene, all, some);
   return 0;
 }

@@ -112,6 +112,7 @@ GONE = {
         'write "tchamwa_wielgosz" with the parameter 0.95 and, in a scene, fraction = 1'
     },
     "mass": {"averaged": 'is gone; runs have the mass "lumped"'},
+    "savings": {"distant": "is gone: surfaces that are far apart are never searched; leave it out"},
     "initial_penetration": {"push": 'is gone; write "force", which is the same'},
 }
 

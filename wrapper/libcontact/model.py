@@ -48,12 +48,7 @@ INITIAL = names("ct_initial")
 INTEGRATORS = names("ct_scheme")
 LAYERS = names("ct_layers")
 # Keys of run.savings, and their names in the C library.
-OPTIMISATIONS = {
-    "quiet": "sleep",
-    "plane_strain": "plane_strain",
-    "congruent": "shared_stiffness",
-    "distant": "separated",
-}
+OPTIMISATIONS = {"quiet": "sleep", "plane_strain": "plane_strain", "congruent": "shared_stiffness"}
 SAVINGS = tuple(OPTIMISATIONS)
 FIELDS = ("displacement", "velocity", "stress", "contact_pressure")
 FILTERED = tuple(f"{name}_filtered" for name in FIELDS[:3])
@@ -707,4 +702,4 @@ class Run(Table):
     """
 
     threads: int = key(Whole(most=1024), default=1)
-    savings: Sequence[str] = key(Many(Choice(SAVINGS)), default=SAVINGS)
+    savings: Sequence[str] = key(Many(Choice(SAVINGS, GONE["savings"])), default=SAVINGS)

@@ -59,11 +59,6 @@ typedef struct ct_contact_options {
   /** Number of threads; results do not depend on it. */
   int threads;
   /**
-   * Not 0: skip the search while the surfaces are too far apart to touch, :eq:`contact-clear`;
-   * results do not depend on it.
-   */
-  int separated;
-  /**
    * The law by which `ct_contact_step` and the contact effect of a problem compute forces from
    * gaps. `ct_contact_update` does not know the time step and uses the explicit penalty.
    */
@@ -91,8 +86,8 @@ typedef struct ct_contact_options {
 } ct_contact_options;
 
 /**
- * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between separated
- * surfaces, energy-controlled penalty with dissipation 0.15, CT_INITIAL_KEEP. ``epsilon`` is 0; the
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread,
+ * energy-controlled penalty with dissipation 0.15, CT_INITIAL_KEEP. ``epsilon`` is 0; the
  * caller must set it.
  */
 CT_API ct_contact_options ct_contact_options_default(void);

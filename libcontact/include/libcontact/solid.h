@@ -39,8 +39,6 @@ typedef struct ct_optimisations {
   int plane_strain;
   /** Elements of equal shape and material share their stored data. */
   int shared_stiffness;
-  /** Contact surfaces that are too far apart to touch are not searched. */
-  int separated;
 } ct_optimisations;
 
 /** One body of the solid effect; its nodes begin at `first_node` of the problem. */

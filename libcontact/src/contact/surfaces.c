@@ -20,7 +20,6 @@ ct_contact_options ct_contact_options_default(void)
                               .tolerance = 1e-10,
                               .depth = 0.0,
                               .threads = 1,
-                              .separated = 1,
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
                               .dissipation = 0.15,
                               .initial_penetration = CT_INITIAL_KEEP};
@@ -136,7 +135,6 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   fixed->gaps.project = ct_project_options_default();
   fixed->gaps.project.method = options->method;
   fixed->gaps.project.tolerance = options->tolerance;
-  fixed->gaps.separated = options->separated;
   fixed->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
     status = ct_side_fixed_init(&fixed->gaps.side[s], surface[s], s,

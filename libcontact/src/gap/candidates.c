@@ -81,8 +81,7 @@ static void measure_clear(ct_gaps *gaps)
   enum { DOUBLINGS = 40 };
   const ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   gaps->clear = 0.0;
-  if (!gaps->fixed->separated ||
-      a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0)
+  if (a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0)
     return;
   gaps->clear = gaps->fixed->skin;
   for (int i = 0; i < DOUBLINGS && !anything_within(a, b, gaps->fixed->near + 2.0 * gaps->clear);

@@ -7,7 +7,6 @@
  * which has only the members from `approach` on that do not concern a search. */
 typedef struct ct_gaps_fixed {
   ct_project_options project; /* method and tolerance of the search */
-  int separated;              /* whether the search is skipped while nothing can touch */
   double depth; /* search distance of points at the start, and largest depth at which a point comes
                    into contact */
   double near;  /* search distance of points afterwards (eq:contact-near) */

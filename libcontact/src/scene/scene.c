@@ -68,7 +68,7 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
   if (scene == NULL) return CT_REFUSE(error, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
   if (*scene == NULL) return CT_NO_MEMORY(error, "a scene");
-  (*scene)->optimisations = (ct_optimisations){1, 1, 1, 1};
+  (*scene)->optimisations = (ct_optimisations){1, 1, 1};
   return CT_OK;
 }
 
@@ -495,7 +495,6 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   def.a = &surface[0];
   def.b = &surface[self ? 0 : 1];
   def.options = entry->given.options;
-  def.options.separated = def.options.separated && scene->optimisations.separated;
   def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given);
   ct_status status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
   // Surface 0 or 1 of the contact is one of our bodies.

@@ -160,7 +160,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
   part->material = body->material;
   part->lumping = body->lumping;
   part->optimisations =
-      body->optimisations == NULL ? (ct_optimisations){1, 1, 1, 1} : *body->optimisations;
+      body->optimisations == NULL ? (ct_optimisations){1, 1, 1} : *body->optimisations;
   part->first_node = body->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   part->hourglass = body->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : body->hourglass;
