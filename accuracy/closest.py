@@ -1,4 +1,5 @@
-"""The local search: errors and evaluations of each method at each tolerance, from the loops of ``bench/projection.py``."""
+"""The local search: errors and evaluations of each method at each tolerance, from the loops of
+``bench/projection.py``."""
 
 from __future__ import annotations
 

@@ -192,7 +192,7 @@ def scipy_run(nodes, points, tolerance, method):
     return time.perf_counter() - start, closest, calls
 
 
-# -- What is measured ---------------------------------------------------------------------------------------------------
+# -- What is measured ------------------------------------------------------------------------------
 def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
     """For each tolerance: evaluations, ns and errors; without xi no error in xi."""
     rows = []
@@ -395,7 +395,7 @@ def scipy_rows(nodes, points, xi) -> dict:
     return rows
 
 
-# -- Tables and pictures ----------------------------------------------------------------------------------------------------
+# -- Tables and pictures ---------------------------------------------------------------------------
 def report(result: dict) -> str:
     lines = [
         f"closest points on {ORDINARY} ordinary Q8 faces, tolerance 1e-10 (closest points known by construction; errors are medians):",

@@ -1,4 +1,5 @@
-"""``make bench``: run every bench, print its table, write JSON and a picture to the folder named on the command line."""
+"""``make bench``: run every bench, print its table, write JSON and a picture to the folder named on the command
+line."""
 
 import json
 import os

@@ -2,9 +2,9 @@
 
     build/venv/bin/python -m sphinx -W --keep-going -n -b html docs build/docs/html
 
-``LIBCONTACT_GALLERY=0`` shows the tutorials without running them, which takes seconds and needs no compiled wrapper; where there is none, the page of
-the Python package is left out.
-Nothing in the book comes from outside: it reads the same without a network, opened from the disk.
+``LIBCONTACT_GALLERY=0`` shows the tutorials without running them, which takes seconds and needs no compiled wrapper;
+where there is none, the page of the Python package is left out. Nothing in the book comes from outside: it reads the
+same without a network, opened from the disk.
 """
 
 import importlib.util
@@ -143,7 +143,8 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "plot_gallery": RUN_TUTORIALS,
     "abort_on_example_error": True,
-    # Nothing on a page is of the machine that built it, or of Python: no times, no "<matplotlib.lines.Line2D object at 0x...>".
+    # Nothing on a page is of the machine that built it, or of Python: no times, no "<matplotlib.lines.Line2D object at
+    # 0x...>".
     "write_computation_times": False,
     "min_reported_time": float("inf"),
     "capture_repr": (),

@@ -1,9 +1,10 @@
 """
-Numbers that the pages quote, computed: ``make measured`` writes them to ``docs/measured.json``, and the role ``:measured:`` reads them from there.
+Numbers that the pages quote, computed: ``make measured`` writes them to ``docs/measured.json``, and the role
+``:measured:`` reads them from there.
 
-Each function below computes the numbers of one passage and returns them by name. Its docstring says what is computed and on what. To add a number, add it
-here, run ``make measured`` and write :measured:`function.name:format` on the page. ``tests/docs/test_measured.py`` computes them anew and compares, all but
-the SLOW ones.
+Each function below computes the numbers of one passage and returns them by name. Its docstring says what is computed
+and on what. To add a number, add it here, run ``make measured`` and write :measured:`function.name:format` on the page.
+``tests/docs/test_measured.py`` computes them anew and compares, all but the SLOW ones.
 """
 
 from __future__ import annotations
@@ -58,12 +59,13 @@ def stable_step(scene: ct.Scene) -> float:
     return scene.explain().data["time"]["stable"]
 
 
-# -- First run -----------------------------------------------------------------------------------------------------------
+# -- First run -------------------------------------------------------------------------------------
 
 
 @measurement
 def first_run() -> Numbers:
-    """The program of the page: the plateau behind the plane wave, its closed form -ρ c₁ v₀, and the lowest stress on the line [MPa]."""
+    """The program of the page: the plateau behind the plane wave, its closed form -ρ c₁ v₀, and the lowest stress on
+    the line [MPa]."""
     program: dict[str, Any] = {}
     exec(
         compile(
@@ -85,12 +87,13 @@ def first_run() -> Numbers:
     }
 
 
-# -- Absorbing boundary --------------------------------------------------------------------------------------------------
+# -- Absorbing boundary ----------------------------------------------------------------------------
 
 
 @measurement
 def absorb() -> Numbers:
-    """Stable Courant number of a column of cubes with ν = 0, closed and with an absorbing end; energy that comes back of a P and an S pulse."""
+    """Stable Courant number of a column of cubes with ν = 0, closed and with an absorbing end; energy that comes back
+    of a P and an S pulse."""
     column = (
         scene_of()
         .add_body(
@@ -106,13 +109,15 @@ def absorb() -> Numbers:
 
 
 def hold_sides(scene: ct.Scene, body: str, fix: str) -> None:
-    """Hold components on the four long faces of a column along x, which has one element across: so it is a row of masses and springs."""
+    """Hold components on the four long faces of a column along x, which has one element across: so it is a row of
+    masses and springs."""
     for face in ("y_min", "y_max", "z_min", "z_max"):
         scene.add_support(f"{body}.{face}", fix=fix)
 
 
 def pulse_left(axis: str) -> float:
-    """Share of the energy of a smooth pulse, four units long, that an absorbing end of a column of 100 hex8 sends back."""
+    """Share of the energy of a smooth pulse, four units long, that an absorbing end of a column of 100 hex8 sends
+    back."""
     E, nu, rho = 900.0, 0.25, 2.0
     speed = (
         np.sqrt(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * rho))
@@ -138,7 +143,7 @@ def pulse_left(axis: str) -> float:
     return held[-1] / held[np.searchsorted(energy["time"], 5.9 / speed)]
 
 
-# -- Bulk viscosity ------------------------------------------------------------------------------------------------------
+# -- Bulk viscosity --------------------------------------------------------------------------------
 
 SHOCKS = {
     "none": (0, 0, 0.05),
@@ -160,7 +165,8 @@ def viscous(scene: ct.Scene, linear: float, quadratic: float) -> ct.Scene:
 
 @measurement
 def viscosity() -> Numbers:
-    """Stable Courant numbers of a cube with ν = 0 and viscosity; overshoot and width of the front in a rod of 200 cubes, for SHOCKS."""
+    """Stable Courant numbers of a cube with ν = 0 and viscosity; overshoot and width of the front in a rod of 200
+    cubes, for SHOCKS."""
     found = {}
     for name, linear, quadratic in (
         ("courant_0", 0.0, 0.0),
@@ -180,7 +186,8 @@ def viscosity() -> Numbers:
 
 
 def shock(linear: float, quadratic: float, v0: float) -> tuple[float, float]:
-    """A rod of unit cubes, c = ρ = 1, meets a wall with v0; the front has run 120 cubes. Overshoot of the stress -v0, and its way from 90 % to 10 % [cubes]."""
+    """A rod of unit cubes, c = ρ = 1, meets a wall with v0; the front has run 120 cubes. Overshoot of the stress -v0,
+    and its way from 90 % to 10 % [cubes]."""
     box = {"origin": [0, 0, 0], "size": [200, 1, 1], "cells": [200, 1, 1]}
     scene = (
         scene_of()
@@ -204,15 +211,16 @@ def shock(linear: float, quadratic: float, v0: float) -> tuple[float, float]:
     return stress.max() - 1, ends[1] - ends[0]
 
 
-# -- Integrators and the explicit penalty ----------------------------------------------------------------------------------
+# -- Integrators and the explicit penalty ----------------------------------------------------------
 
 
 def explicit_bar(
     beta: float, fraction: float = 0.9, landings: int = 5, **step: Any
 ) -> list[Numbers]:
     """
-    The bar on a wall with the explicit penalty, for landings that divide the step into equal parts: largest and last energy over the first, root mean square
-    error of the pressure amid the contact (from the energy of the spring), and largest pressure, both over the exact one.
+    The bar on a wall with the explicit penalty, for landings that divide the step into equal parts: largest and last
+    energy over the first, root mean square error of the pressure amid the contact (from the energy of the spring), and
+    largest pressure, both over the exact one.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ct.ChatterWarning)
@@ -263,7 +271,8 @@ INTEGRATORS = {
 
 @measurement
 def integrator() -> Numbers:
-    """The bar on a wall at 0.9 of the reported step: β = 1, error of the force and loss, worst of 5 landings; β = 10, growth of the energy over 20 landings."""
+    """The bar on a wall at 0.9 of the reported step: β = 1, error of the force and loss, worst of 5 landings; β = 10,
+    growth of the energy over 20 landings."""
     found = {}
     for name, step in INTEGRATORS.items():
         soft, stiff = (
@@ -282,7 +291,8 @@ def integrator() -> Numbers:
 
 @measurement
 def explicit() -> Numbers:
-    """The bar on a wall with the leapfrog, worst of 5 landings: change of the energy at 0.9 and 0.5 of the reported step; largest pressure at 0.1."""
+    """The bar on a wall with the leapfrog, worst of 5 landings: change of the energy at 0.9 and 0.5 of the reported
+    step; largest pressure at 0.1."""
     found = {
         f"peak_{name}": most(explicit_bar(beta, 0.1, landings=1), "peak")
         for name, beta in (("05", 0.5), ("1", 1.0), ("5", 5.0), ("10", 10.0))
@@ -294,13 +304,13 @@ def explicit() -> Numbers:
     return found
 
 
-# -- One point and the explicit penalty ------------------------------------------------------------------------------------
+# -- One point and the explicit penalty ------------------------------------------------------------
 
 
 def blow(fraction: float, landing: float) -> tuple[float, float, float]:
     """
-    A mass m = Δt = 1 meets a spring k = 4 f² with the speed 1, at the gap ``landing`` one step before it is inside. Its kinetic energy after the blow, what
-    the ledger loses on entry and what it gains on exit.
+    A mass m = Δt = 1 meets a spring k = 4 f² with the speed 1, at the gap ``landing`` one step before it is inside. Its
+    kinetic energy after the blow, what the ledger loses on entry and what it gains on exit.
     """
     k, before, g, v = 4 * fraction**2, landing, landing - 1, -1.0
     entry = 0.5 * k * -g * before
@@ -312,7 +322,8 @@ def blow(fraction: float, landing: float) -> tuple[float, float, float]:
 
 @measurement
 def one_blow() -> Numbers:
-    """Means over 4000 landings of a lone mass at 0.3 and 0.9 of its stable step, over its kinetic energy: loss on entry and gain on exit."""
+    """Means over 4000 landings of a lone mass at 0.3 and 0.9 of its stable step, over its kinetic energy: loss on entry
+    and gain on exit."""
     landings = (np.arange(4000) + 0.5) / 4000
     found = {}
     for name, fraction in (("3", 0.3), ("9", 0.9)):
@@ -322,11 +333,12 @@ def one_blow() -> Numbers:
     return found
 
 
-# -- Open border ------------------------------------------------------------------------------------------------------------
+# -- Open border -----------------------------------------------------------------------------------
 
 
 def growth_of_thrown(part: str, enforcement: str, fraction: float) -> float:
-    """Growth of the energy, over the kinetic energy at the start, when a block that hangs down beside a plate by h/5 is thrown onto it at a fifth of the speed of sound."""
+    """Growth of the energy, over the kinetic energy at the start, when a block that hangs down beside a plate by h/5 is
+    thrown onto it at a fifth of the speed of sound."""
     plate = {"origin": [0, 0, -2], "size": [8, 2, 2], "cells": [8, 2, 2]}
     block = {"origin": [-4, 0, -0.2], "size": [4, 2, 2], "cells": [4, 2, 2]}
     surfaces = ["plate.outer", "block.outer"] if part == "outer" else ["plate.z_max", "block.z_min"]
@@ -345,7 +357,8 @@ def growth_of_thrown(part: str, enforcement: str, fraction: float) -> float:
 
 @measurement
 def border() -> Numbers:
-    """Growth with closed surfaces for the penalty, at 0.9 and 0.1 of the stable step. The default law adds nothing there, and no law does at open surfaces."""
+    """Growth with closed surfaces for the penalty, at 0.9 and 0.1 of the stable step. The default law adds nothing
+    there, and no law does at open surfaces."""
     for part, enforcement in (
         ("outer", "energy_controlled"),
         ("top", "energy_controlled"),
@@ -358,13 +371,13 @@ def border() -> Numbers:
     }
 
 
-# -- Unlike meshes ------------------------------------------------------------------------------------------------------------
+# -- Unlike meshes ---------------------------------------------------------------------------------
 
 
 def pressed(n: int, m: int, beta: float) -> tuple[float, float, float]:
     """
-    Two elastic blocks with ν = 0, their faces cut into n x n and m x m elements, pressed together evenly and relaxed. The largest and smallest pressure of a
-    point over the true one, and the largest error of the stress of an element.
+    Two elastic blocks with ν = 0, their faces cut into n x n and m x m elements, pressed together evenly and relaxed.
+    The largest and smallest pressure of a point over the true one, and the largest error of the stress of an element.
     """
     scene = scene_of(young=1000.0)
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
@@ -392,7 +405,8 @@ def pressed(n: int, m: int, beta: float) -> tuple[float, float, float]:
 
 @measurement
 def unlike_meshes() -> Numbers:
-    """Blocks of 8 and 11, and of 2 and 14 elements along an edge, at β = 4 and 100: errors of the pressure of points and of the stress of elements."""
+    """Blocks of 8 and 11, and of 2 and 14 elements along an edge, at β = 4 and 100: errors of the pressure of points
+    and of the stress of elements."""
     found = {}
     for name, n, m in (("8_11", 8, 11), ("2_14", 2, 14)):
         for beta in (4, 100):
@@ -404,11 +418,12 @@ def unlike_meshes() -> Numbers:
     return found
 
 
-# -- Pressure from forces -----------------------------------------------------------------------------------------------------
+# -- Pressure from forces --------------------------------------------------------------------------
 
 
 def blocks(n: int, m: int, element: str) -> ct.Run:
-    """Two elastic blocks with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1 and relaxed, with the default contact."""
+    """Two elastic blocks with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1
+    and relaxed, with the default contact."""
     scene = scene_of(young=1000.0)
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
         box = {
@@ -425,7 +440,8 @@ def blocks(n: int, m: int, element: str) -> ct.Run:
 
 
 def projected(nodes: np.ndarray, n: int) -> np.ndarray:
-    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, by the consistent matrix of the surface."""
+    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, by the consistent
+    matrix of the surface."""
     force, matrix = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
     i, j = np.rint(n * nodes["position"][:, :2]).astype(int).T
     force[i, j] = nodes["area"] * np.abs(nodes["traction"][:, 2])
@@ -435,7 +451,8 @@ def projected(nodes: np.ndarray, n: int) -> np.ndarray:
 
 
 def by_points(run: ct.Run, side: int, n: int) -> np.ndarray:
-    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, over the area that the points of both surfaces have there."""
+    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, over the area that the
+    points of both surfaces have there."""
     (nodes,), (points,) = run.pressure["contact"], run.contact
     nodes, force = nodes[nodes["side"] == side], np.zeros((n + 1, n + 1))
     i, j = np.rint(n * nodes["position"][:, :2]).astype(int).T
@@ -447,7 +464,8 @@ def by_points(run: ct.Run, side: int, n: int) -> np.ndarray:
 
 @measurement
 def recovered_blocks() -> Numbers:
-    """Blocks of 8 and 11, and of 2 and 14 elements along an edge: largest errors of the traction of a point, of the recovered pressure and of the stress of an element."""
+    """Blocks of 8 and 11, and of 2 and 14 elements along an edge: largest errors of the traction of a point, of the
+    recovered pressure and of the stress of an element."""
     found = {}
     for n, m in ((8, 11), (2, 14)):
         for element in ("hex8", "hex20"):
@@ -472,7 +490,8 @@ def recovered_blocks() -> Numbers:
 
 @measurement
 def recovered_rim() -> Numbers:
-    """tutorials/scenes/hertz.toml with the default penalty on 10³ elements: pressure at the corner of the only face in contact, with the area of this face alone, and Hertz's; and in the middle with hex20."""
+    """tutorials/scenes/hertz.toml with the default penalty on 10³ elements: pressure at the corner of the only face in
+    contact, with the area of this face alone, and Hertz's; and in the middle with hex20."""
     found = {}
     for element in ("hex8", "hex20"):
         data = ct.Scene.load(ROOT / "tutorials" / "scenes" / "hertz.toml").data
@@ -497,7 +516,8 @@ def recovered_rim() -> Numbers:
 
 @measurement
 def recovered_hertz() -> Numbers:
-    """tutorials/scenes/hertz.toml on a block of half the size with the same elements, relaxed: rms of the recovered pressure about Hertz's profile, fitted within 0.85 a, over its peak."""
+    """tutorials/scenes/hertz.toml on a block of half the size with the same elements, relaxed: rms of the recovered
+    pressure about Hertz's profile, fitted within 0.85 a, over its peak."""
     found = {}
     for element in ("hex8", "hex20"):
         data = ct.Scene.load(ROOT / "tutorials" / "scenes" / "hertz.toml").data
@@ -523,7 +543,8 @@ def hat(x: np.ndarray, n: int) -> np.ndarray:
 
 
 def brick(size: np.ndarray, young: float) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness (24, 24) of a box with ν = 0 by 2 x 2 x 2 Gauss points, and σz in its centre for unit displacements (24,)."""
+    """Stiffness (24, 24) of a box with ν = 0 by 2 x 2 x 2 Gauss points, and σz in its centre for unit displacements
+    (24,)."""
     corners = np.array(np.meshgrid(*[[-1, 1]] * 3, indexing="ij")).reshape(3, 8)
     stiffness, modulus = np.zeros((24, 24)), young * np.array([1, 1, 1, 0.5, 0.5, 0.5])
     for point in [*(corners.T / np.sqrt(3)), np.zeros(3)]:
@@ -539,7 +560,8 @@ def brick(size: np.ndarray, young: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def common(n: int, m: int) -> np.ndarray:
-    """Integrals (n + 1, m + 1) of products of the shape functions of n and of m equal elements on 0 ... 1, over the common pieces of both."""
+    """Integrals (n + 1, m + 1) of products of the shape functions of n and of m equal elements on 0 ... 1, over the
+    common pieces of both."""
     cuts = np.unique(np.r_[np.arange(n + 1) / n, np.arange(m + 1) / m])
     middle, half = (cuts[1:] + cuts[:-1]) / 2, np.diff(cuts) / 2
     points = np.r_[middle - half / np.sqrt(3), middle + half / np.sqrt(3)]
@@ -548,7 +570,9 @@ def common(n: int, m: int) -> np.ndarray:
 
 @measurement
 def mortar() -> Numbers:
-    """The hex8 blocks of ``recovered_blocks``, two elements high, at rest and joined by multipliers on the finer face, with integrals over the common pieces of both meshes: largest errors of a multiplier and of the stress of an element."""
+    """The hex8 blocks of ``recovered_blocks``, two elements high, at rest and joined by multipliers on the finer face,
+    with integrals over the common pieces of both meshes: largest errors of a multiplier and of the stress of an
+    element."""
     found = {"node": 0.0, "stress": 0.0}
     for coarse, fine in ((8, 11), (2, 14)):
         nodes = [np.arange(3 * (n + 1) ** 2).reshape(n + 1, n + 1, 3) for n in (coarse, fine)]
@@ -585,8 +609,9 @@ def mortar() -> Numbers:
 
 def stiffest_over_softest(n: int, m: int, slip: float = 0.0) -> tuple[int, int, float]:
     """
-    Two plane faces of n x n and m x m hex8 that touch, one slid along both edges by ``slip`` times the coarser element: contact points, rank of W,
-    :eq:`constraint-problem`, for layers of cubes, and its largest over its smallest eigenvalue that is not 0.
+    Two plane faces of n x n and m x m hex8 that touch, one slid along both edges by ``slip`` times the coarser element:
+    contact points, rank of W, :eq:`constraint-problem`, for layers of cubes, and its largest over its smallest
+    eigenvalue that is not 0.
     """
     rows = []
     for own, other, sign in ((n, m, 1), (m, n, -1)):
@@ -604,7 +629,8 @@ def stiffest_over_softest(n: int, m: int, slip: float = 0.0) -> tuple[int, int, 
 
 
 def overlap(n: int, m: int, beta: float) -> float:
-    """Two blocks of n and m elements along an edge that meet with a hundredth of the wave speed each, at 0.9 of the step: deepest overlap over the finer element. Each step must converge."""
+    """Two blocks of n and m elements along an edge that meet with a hundredth of the wave speed each, at 0.9 of the
+    step: deepest overlap over the finer element. Each step must converge."""
     scene = scene_of(poisson=0.3)
     speed = 0.01 * np.sqrt(0.7 / (1.3 * 0.4))
     for name, z, cells, v in (("lower", -0.5, n, speed), ("upper", 0.0, m, -speed)):
@@ -630,7 +656,8 @@ def overlap(n: int, m: int, beta: float) -> float:
 
 @measurement
 def multipliers() -> Numbers:
-    """Pairs of meshes: contact points, rank and eigenvalue ratio of W, the ratio after a slip of a thousandth of an element, and the overlap of an impact at three penalties."""
+    """Pairs of meshes: contact points, rank and eigenvalue ratio of W, the ratio after a slip of a thousandth of an
+    element, and the overlap of an impact at three penalties."""
     found = {}
     for n, m in ((8, 8), (8, 16), (4, 5), (8, 11), (16, 23)):
         points, rank, ratio = stiffest_over_softest(n, m)
@@ -643,7 +670,8 @@ def multipliers() -> Numbers:
 
 @measurement
 def nodal_forces() -> Numbers:
-    """A line of n elements pressed evenly on one of m, two Gauss points an element: largest error of a nodal force on each side, over the true one."""
+    """A line of n elements pressed evenly on one of m, two Gauss points an element: largest error of a nodal force on
+    each side, over the true one."""
     found = {}
     for name, n, m in (("2_3", 2, 3), ("4_5", 4, 5), ("10_73", 10, 73)):
         worst = []
@@ -652,7 +680,8 @@ def nodal_forces() -> Numbers:
             points = (
                 (np.arange(other) + 0.5)[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3)
             ).ravel() / other
-            # Half of the force comes from the own points, without error; half is sampled at the points of the other side.
+            # Half of the force comes from the own points, without error; half is sampled at the points of the other
+            # side.
             worst.append(np.max(np.abs(hat(points, own).sum(axis=1) / (2 * other) / exact - 1)) / 2)
         found |= (
             {f"{name}_coarse": worst[0], f"{name}_fine": worst[1]}
@@ -679,8 +708,8 @@ FRONTS: dict[str, tuple[tuple[int, int, int], dict[str, Any]]] = {
 
 @measurement
 def dispersion() -> Numbers:
-    """The front of Fig. 4: how many elements it is late, and its overshoot, from a run, the sum of waves and Airy's function. FRONTS after 40 elements
-    on a fine line, and C of the phase error of hex20."""
+    """The front of Fig. 4: how many elements it is late, and its overshoot, from a run, the sum of waves and Airy's
+    function. FRONTS after 40 elements on a fine line, and C of the phase error of hex20."""
     run = waves.column()
     found = {"run_late": waves.TRAVEL - run.half_height, "run_overshoot": run.overshoot}
     fine = np.linspace(40.0, 62.0, 2201)
@@ -696,12 +725,13 @@ def dispersion() -> Numbers:
     return found
 
 
-# -- Impact of two plates --------------------------------------------------------------------------------------------------
+# -- Impact of two plates --------------------------------------------------------------------------
 
 
 @measurement
 def exact() -> Numbers:
-    """Speeds and angle of the waves for ν = 0.3, where the fronts cross the line of Fig. 5, and one point by Cagniard's path: x = 0.4, z = 0.8, t = 0.56."""
+    """Speeds and angle of the waves for ν = 0.3, where the fronts cross the line of Fig. 5, and one point by Cagniard's
+    path: x = 0.4, z = 0.8, t = 0.56."""
     c2, c_r = ct.exact.speeds(0.3)
     x, t = 0.4, 0.56
     point = free_face.path_point(x, 0.2, t, 1.0)
@@ -725,7 +755,8 @@ def exact() -> Numbers:
 
 @measurement
 def accuracy() -> Numbers:
-    """From the table of the campaign: errors and cost of the paper's setting, of the same mesh at 0.98 and of the best buy; what a contact error is; powers of 1/h."""
+    """From the table of the campaign: errors and cost of the paper's setting, of the same mesh at 0.98 and of the best
+    buy; what a contact error is; powers of 1/h."""
     rows = drawings.load()
     paper = rows[campaign.case("reference", 100, campaign.PAPER).name]
     best = rows[campaign.case("reference", 100, campaign.BEST).name]
@@ -765,7 +796,8 @@ def accuracy() -> Numbers:
 
 
 def rounded(numbers: Numbers) -> Numbers:
-    """Five digits are more than a page shows, and few enough to be the same on every machine; what is below 1e-9 is round-off."""
+    """Five digits are more than a page shows, and few enough to be the same on every machine; what is below 1e-9 is
+    round-off."""
     return {name: float(f"{round(float(value), 9):.5g}") for name, value in numbers.items()}
 
 

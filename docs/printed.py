@@ -1,6 +1,7 @@
 """
-``make pdf``: ``printed.py HTML PDF`` prints the pages of the built book, in the order of its contents, into one PDF with contents, bookmarks, page numbers and links between
-its pages. The browser that shows the book sets it, so it needs no typesetting system.
+``make pdf``: ``printed.py HTML PDF`` prints the pages of the built book, in the order of its contents, into one PDF
+with contents, bookmarks, page numbers and links between its pages. The browser that shows the book sets it, so it needs
+no typesetting system.
 """
 
 from __future__ import annotations
@@ -92,7 +93,8 @@ def numbers(reader: browser.Reader, count: int) -> PdfReader:
 
 
 def finish(writer: PdfWriter, address: str, book: list[Printed]) -> None:
-    """Links to pages of the book lead to their first sheet; each page has a bookmark below that of the page above it in the contents."""
+    """Links to pages of the book lead to their first sheet; each page has a bookmark below that of the page above it in
+    the contents."""
     first = {one.page.name: writer.pages[one.first].indirect_reference for one in book}
     for sheet in writer.pages:
         for link in sheet.get("/Annots") or []:

@@ -126,7 +126,8 @@ def write_summary(rows: list[lab.Row], folder: Path) -> None:
 
 
 def write_sweep(rows: list[lab.Row], folder: Path) -> None:
-    """What the default law dissipates in the plates and how deep their points get, over penalty and step: a picture of the book (``docs/figures/stability.py``)."""
+    """What the default law dissipates in the plates and how deep their points get, over penalty and step: a picture of
+    the book (``docs/figures/stability.py``)."""
     own = [row for row in rows if row.case == "plates" and row.enforcement == lab.DEFAULT]
     if len({row.fraction for row in own}) < 2:
         return

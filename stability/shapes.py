@@ -123,7 +123,8 @@ def hairpin(leg: float, thickness: float, gap: float, cells: Sequence[int], widt
 
 
 def fork(legs: int, through: int, gap: int, base: int, wide: int, h: float) -> Bricks:
-    """A U with corners: two legs along x of ``through`` elements, ``gap`` elements apart, on a base of ``base`` elements at the smaller x; elements are cubes of edge h."""
+    """A U with corners: two legs along x of ``through`` elements, ``gap`` elements apart, on a base of ``base``
+    elements at the smaller x; elements are cubes of edge h."""
     high = 2 * through + gap
     cells = [
         (i, j, k)
@@ -219,7 +220,8 @@ def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
     t = 1 + own * xi
     slope = np.stack([own[:, k] * np.delete(t, k, 2).prod(2) / 8 for k in range(3)], -1)
     if elements.shape[1] == 20:
-        # Serendipity: N = (1 + x)(1 + y)(1 + z)(x + y + z - 2) / 8 at corners and (1 - x^2)(1 + y)(1 + z) / 4 on edges, with the signs of the node.
+        # Serendipity: N = (1 + x)(1 + y)(1 + z)(x + y + z - 2) / 8 at corners and (1 - x^2)(1 + y)(1 + z) / 4 on edges,
+        # with the signs of the node.
         slope = slope * ((own * xi).sum(2) - 2)[..., None] + own * (t.prod(2) / 8)[..., None]
         middle = 0.5 * (own[EDGES[:, 0]] + own[EDGES[:, 1]])
         factor = np.where(middle == 0, 1 - xi**2, 1 + middle * xi)

@@ -1,7 +1,8 @@
-"""How large the project is: ``make count`` or ``python tests/count.py [REVISION]...``, a column each; without one, the working tree.
+"""How large the project is: ``make count`` or ``python tests/count.py [REVISION]...``, a column each; without one, the
+working tree.
 
-Every revision is laid out by the formatters of this checkout first. A line of code is one that is not blank, not a comment
-and not a docstring. Rooms are the folders of ``libcontact/src``, and a file beside them is a room of its own.
+Every revision is laid out by the formatters of this checkout first. A line of code is one that is not blank, not a
+comment and not a docstring. Rooms are the folders of ``libcontact/src``, and a file beside them is a room of its own.
 """
 
 from __future__ import annotations
@@ -159,7 +160,7 @@ def measure(folder: Path) -> dict[str, int]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("revision", nargs="*")
     names = parser.parse_args().revision or [None]
     columns = []

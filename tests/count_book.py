@@ -1,10 +1,12 @@
-"""What each chapter of the book holds: ``python tests/count_book.py [REVISION] [PAGE]...``; without a revision, the working tree.
+"""What each chapter of the book holds: ``python tests/count_book.py [REVISION] [PAGE]...``; without a revision, the
+working tree.
 
-Words are those of the prose: directives, listings, displayed formulas and their options don't count, a formula within a line is one word.
-A figure is a ``drawn``, ``figure`` or ``image`` directive. A labelled equation is a definition or a step if its class says so. Any
-other is computed if a listing of its own page names it (``eq:label``), and open if none does. "Own line" counts the listings that
-name an equation of their page. A forward reference is a link to a chapter or to an equation that comes later in the order of the
-contents, and does not stand in a box "Later"; pages of contents have none.
+Words are those of the prose: directives, listings, displayed formulas and their options don't count, a formula within a
+line is one word. A figure is a ``drawn``, ``figure`` or ``image`` directive. A labelled equation is a definition or a
+step if its class says so. Any other is computed if a listing of its own page names it (``eq:label``), and open if none
+does. "Own line" counts the listings that name an equation of their page. A forward reference is a link to a chapter or
+to an equation that comes later in the order of the contents, and does not stand in a box "Later"; pages of contents
+have none.
 """
 
 from __future__ import annotations
@@ -39,7 +41,8 @@ DIRECTIVE = re.compile(r"^( *)\.\. ([\w:-]+)::(.*)$")
 
 
 def blocks(text: str) -> list[tuple[str, str, str]]:
-    """The directives of a page (name, argument, body), and its prose under the name ""; what is in a box stays prose."""
+    """The directives of a page (name, argument, body), and its prose under the name ""; what is in a box stays
+    prose."""
     found, prose, lines = [], [], text.splitlines()
     i = 0
     while i < len(lines):
@@ -185,7 +188,7 @@ def measured(revision: str | None) -> dict[str, dict[str, int]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("revision", nargs="?", help="default: the working tree")
     parser.add_argument("page", nargs="*", help="only pages whose name contains one of these")
     given = parser.parse_args()

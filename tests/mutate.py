@@ -1,7 +1,8 @@
 """Does a test notice when the line of its equation changes? ``mutate.py [--draw 40] [--seed 1] [label or page ...]``.
 
-Draws computed equations of the book (the rows of ``trace.html``), changes a sign or factor in the quoted line, builds what the tests of the row need, and runs them.
-All of that happens in a copy of the tree, ``build/mutate``; the tree itself is only read. Prints a line per equation: the change, and the test that failed or that none did.
+Draws computed equations of the book (the rows of ``trace.html``), changes a sign or factor in the quoted line, builds
+what the tests of the row need, and runs them. All of that happens in a copy of the tree, ``build/mutate``; the tree
+itself is only read. Prints a line per equation: the change, and the test that failed or that none did.
 """
 
 import argparse
@@ -38,7 +39,8 @@ def another(value):
     return f"!({value})" if truth else f"3 * ({value})"
 
 
-# What changes in a statement, and into what: a sign, a factor, a divisor, a comparison, a whole value. No index, exponent, arrow or pointer.
+# What changes in a statement, and into what: a sign, a factor, a divisor, a comparison, a whole value. No index,
+# exponent, arrow or pointer.
 CHANGES = (
     (r"[\w)\]]\s([+-])\s?[\w(.-]", lambda sign: "-" if sign == "+" else "+"),
     (r"[\w)\]]\s(\*)\s?[\w(.-]", lambda sign: "* 1.5 *"),
@@ -56,12 +58,14 @@ ELSE = (
 )
 
 
-# A factor like (1 + 16 * DBL_EPSILON) or a term like 64.0 * DBL_EPSILON * size covers rounding, + 0j makes a number complex; none stands in an equation.
+# A factor like (1 + 16 * DBL_EPSILON) or a term like 64.0 * DBL_EPSILON * size covers rounding, + 0j makes a number
+# complex; none stands in an equation.
 ROUNDING = r"\(1(\.0)? [-+] [^()]*(EPSILON|1e-\d+)\)|[-+] ([\d.]+ \* DBL_EPSILON \* \w+|0j)"
 
 
 def changed(statement):
-    """Versions of a statement, each with one change; what stands in brackets is an index, and comments and strings stay."""
+    """Versions of a statement, each with one change; what stands in brackets is an index, and comments and strings
+    stay."""
     hide = lambda pattern, text: re.sub(pattern, lambda m: re.sub(r"\S", "_", m[0]), text)  # noqa: E731
     code = re.sub(r"//.*|/\*.*?\*/|#.*", lambda m: " " * len(m[0]), statement)
     hidden = hide(r"\[[^\[\]]*\]", hide(r"\"[^\"\n]*\"", hide(ROUNDING, code)))
@@ -177,7 +181,7 @@ def difference(before, after):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("which", nargs="*", default=["*"], help="patterns of labels or pages")
     parser.add_argument("--draw", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)

@@ -128,7 +128,8 @@ def count_tap(count: Count, name: str, code: int, output: str) -> None:
 
 
 def run_programs(programs: list[str], count: Count) -> None:
-    """Run the C programs, as many at a time as there are processors; of a failed one, show everything but its passed tests."""
+    """Run the C programs, as many at a time as there are processors; of a failed one, show everything but its passed
+    tests."""
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
         for name, code, output, seconds in pool.map(run_program, programs):
             before = len(count.names)

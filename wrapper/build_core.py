@@ -1,8 +1,8 @@
 """The extension ``libcontact._core``: its declarations are the public headers, read as they are.
 
-Plain ``pip install .`` compiles the core (libc and libm only) and add-ons that refuse every call. The Makefile links the archives that it has
-built instead, by the variables LIBCONTACT_PREBUILT (folder of the archives), LIBCONTACT_PACKAGES (what pkg-config calls GSL and HDF5, where they
-are) and LIBCONTACT_OPENMP (a flag or nothing).
+Plain ``pip install .`` compiles the core (libc and libm only) and add-ons that refuse every call. The Makefile links
+the archives that it has built instead, by the variables LIBCONTACT_PREBUILT (folder of the archives),
+LIBCONTACT_PACKAGES (what pkg-config calls GSL and HDF5, where they are) and LIBCONTACT_OPENMP (a flag or nothing).
 """
 
 import os
@@ -50,7 +50,8 @@ def in_order(headers):
 
 
 def declarations(header):
-    """The text of a header without comments, preprocessor lines, the words around C declarations in C++ and the export word."""
+    """The text of a header without comments, preprocessor lines, the words around C declarations in C++ and the export
+    word."""
     text = (INCLUDE / header).read_text(encoding="utf-8")
     text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
     text = re.sub(r"^#.*$", "", text, flags=re.M)

@@ -1,9 +1,10 @@
 """Names of C in single backticks become links, and no public function is missing from the manual.
 
-The comments of the headers write names as `ct_mesh_check` or `count`. With ``default_role = "cname"`` a name that begins with ``ct_`` or
-``CT_`` is linked to its entry in the API pages (with ``-n`` a name without entry fails), anything else is shown as code. At the end of
-reading, every function that a public header declares with ``CT_API`` must have an entry, and no header may have a comment *after* what it describes
-(``/**< … */``): hawkmoth would give it to the next name.
+The comments of the headers write names as `ct_mesh_check` or `count`. With ``default_role = "cname"`` a name that
+begins with ``ct_`` or ``CT_`` is linked to its entry in the API pages (with ``-n`` a name without entry fails),
+anything else is shown as code. At the end of reading, every function that a public header declares with ``CT_API`` must
+have an entry, and no header may have a comment *after* what it describes (``/**< … */``): hawkmoth would give it to the
+next name.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""Pages that show each source file whole, with line numbers to link to, so that the book needs no server for its ``[source]`` links.
+"""Pages that show each source file whole, with line numbers to link to, so that the book needs no server for its
+``[source]`` links.
 
-Every C file under ``weave_sources`` becomes ``_code/<path>.html``; line 49 has the anchor ``#line-49``. Above the source stand the pages of
-the book that quote it.
+Every C file under ``weave_sources`` becomes ``_code/<path>.html``; line 49 has the anchor ``#line-49``. Above the
+source stand the pages of the book that quote it.
 """
 
 from __future__ import annotations

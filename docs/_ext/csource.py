@@ -1,7 +1,8 @@
 """Cut a C file into functions and headed fragments: as much C as quoting needs, and no parser.
 
-Comments, strings, characters and preprocessor lines are blanked; what is left is searched for braces. A function is then whatever stands
-between ``)`` and ``{`` at depth 0, whether static, with attributes, or inside ``extern "C" {``. Lines count from 1.
+Comments, strings, characters and preprocessor lines are blanked; what is left is searched for braces. A function is
+then whatever stands between ``)`` and ``{`` at depth 0, whether static, with attributes, or inside ``extern "C" {``.
+Lines count from 1.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ class Span:
 
 
 class Source:
-    """A C file cut into functions and headings. It knows comments, strings, preprocessor lines and braces, and no more."""
+    """A C file cut into functions and headings. It knows comments, strings, preprocessor lines and braces, and no
+    more."""
 
     def __init__(self, text: str):
         self.text = text
@@ -118,7 +120,8 @@ class Source:
         return Span(heading.name, heading.first, last, heading.function)
 
     def quote(self, what: str, doc: bool = False) -> Span:
-        """The function of this name, with ``doc`` from the comments above it on, or the fragment under this ``"heading"``."""
+        """The function of this name, with ``doc`` from the comments above it on, or the fragment under this
+        ``"heading"``."""
         quoted = re.fullmatch(r'"(.*)"', what)
         if quoted:
             return self.fragment(quoted[1].strip())

@@ -1,8 +1,9 @@
 """Pictures that are drawn when the book is built: ``.. drawn:: figures/contact.py wedge``.
 
-The file, named from the folder of the book, has a function of that name, without arguments, that returns a matplotlib figure. The text under the directive is the
-caption, the option ``:alt:`` says what is seen. A book that is built without the package says so in place of the picture. The program of a chapter has the name of the
-chapter; what several of them need lies in ``figures/shared``.
+The file, named from the folder of the book, has a function of that name, without arguments, that returns a matplotlib
+figure. The text under the directive is the caption, the option ``:alt:`` says what is seen. A book that is built
+without the package says so in place of the picture. The program of a chapter has the name of the chapter; what several
+of them need lies in ``figures/shared``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ sys.path.append(str(FIGURES))  # for ``from shared.drawing import BLUE``
 
 
 def svg(path: Path, name: str, alt: str) -> str:
-    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the colour of the page's text, #fefefe in that of the page."""
+    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the
+    colour of the page's text, #fefefe in that of the page."""
     import matplotlib
     from matplotlib import style
 
@@ -49,7 +51,7 @@ def svg(path: Path, name: str, alt: str) -> str:
 class Drawn(SphinxDirective):
     required_arguments = 2
     has_content = True
-    option_spec = {"alt": directives.unchanged_required}
+    option_spec = {"alt": lambda text: " ".join(directives.unchanged_required(text).split())}
 
     def run(self) -> list[nodes.Node]:
         path = Path(self.env.srcdir) / self.arguments[0]

@@ -1,8 +1,8 @@
 """Numbers in the text come from a file that a program writes: :measured:`absorb.open:.3f`.
 
-The file is ``measured.json`` beside the pages, made by ``make measured`` (``docs/measure.py``). The role looks up the name and writes the number in the format that
-stands behind the colon, one of Python: ``.3f``, ``.2g``, ``.1%``. A name that the file does not have, or a format that does not fit a number, is a warning,
-so with ``-W`` the build fails.
+The file is ``measured.json`` beside the pages, made by ``make measured`` (``docs/measure.py``). The role looks up the
+name and writes the number in the format that stands behind the colon, one of Python: ``.3f``, ``.2g``, ``.1%``. A name
+that the file does not have, or a format that does not fit a number, is a warning, so with ``-W`` the build fails.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Tables of methods, made when the book is built. ``.. integrator-table::`` prints the library's own table of integrators; ``.. method-table::``
-measures the projection methods.
+"""Tables of methods, made when the book is built. ``.. integrator-table::`` prints the library's own table of
+integrators; ``.. method-table::`` measures the projection methods.
 
-Each row is a method of the compiled package: median evaluations on the ordinary faces of the bench, and the share of the corpus of hard cases
-(``tests/data``) where it is right. Nothing is typed, so nothing can go stale. A book that is built without the package says so in place of the table.
+Each row is a method of the compiled package: median evaluations on the ordinary faces of the bench, and the share of
+the corpus of hard cases (``tests/data``) where it is right. Nothing is typed, so nothing can go stale. A book that is
+built without the package says so in place of the table.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The parts of the book: which chapters they have, in which order, and one count of chapters through all of them.
 
-A part is a page whose toctree is ``:numbered:``; the parts stand in the toctree of ``index.rst``. Sphinx begins each numbered toctree with 1 again. Here the
-numbers of a part go on where those of the part before it end.
+A part is a page whose toctree is ``:numbered:``; the parts stand in the toctree of ``index.rst``. Sphinx begins each
+numbered toctree with 1 again. Here the numbers of a part go on where those of the part before it end.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""The keys of a scene's table as the book shows them: ``.. scene-keys:: contact``, or a table within a table, ``body.box``.
+"""The keys of a scene's table as the book shows them: ``.. scene-keys:: contact``, or a table within a table,
+``body.box``.
 
-Type, unit, limits, default and meaning come from the package's own model, from which scenes are read; nothing is typed here.
+Type, unit, limits, default and meaning come from the package's own model, from which scenes are read; nothing is typed
+here.
 """
 
 from __future__ import annotations

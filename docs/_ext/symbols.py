@@ -1,11 +1,12 @@
 """The letters of the labelled equations, and the table of notation that is made from ``reference/notation.toml``.
 
-A symbol is a letter with its style: ``\\sigma`` and ``\\boldsymbol\\sigma`` are two symbols, subscripts make no new one. The file has for each part its symbols with
-meaning, unit and the chapter that defines them. Where a chapter uses a symbol in another sense than its part, the file says so under ``other``; these rows
-are to become fewer.
+A symbol is a letter with its style: ``\\sigma`` and ``\\boldsymbol\\sigma`` are two symbols, subscripts make no new
+one. The file has for each part its symbols with meaning, unit and the chapter that defines them. Where a chapter uses a
+symbol in another sense than its part, the file says so under ``other``; these rows are to become fewer.
 
-Of the parts in ``CLOSED`` a row has a fifth cell: the chapters whose labelled equations use the symbol. Whoever writes a letter into another chapter adds it there and reads its
-meaning. In these parts ``other`` is empty, more letters count, and all formulas are read, also those in a line of text.
+Of the parts in ``CLOSED`` a row has a fifth cell: the chapters whose labelled equations use the symbol. Whoever writes
+a letter into another chapter adds it there and reads its meaning. In these parts ``other`` is empty, more letters
+count, and all formulas are read, also those in a line of text.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ GROUP = r"\{(?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*\}"
 
 
 def letters(formula: str, part: str = "") -> set[str]:
-    """Symbols of a formula that have one of the letters that count in a part; subscripts, words and units do not count."""
+    """Symbols of a formula that have one of the letters that count in a part; subscripts, words and units do not
+    count."""
     count = LETTERS + MORE if part in CLOSED else LETTERS
     text = re.sub(
         r"\\(?:text|mathrm|operatorname|label|begin|end|mathsf|hspace)(?![a-z])\*?\s*(?:"

@@ -1,7 +1,9 @@
-"""The page ``trace.html``: each computed equation of the book with the line that its page quotes and the tests that name it.
+"""The page ``trace.html``: each computed equation of the book with the line that its page quotes and the tests that
+name it.
 
-``.. trace::`` becomes the tables. What an equation must have, and what is read, ``tracing.py`` says; the warnings are of the type ``trace``:
-``trace.code`` for an equation without a line or of an unknown class, ``trace.test`` for one without a test, or a test that names an equation which no page defines.
+``.. trace::`` becomes the tables. What an equation must have, and what is read, ``tracing.py`` says; the warnings are
+of the type ``trace``: ``trace.code`` for an equation without a line or of an unknown class, ``trace.test`` for one
+without a test, or a test that names an equation which no page defines.
 """
 
 from __future__ import annotations

@@ -1,11 +1,14 @@
 """Which line computes an equation, and which test would notice if it were wrong: the page ``trace.html``.
 
-A labelled equation is a *definition* or a *step* of a derivation, which its directive says (``:class: definition``, ``:class: step``), or it is *computed*. Then a listing on its
-own page quotes the line that computes it, with ``(eq:label)`` in a comment on this line or above it, and a test names it: ``eq:label`` in a comment or docstring of the test, or the
-decorator ``@executes("label")``. Without a line the build warns (``trace.code``), without a test as well (``trace.test``), but for the chapters in ``trace_open`` of ``conf.py``.
-Everywhere a class of another name warns, and a test that names an equation which no page defines.
+A labelled equation is a *definition* or a *step* of a derivation, which its directive says (``:class: definition``,
+``:class: step``), or it is *computed*. Then a listing on its own page quotes the line that computes it, with
+``(eq:label)`` in a comment on this line or above it, and a test names it: ``eq:label`` in a comment or docstring of the
+test, or the decorator ``@executes("label")``. Without a line the build warns (``trace.code``), without a test as well
+(``trace.test``), but for the chapters in ``trace_open`` of ``conf.py``. Everywhere a class of another name warns, and a
+test that names an equation which no page defines.
 
-``python docs/_ext/tracing.py theory/mass`` prints what a chapter lacks, in a second and without Sphinx; without arguments it prints a row per chapter.
+``python docs/_ext/tracing.py theory/mass`` prints what a chapter lacks, in a second and without Sphinx; without
+arguments it prints a row per chapter.
 """
 
 from __future__ import annotations
@@ -127,9 +130,11 @@ def read_source(path: Path) -> Source | PythonSource:
 
 def statement(source: Source | PythonSource, line: int, last: int) -> tuple[int, int] | None:
     """
-    Lines of the statement that a comment in this line is about: the one before the comment, else the first below that computes.
+    Lines of the statement that a comment in this line is about: the one before the comment, else the first below that
+    computes.
 
-    It is looked for down to ``last`` and to the next comment that names an equation or is a heading. Of a comment above a function, in its body.
+    It is looked for down to ``last`` and to the next comment that names an equation or is a heading. Of a comment above
+    a function, in its body.
     """
     # Of a preprocessor line, which is blank in the code, the source itself.
     text = [
@@ -263,7 +268,8 @@ def trace(pages: dict[str, Path], root: Path, folders: list[str]):
 
 
 def counts(equations: list[Equation]) -> Counter:
-    """How many equations there are of each kind, how many of the computed ones a test names, and how many a test executes."""
+    """How many equations there are of each kind, how many of the computed ones a test names, and how many a test
+    executes."""
     count = Counter(equation.kind for equation in equations)
     computed = [equation for equation in equations if equation.kind == "computed"]
     count["computed"] = sum(equation.code is not None for equation in computed)

@@ -9,14 +9,15 @@
 
     .. weave:: libcontact/src/mesh/mass.c "ct_mass_element: Scale the diagonal to the element's mass"
 
-The first form quotes a whole function, with ``:doc:`` also the comment before it. The others quote the fragment under the
-heading comment ``// -- Scale the diagonal to the element's mass (eq:hrz)``: down to the next heading of the same function or to the
-end of the block in which the heading stands. A heading that occurs twice in a file needs the name of its function.
+The first form quotes a whole function, with ``:doc:`` also the comment before it. The others quote the fragment under
+the heading comment ``// -- Scale the diagonal to the element's mass (eq:hrz)``: down to the next heading of the same
+function or to the end of the block in which the heading stands. A heading that occurs twice in a file needs the name of
+its function.
 
-Every listing shows the lines' true numbers, and its caption links the file and the equations that the quoted comments name. Below an
-equation stand the places in the code that name it. A build with ``-W`` fails when a file, function or heading is gone or
-ambiguous, and when any comment under ``weave_sources``, quoted or not, names an equation (``eq:label`` or ``:eq:`label```) that
-no page defines. (That two pages define one label is reported by Sphinx itself.)
+Every listing shows the lines' true numbers, and its caption links the file and the equations that the quoted comments
+name. Below an equation stand the places in the code that name it. A build with ``-W`` fails when a file, function or
+heading is gone or ambiguous, and when any comment under ``weave_sources``, quoted or not, names an equation
+(``eq:label`` or ``:eq:`label```) that no page defines. (That two pages define one label is reported by Sphinx itself.)
 """
 
 from __future__ import annotations
@@ -124,7 +125,8 @@ def source_files(config, env) -> list[str]:
 
 
 def scan_labels(app, env, added, changed, removed):
-    """List all labels that the code names; pages whose equations are named from elsewhere than before are read again."""
+    """List all labels that the code names; pages whose equations are named from elsewhere than before are read
+    again."""
     before, env.weave_labels = getattr(env, "weave_labels", {}), {}
     if not hasattr(env, "weave_quotes"):
         env.weave_quotes = {}
@@ -162,7 +164,8 @@ def check_labels(app, env):
 
 
 def add_computed_in(app, doctree, docname):
-    """Write below each equation where the code computes it: the headings and comments that name it, not the manual's."""
+    """Write below each equation where the code computes it: the headings and comments that name it, not the
+    manual's."""
     for block in list(doctree.findall(nodes.math_block)):
         places = [
             (path, line)

@@ -34,8 +34,9 @@ def reflected(angle, poisson):
 
 def oblique(half, wave, length=300, poisson=0.25):
     """
-    Energy that an absorbing end of a plane strip sends back. The strip lies between two planes of symmetry at the distance `half`, so that its P waves of
-    the length `wave` run at the angle arcsin(wave / 2 half) to its axis; all in elements.
+    Energy that an absorbing end of a plane strip sends back. The strip lies between two planes of symmetry at the
+    distance `half`, so that its P waves of the length `wave` run at the angle arcsin(wave / 2 half) to its axis; all in
+    elements.
     """
     young = (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
     scene = scene_of(young, poisson)

@@ -60,7 +60,8 @@ def growth():
 
 
 def rim():
-    """The recovered pressure under a sphere on coarse meshes with a stiff contact, and that over the faces in contact alone."""
+    """The recovered pressure under a sphere on coarse meshes with a stiff contact, and that over the faces in contact
+    alone."""
     figure = Figure(figsize=(7.5, 3.4))
     ax = figure.subplots()
     a, peak, fine = np.sqrt(4 * 0.1), 2000 / 0.91 / np.pi * np.sqrt(0.1 / 4), np.linspace(0, 1, 300)

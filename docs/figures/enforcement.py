@@ -63,7 +63,8 @@ def impact_loop():
 
 
 def two_gaps():
-    """The gaps and forces of one impact, and the force of one step where the ramp of the law meets the motion of the point."""
+    """The gaps and forces of one impact, and the force of one step where the ramp of the law meets the motion of the
+    point."""
     step, n = 0.6, 2  # the step times ω, and the one that the right side shows
     gaps, forces, _ = one_impact("energy_controlled", step, start=0.5)
     a = 0.15 * np.sqrt(1 + 4 / step**2)  # (eq:surface-damping) for a point alone

@@ -18,7 +18,8 @@ YOUNG, POISSON, DENSITY, SPEED = 2.1e5, 0.3, 7.8e-9, 1e3
 
 
 def impact():
-    """The computed transversal stress in both plates, mirrored at their plane of symmetry, and the exact wave fronts."""
+    """The computed transversal stress in both plates, mirrored at their plane of symmetry, and the exact wave
+    fronts."""
     lame = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
     c1 = np.sqrt(lame * (1 - POISSON) / POISSON / DENSITY)
     run = ct.Scene.load(ct.example("plates")).run(progress=False, output=False)

@@ -23,8 +23,8 @@ def stretch(view):
 
 def free_cube(integrator, fraction, softer=1.0, steps=40):
     """
-    The stretch of a free cube over its steps, and Ω = ω Δt. With E = ρ = h = 1 the motion has ω = 2. A second cube, of this stiffness and at rest, sets the
-    stable step; the first one may be softer.
+    The stretch of a free cube over its steps, and Ω = ω Δt. With E = ρ = h = 1 the motion has ω = 2. A second cube, of
+    this stiffness and at rest, sets the stable step; the first one may be softer.
     """
     scene = bar(scene_of(young=softer), cells=1)
     scene.add_material("stiff", young=1.0, poisson=0.0, density=1.0)
@@ -63,7 +63,8 @@ def principal(roots):
 
 
 def radii():
-    """Spectral radius and error of the period: eigenvalues of the amplification matrix, and those found from runs of the library."""
+    """Spectral radius and error of the period: eigenvalues of the amplification matrix, and those found from runs of
+    the library."""
     figure = Figure(figsize=(7.5, 3.8))
     radius, period = figure.subplots(1, 2)
     colours = (GREY, BLUE, ORANGE, GREEN)

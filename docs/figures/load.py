@@ -41,7 +41,8 @@ def amplitudes():
 
 
 def nodal_forces():
-    """Share of the nodes in a uniform traction on the two faces of bricks, from the library: masses times first accelerations."""
+    """Share of the nodes in a uniform traction on the two faces of bricks, from the library: masses times first
+    accelerations."""
     figure = Figure(figsize=(7.5, 2.9))
     for ax, element in zip(figure.subplots(1, 2), ("hex8", "hex20"), strict=True):
         scene = scene_of()

@@ -7,7 +7,8 @@ from shared.drawing import BLUE, GREY, RED
 
 
 def maps():
-    """The upper side of three hex20 bricks: lines of constant reference coordinates, and where the determinant is negative."""
+    """The upper side of three hex20 bricks: lines of constant reference coordinates, and where the determinant is
+    negative."""
     bricks = []
     for move in (
         {},

@@ -49,7 +49,8 @@ def groups(before):
 
 
 def places(before):
-    """A box for each chapter: column and row. Chapters follow those that they need to the right or, in a long part, downwards."""
+    """A box for each chapter: column and row. Chapters follow those that they need to the right or, in a long part,
+    downwards."""
     level = {}
     for page in before:
         level[page] = max((level[need] + 1 for need in before[page]), default=0)
@@ -96,7 +97,8 @@ def tangle(place, before):
 
 
 def untangled(place, lines, before, downwards):
-    """The same boxes, each line of them moved to the places with the least tangle, given the others, down and up four times. A row may use all half columns."""
+    """The same boxes, each line of them moved to the places with the least tangle, given the others, down and up four
+    times. A row may use all half columns."""
     for line in 4 * (lines + lines[::-1]):
         own = [place[page] for page in line]
         if downwards:
@@ -114,7 +116,8 @@ def untangled(place, lines, before, downwards):
 
 
 def chart(part):
-    """Boxes with the numbers and titles of the chapters of a part; an arrow leads from a chapter to one that needs it."""
+    """Boxes with the numbers and titles of the chapters of a part; an arrow leads from a chapter to one that needs
+    it."""
     book = parts(DOCS)
     chapters = book[part]
     numbers = {

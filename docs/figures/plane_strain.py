@@ -8,7 +8,8 @@ from shared.faces import FACES
 
 
 def layers():
-    """The nodal forces of a cube that is stretched in its plane, and the displacements along ξ that are left of a brick."""
+    """The nodal forces of a cube that is stretched in its plane, and the displacements along ξ that are left of a
+    brick."""
     young, poisson = 1.0, 0.3
     lame, shear = young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))
     nodes = 0.5 * (CORNERS + 1)

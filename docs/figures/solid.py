@@ -97,7 +97,8 @@ def cube(kind, n):
 
 
 def smooth(x):
-    """Gradient of the harmonic function exp(√2 x) sin y sin z: in equilibrium in any linear material; and its strains."""
+    """Gradient of the harmonic function exp(√2 x) sin y sin z: in equilibrium in any linear material; and its
+    strains."""
     a = 2**0.5
     e, s, c = np.exp(a * x[..., 0]), np.sin(x), np.cos(x)
     u = e[..., None] * np.stack(
@@ -118,7 +119,8 @@ def smooth(x):
 
 
 def solved(kind, n):
-    """Errors of displacement, and of stress at centres and at Gauss points, of a cube whose surface is displaced; over the largest."""
+    """Errors of displacement, and of stress at centres and at Gauss points, of a cube whose surface is displaced; over
+    the largest."""
     nodes, elements = cube(kind, n)
     C, points = moduli(1, 0.3), 2 if kind == "hex8" else 3
     K = np.zeros((3 * len(nodes),) * 2)

@@ -7,7 +7,8 @@ from shared.scenes import done, scene_of
 
 
 def stress_at(law, gradient, poisson=0.3):
-    """Cauchy's stress over E of a cube with this displacement gradient: one step of forces m u / (Δt²/2) leads there from rest."""
+    """Cauchy's stress over E of a cube with this displacement gradient: one step of forces m u / (Δt²/2) leads there
+    from rest."""
     gradient = np.asarray(gradient, dtype=float)
     scene = scene_of(poisson=poisson, **law)
     box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}

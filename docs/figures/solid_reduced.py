@@ -76,7 +76,8 @@ def stiffness():
 
 
 def deflection(cells, kappa):
-    """End deflection of a cantilever of length 10 and height 1 with ν = 0, over Timoshenko's; full integration if Q is None."""
+    """End deflection of a cantilever of length 10 and height 1 with ν = 0, over Timoshenko's; full integration if Q is
+    None."""
     scene = scene_of()
     size = [10.0, 1 / cells, 1.0]
     box = {"origin": [0, 0, 0], "size": size, "cells": [10 * cells, 1, cells]}

@@ -7,7 +7,8 @@ from shared.scenes import bar, done, scene_of
 
 
 def viscous_pressure(speed, linear, quadratic):
-    """Pressure of the bulk viscosity of a cube whose ends approach each other at this speed, from one step of the library."""
+    """Pressure of the bulk viscosity of a cube whose ends approach each other at this speed, from one step of the
+    library."""
     scene = bar(scene_of(), cells=1, velocity=[-speed, 0, 0])
     scene.add_support("bar.x_min", fix="x")
     scene.add("viscosity", linear=linear, quadratic=quadratic)
@@ -41,7 +42,8 @@ def viscosity_law():
 
 
 def shock():
-    """The front in a rod of cubes that hits a wall at 5 % of c, after 120 cubes, with bulk viscosity of different strength."""
+    """The front in a rod of cubes that hits a wall at 5 % of c, after 120 cubes, with bulk viscosity of different
+    strength."""
     figure = Figure(figsize=(7.5, 4.4))
     axes = figure.subplots(4, 1, sharex=True, sharey=True)
     for ax, (linear, quadratic), colour in zip(

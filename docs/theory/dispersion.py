@@ -1,4 +1,5 @@
-"""The row of masses of the chapter on dispersion, its pictures, and the run beside them. Lengths in elements, speeds in c₁."""
+"""The row of masses of the chapter on dispersion, its pictures, and the run beside them. Lengths in elements, speeds in
+c₁."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -126,7 +127,8 @@ def polar():
 
 
 def modes():
-    """The front of Fig. 4 as a sum: three of its waves where they are and where they should be, and sums down to a wavelength."""
+    """The front of Fig. 4 as a sum: three of its waves where they are and where they should be, and sums down to a
+    wavelength."""
     figure = Figure(figsize=(7.5, 3.8))
     single, sums = figure.subplots(1, 2)
     x, t = np.linspace(20.0, 62.0, 841), 448 * 0.125

@@ -1,6 +1,8 @@
-"""The waves that one free face of the plate sends out, by Cagniard's path and quadrature: the readable form of the closed form.
+"""The waves that one free face of the plate sends out, by Cagniard's path and quadrature: the readable form of the
+closed form.
 
-All is in the units of the chapter: c1 = 1, times and lengths in d/c1 and d, slownesses in 1/c1. The fields are s_x, s_y, s_xy, w_x, w_y.
+All is in the units of the chapter: c1 = 1, times and lengths in d/c1 and d, slownesses in 1/c1. The fields are s_x,
+s_y, s_xy, w_x, w_y.
 """
 
 import numpy as np

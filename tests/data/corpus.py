@@ -1,8 +1,10 @@
-"""Hard cases for the closest point, with their true distances: ``python tests/data/corpus.py`` writes corpus.npz beside this file.
+"""Hard cases for the closest point, with their true distances: ``python tests/data/corpus.py`` writes corpus.npz beside
+this file.
 
-Truth uses nothing of the library. The polynomial of a face is made of exact fractions. Along each edge the squared distance is a polynomial of one
-variable, and its stationary points are its roots; the corners are looked at; inside, Newton's method with a modified Hessian starts from each point of a
-fine grid. All that these find near the lowest value is followed down in 40 digits, and the lowest end is the truth.
+Truth uses nothing of the library. The polynomial of a face is made of exact fractions. Along each edge the squared
+distance is a polynomial of one variable, and its stationary points are its roots; the corners are looked at; inside,
+Newton's method with a modified Hessian starts from each point of a fine grid. All that these find near the lowest value
+is followed down in 40 digits, and the lowest end is the truth.
 """
 
 from __future__ import annotations
@@ -60,7 +62,8 @@ def somewhere(rng, kind, margin=0.0):
 
 
 def normal(kind, nodes, xi):
-    """The unit normal at xi. The tangents are those of the polynomial: a difference quotient would keep ten digits, and others on another machine."""
+    """The unit normal at xi. The tangents are those of the polynomial: a difference quotient would keep ten digits, and
+    others on another machine."""
     A = np.array([[x**i * y**j for i, j in POWERS[kind]] for x, y in REFERENCE[kind]])
     along = np.array(
         [
@@ -124,7 +127,8 @@ def collapsed_q4(rng):
 
 
 def quarter_point_q8(rng):
-    """The mid-sides next to corner 0 stand at the quarter point of their edges, or beyond it: there the face folds over."""
+    """The mid-sides next to corner 0 stand at the quarter point of their edges, or beyond it: there the face folds
+    over."""
     nodes = curved(rng, "Q8", 0.3, 0.05)
     fraction = 0.25 if rng.random() < 0.5 else rng.uniform(0.1, 0.25)
     for side, other in ((4, 1), (7, 3)):
@@ -465,7 +469,8 @@ def edge_ends(kind, c):
 
 
 def root_of(slope, t):
-    """Newton in many digits, held on 0 <= t <= 1; an end is an answer as well, for f there is f of a point of the face."""
+    """Newton in many digits, held on 0 <= t <= 1; an end is an answer as well, for f there is f of a point of the
+    face."""
     s = [mp.mpf(v.numerator) / v.denominator for v in slope]
     for _ in range(12):
         value, first = (

@@ -1,4 +1,5 @@
-"""The decorator of a test that executes equations: it writes them again in Python, from the page and not from the code."""
+"""The decorator of a test that executes equations: it writes them again in Python, from the page and not from the
+code."""
 
 import re
 from pathlib import Path

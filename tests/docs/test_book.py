@@ -1,4 +1,5 @@
-"""The book builds with warnings as errors, without running the tutorials (which have their own test), and needs no network."""
+"""The book builds with warnings as errors, without running the tutorials (which have their own test), and needs no
+network."""
 
 import os
 import re
@@ -85,8 +86,9 @@ def test_downloads_are_the_tutorials(book):
 WIDTHS = {390: 844, 1400: 900}  # a telephone and a desktop: width and height in pixels
 COURSE = ("week/", "theory/")  # pages that must be fully visible on a desktop
 
-# `over`: numbers of equations that cut the visible part of their formula, or lie outside of the window. `lost`: what leaves the window and stands in
-# no box that scrolls. `hidden`: formulas and listings of which a part must be scrolled to. `errors`: formulas that could not be set.
+# `over`: numbers of equations that cut the visible part of their formula, or lie outside of the window. `lost`: what
+# leaves the window and stands in no box that scrolls. `hidden`: formulas and listings of which a part must be scrolled
+# to. `errors`: formulas that could not be set.
 LOOK = """
 () => {
   const width = document.documentElement.clientWidth, name = e => e.closest("[id]")?.id + " " + e.tagName;

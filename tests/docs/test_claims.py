@@ -117,7 +117,8 @@ EXPLICIT = {
     "page, advice", [(page, advice) for page, all_of_it in EXPLICIT.items() for advice in all_of_it]
 )
 def test_advice_on_penalty_and_step_has_its_scope(page, advice):
-    found = [paragraph for paragraph in PAGES[page].split("\n\n") if re.search(advice, paragraph)]
+    paragraphs = [" ".join(paragraph.split()) for paragraph in PAGES[page].split("\n\n")]
+    found = [paragraph for paragraph in paragraphs if re.search(advice, paragraph)]
     assert found and all("explicit penalty" in paragraph for paragraph in found)
 
 

@@ -1,4 +1,5 @@
-"""Equations of materials, masses, elements and loads, written again from the pages and compared with the forces of the library."""
+"""Equations of materials, masses, elements and loads, written again from the pages and compared with the forces of the
+library."""
 
 import numpy as np
 import pytest

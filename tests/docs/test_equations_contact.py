@@ -1,4 +1,5 @@
-"""Equations of contact, its laws, obstacles and friction, written again from the pages and compared with the library."""
+"""Equations of contact, its laws, obstacles and friction, written again from the pages and compared with the
+library."""
 
 import numpy as np
 import pytest
@@ -185,7 +186,8 @@ def test_bound_of_the_contact():
 
 
 def resting(**obstacle):
-    """A cube of hex8 that has a large obstacle inside its lower face at t = 0 and is pushed: force and energy at the start."""
+    """A cube of hex8 that has a large obstacle inside its lower face at t = 0 and is pushed: force and energy at the
+    start."""
     made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     made.add_material("elastic", young=1.0, poisson=0.3, density=1.0)
     made.add_body("body", material="elastic", box={"size": [1, 1, 1], "cells": [1, 1, 1]})

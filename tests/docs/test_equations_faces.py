@@ -200,7 +200,8 @@ def floor_nodes():
 
 
 class Look:
-    """f of a point over a Q8 face, its gradient, Hessian and tangents at a place; the derivatives of the shape functions by differences that are exact for their degree."""
+    """f of a point over a Q8 face, its gradient, Hessian and tangents at a place; the derivatives of the shape
+    functions by differences that are exact for their degree."""
 
     def __init__(self, xi, nodes=Q8, point=POINT):
         self.xi = np.asarray(xi, float)

@@ -1,4 +1,5 @@
-"""Equations of time steps, waves in a mesh and the exact plates, written again from the pages and compared with the library."""
+"""Equations of time steps, waves in a mesh and the exact plates, written again from the pages and compared with the
+library."""
 
 import itertools
 from fractions import Fraction
@@ -164,7 +165,8 @@ def stable_step(model):
     "stability-limit", "element-bound", "step-bound", "damped-step-bound", "integrator-damped-bound"
 )
 def test_stable_step_of_one_brick():
-    """One element alone, so that the bound of the elements is the limit; then with dampers, and with another integrator."""
+    """One element alone, so that the bound of the elements is the limit; then with dampers, and with another
+    integrator."""
     X = Steps().X
     model = Model(scene(X))
     mass = np.repeat(model.mass, 3)
@@ -268,7 +270,8 @@ def test_plane_wave():
 
 
 def face_fields(x, y, t, nu):
-    """Fields of the load on a half-space by Cagniard's points and Gauss's rule, in the order s_x, s_y, s_xy, w_x, w_y."""
+    """Fields of the load on a half-space by Cagniard's points and Gauss's rule, in the order s_x, s_y, s_xy, w_x,
+    w_y."""
     kappa = np.sqrt(2 * (1 - nu) / (1 - 2 * nu))
     eps = kappa**2 - 2
     r2 = x * x + y * y

@@ -51,7 +51,8 @@ def test_coefficients_of_a_q8_face():
 
 
 def first_step(nodes, point, start):
-    """Gradient and Hessian of f by differences, exact for these polynomials up to round-off, and the first step of the method from ``start``."""
+    """Gradient and Hessian of f by differences, exact for these polynomials up to round-off, and the first step of the
+    method from ``start``."""
 
     def f(xi):
         N = [(1 + a * xi[0]) * (1 + b * xi[1]) / 4 for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
@@ -80,7 +81,8 @@ def first_step(nodes, point, start):
 
 @pytest.mark.parametrize("height, opens_upwards", [(0.3, True), (6.0, False)])
 def test_first_step_of_steepest_descent(height, opens_upwards):
-    """eq:steepest-length: to the lowest point of the parabola if it has one, else by a half-width of the face; downhill in both cases."""
+    """eq:steepest-length: to the lowest point of the parabola if it has one, else by a half-width of the face; downhill
+    in both cases."""
     nodes = SQUARE + [[0, 0, 0.5], [0, 0, -0.5], [0, 0, 0.5], [0, 0, -0.5]]
     start = np.array([0.3, 0.25])
     f, g, H, step = first_step(nodes, np.array([0.0, 0.0, height]), start)

@@ -1,4 +1,5 @@
-"""The gallery, with the book's settings, on two scripts: their order, and no traces of the machine or of Python on their pages."""
+"""The gallery, with the book's settings, on two scripts: their order, and no traces of the machine or of Python on
+their pages."""
 
 import os
 import re

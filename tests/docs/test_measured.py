@@ -1,4 +1,5 @@
-"""Numbers in the text: the role reads them from a file and fails the build for unknown ones; the file has the present results of the library."""
+"""Numbers in the text: the role reads them from a file and fails the build for unknown ones; the file has the present
+results of the library."""
 
 import json
 import math
@@ -25,7 +26,8 @@ PAGES = {
 
 
 def test_pages_and_file_name_the_same_numbers():
-    """No page asks for a number that the file lacks (the build would fail, too), and the file has none that no page shows."""
+    """No page asks for a number that the file lacks (the build would fail, too), and the file has none that no page
+    shows."""
     asked = {name for text in PAGES.values() for name, _ in ROLE.findall(text)}
     held = {f"{group}.{key}" for group, numbers in FILE.items() for key in numbers}
     assert asked and asked == held
@@ -61,7 +63,8 @@ def test_closed_forms():
 
 
 def test_growth_depends_on_the_landing():
-    """Two landings of the many that the slow measurements take lie within the range that the page gives, far from each other."""
+    """Two landings of the many that the slow measurements take lie within the range that the page gives, far from each
+    other."""
     found = sorted(one["most"] for one in measure.explicit_bar(10.0, landings=2))
     assert (
         FILE["integrator"]["leapfrog_least"] <= found[0] < 1.5

@@ -1,4 +1,5 @@
-"""A symbol has one meaning in a part of the book: equations use no letter that reference/notation.toml does not have, and in closed parts no letter in a chapter that its row does not name."""
+"""A symbol has one meaning in a part of the book: equations use no letter that reference/notation.toml does not have,
+and in closed parts no letter in a chapter that its row does not name."""
 
 import sys
 from pathlib import Path
@@ -46,7 +47,8 @@ def test_equations_use_symbols_of_the_table(part, page):
 
 @pytest.mark.parametrize("part", CLOSED)
 def test_one_sense(part):
-    """No chapter has a sense of its own. The row of a symbol names the chapters whose labelled equations use it, and the first of them comes after its definition."""
+    """No chapter has a sense of its own. The row of a symbol names the chapters whose labelled equations use it, and
+    the first of them comes after its definition."""
     assert TABLES[part]["other"] == []
     pages = BOOK[part]
     at = {page: used(DOCS / f"{page}.rst", part) for page in pages}

@@ -89,7 +89,8 @@ def test_a_reference_ahead_is_found_and_a_box_hides_it():
 
 
 def test_numbers_go_on_from_part_to_part(tmp_path):
-    """A tiny book of two parts with two chapters each: the chapters have the numbers 1 to 4, and so have their equations."""
+    """A tiny book of two parts with two chapters each: the chapters have the numbers 1 to 4, and so have their
+    equations."""
     pytest.importorskip("sphinx")
     from sphinx.application import Sphinx
 

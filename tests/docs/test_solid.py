@@ -69,7 +69,8 @@ def test_growth_beyond_the_limit():
 
 
 def test_a_large_step_by_hand():
-    """The mass on a spring of the chapters step and energy: back after six steps (eq:step-oscillator), with a constant energy."""
+    """The mass on a spring of the chapters step and energy: back after six steps (eq:step-oscillator), with a constant
+    energy."""
     u, v, energies = [1.0], [0.5], []
     for _ in range(6):
         v.append(v[-1] - u[-1])

@@ -1,4 +1,5 @@
-"""Six sabotages of a small book with its sources and tests: each fails the build or a test. And what the table of equations shows."""
+"""Six sabotages of a small book with its sources and tests: each fails the build or a test. And what the table of
+equations shows."""
 
 import re
 import shutil
@@ -108,7 +109,8 @@ def test_fall():
 
 @pytest.fixture
 def build(tmp_path):
-    """A function that writes the book with changes (file, old text, new text; no new text: no file), and builds it: status, messages, table."""
+    """A function that writes the book with changes (file, old text, new text; no new text: no file), and builds it:
+    status, messages, table."""
 
     def build(*changes):
         files = dict(BOOK)

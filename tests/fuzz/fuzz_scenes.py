@@ -1,9 +1,11 @@
 """
 Scenes and results files that were changed at random: ``fuzz_scenes.py SECONDS SEED [FOLDER]``.
 
-A scene file is made of random parts or is a good one with lines, keys, values or bytes changed. What comes out is a ``SceneError``, or a scene that explains itself or runs a
-few steps, or a ``RunError``. A results file has bytes or whole blocks changed, or is cut: ``Run.load`` gives a run or says ``ValueError``, a restart goes on or says ``SceneError``.
-Each batch of files is read in a process of its own, since HDF5 itself may end on a damaged one; that is counted apart ("hdf5").
+A scene file is made of random parts or is a good one with lines, keys, values or bytes changed. What comes out is a
+``SceneError``, or a scene that explains itself or runs a few steps, or a ``RunError``. A results file has bytes or
+whole blocks changed, or is cut: ``Run.load`` gives a run or says ``ValueError``, a restart goes on or says
+``SceneError``. Each batch of files is read in a process of its own, since HDF5 itself may end on a damaged one; that is
+counted apart ("hdf5").
 """
 
 from __future__ import annotations
@@ -372,7 +374,8 @@ def in_child(work, seconds: float) -> tuple[int, str]:
 def campaign(
     seconds: float, seed: int, folder: Path | None = None, rounds: int | None = None
 ) -> dict[str, int]:
-    """Change scenes and files for so long (or for so many rounds of 400 scenes and 20 files); the counts of what came out. A broken promise is an AssertionError that names the seed."""
+    """Change scenes and files for so long (or for so many rounds of 400 scenes and 20 files); the counts of what came
+    out. A broken promise is an AssertionError that names the seed."""
     warnings.simplefilter("ignore")
     counts: dict[str, int] = {}
     with tempfile.TemporaryDirectory(dir=folder) as name:

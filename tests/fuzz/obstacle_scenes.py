@@ -1,9 +1,10 @@
 """
 Random bodies at rigid obstacles: ``obstacle_scenes.py FAMILY FIRST COUNT``, FAMILY ``overlap`` or ``small``.
 
-``overlap``: the body begins 1e-6 ... 0.5 of an edge inside a plane, a sphere or a cylinder. ``small``: spheres and cylinders of 0.05 ... 5 edges hit a body at up to its wave
-speed. Oracles: the energy of the bodies, kinetic and strain, never exceeds that of the start plus the work of the obstacle by more than 0.2 %; an obstacle whose path meets the
-body gives it an impulse, and its centre is not inside it at the end, deeper than the penalty lets it.
+``overlap``: the body begins 1e-6 ... 0.5 of an edge inside a plane, a sphere or a cylinder. ``small``: spheres and
+cylinders of 0.05 ... 5 edges hit a body at up to its wave speed. Oracles: the energy of the bodies, kinetic and strain,
+never exceeds that of the start plus the work of the obstacle by more than 0.2 %; an obstacle whose path meets the body
+gives it an impulse, and its centre is not inside it at the end, deeper than the penalty lets it.
 """
 
 from __future__ import annotations

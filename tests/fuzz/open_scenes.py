@@ -1,8 +1,10 @@
 """
-Random bodies whose contact is between parts of their skins: ``open_scenes.py FAMILY FIRST COUNT``, FAMILY ``scenes``, ``hosts``, ``stiff`` or ``stiff_hosts``.
+Random bodies whose contact is between parts of their skins: ``open_scenes.py FAMILY FIRST COUNT``, FAMILY ``scenes``,
+``hosts``, ``stiff`` or ``stiff_hosts``.
 
-Over the border of an open surface a point suddenly lies inside. The oracle is the energy of the bodies, kinetic and strain, not the total that contains what the contact
-stores: it must not exceed that of the start by more than 0.2 %. ``stiff``, ``stiff_hosts``: closed skins, with penalty factors of 1 ... 1e6, of bodies that turn.
+Over the border of an open surface a point suddenly lies inside. The oracle is the energy of the bodies, kinetic and
+strain, not the total that contains what the contact stores: it must not exceed that of the start by more than 0.2 %.
+``stiff``, ``stiff_hosts``: closed skins, with penalty factors of 1 ... 1e6, of bodies that turn.
 """
 
 from __future__ import annotations

@@ -1,6 +1,9 @@
 """
-The fuzz campaign: ``run_fuzz.py SECONDS FOLDER [PROGRAM SAVINGS]``, used by ``make fuzz``. The time is shared by random calls of the whole C library (PROGRAM, with sanitizers),
-random scenes with and without optimisations (likewise), and random scenes and results files. Seeds go on where the last campaign ended, counts add up in ``FOLDER/counts.json``; each part prints its seeds, and a failure the seed that shows it.
+The fuzz campaign: ``run_fuzz.py SECONDS FOLDER [PROGRAM SAVINGS]``, used by ``make fuzz``. The time is shared by random
+calls of the whole C library (PROGRAM, with sanitizers), random scenes with and without optimisations (likewise), and
+random scenes and results files. Seeds go on where the last campaign ended, counts add up in ``FOLDER/counts.json``;
+each part prints its seeds, and a failure the seed that shows
+it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The accuracy campaign: its errors computed independently, its table after a kill, its Pareto front, and the tables of the book."""
+"""The accuracy campaign: its errors computed independently, its table after a kill, its Pareto front, and the tables of
+the book."""
 
 import csv
 import re
@@ -31,7 +32,8 @@ N, NU = 10, 0.3
 
 
 def stress_at(example, step, end):
-    """Places, σx* next to z = 0 and σz* at x/d = 0.4 on N elements, from a run to the time ``end``, computed by loops with E, ν and ρ of the scene file."""
+    """Places, σx* next to z = 0 and σz* at x/d = 0.4 on N elements, from a run to the time ``end``, computed by loops
+    with E, ν and ρ of the scene file."""
     data = ct.Scene.load(ct.example(example)).data
     for body in data["body"]:
         body["box"]["cells"], body["box"]["size"][1] = [N, 1, N], 2.5 / N
@@ -165,7 +167,8 @@ table.collect("short", Path(sys.argv[1]))
 
 
 def test_a_killed_campaign_goes_on(tmp_path):
-    """SIGKILL after two rows, the next row cut by three characters: the same command gives the rows of an undisturbed run, and repeats no complete one."""
+    """SIGKILL after two rows, the next row cut by three characters: the same command gives the rows of an undisturbed
+    run, and repeats no complete one."""
     script, cut, whole = tmp_path / "few.py", tmp_path / "cut.csv", tmp_path / "whole.csv"
     script.write_text(FEW.format(folder=str(FOLDER)))
     running = subprocess.Popen(
@@ -195,7 +198,8 @@ def test_a_row_that_fails_says_so(monkeypatch):
 
 
 def test_pareto_front_by_its_definition():
-    """All pairs: a point is on the front if none is at least as good in both and better in one. Of equal points one stays."""
+    """All pairs: a point is on the front if none is at least as good in both and better in one. Of equal points one
+    stays."""
     random = np.random.default_rng(3)
     for size in (1, 2, 7, 40):
         for _ in range(50):
@@ -220,7 +224,8 @@ def test_cases_are_unique_and_a_wall_has_no_contact():
 
 
 def test_tables_of_the_book():
-    """They are consistent and complete, and have the errors of the paper's setting from an independent program: 0.0874 and 0.0159 at 0.56."""
+    """They are consistent and complete, and have the errors of the paper's setting from an independent program: 0.0874
+    and 0.0159 at 0.56."""
     rows = drawings.load()
     paper = rows[campaign.case("reference", 100, campaign.PAPER).name]
     assert paper["l1_fig4_at_056"] == pytest.approx(0.0874, abs=5e-5)
@@ -269,7 +274,8 @@ def test_counted_instructions_of_the_book_are_of_these_methods():
 
 
 def test_bargains_of_the_book():
-    """Goal 1 of the campaign, from its rows: the paper's accuracy with at most 1/80 of its updates, and with its updates 6 and 4 times smaller errors."""
+    """Goal 1 of the campaign, from its rows: the paper's accuracy with at most 1/80 of its updates, and with its
+    updates 6 and 4 times smaller errors."""
     rows, found = drawings.load(), {}
     each = drawings.counts()
     for nu in (0.3, *campaign.POISSON):
@@ -298,7 +304,8 @@ def test_bargains_of_the_book():
 
 
 def test_a_sharp_front_without_overshoot():
-    """Goal 2, as means: at d/100 a front of at most 3 elements, overshoot at most 1 %, total variation behind the circular fronts at most 1.1 times the exact one."""
+    """Goal 2, as means: at d/100 a front of at most 3 elements, overshoot at most 1 %, total variation behind the
+    circular fronts at most 1.1 times the exact one."""
     row = drawings.load()[campaign.case("reference", 100, campaign.SHARP).name]
     assert row["width"] <= 3 and row["overshoot"] <= 0.01
     assert row["variation_fig5"] <= 1.1 and row["variation_along"] <= 1.1
@@ -308,7 +315,8 @@ def test_a_sharp_front_without_overshoot():
 
 
 def test_the_ball_is_a_ball():
-    """Its surface is on the sphere, its volume and moments are those of a ball except for the facets, each node occurs once, and a mirror image is the same ball."""
+    """Its surface is on the sphere, its volume and moments are those of a ball except for the facets, each node occurs
+    once, and a mirror image is the same ball."""
     nodes, elements = defaults.ball()
     data = {
         "units": {"length": "m", "mass": "kg", "time": "s"},
@@ -330,7 +338,8 @@ def test_the_ball_is_a_ball():
 
 
 def test_functionals_by_hand():
-    """From records of every step: the forces follow from the impulses, the contact lasts while there are forces, the rebound is the mean velocity of the nodes by mass."""
+    """From records of every step: the forces follow from the impulses, the contact lasts while there are forces, the
+    rebound is the mean velocity of the nodes by mass."""
     keys = {"time.fraction": 0.9}
     found = defaults.bar_on_a_wall(keys).errors
     data = defaults.bar("bar_on_a_wall", 0, 50, 1.5)
@@ -386,7 +395,8 @@ def test_distance_from_the_front_by_its_definition():
 
 
 def test_what_chooses_nothing_is_near_the_front():
-    """Goal 5, with the book's table: within 1.3 times of the front on all four scenes, without spurious energy, and the energy balance closes. One row is computed again."""
+    """Goal 5, with the book's table: within 1.3 times of the front on all four scenes, without spurious energy, and the
+    energy balance closes. One row is computed again."""
     rows = table.read(table.BOOK / "accuracy_defaults.csv")
     settings = [campaign.Case("", 0, keys).setting for keys in defaults.settings()]
     for scene in defaults.SCENES:

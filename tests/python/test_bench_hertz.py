@@ -13,7 +13,8 @@ import hertz  # noqa: E402
 
 def test_the_surface_of_the_closed_form_is_that_of_its_pressure():
     # eq:hertz
-    # u(r) = 1 / (pi E*) times the integral of p / distance over the disc: at its middle and at the rim, which the bench uses
+    # u(r) = 1 / (pi E*) times the integral of p / distance over the disc: at its middle and at the rim, which the bench
+    # uses
     force = 9.0
     a, deep = hertz.exact(force)
     p0 = 1.5 * force / (math.pi * a**2)

@@ -1,4 +1,5 @@
-"""The build: the declarations of the wrapper are the headers, only ct_ symbols are exported, the core needs libc and libm only."""
+"""The build: the declarations of the wrapper are the headers, only ct_ symbols are exported, the core needs libc and
+libm only."""
 
 import os
 import re
@@ -169,7 +170,8 @@ def test_every_header_compiles_alone(tmp_path):
     reason="no C++ compiler or no built libraries",
 )
 def test_every_header_alone_links_from_cxx(tmp_path):
-    """A C++ program of one file a header, which includes this header alone and takes the address of each of its functions."""
+    """A C++ program of one file a header, which includes this header alone and takes the address of each of its
+    functions."""
     calls = []
     for header in sorted((INCLUDE / "libcontact").glob("*.h")):
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
@@ -392,7 +394,8 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
 
 @pytest.fixture
 def machine(tmp_path):
-    """A function that runs the set-up step for a command of make on a machine without g++: what it says, and what it asks of apt-get."""
+    """A function that runs the set-up step for a command of make on a machine without g++: what it says, and what it
+    asks of apt-get."""
     tools, log = tmp_path / "bin", tmp_path / "log"
     tools.mkdir()
     (tools / "sh").symlink_to(shutil.which("sh"))
@@ -425,7 +428,8 @@ def machine(tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
 def test_the_set_up_step_installs_what_the_tests_want(machine):
-    """A C++ compiler for `make test` alone, with the rights to install; without them, and with BOOTSTRAP=no, it is named and left out."""
+    """A C++ compiler for `make test` alone, with the rights to install; without them, and with BOOTSTRAP=no, it is
+    named and left out."""
     told, asked = machine("test")
     assert re.search(r"install g\+\+$", asked, re.M)
     assert machine("figures") == ("", "")

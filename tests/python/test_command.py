@@ -184,7 +184,8 @@ def test_bad_input_is_one_line_and_exit_code_2(scene, arguments, words, capsys):
 
 
 def test_what_may_never_end_is_not_read(scene, capsys):
-    """Devices, pipes and files that are too large, as scenes and as meshes: an error that names them, before anything is read (4 GB are available)."""
+    """Devices, pipes and files that are too large, as scenes and as meshes: an error that names them, before anything
+    is read (4 GB are available)."""
     resource = pytest.importorskip("resource")
     os.mkfifo("pipe.toml")
     with open("large.toml", "wb") as file:

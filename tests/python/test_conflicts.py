@@ -1,4 +1,5 @@
-"""Parts of a scene that contradict each other are refused with file, key and reason; ``explain`` lists the assumptions of the scene."""
+"""Parts of a scene that contradict each other are refused with file, key and reason; ``explain`` lists the assumptions
+of the scene."""
 
 import re
 import tomllib
@@ -105,7 +106,8 @@ PULL = '[[support]]\nset = "a.x_max"\nfix = ["x", "z"]\ntravel = [0.01, 0, {}]\n
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_face_that_travels_beside_one_that_is_held_still(turned):
-    """Both prescribe 0 along z at their edge. The edge follows the path, and the motion is that of a path of 0 for both."""
+    """Both prescribe 0 along z at their edge. The edge follows the path, and the motion is that of a path of 0 for
+    both."""
     parts = [STILL, PULL.format(0)]
     path = STILL + "travel = [0, 0, 0]\n" + PATH.format("3")
     runs = []

@@ -1,4 +1,5 @@
-"""The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals; scikit-fem as a host."""
+"""The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals;
+scikit-fem as a host."""
 
 import threading
 import warnings
@@ -48,7 +49,8 @@ def test_first_step_by_hand():
 
 
 class Rods:
-    """Two rods of square layers with springs between them, E = ρ = A = 1, L = 10, that approach each other with ±0.1."""
+    """Two rods of square layers with springs between them, E = ρ = A = 1, L = 10, that approach each other with
+    ±0.1."""
 
     def __init__(self, one_array, layers=51):
         self.h = 10 / (layers - 1)
@@ -106,7 +108,8 @@ class Rods:
 
 @pytest.mark.parametrize("beta", [1, 10, 40, 100])
 def test_rods(beta):
-    """At 0.9 of the host's own step the energy never grows; the pressure is ρcv, and the rods part after 2 L / c with exchanged velocities."""
+    """At 0.9 of the host's own step the energy never grows; the pressure is ρcv, and the rods part after 2 L / c with
+    exchanged velocities."""
     rods = Rods(one_array=False)
     dt, rows, v = rods.run(beta)
     bodies, held, work, force = rows.T
@@ -530,7 +533,8 @@ def slide(contact, steps, state=None, dt=1e-3):
 
 
 def test_a_plate_slides_to_rest_on_a_plane():
-    """m v' = -μ m g: it stops after v² / (2 μ g), and friction, which begins in the second step, has dissipated ½ m v²."""
+    """m v' = -μ m g: it stops after v² / (2 μ g), and friction, which begins in the second step, has dissipated ½ m
+    v²."""
     contact, wall = slider(friction=0.4)
     x, v, _ = slide(contact, 1500)
     assert (x - SQUARE)[:, 0] == pytest.approx(np.full(4, 0.5**2 / (2 * 0.4 * 5)), rel=5e-3)

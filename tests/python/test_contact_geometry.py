@@ -79,7 +79,8 @@ def test_a_kept_overlap_is_over_once_it_has_opened():
 
 @pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
 def test_overlap_is_removed_gently(enforcement):
-    """The start gap fades; the energy balance has its work and closes; slow removal leaves almost no energy in the bodies."""
+    """The start gap fades; the energy balance has its work and closes; slow removal leaves almost no energy in the
+    bodies."""
     fast, slow = (
         blocks(
             0.01,
@@ -97,7 +98,8 @@ def test_overlap_is_removed_gently(enforcement):
         .energy["contact"][0]
     )
     for run in (fast, slow):
-        # The total is the stored energy minus external work: it must not rise above its start, 0, and with the plain penalty it is constant.
+        # The total is the stored energy minus external work: it must not rise above its start, 0, and with the plain
+        # penalty it is constant.
         scale = run.energy["external"].max()
         assert run.energy["external"][-1] > 0.0
         assert run.energy["total"].max() < 1e-3 * scale
@@ -128,7 +130,8 @@ def test_a_step_through_a_body_is_refused(monkeypatch):
 
 
 def test_the_text_of_a_fault_between_two_records_is_whole(monkeypatch):
-    """The same plate, accelerated until it would pass through: time and step precede the message, and advice follows."""
+    """The same plate, accelerated until it would pass through: time and step precede the message, and advice
+    follows."""
     monkeypatch.setattr(loop, "MOST_PARTS", 1)
     scene = blocks(
         -0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9
@@ -157,7 +160,8 @@ def test_a_fast_body_that_is_far_away_is_not_refused():
 
 
 def test_penetration_is_reported_at_corners_and_edges():
-    """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not detect it, Lobatto's do."""
+    """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not detect it,
+    Lobatto's do."""
     for rule in ("gauss", "lobatto"):
         scene = ct.Scene(title="corner", units={"length": "m", "mass": "kg", "time": "s"})
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
@@ -186,7 +190,8 @@ def test_penetration_is_reported_at_corners_and_edges():
 
 @pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
 def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
-    """At an open border points come in at a depth; their gaps count from there (eq:admitted), so they create no energy, and the run warns. Closed surfaces have no border."""
+    """At an open border points come in at a depth; their gaps count from there (eq:admitted), so they create no energy,
+    and the run warns. Closed surfaces have no border."""
     depth, side, beta, speed = 0.02, 0.4, 1.0, 0.5
     kinetic = 0.5 * RHO * side**3 * speed**2
     for faces in (("z_max", "z_min"), ("outer", "outer")):
@@ -222,7 +227,8 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
 
 
 def test_restart_continues_with_the_same_bits(tmp_path):
-    """History and start gaps are in the restart: a kept overlap, a removal in progress, thin plates pressed past half their thickness."""
+    """History and start gaps are in the restart: a kept overlap, a removal in progress, thin plates pressed past half
+    their thickness."""
     pytest.importorskip("h5py")
     for key in (
         {"initial_penetration": "keep"},

@@ -1,4 +1,5 @@
-"""Pressure at the nodes of contact surfaces, recovered from forces: blocks with different meshes, Hertz's profile, force and moment of the points, tables."""
+"""Pressure at the nodes of contact surfaces, recovered from forces: blocks with different meshes, Hertz's profile,
+force and moment of the points, tables."""
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 
 def blocks(n, m, element="hex8", **contact):
-    """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1 and at rest."""
+    """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the
+    pressure 1 and at rest."""
     scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
@@ -56,7 +58,8 @@ def test_force_and_moment_are_those_of_the_points():
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
 def test_hertz_is_smooth(element):
-    """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 3 % rms of the peak; the force is Hertz's."""
+    """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 3 % rms of
+    the peak; the force is Hertz's."""
     data = ct.Scene.load(ct.example("hertz")).data
     box = {"origin": [0, 0, -2], "size": [2, 2, 2], "cells": [10, 10, 10]}
     data["body"][0] |= {"element": element, "box": box}
@@ -169,7 +172,8 @@ def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
     ],
 )
 def test_pressure_falls_from_the_middle_to_the_rim(cells, element, off):
-    """Elements of 0.5 to 0.25 where the contact has the radius 0.63: Hertz's profile within 0.9 of it, to a share of its peak; the largest pressure in the middle, nothing large beyond; :eq:`recovered-traction`."""
+    """Elements of 0.5 to 0.25 where the contact has the radius 0.63: Hertz's profile within 0.9 of it, to a share of
+    its peak; the largest pressure in the middle, nothing large beyond; :eq:`recovered-traction`."""
     data = ct.Scene.load(ct.example("hertz")).data
     data["body"][0] |= {"element": element}
     data["body"][0]["box"]["cells"] = [cells] * 3
@@ -184,7 +188,8 @@ def test_pressure_falls_from_the_middle_to_the_rim(cells, element, off):
 
 
 def ball(cells, radius, up):
-    """Nodes and elements of a quarter of a block of 2 x 2 x 2, finer towards the origin, where its end is round; above the origin or below."""
+    """Nodes and elements of a quarter of a block of 2 x 2 x 2, finer towards the origin, where its end is round; above
+    the origin or below."""
     mesh = ct.mesh.Mesh.box("hex8", [0, 0, -1], [1, 1, 1], [cells] * 3)
     x = 2.0 * np.sign(mesh.nodes) * np.abs(mesh.nodes) ** 1.6
     x[:, 2] -= (x[:, 0] ** 2 + x[:, 1] ** 2) / (2 * radius) * (1 + x[:, 2] / 2)
@@ -198,7 +203,8 @@ def ball(cells, radius, up):
 
 @pytest.mark.parametrize("n, m", [(6, 9), (9, 6), (12, 8)])
 def test_two_balls_on_unlike_meshes(n, m):
-    """Radii 4 and 8, all outer faces: on both surfaces the peak of Hertz's profile for the force to 8 %, the profile to 9 % rms of it; points are off by more than the peak."""
+    """Radii 4 and 8, all outer faces: on both surfaces the peak of Hertz's profile for the force to 8 %, the profile to
+    9 % rms of it; points are off by more than the peak."""
     scene = ct.Scene(title="balls", units={"length": "mm", "mass": "t", "time": "s"})
     scene.add_material("rubber", young=1000.0, poisson=0.3, density=1e-9)
     for name, cells, radius in (("lower", n, 4.0), ("upper", m, 8.0)):

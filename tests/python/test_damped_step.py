@@ -1,4 +1,5 @@
-"""The stable step with damping, compared with the amplification matrix of small meshes: elements, masses and dashpots are assembled here; only the step comes from the library."""
+"""The stable step with damping, compared with the amplification matrix of small meshes: elements, masses and dashpots
+are assembled here; only the step comes from the library."""
 
 import itertools
 
@@ -72,7 +73,8 @@ class Body:
         self.damping += np.diag(np.outer(areas, (self.c1, self.c2, self.c2)).ravel())
 
     def grows(self, dt, inverse=None, r=1.0):
-        """Whether the largest root of a step with the velocity half a step earlier is above 1; `inverse`: of the mass; `r`: of the drift of :eq:`stage`."""
+        """Whether the largest root of a step with the velocity half a step earlier is above 1; `inverse`: of the mass;
+        `r`: of the drift of :eq:`stage`."""
         inverse = np.diag(1 / self.mass) if inverse is None else inverse
         one, zero = np.eye(len(self.mass)), np.zeros_like(self.damping)
         velocity, displacement = np.hstack([one, zero]), np.hstack([zero, one])
@@ -111,7 +113,9 @@ def damped(nu, cells, linear, quadratic, rate):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", BARS.values(), ids=BARS)
 def test_bars_with_dashpots_of_each_kind(cells, nu):
-    """The reported step is stable (eq:damped-step-bound): viscosity weak, default with the steepest quadratic part, and strong, dampers, an absorbing end, and all together. A slightly larger one is not: by 5 %, and with strong viscosity by 7 %."""
+    """The reported step is stable (eq:damped-step-bound): viscosity weak, default with the steepest quadratic part, and
+    strong, dampers, an absorbing end, and all together. A slightly larger one is not: by 5 %, and with strong viscosity
+    by 7 %."""
     viscosities = [(0.0, 0.0), (0.03, 0.0), (0.06, 1.2), (0.5, 0.0)]
     for (linear, quadratic), rate, absorbs in itertools.product(viscosities, (0.0, 0.7), (0, 1)):
         made, body = damped(nu, cells, linear, quadratic, rate)
@@ -142,7 +146,8 @@ def test_dashpots_with_tchamwa_and_wielgosz(cells, nu):
 @pytest.mark.parametrize("nu", NUS)
 @pytest.mark.parametrize("cells", [(5, 1, 5), (4, 4, 4), (6, 1, 6)])
 def test_viscosity_in_layers_and_cubes(cells, nu):
-    """:eq:`joint-bound` and :eq:`joint-step` compared with the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for the coefficients of the price list but the strongest."""
+    """:eq:`joint-bound` and :eq:`joint-step` compared with the definiteness of the assembled 4 M - 2 Δt C - Δt² K, for
+    the coefficients of the price list but the strongest."""
     body = Body(*mesh(cells), nu)
     for linear in (0.03, 0.06, 0.12):
 
@@ -174,7 +179,8 @@ def test_distorted_bars_and_two_materials(cells, nu):
 @pytest.mark.parametrize("cells", [(50, 1, 1), (50, 2, 2)])
 @pytest.mark.parametrize("speed", [0.1, 0.3])
 def test_a_front_that_the_start_does_not_show(cells, speed):
-    """A bar in free flight, not compressed at the start, hits a wall with the speed of a wave; quadratic viscosity at the whole step. Energy must not grow."""
+    """A bar in free flight, not compressed at the start, hits a wall with the speed of a wave; quadratic viscosity at
+    the whole step. Energy must not grow."""
     made = scene(0.0, **box(cells), velocity=[-speed, 0, 0]).add("viscosity", linear=0.03)
     made.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
     run = made.set_time(end=150.0, fraction=1.0).set_output(every=1).run(progress=False)
@@ -184,7 +190,8 @@ def test_a_front_that_the_start_does_not_show(cells, speed):
 
 @pytest.mark.parametrize("nu", NUS)
 def test_assembled_bound_is_the_largest_eigenvalue_and_its_margin(nu):
-    """:eq:`assembled-operator` and :eq:`assembled-bound`: on a small distorted bar Lanczos' method converges, and the step has the margin of 6 % in ω²."""
+    """:eq:`assembled-operator` and :eq:`assembled-bound`: on a small distorted bar Lanczos' method converges, and the
+    step has the margin of 6 % in ω²."""
     nodes, elements = mesh((4, 2, 1), shaken=0.2)
     body = Body(nodes, elements, nu)
     root = 1 / np.sqrt(body.mass)

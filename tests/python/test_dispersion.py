@@ -1,4 +1,5 @@
-"""Waves of a mesh: compared with meshes that numpy assembles and with runs of scenes; and the arrays of the Python interface."""
+"""Waves of a mesh: compared with meshes that numpy assembles and with runs of scenes; and the arrays of the Python
+interface."""
 
 import contextlib
 import importlib.util
@@ -18,7 +19,7 @@ spec = importlib.util.spec_from_file_location(
 chapter = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(chapter)
 
-# -- A periodic mesh, assembled here from polynomials -----------------------------------------------------------------------
+# -- A periodic mesh, assembled here from polynomials ----------------------------------------------
 
 CORNERS = np.array(list(itertools.product((-1, 1), repeat=3)), float)
 MIDDLES = np.array([p for p in itertools.product((-1, 0, 1), repeat=3) if p.count(0) == 1], float)
@@ -108,7 +109,8 @@ def test_all_waves_of_a_periodic_mesh(element, cells, mass):
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
 @pytest.mark.parametrize("branch, direction", [(2, (1, 0, 0)), (2, (1, 1, 0)), (0, (1, 0, 0))])
 def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
-    """ω ≈ c k (1 - ½ c² k² d·K₀⁺d / m): the errors of the masses move the families against each other (eq:hrz-phase)."""
+    """ω ≈ c k (1 - ½ c² k² d·K₀⁺d / m): the errors of the masses move the families against each other
+    (eq:hrz-phase)."""
     K, M = element_matrices("hex20", (1, 1, 1), poisson, "lumped")
     consistent = element_matrices("hex20", (1, 1, 1), poisson, "consistent")[1]
     family = np.array([0 if 0 not in p else 1 + p.index(0) for p in places("hex20").tolist()])
@@ -130,7 +132,7 @@ def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
     assert (4 * first - second) / 3 == pytest.approx(wanted, rel=1e-4)
 
 
-# -- Runs -----------------------------------------------------------------------------------------------------------------
+# -- Runs ------------------------------------------------------------------------------------------
 
 
 def column(element, integrator, courant, steps):
@@ -172,7 +174,7 @@ def test_front_of_a_run(element, integrator, courant, steps):
     assert np.allclose(predicted.stress, computed.stress, rtol=0, atol=1e-6)
 
 
-# -- The row of masses of the chapter -----------------------------------------------------------------------------------------
+# -- The row of masses of the chapter --------------------------------------------------------------
 
 
 @pytest.mark.parametrize("courant", [0.0, 0.125, 0.8])
@@ -204,7 +206,7 @@ def test_the_front_of_long_waves():
         assert np.allclose(chapter.long_front(place, courant, 2000.0), row, rtol=0, atol=0.02)
 
 
-# -- Arrays and refusals --------------------------------------------------------------------------------------------------
+# -- Arrays and refusals ---------------------------------------------------------------------------
 
 
 def test_arrays_keep_their_shape():

@@ -1,4 +1,5 @@
-"""Effects that a scene adds from its tables: results compared with closed forms, refusals with file, key and reason, columns of the energy balance."""
+"""Effects that a scene adds from its tables: results compared with closed forms, refusals with file, key and reason,
+columns of the energy balance."""
 
 import numpy as np
 import pytest
@@ -81,7 +82,8 @@ def test_an_absorbing_end_takes_the_wave():
 
 
 def test_damping_ends_in_the_static_solution():
-    """A bar that hangs from one end under its own weight comes to rest with the other end lower by rho g L^2 / (2 E)."""
+    """A bar that hangs from one end under its own weight comes to rest with the other end lower by rho g L^2 / (2
+    E)."""
     scene = (
         bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
     )
@@ -195,7 +197,8 @@ def spring(scene, k=2.0, **more):
 
 
 def test_a_spring_written_in_python_turns_a_body_back():
-    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, except for the bar's own stiffness E A / L = 0.9."""
+    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, except for the bar's own
+    stiffness E A / L = 0.9."""
     scene = (
         spring(bar(velocity=[0.01, 0, 0]), k=2e-3)
         .set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9)

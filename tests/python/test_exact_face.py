@@ -1,4 +1,5 @@
-"""The readable form of the exact solution (docs/theory/face.py) compared with the library and with independent Laplace transforms."""
+"""The readable form of the exact solution (docs/theory/face.py) compared with the library and with independent Laplace
+transforms."""
 
 import importlib.util
 from pathlib import Path
@@ -17,7 +18,8 @@ spec.loader.exec_module(face)
 
 @pytest.mark.parametrize("nu", [0.1, 0.3, 0.4])
 def test_quadrature_along_the_path_gives_the_closed_form(nu):
-    """All five fields of both faces and of the plane wave: eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes, eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
+    """All five fields of both faces and of the plane wave: eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes,
+    eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
     random = np.random.default_rng(5)
     ell, seen = 2 * nu / (1 - 2 * nu), set()
     for x, z, t in random.uniform([0.05, -0.9, 0.3], [0.9, 0.9, 1.9], (60, 3)):
@@ -33,7 +35,8 @@ def test_quadrature_along_the_path_gives_the_closed_form(nu):
 
 
 def transform(x, y, s, nu):
-    """Laplace transform of s_y of one face at a complex s: eq:exact-load, eq:exact-gammas, and a linear system for each p."""
+    """Laplace transform of s_y of one face at a complex s: eq:exact-load, eq:exact-gammas, and a linear system for each
+    p."""
     kappa2 = 2 * (1 - nu) / (1 - 2 * nu)
     ell = kappa2 - 2
     # The path is turned so that s p is imaginary; panels of Gauss points, dense near the branch points.
@@ -60,7 +63,8 @@ def transform(x, y, s, nu):
 @pytest.mark.parametrize("x, y", [(0.4, 0.2), (0.15, 0.3), (0.05, 0.12), (0.3, 0.05)])
 @pytest.mark.parametrize("nu", [0.1, 0.3])
 def test_transform_of_the_closed_form(x, y, nu):
-    """eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes. The integral of s_y e^(-s t) over the library's values is the transform; at s = 20 the time after 2 weighs e^-40."""
+    """eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes. The integral of s_y e^(-s t) over the library's values is
+    the transform; at s = 20 the time after 2 weighs e^-40."""
     s, c2 = 20.0, ct.exact.speeds(nu).c2
     r = np.hypot(x, y)
     kinks = [0.0, x, r, r / c2, x + y * np.sqrt(1 / c2**2 - 1), x / ct.exact.speeds(nu).c_r, 1.95]
@@ -84,7 +88,8 @@ def test_transform_of_the_closed_form(x, y, nu):
     [(0.4, 0.2, 0.56), (0.1, 0.3, 0.5), (0.1, 0.3, 0.9), (0.3, 0.1, 0.45), (0.3, 0.1, 1.2)],
 )
 def test_inversion_on_bromwichs_line(x, y, t):
-    """Fourier series with Euler's summation, no path of Cagniard: between P and head, behind P, behind S, behind the head, behind all."""
+    """Fourier series with Euler's summation, no path of Cagniard: between P and head, behind P, behind S, behind the
+    head, behind all."""
     shift, terms = 25.0, 400
     s = (shift + 2j * np.pi * np.arange(terms + 12)) / (2 * t)
     values = np.array([transform(x, y, one, 0.3) for one in s]).real

@@ -1,4 +1,5 @@
-"""Faults during a run: each is an exception of its own class that names time, body and place; the last good state is kept, on disk if there is a file, and can be continued."""
+"""Faults during a run: each is an exception of its own class that names time, body and place; the last good state is
+kept, on disk if there is a file, and can be continued."""
 
 import math
 import tomllib
@@ -141,8 +142,9 @@ def test_a_solid_that_stiffens_ends_a_run_that_may_not_divide_its_step(
     with_file, tmp_path, monkeypatch
 ):
     """
-    The pulled end sends a wave through the bar; St. Venant-Kirchhoff's tangent is E (3 λ² - 1) / 2, so that Courant number 0.9 of the start is too much
-    from a stretch of λ² = (2 / 0.9² + 1) / 3 on, which is 1.075 (a little more with held ends).
+    The pulled end sends a wave through the bar; St. Venant-Kirchhoff's tangent is E (3 λ² - 1) / 2, so that Courant
+    number 0.9 of the start is too much from a stretch of λ² = (2 / 0.9² + 1) / 3 on, which is 1.075 (a little more with
+    held ends).
     """
     monkeypatch.setattr(loop, "MOST_PARTS", 1)
     scene = bars("st_venant_kirchhoff")
@@ -159,7 +161,8 @@ def test_a_solid_that_stiffens_ends_a_run_that_may_not_divide_its_step(
 
 @needs_hdf5
 def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path, monkeypatch):
-    """With a third of the step the run continues beyond the stretch that ended it; it agrees with a run with this step from the start, within the error of the larger step."""
+    """With a third of the step the run continues beyond the stretch that ended it; it agrees with a run with this step
+    from the start, within the error of the larger step."""
     monkeypatch.setattr(loop, "MOST_PARTS", 1)
     error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
     finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
@@ -218,7 +221,8 @@ def same_bits(a, b):
 
 
 def test_a_run_divides_its_step_where_the_solid_stiffens():
-    """At the stretch of the test above the step is halved, with one warning; the end agrees with a run with half of the step from the start."""
+    """At the stretch of the test above the step is halved, with one warning; the end agrees with a run with half of the
+    step from the start."""
     scene = bars("st_venant_kirchhoff", end=60.0)
     with pytest.warns(ct.StepDivided) as told:
         run = scene.run(progress=False, output=False)
@@ -279,7 +283,8 @@ def test_a_step_that_is_refused_at_any_length_ends_the_run():
 @pytest.mark.parametrize("integrator", ["central_difference", "noh_bathe", "chung_lee"])
 @pytest.mark.parametrize("every", [1, 7, 10**6])
 def test_a_divided_run_that_is_continued_has_the_same_bits(integrator, every, tmp_path):
-    """Two plates so fast that one would pass through the other in a step: stopped before, at and after the division, at any record."""
+    """Two plates so fast that one would pass through the other in a step: stopped before, at and after the division, at
+    any record."""
     scene = bullet(integrator, every)
     whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
     assert whole.divisions and whole.dt < scene._built(None).dt / 8
@@ -362,7 +367,8 @@ def flying(force, stores=True):
 
 
 def pump(view):
-    """A force c m v, by which the kinetic energy grows as exp(2 c t), and which from t = 5 on removes more than it gave."""
+    """A force c m v, by which the kinetic energy grows as exp(2 c t), and which from t = 5 on removes more than it
+    gave."""
     return (0.01 if view.time < 5.0 else -0.05) * 1.5 / 8.0 * view.velocity
 
 
@@ -478,7 +484,8 @@ def turned(seed):
 
 @pytest.mark.parametrize("what", ["later load", "plane", "fixed body"])
 def test_rest_is_no_fault_whatever_its_orientation(what):
-    """Two blocks whose faces touch, or one on an inclined plane or on a fixed block, with almost no weight: round-off must not count as energy. Each report is an error."""
+    """Two blocks whose faces touch, or one on an inclined plane or on a fixed block, with almost no weight: round-off
+    must not count as energy. Each report is an error."""
     for seed in range(8):
         axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
         scene = ct.Scene(title="rest", units=UNITS)
@@ -598,7 +605,8 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
 
 @needs_hdf5
 def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path):
-    """The first run ends between two steps that a longer one would take; the longer one keeps its step to the last bit, also when it is continued once more."""
+    """The first run ends between two steps that a longer one would take; the longer one keeps its step to the last bit,
+    also when it is continued once more."""
     first = bars("neo_hookean", end=20.3, courant=0.77).run(
         progress=False, output=tmp_path / "a.vtkhdf"
     )

@@ -14,7 +14,8 @@ FIELDS = ("displacement", "velocity", "stress")
 
 
 def impact(cells=12, passes=0, contact=False, **output):
-    """The plates of the paper in units d = rho = v0 = c1 = 1, without contact the right one on its plane of symmetry."""
+    """The plates of the paper in units d = rho = v0 = c1 = 1, without contact the right one on its plane of
+    symmetry."""
     young, h = (1 + NU) * (1 - 2 * NU) / (1 - NU), 1 / cells
     scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("steel", young=young, poisson=NU, density=1.0)

@@ -1,4 +1,5 @@
-"""When a run uses threads; and a process that is forked after a run with several: OpenMP's threads do not exist in it, and its runs must still end."""
+"""When a run uses threads; and a process that is forked after a run with several: OpenMP's threads do not exist in it,
+and its runs must still end."""
 
 import os
 import subprocess

@@ -67,7 +67,8 @@ def test_integrators_elements_and_laws_are_rows_and_not_compared_by_name():
 
 
 def test_every_public_function_has_a_user():
-    """Outside the library and its tests: the wrapper, a host, a page, or an add-on, which uses only public functions."""
+    """Outside the library and its tests: the wrapper, a host, a page, or an add-on, which uses only public
+    functions."""
     headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
     public = set(re.findall(r"^CT_API [^;(]*?\b(ct_\w+)\(", headers, re.M))
     folders = "wrapper bench docs stability tutorials tests/embed libcontact/fortran".split()

@@ -1,4 +1,5 @@
-"""Integrators in scenes: keys and their refusals, ``explain``, energies of the bar on a wall, restarts, optimisations, and the stable step from both sides."""
+"""Integrators in scenes: keys and their refusals, ``explain``, energies of the bar on a wall, restarts, optimisations,
+and the stable step from both sides."""
 
 import importlib
 import sys
@@ -32,7 +33,8 @@ def imported(folder: str, name: str):
 
 
 def plates(integrator: str, **keys) -> ct.Scene:
-    """Two thick plates that meet, in plane strain, with regions that sleep for a time; the right one is also loaded at its far end."""
+    """Two thick plates that meet, in plane strain, with regions that sleep for a time; the right one is also loaded at
+    its far end."""
     made = ct.Scene(title="plates", units=UNITS)
     made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
     for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
@@ -144,7 +146,8 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("beta", [1.0, 1e2, 1e4])
 def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator, beta):
-    """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to 0.1 %, the impulse to 1.5 %."""
+    """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to
+    0.1 %, the impulse to 1.5 %."""
     made = ct.Scene(title="bar", units=UNITS)
     made.add_material("soft", young=900.0, poisson=0.0, density=1.0)
     made.add_body(
@@ -166,7 +169,8 @@ def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator,
 
 
 def test_the_stable_step_is_safe_and_sharp():
-    """The short form of stability/steps.py: 10 000 steps at 0.999 of the reported step stay bounded, 1.02 of the true one does not."""
+    """The short form of stability/steps.py: 10 000 steps at 0.999 of the reported step stay bounded, 1.02 of the true
+    one does not."""
     steps = imported("stability", "steps")
     rows = [
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),

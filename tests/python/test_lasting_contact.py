@@ -1,4 +1,5 @@
-"""Lasting contact: a load presses a bar on a wall, at first smoothly, then with a jump. Its energy loss, and the mode at its surface (chapter "Enforcement")."""
+"""Lasting contact: a load presses a bar on a wall, at first smoothly, then with a jump. Its energy loss, and the mode
+at its surface (chapter "Enforcement")."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ LOAD = 1e-4
 def pressed(
     cells: int, element: str, jolt: float, periods: float, fraction: float, **law
 ) -> ct.Run:
-    """A bar of unit elements (E = ρ = 1, ν = 0) on a wall. The load rises smoothly over 20 periods; then it jumps by a fraction of itself."""
+    """A bar of unit elements (E = ρ = 1, ν = 0) on a wall. The load rises smoothly over 20 periods; then it jumps by a
+    fraction of itself."""
     rise = 80.0 * cells
     s = np.linspace(0.0, 1.0, 300)
     history = {

@@ -1,4 +1,5 @@
-"""Programs in the README, the book and ``tutorials/c``: each compiles against an installed copy and prints the quoted output."""
+"""Programs in the README, the book and ``tutorials/c``: each compiles against an installed copy and prints the quoted
+output."""
 
 import os
 import re
@@ -84,7 +85,8 @@ def commands_of(page):
 
 @needs_a_copy
 def test_the_commands_for_a_c_programmer_compile_and_run_as_they_stand(tmp_path):
-    """In the folder of the sources, with the installed copy of the tests as the prefix; the programs go to another folder."""
+    """In the folder of the sources, with the installed copy of the tests as the prefix; the programs go to another
+    folder."""
     environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
     lines = [x for x in commands_of("reading.rst") if x.startswith(("gcc", "./"))]
     assert len(lines) == 6

@@ -1,4 +1,5 @@
-"""The model of the scene's keys: its defaults are those of C, its JSON Schema accepts the same scenes as the reader, and a saved scene is read back unchanged."""
+"""The model of the scene's keys: its defaults are those of C, its JSON Schema accepts the same scenes as the reader,
+and a saved scene is read back unchanged."""
 
 import copy
 import inspect

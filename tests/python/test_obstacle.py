@@ -66,8 +66,8 @@ def test_block_stays_below_the_angle_of_friction():
 @pytest.mark.parametrize("enforcement, lost", [("penalty", 0.0), ("energy_controlled", 1e-3)])
 def test_hertz(enforcement, lost):
     run = enforced("hertz", enforcement)
-    # The work of the sphere on a quarter of the block: the integral of Hertz's force, 2/5 of force times approach. Few elements over the
-    # radius, a block of six radii.
+    # The work of the sphere on a quarter of the block: the integral of Hertz's force, 2/5 of force times approach. Few
+    # elements over the radius, a block of six radii.
     force = 4 / 3 * 1000 / (1 - 0.09) * 2.0 * 0.1**1.5
     assert run.energy["external"][-1] == pytest.approx(0.4 * force * 0.1 / 4, rel=0.15)
     assert (

@@ -1,4 +1,5 @@
-"""A few of the random bodies of :file:`tests/fuzz/open_scenes.py`: contact between parts of skins, and stiff penalties between closed ones."""
+"""A few of the random bodies of :file:`tests/fuzz/open_scenes.py`: contact between parts of skins, and stiff penalties
+between closed ones."""
 
 import sys
 from pathlib import Path
@@ -22,13 +23,16 @@ def test_bodies_gain_nothing_over_an_open_border(family, seed):
 
 
 def test_a_corner_that_passes_beside_all_points_is_reported():
-    """A corner of one side enters the other side between its points: no force, no gain, but a warning that names the skins."""
+    """A corner of one side enters the other side between its points: no force, no gain, but a warning that names the
+    skins."""
     found = open_scenes.one("scenes", 1023)
     assert found["ended"] == "ok" and "BorderWarning" in found["told"]
 
 
 def test_what_a_stiff_contact_stores_is_no_growth():
-    """A penalty factor of 4e5 on unlike closed meshes: the booked total rose by 31 %, and the run warned of growth, while the bodies had gained nothing (eq:admitted-account). In loops of hosts it rose to 1.16 and 41 times the energy."""
+    """A penalty factor of 4e5 on unlike closed meshes: the booked total rose by 31 %, and the run warned of growth,
+    while the bodies had gained nothing (eq:admitted-account). In loops of hosts it rose to 1.16 and 41 times the
+    energy."""
     for family, seed in (("stiff", 138), ("stiff_hosts", 4), ("stiff_hosts", 82)):
         found = open_scenes.one(family, seed)
         assert found["ended"] == "ok" and "EnergyGrowth" not in found["told"]

@@ -71,7 +71,8 @@ def results(tmp_path_factory):
 
 
 def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
-    """While the first one runs, also if its file is read in between; the first ends with all its records, and the next may write."""
+    """While the first one runs, also if its file is read in between; the first ends with all its records, and the next
+    may write."""
 
     def scene():
         made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material(

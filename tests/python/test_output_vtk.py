@@ -43,7 +43,8 @@ def test_numbers_of_a_step(reader, step):
         rtol=0,
         atol=1e-15,
     )
-    # The recorded velocity is that of t_n: it differs from the given one by half a step of the forces, which are small here
+    # The recorded velocity is that of t_n: it differs from the given one by half a step of the forces, which are small
+    # here
     half_step = np.abs(
         vtk_to_numpy(grid.GetPointData().GetArray("velocity")) - velocity(step)
     ).max()

@@ -1,4 +1,5 @@
-"""Pictures of runs: what is shown by default, from where, with which colours; and the states that they are drawn from."""
+"""Pictures of runs: what is shown by default, from where, with which colours; and the states that they are drawn
+from."""
 
 import numpy as np
 import pytest

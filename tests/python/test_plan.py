@@ -173,7 +173,8 @@ def test_a_run_counts_which_share_of_its_elements_it_has_computed():
     assert two_bars(gap=10.0, end=1.0, savings=[]).run(progress=False).computed == 1.0
     # Bars in free flight have no strain: no element is ever computed.
     assert two_bars(gap=10.0, end=1.0).run(progress=False).computed == 0.0
-    # A front that advances one element per step from the contact into bars of 200 elements, in batches of 8: eq. sleep-share.
+    # A front that advances one element per step from the contact into bars of 200 elements, in batches of 8: eq.
+    # sleep-share.
     met = two_bars(gap=0.0, cells=200, end=0.3)
     run = met.run(progress=False)
     solid = met.costs(run)[0]
@@ -221,7 +222,8 @@ def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_the
     ],
 )
 def test_what_limits_the_step(effect, limit):
-    """Dashpots on a cube with 4 elements along an edge have 2 c1 / (h/2) at their nodes and bound the step; so does a stiff penalty."""
+    """Dashpots on a cube with 4 elements along an edge have 2 c1 / (h/2) at their nodes and bound the step; so does a
+    stiff penalty."""
     scene = ct.Scene(title="limit", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
         "m", young=1e4, poisson=0.3, density=1.0
     )

@@ -1,4 +1,5 @@
-"""The planner: its extrapolation on known sequences, its errors computed independently, its predictions for the plates and a bar on a wall, and its refusals."""
+"""The planner: its extrapolation on known sequences, its errors computed independently, its predictions for the plates
+and a bar on a wall, and its refusals."""
 
 import csv
 from dataclasses import replace
@@ -80,7 +81,8 @@ def test_a_power_law_is_found(order, limit, change):
 
 
 def test_the_uncertainty_of_a_line(monkeypatch):
-    """eq:planner-power and eq:planner-fit with one order: the error of the axis intercept in the regression of a line, with n - 3 for the order that is sought as well."""
+    """eq:planner-power and eq:planner-fit with one order: the error of the axis intercept in the regression of a line,
+    with n - 3 for the order that is sought as well."""
     monkeypatch.setattr(planner, "ORDERS", np.array([1.0]))
     x, noise = np.array([1.0, 0.8, 0.6, 0.5, 0.4]), np.array([0.02, -0.03, 0.01, 0.02, -0.01])
     f = 2.0 + 0.7 * x + noise
@@ -94,7 +96,8 @@ def test_the_uncertainty_of_a_line(monkeypatch):
 
 
 def test_the_uncertainty_holds_the_truth():
-    """Orders between the fitted ones, a second term, and noise of a hundredth of the change: in nine of ten sequences the true limit is within the uncertainty."""
+    """Orders between the fitted ones, a second term, and noise of a hundredth of the change: in nine of ten sequences
+    the true limit is within the uncertainty."""
     random, h, inside = np.random.default_rng(5), 2.0 ** (-0.5 * np.arange(6)), []
     for _ in range(300):
         p = random.uniform(0.6, 2.0)
@@ -385,7 +388,8 @@ def test_the_command(tmp_path, monkeypatch, capsys):
 
 
 def test_the_list_is_that_of_the_book():
-    """prices.csv has the campaign's rows of one material without the filter: cost, error over the plateau 7/3, growth."""
+    """prices.csv has the campaign's rows of one material without the filter: cost, error over the plateau 7/3,
+    growth."""
     with (ROOT / "docs" / "theory" / "accuracy.csv").open(encoding="utf-8") as file:
         table = [row for row in csv.DictReader(file) if row["status"] == "done"]
     table = [
@@ -417,7 +421,8 @@ contact,12,contact.beta=2.0; contact.enforcement=penalty; time.fraction=0.98,1,0
 
 
 def test_settings_that_are_tried(tmp_path, monkeypatch):
-    """From a list by hand: settings with over twice the cost for the same error are left out, and so are other keys, laws whose energy grows, and all but two laws."""
+    """From a list by hand: settings with over twice the cost for the same error are left out, and so are other keys,
+    laws whose energy grows, and all but two laws."""
     monkeypatch.setattr(planner, "PRICES", tmp_path / "prices.csv")
     (tmp_path / "prices.csv").write_text(ROWS)
     step = {"time.fraction": 0.98}
@@ -429,7 +434,8 @@ def test_settings_that_are_tried(tmp_path, monkeypatch):
 
 
 def test_what_a_setting_changes():
-    """Keys of the choice replace those of the scene, all others stay; meshes and the thickness of plane strain are scaled, or the steps."""
+    """Keys of the choice replace those of the scene, all others stay; meshes and the thickness of plane strain are
+    scaled, or the steps."""
     data = plates() | {"viscosity": {"linear": 0.2}}
     data["time"] |= {"integrator": "noh_bathe", "integrator_parameter": 0.55}
     data["contact"][0] |= {"points": "lobatto"}

@@ -1,4 +1,5 @@
-"""Probes: histories compared with the change of momentum, and bit by bit with records and watched runs; kept through files, restarts, Ctrl-C and faults."""
+"""Probes: histories compared with the change of momentum, and bit by bit with records and watched runs; kept through
+files, restarts, Ctrl-C and faults."""
 
 import os
 import signal
@@ -47,7 +48,8 @@ def everywhere(scene):
 
 
 def impulse(history, name="force"):
-    """The trapezoidal sum, which is exact for the discrete motion: half of the first and of the last force belongs to the time."""
+    """The trapezoidal sum, which is exact for the discrete motion: half of the first and of the last force belongs to
+    the time."""
     f, dt = history[name], np.diff(history["time"])[:, None]
     return (0.5 * dt * (f[1:] + f[:-1])).sum(axis=0)
 

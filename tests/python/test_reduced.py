@@ -1,4 +1,5 @@
-"""Kernels and effects of elements, requested or chosen by default: reduced integration, plane strain, bulk viscosity."""
+"""Kernels and effects of elements, requested or chosen by default: reduced integration, plane strain, bulk
+viscosity."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""Equilibrium by dynamic relaxation, compared with beam theory; other loadings with the same result; supports with a prescribed displacement."""
+"""Equilibrium by dynamic relaxation, compared with beam theory; other loadings with the same result; supports with a
+prescribed displacement."""
 
 from pathlib import Path
 
@@ -26,7 +27,8 @@ def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
 
 
 def pressed(history, **time):
-    """A block above another in a smooth box, with a gap of one element; its top goes down by five elements after the gap closes."""
+    """A block above another in a smooth box, with a gap of one element; its top goes down by five elements after the
+    gap closes."""
     scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0.3, density=1e-9)
     scene.add_body(
         "low", material="soft", box={"origin": [0, 0, 0], "size": [3, 2, 10], "cells": [3, 2, 10]}
@@ -51,7 +53,8 @@ def pressed(history, **time):
 
 
 def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
-    """Elastic bodies have no memory: 5 elements into contact at once, or in 50 jumps with time to come to rest between them."""
+    """Elastic bodies have no memory: 5 elements into contact at once, or in 50 jumps with time to come to rest between
+    them."""
     steps = np.linspace(0, 1, 51)[1:]
     small = {
         "time": np.repeat(np.arange(50) * 1e-4, 2),
@@ -143,8 +146,9 @@ def test_what_contradicts_itself_is_refused(change, words):
 
 def test_a_bar_bounces_twice_and_is_back():
     """
-    Doyen, Ern and Piperno 2011: contact for 2 L / c from t = 1 and from 3.6667. Meanwhile gravity shakes the bar about its static shape, half a swing: it leaves
-    the floor lower by twice rho g L^2 / (3 E) in the mean, and the second bounce takes that back.
+    Doyen, Ern and Piperno 2011: contact for 2 L / c from t = 1 and from 3.6667. Meanwhile gravity shakes the bar about
+    its static shape, half a swing: it leaves the floor lower by twice rho g L^2 / (3 E) in the mean, and the second
+    bounce takes that back.
     """
     run = ct.Scene.load(SCENES / "bouncing_bar.toml").run(progress=False, output=False)
     weight = 0.1 * 0.1 * 10 * 10
@@ -158,7 +162,8 @@ def test_a_bar_bounces_twice_and_is_back():
         -2 * 10 * 10**2 / (3 * 900), abs=0.1
     )
     assert height[-1] - height[0] == pytest.approx(0, abs=0.15)
-    # Energy never grows; each impact takes the energy of the nodes that meet the floor, half an element of a hundred, and at most a fifth more.
+    # Energy never grows; each impact takes the energy of the nodes that meet the floor, half an element of a hundred,
+    # and at most a fifth more.
     gain = (run.energy["total"] - run.energy["total"][0]) / (5 * weight)
     assert gain.max() < 1e-12 and gain.min() > -2 * 1.2 / (2 * 100)
     assert np.abs(run.energy["balance"]).max() < 1e-12 * 5 * weight

@@ -498,7 +498,8 @@ def test_the_progress_bar_goes_to_stderr_when_it_is_wanted(capsys):
 
 
 def test_contact_points_are_seen():
-    """Two blocks pressed together: gaps are negative where the pressure is, and pressure times weight is the force of both passes."""
+    """Two blocks pressed together: gaps are negative where the pressure is, and pressure times weight is the force of
+    both passes."""
     scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin, velocity in (("left", -2.0, 0.1), ("right", 0.0, -0.1)):
@@ -528,7 +529,8 @@ def test_contact_points_are_seen():
 
 
 def test_a_run_with_proven_projections_meets_the_same_faces():
-    """Every step of an impact of two plates with ``certified``: the same contact set and the same bits as with ``robust``."""
+    """Every step of an impact of two plates with ``certified``: the same contact set and the same bits as with
+    ``robust``."""
     runs = {}
     for method in ("robust", "certified"):
         data = ct.Scene.load(

@@ -1,4 +1,5 @@
-"""Optimisations of a scene: the same bits with and without each, in tables, states and files, and after a restart; refusals."""
+"""Optimisations of a scene: the same bits with and without each, in tables, states and files, and after a restart;
+refusals."""
 
 import ctypes
 import gc

@@ -1,4 +1,5 @@
-"""Scenes with a body in contact with itself: a hairpin that a falling block closes, thin bodies and neighbouring faces without contact."""
+"""Scenes with a body in contact with itself: a hairpin that a falling block closes, thin bodies and neighbouring faces
+without contact."""
 
 import math
 import sys
@@ -79,7 +80,8 @@ def overlap(run):
 
 @pytest.fixture(scope="module", params=["hex8", "hex20"])
 def pressed(request):
-    """The time of deepest penetration: a run that is stopped then, with and without contact of the hairpin with itself."""
+    """The time of deepest penetration: a run that is stopped then, with and without contact of the hairpin with
+    itself."""
     element = request.param
     changes = {"time": {"end": 0.12, "fraction": 0.5}}
     return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(
@@ -112,7 +114,8 @@ def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, 
 
 
 def test_two_faces_of_one_body_meet_as_the_faces_of_two_bodies_do():
-    """Contact acts only where inner sides of the fold face each other: without all other faces nothing changes, and threads and order have no influence."""
+    """Contact acts only where inner sides of the fold face each other: without all other faces nothing changes, and
+    threads and order have no influence."""
     whole = press(["u.outer", "u.outer"]).run(progress=False, until=0.12)
     for surfaces in (["u.z_min", "u.outer"], ["u.outer", "u.y_min"]):
         part = press(surfaces).run(progress=False, until=0.12, threads=2)
@@ -198,7 +201,8 @@ def test_a_scene_piece_by_piece():
 
 
 def test_a_body_whose_ends_move_apart_does_not_pass_through_itself():
-    """A folded strip that is squeezed: distant parts have different velocities, which ended the run by the check of passage (eq:tunnelling)."""
+    """A folded strip that is squeezed: distant parts have different velocities, which ended the run by the check of
+    passage (eq:tunnelling)."""
     kind, about, divided = fuzz_self.run(7)
     assert (kind, divided) == ("end", 0), about
 

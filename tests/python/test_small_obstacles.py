@@ -1,4 +1,5 @@
-"""A few of the random bodies of :file:`tests/fuzz/obstacle_scenes.py`: overlaps with obstacles at the start, and obstacles smaller than an element."""
+"""A few of the random bodies of :file:`tests/fuzz/obstacle_scenes.py`: overlaps with obstacles at the start, and
+obstacles smaller than an element."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""Large strain in scenes: laws, rings, spins, compared with the thin ring's closed form; refusals with key and reason."""
+"""Large strain in scenes: laws, rings, spins, compared with the thin ring's closed form; refusals with key and
+reason."""
 
 import math
 from pathlib import Path
@@ -24,7 +25,8 @@ def uniaxial_energy(stretch, young, poisson):
 
 
 def turning_point(young, poisson, rho_v2):
-    """Largest stretch s of a thin ring released with the rim speed v: W(s) = rho v^2 / 2 (1 - 1 / s^2), by bisection."""
+    """Largest stretch s of a thin ring released with the rim speed v: W(s) = rho v^2 / 2 (1 - 1 / s^2), by
+    bisection."""
     low, high = 1 + 1e-6, 3.0
     for _ in range(100):
         middle = 0.5 * (low + high)

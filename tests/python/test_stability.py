@@ -74,7 +74,8 @@ def test_the_judge_sees_what_is_wrong():
 
 
 def test_solid_angles_tell_who_is_inside():
-    """Points around a re-entrant corner of a concave body, and a hairpin whose legs are moved into each other by three quarters of their thickness, or only until they touch."""
+    """Points around a re-entrant corner of a concave body, and a hairpin whose legs are moved into each other by three
+    quarters of their thickness, or only until they touch."""
     for bricks in (
         shapes.cubes(shapes.CONCAVE["U"]),
         shapes.with_edges(shapes.cubes(shapes.CONCAVE["U"], 2)),
@@ -181,7 +182,8 @@ def judged(stage, options=animals.Options(), **more):
 
 
 def test_the_oracles_see_what_is_wrong():
-    """A scene with one fault each: an answer that depends on the body's name, a wall that only obstacles have, a speed that comes from nothing, a body that falls through."""
+    """A scene with one fault each: an answer that depends on the body's name, a wall that only obstacles have, a speed
+    that comes from nothing, a body that falls through."""
     good = animals.drop_on_a_face(animals.Options()).stage
     assert judged(good).verdict == "ok"
     wall = good.walls[0]

@@ -1,4 +1,5 @@
-"""Reported over true stable step on regular meshes, for the integrators that the price list compares. The true step comes from all eigenvalues of the assembled matrices and from runs just below and above it."""
+"""Reported over true stable step on regular meshes, for the integrators that the price list compares. The true step
+comes from all eigenvalues of the assembled matrices and from runs just below and above it."""
 
 import sys
 from pathlib import Path

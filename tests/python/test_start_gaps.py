@@ -1,4 +1,5 @@
-"""Surfaces with overlaps and gaps at the start: different meshes of one curved surface, separated blocks, folds; with each enforcement, friction, restarts and threads."""
+"""Surfaces with overlaps and gaps at the start: different meshes of one curved surface, separated blocks, folds; with
+each enforcement, friction, restarts and threads."""
 
 import itertools
 import warnings
@@ -28,7 +29,8 @@ INNER, MIDDLE, OUTER, WIDTH = 0.8, 1.0, 1.2, 0.2
 
 
 def quarter(inner, outer, facets, quadratic):
-    """Nodes, elements and the nodes at the inner radius with their forces of a uniform pressure, of a quarter of a cylindrical shell with one element over its thickness."""
+    """Nodes, elements and the nodes at the inner radius with their forces of a uniform pressure, of a quarter of a
+    cylindrical shell with one element over its thickness."""
     step = 2 if quadratic else 1
     number, nodes = {}, []
     for i, j, k in itertools.product(range(facets * step + 1), range(step + 1), range(step + 1)):
@@ -77,7 +79,8 @@ def shells(facets_a, facets_b, quadratic=False, turn=None, velocity=(0, 0, 0), *
 
 
 def mean_pressure(facets_a, facets_b, quadratic, **contact):
-    """Mean of the pressure between the shells, at rest under a uniform inner pressure of 0.1; and the contact's energy at the start."""
+    """Mean of the pressure between the shells, at rest under a uniform inner pressure of 0.1; and the contact's energy
+    at the start."""
     scene = shells(facets_a, facets_b, quadratic, **contact)
     for body in "ab":
         for face, axis in (("x_min", "x"), ("y_min", "y"), ("z_min", "z"), ("z_max", "z")):
@@ -100,7 +103,8 @@ def mean_pressure(facets_a, facets_b, quadratic, **contact):
     "facets_a, facets_b, quadratic", [(4, 5, False), (8, 11, False), (3, 4, True)]
 )
 def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quadratic):
-    """Adjusted, they start without energy and have the mean pressure of shells with the coarser mesh on both sides; otherwise the gaps of the facets stay."""
+    """Adjusted, they start without energy and have the mean pressure of shells with the coarser mesh on both sides;
+    otherwise the gaps of the facets stay."""
     matching, _ = mean_pressure(facets_a, facets_a, quadratic)
     adjusted, begin = mean_pressure(facets_a, facets_b, quadratic, adjust=0.08)
     assert begin == 0.0
@@ -221,7 +225,8 @@ def test_a_closed_gap_is_as_good_as_touching(enforcement):
 
 
 def test_friction_takes_the_pressure_of_closed_gaps():
-    """A block slides over a closed gap or overlap: the impulse of friction is mu times that of the pressure, and the total momentum does not change."""
+    """A block slides over a closed gap or overlap: the impulse of friction is mu times that of the pressure, and the
+    total momentum does not change."""
     for gap in (0.0, 0.02, -0.02):
         run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run(
             progress=False
@@ -238,7 +243,8 @@ def test_friction_takes_the_pressure_of_closed_gaps():
 
 def test_only_surfaces_that_face_each_other_are_adjusted():
     # eq:initial-facing
-    """A large distance closes the gap under a block, not those between the walls of the block and the slab around it."""
+    """A large distance closes the gap under a block, not those between the walls of the block and the slab around
+    it."""
     points = blocks(0.02, adjust=0.3).run(progress=False).contact[0]
     near = points[points["start_gap"] != 0.0]
     assert near["start_gap"] == pytest.approx(0.02, abs=1e-12)
@@ -253,7 +259,8 @@ def test_only_surfaces_that_face_each_other_are_adjusted():
 
 
 def test_a_fold_that_gapes_is_closed():
-    """The legs of a hairpin, with a gap below the distance, are in contact as soon as they approach; no other part is."""
+    """The legs of a hairpin, with a gap below the distance, are in contact as soon as they approach; no other part
+    is."""
     for adjust in (0.0, 0.15):
         boxes = [(x, 0) for x in range(6)] + [(5, 1)] + [(x, 2) for x in range(6)]
         corners = np.array([[x + a, y + b, c] for x, y in boxes for a, b, c in CORNERS], float)
@@ -304,7 +311,8 @@ def test_start_gaps_are_in_a_restart_and_do_not_depend_on_threads(tmp_path):
 
 
 def test_moving_shells_keep_their_energy():
-    """They slide, separate and close again with start gaps of both signs: with the plain penalty and small steps the total is constant."""
+    """They slide, separate and close again with start gaps of both signs: with the plain penalty and small steps the
+    total is constant."""
     scene = shells(6, 7, velocity=(0.3, 0.1, 0.0), adjust=0.05, enforcement="penalty", beta=1.0)
     run = scene.set_time(end=1.5, fraction=0.1).set_output(every=5, fields=[]).run(progress=False)
     total = run.energy["total"]

@@ -1,4 +1,5 @@
-"""Errors and warnings end with the address of their entry on the page "Symptoms"; each entry quotes a message that exists."""
+"""Errors and warnings end with the address of their entry on the page "Symptoms"; each entry quotes a message that
+exists."""
 
 import copy
 import pickle

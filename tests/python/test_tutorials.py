@@ -1,4 +1,5 @@
-"""Each tutorial runs as downloaded: a script alone in an empty folder. Each asserts its claims. The first one also writes the files of the contract."""
+"""Each tutorial runs as downloaded: a script alone in an empty folder. Each asserts its claims. The first one also
+writes the files of the contract."""
 
 import ast
 import os
@@ -108,7 +109,8 @@ def test_each_sends_the_reader_on(script):
 @pytest.mark.skipif("LIBCONTACT_DOWNLOADS" not in os.environ, reason="minutes; needs the book")
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
 def test_a_download_runs_with_the_wheel_and_its_extra(script, fresh, tmp_path):
-    """From the link of the built book, in an empty folder of a fresh environment: LIBCONTACT_DOWNLOADS is ``build/docs/html/_downloads``."""
+    """From the link of the built book, in an empty folder of a fresh environment: LIBCONTACT_DOWNLOADS is
+    ``build/docs/html/_downloads``."""
     downloads = Path(os.environ["LIBCONTACT_DOWNLOADS"]).resolve()
     (found,) = {path.read_text() for path in downloads.glob(f"*/{script.name}")}
     assert found == script.read_text()
@@ -211,7 +213,8 @@ def test_fig5_table(figures):
 
 
 def test_best_buy_tables(figures):
-    """With half as many elements along an edge, at its own places; far below the paper's oscillation, and as accurate as its curves."""
+    """With half as many elements along an edge, at its own places; far below the paper's oscillation, and as accurate
+    as its curves."""
     names, rows = read(figures / "fig4_best.csv")
     assert names == ["x_over_d", "best", "exact"] and rows.shape == (100, 3)
     x, best, exact = rows.T

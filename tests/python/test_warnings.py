@@ -1,4 +1,5 @@
-"""Warnings of scenes: each condition warns where it should, once, and not otherwise; explain, run and the command line agree."""
+"""Warnings of scenes: each condition warns where it should, once, and not otherwise; explain, run and the command line
+agree."""
 
 import math
 import re
@@ -234,7 +235,8 @@ def test_one_element_behind_the_surface(made, cells, thin):
 
 
 def test_what_a_thin_body_is_said_to_lose_it_loses():
-    """With a stiff penalty n elements lose 1/(2 n), plus a part that depends on the phase of the vibration; the warning states 50 % for one (eq:thin-loss)."""
+    """With a stiff penalty n elements lose 1/(2 n), plus a part that depends on the phase of the vibration; the warning
+    states 50 % for one (eq:thin-loss)."""
     for cells in (1, 2, 4):
         energy = (
             drop(cells=cells, beta=1e4)
@@ -333,7 +335,8 @@ def test_the_angle_of_a_rotation(angle):
 
 @pytest.mark.parametrize("cells", [(501, 9, 9), (9, 501, 9), (100, 100, 1), (1, 1, 5000)])
 def test_few_nodes_tell_the_rotation_of_many(cells):
-    """Nodes with equally spaced numbers may lie on one line of a regular mesh, and a rotation about it is then not detected."""
+    """Nodes with equally spaced numbers may lie on one line of a regular mesh, and a rotation about it is then not
+    detected."""
     X = np.array(Mesh.box("hex8", (0, 0, 0), (1, 1, 1), cells).nodes)
     some = warned._spread(len(X))
     assert len(some) == warned.TURN_NODES and np.linalg.svd(X[some] - X[some].mean(axis=0))[1][
@@ -343,7 +346,8 @@ def test_few_nodes_tell_the_rotation_of_many(cells):
 
 @pytest.mark.parametrize("size", [(1, 1, 1), (40, 1, 1), (9, 6, 0.1)])
 def test_no_body_has_turned_where_the_bound_says_so(size):
-    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is skipped; all those by 0.3 about the longest axis are (eq:turned-bound)."""
+    """Of rotations by 0.3 to 1.2 times the angle of the warning, about any axis, with noise, none above that angle is
+    skipped; all those by 0.3 about the longest axis are (eq:turned-bound)."""
     X = np.array(Mesh.box("hex8", (3, 1, 0), size, (6, 5, 4)).nodes)
     some, least = warned._spread_of(X)
     rng, above, asked = np.random.default_rng(7), 0, 0
@@ -510,7 +514,8 @@ def test_a_run_of_very_many_steps():
 
 
 def test_a_penalty_that_is_too_soft():
-    """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised penalty there is none. (eq:too-soft)"""
+    """A block falls into another one: a tenth of an element deeper is no warning, half of one is; with the advised
+    penalty there is none. (eq:too-soft)"""
     pull = {"acceleration": [0, 0, -1000.0], "bodies": ["high"]}
 
     def warned(**contact):

@@ -1,7 +1,8 @@
 """
 Waves in a mesh of equal bricks, step by step: their speeds, and the front of a step as their sum.
 
-Lengths are in the unit of ``size``, speeds over c₁, times in that unit over c₁. Theory: the chapter *dispersion* of the book.
+Lengths are in the unit of ``size``, speeds over c₁, times in that unit over c₁. Theory: the chapter *dispersion* of the
+book.
 """
 
 from __future__ import annotations
@@ -205,17 +206,19 @@ def dispersion_front(
     """
     Add up the waves behind the front of a step: a half-space of bricks meets a rigid wall.
 
-    The half-space flies with -v₀ along the normal of the wall and meets it at t = 0. The wall is a second half-space, the image of the first
-    point by point, which flies against it.
+    The half-space flies with -v₀ along the normal of the wall and meets it at t = 0. The wall is a second half-space,
+    the image of the first point by point, which flies against it.
 
     Parameters
     ----------
     time : float
         Time [unit of size / c₁]; with time steps the nearest whole number of them is taken.
     normal : sequence of 3 int
-        Whole numbers (p, q, r) of the plane of nodes that is the wall, at most 16: (1, 0, 0) along x, (1, 1, 0) at 45° for cubes.
+        Whole numbers (p, q, r) of the plane of nodes that is the wall, at most 16: (1, 0, 0) along x, (1, 1, 0) at 45°
+        for cubes.
     distance : array_like, shape (n,), optional
-        Distances of element centres from the wall, ascending; by default all up to 12 planes of nodes beyond the exact front.
+        Distances of element centres from the wall, ascending; by default all up to 12 planes of nodes beyond the exact
+        front.
     element, size, poisson, mass, integrator, parameter, courant
         The mesh and the steps, as for :func:`dispersion`.
 
@@ -231,7 +234,8 @@ def dispersion_front(
 
     Examples
     --------
-    The paper's mesh and step at c₁t = 56 elements (Fig. 4): the front is three quarters of an element late, and 26 % too high:
+    The paper's mesh and step at c₁t = 56 elements (Fig. 4): the front is three quarters of an element late, and 26 %
+    too high:
 
     >>> import libcontact as ct
     >>> front = ct.dispersion_front(56.0, courant=0.125)

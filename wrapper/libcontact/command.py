@@ -1,5 +1,5 @@
-"""The command line: ``libcontact run | explain | plan | info | plot | animate | export | schema | completion``. Exit codes: 0 ok, 2 bad input, 3 run
-failed, 130 Ctrl-C."""
+"""The command line: ``libcontact run | explain | plan | info | plot | animate | export | schema | completion``. Exit
+codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
 
 from __future__ import annotations
 

@@ -34,8 +34,9 @@ class Balance:
     """
     Energy balance of the steps of a contact.
 
-    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear in the motion. Where they are not, it may grow again after a loss;
-    without obstacles it stays below its value at the start.
+    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear
+    in the motion. Where they are not, it may grow again after a loss; without obstacles it stays below its value at the
+    start.
     """
 
     #: Energy stored at t_n in contact, obstacles, and the elastic springs of friction [energy].
@@ -648,7 +649,8 @@ class Contact:
 
     @property
     def resultant(self) -> Floats:
-        """Resultant force on each surface and its moment about the origin, without obstacles and friction, shape (surfaces, 2, 3) [force, force · length]."""
+        """Resultant force on each surface and its moment about the origin, without obstacles and friction, shape
+        (surfaces, 2, 3) [force, force · length]."""
         out = np.zeros((2, 2, 3))
         call(lib.ct_contact_resultant, self._contact, *map(doubles, out.reshape(4, 3)))
         return out[: len(self._counts)]

@@ -1,8 +1,8 @@
-"""How one instant of a run is drawn: :class:`Drawing` chooses the field, the view and the range of colours of a run, and draws
-any of its states into axes of matplotlib.
+"""How one instant of a run is drawn: :class:`Drawing` chooses the field, the view and the range of colours of a run,
+and draws any of its states into axes of matplotlib.
 
-The mesh is projected orthographically; faces that point away from the viewer are left out, the others are drawn from the
-back to the front.
+The mesh is projected orthographically; faces that point away from the viewer are left out, the others are drawn from
+the back to the front.
 """
 
 from __future__ import annotations

@@ -37,7 +37,8 @@ def bare(text: str) -> str:
 
 
 class _Documented(Exception):
-    """An error or warning with an entry on the page "Symptoms" of the book: its text ends with the address of the entry."""
+    """An error or warning with an entry on the page "Symptoms" of the book: its text ends with the address of the
+    entry."""
 
     def __str__(self) -> str:
         text = super().__str__()

@@ -70,8 +70,8 @@ def plates(x: Any, z: Any, t: Any, nu: float = 0.3, length: float = np.inf) -> F
     Parameters
     ----------
     x, z, t : array_like
-        Coordinates [d] and times [d/c₁], which broadcast against each other: 0 <= x <= length, \\|z\\| <= 1, 0 <= t < 2,
-        t + x < 2 length.
+        Coordinates [d] and times [d/c₁], which broadcast against each other: 0 <= x <= length, \\|z\\| <= 1, 0 <= t <
+        2, t + x < 2 length.
     nu : float
         Poisson's ratio, in (0, 0.49].
     length : float
@@ -179,8 +179,8 @@ def fronts(t: float, nu: float = 0.3, points: int = 91) -> dict[str, list[Floats
     Returns
     -------
     dict of str to list of ndarray, shape (n, 2)
-        Curves of x, z by name: ``plane_p``; ``circular_p``, ``circular_s`` and ``head`` (one curve for each face, z = 1 first);
-        ``rayleigh`` (one point for each face).
+        Curves of x, z by name: ``plane_p``; ``circular_p``, ``circular_s`` and ``head`` (one curve for each face, z = 1
+        first); ``rayleigh`` (one point for each face).
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""The outer faces of a state as polygons of a picture: projected, sorted from the back to the front, with a value each."""
+"""The outer faces of a state as polygons of a picture: projected, sorted from the back to the front, with a value
+each."""
 
 from __future__ import annotations
 

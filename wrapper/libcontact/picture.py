@@ -1,6 +1,7 @@
 """Pictures of runs: :func:`plot_run` draws a row of instants and the energies over time.
 
-The extra ``plot`` installs matplotlib for them. :class:`libcontact.drawing.Drawing` draws one instant into axes of your own.
+The extra ``plot`` installs matplotlib for them. :class:`libcontact.drawing.Drawing` draws one instant into axes of your
+own.
 """
 
 from __future__ import annotations

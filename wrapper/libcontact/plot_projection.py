@@ -1,4 +1,5 @@
-"""Pictures of projections in the plane of the reference face: lines of equal distance, the path of a method, and where it ends from each start."""
+"""Pictures of projections in the plane of the reference face: lines of equal distance, the path of a method, and where
+it ends from each start."""
 
 from __future__ import annotations
 

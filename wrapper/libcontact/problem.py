@@ -595,7 +595,8 @@ def contact_points(problem: Problem, state: Any) -> list[NDArray[Any]]:
 
 
 def contact_pressure(problem: Problem, state: Any) -> dict[str, list[NDArray[Any]]]:
-    """Tractions at the nodes of the surfaces of each contact and obstacle in a state (``ct_state *``); see ``Run.pressure``."""
+    """Tractions at the nodes of the surfaces of each contact and obstacle in a state (``ct_state *``); see
+    ``Run.pressure``."""
     out: dict[str, list[NDArray[Any]]] = {"contact": [], "obstacle": []}
     contacts = _contacts(problem, state)
     for k, effect in enumerate(problem.made):

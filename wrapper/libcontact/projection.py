@@ -72,7 +72,8 @@ class Projection:
 @dataclass(frozen=True)
 class RayHits:
     """
-    Where m lines meet a face; every array has one row per line. A line that misses has the status NO_CONVERGENCE and NaN.
+    Where m lines meet a face; every array has one row per line. A line that misses has the status NO_CONVERGENCE and
+    NaN.
     """
 
     #: Reference coordinates ξ of the hits, shape (m, 2).

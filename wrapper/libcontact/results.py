@@ -1,4 +1,5 @@
-"""Reading runs from VTKHDF files (layout: docs/theory/output.rst), and the tables of a run that was saved from memory."""
+"""Reading runs from VTKHDF files (layout: docs/theory/output.rst), and the tables of a run that was saved from
+memory."""
 
 from __future__ import annotations
 

@@ -434,12 +434,11 @@ class Run:
     #: (rows,). The runs passed to ``watch`` have the last row only.
     probes: dict[str, Table] = field(default_factory=dict)
     #: Penetration of each contact, and then of each obstacle, in the last state, a dict by place:
-    #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only. Each place has the numbers
-    #: ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
-    #: ``deepest`` (true distance), ``surface``, ``face`` and ``position`` of the deepest one. Depths up
-    #: to ``touching`` are not counted. ``late`` and ``late_depth``: at the points, how many were found
-    #: inside without having come in through the surface, as over the border of an open surface, and the
-    #: deepest of them.
+    #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only. Each place has
+    #: the numbers ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
+    #: ``deepest`` (true distance), ``surface``, ``face`` and ``position`` of the deepest one. Depths up to ``touching``
+    #: are not counted. ``late`` and ``late_depth``: at the points, how many were found inside without having come in
+    #: through the surface, as over the border of an open surface, and the deepest of them.
     penetration: list[dict[str, dict[str, Any]]] = field(default_factory=list)
 
     @property

@@ -111,7 +111,8 @@ def _adding_pair(
 
 class Scene:
     """
-    A scene: units, materials, bodies, effects, time and output, with the keys of the scene file (chapter "The scene file").
+    A scene: units, materials, bodies, effects, time and output, with the keys of the scene file (chapter "The scene
+    file").
 
     Every table is checked when it is added; an error is a SceneError with file, key and reason.
 
@@ -323,8 +324,8 @@ class Scene:
         body, nodes
             The body, and numbers of its nodes or a face such as ``"x_max"``.
         force
-            ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``dt``, ``reference``, ``displacement`` and ``velocity`` of them
-            (:class:`libcontact.effects.own.View`).
+            ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``dt``, ``reference``,
+            ``displacement`` and ``velocity`` of them (:class:`libcontact.effects.own.View`).
         energy
             ``energy(view)`` returns the stored energy; without it the work of the effect counts as
             external.
@@ -457,7 +458,8 @@ class Scene:
         Returns
         -------
         Plan
-            The choice and its neighbours, with expected errors and times; ``print`` shows them. Ctrl-C ends the trials, and the plan is made from those so far.
+            The choice and its neighbours, with expected errors and times; ``print`` shows them. Ctrl-C ends the trials,
+            and the plan is made from those so far.
 
         Raises
         ------

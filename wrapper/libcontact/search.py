@@ -17,7 +17,8 @@ __all__ = ["Nearest", "Surface", "nearest"]
 
 @dataclass(frozen=True)
 class Nearest:
-    """The closest points of a surface to m points; every array has one row per point, and NaN where the status is INVALID."""
+    """The closest points of a surface to m points; every array has one row per point, and NaN where the status is
+    INVALID."""
 
     #: Number of the face, the lowest one if several are equally close; -1 where the status is
     #: INVALID. Shape (m,).
@@ -28,7 +29,8 @@ class Nearest:
     point: Floats
     #: Distance of each point from its closest point [length], shape (m,).
     distance: Floats
-    #: The distance, negative inside: below the face, or below the mean of the faces that meet in an edge or corner [length]. Shape (m,).
+    #: The distance, negative inside: below the face, or below the mean of the faces that meet in an edge or corner
+    #: [length]. Shape (m,).
     signed_distance: Floats
     #: Unit vectors at the closest points that point outwards, shape (m, 3).
     normal: Floats

@@ -9,7 +9,8 @@ from typing import Any
 
 from .schema import SceneError, Source, listed
 
-# A string, a comment, a bracket, the end of a line, or what is between them. Lines are sought in texts that tomllib has read.
+# A string, a comment, a bracket, the end of a line, or what is between them. Lines are sought in texts that tomllib has
+# read.
 PIECE = re.compile(
     r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\'|#[^\n]*|[\[\]{}\n]|[^"\'#\[\]{}\n]+',
     re.S,
