@@ -19,13 +19,6 @@ def test_the_counts_that_make_fuzz_reads_are_printed(program, words):
     assert set(getattr(run_fuzz, words)) <= set(told)
 
 
-def test_make_memory_names_programs_that_exist():
-    root = Path(__file__).resolve().parents[2]
-    listed = re.search(r"^MEMCHECK \?=((?:.*\\\n)*.*)$", (root / "Makefile").read_text(), re.M)
-    for name in re.sub(r"\$\(if \S*,(\w+)\)|\\", r"\1", listed.group(1)).split():
-        assert (root / "tests" / "c" / f"test_{name}.c").exists(), name
-
-
 def test_scenes_and_files_changed_at_random_are_refused_or_run(tmp_path):
     counts = fuzz_scenes.campaign(0.0, 1, tmp_path, rounds=2)
     assert counts["refused"] > 200 and counts["run"] > 50
