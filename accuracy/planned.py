@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from libcontact.answer import functional, plates  # noqa: E402
-from libcontact.planner import COARSEST, FINER, Planner  # noqa: E402
+from libcontact.planning.answer import functional, plates  # noqa: E402
+from libcontact.planning.planner import COARSEST, FINER, Planner  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 

@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 ROOT = Path(__file__).resolve().parents[1]
 BOOK = ROOT / "docs" / "theory"
-PRICES = ROOT / "wrapper" / "libcontact" / "prices.csv"
+PRICES = ROOT / "wrapper" / "libcontact" / "planning" / "prices.csv"
 LIBRARY = ("libcontact", "wrapper")
 TEXT = {"scene", "setting", "status", "machine", "compiler", "flags", "commit"}
 OTHER = re.compile(r"material\.|output\.")  # keys that are not part of a setting of the planner

@@ -19,9 +19,8 @@ import faces
 import numpy as np
 from faces import MARGIN, RIGHT, corpus
 from libcontact._core import lib
+from libcontact.pictures import plot_projection
 from libcontact.projection import METHODS
-
-from libcontact import plot_projection
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent

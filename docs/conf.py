@@ -128,8 +128,7 @@ if not RUN_TUTORIALS and (
 else:
     # Sphinx looks up annotations in the module, which imports these names for type checkers alone.
     import libcontact.scene
-
-    from libcontact import explain, plan
+    from libcontact.planning import explain, plan
 
     libcontact.scene.Cost, libcontact.scene.Explanation = plan.Cost, explain.Explanation
 

@@ -158,7 +158,7 @@ class Depth:
             self.look(run)
         self.records += 1
 
-    def of_sphere(self, wall: stages.Wall, body: ct.run.BodyState, now: float) -> float:
+    def of_sphere(self, wall: stages.Wall, body: ct.BodyState, now: float) -> float:
         """Depth of the sphere below the skin, at the point of the skin next to its centre."""
         centre = np.array([wall.point]) + now * np.array([wall.velocity])
         faces, _ = body.mesh.faces("outer")
@@ -329,7 +329,7 @@ def judge(make: Callable[[Options], Animal], o: Options, whole: bool) -> Row:
         refuse(row, animal, o, str(error))
     except TooSlow as error:
         row.fail(str(error))
-    except (ct.run.StepTooLarge, ct.run.InvertedElement) as error:
+    except (ct.StepTooLarge, ct.InvertedElement) as error:
         refuse(row, animal, o, f"{type(error).__name__}: {error}")
     except ct.Error as error:
         row.fail(f"{type(error).__name__}: {error}")

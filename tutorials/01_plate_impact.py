@@ -24,7 +24,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from libcontact.plot import draw_curves, draw_faces, draw_fronts
+from libcontact.pictures.plot import draw_curves, draw_faces, draw_fronts
 
 import libcontact as ct
 

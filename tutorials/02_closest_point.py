@@ -25,8 +25,8 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from libcontact.plot import draw_curves
-from libcontact.plot_projection import draw_path, draw_starts, legend_of_ends
+from libcontact.pictures.plot import draw_curves
+from libcontact.pictures.plot_projection import draw_path, draw_starts, legend_of_ends
 from libcontact.projection import METHODS
 
 import libcontact as ct

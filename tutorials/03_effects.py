@@ -19,7 +19,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from libcontact.plot import draw_costs, draw_curves
+from libcontact.pictures.plot import draw_costs, draw_curves
 
 import libcontact as ct
 

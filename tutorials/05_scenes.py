@@ -12,7 +12,7 @@ for scenes of your own (:doc:`/theory/scene`).
 # Two helpers
 # -----------
 # ``states`` returns the states at some times: the scene is run up to each of them. ``often``
-# records more often. :func:`libcontact.plot.draw_faces` draws deformed faces, coloured by values
+# records more often. :func:`libcontact.pictures.plot.draw_faces` draws deformed faces, coloured by values
 # of elements.
 
 import os
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from libcontact.plot import draw_bar_in_time, draw_curves, draw_faces
+from libcontact.pictures.plot import draw_bar_in_time, draw_curves, draw_faces
 
 import libcontact as ct
 

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from libcontact.plot import draw_faces
+from libcontact.pictures.plot import draw_faces
 from matplotlib.figure import Figure
 from shared.drawing import DARK, RED
 

@@ -1,7 +1,7 @@
 """Pictures of the chapter on obstacles."""
 
 import numpy as np
-from libcontact.plot import draw_faces
+from libcontact.pictures.plot import draw_faces
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, DARK, GREY, ORANGE, arrow, bare, line
 

@@ -1,7 +1,7 @@
 """Picture of the chapter on the planner: a bar on a wall, whose momentum after the impact is known."""
 
 import numpy as np
-from libcontact.planner import extrapolate, together
+from libcontact.planning.planner import extrapolate, together
 from matplotlib.figure import Figure
 
 import libcontact as ct

@@ -1,7 +1,7 @@
 """Pictures of the chapter on the methods of projection."""
 
 import numpy as np
-from libcontact.plot_projection import draw_path, draw_starts, legend_of_ends
+from libcontact.pictures.plot_projection import draw_path, draw_starts, legend_of_ends
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, ORANGE, RED, VIOLET
 from shared.faces import POINT, SQUARE, bent_face

@@ -1,7 +1,9 @@
 """Stand-ins for other builds of the C library."""
 
+from libcontact.checks import warned
+
 import libcontact as ct
-from libcontact import loop, warned
+from libcontact import loop
 
 
 def leave_out_hdf5(monkeypatch):

@@ -144,7 +144,7 @@ def test_run_draws_before_it_reports_a_file_that_was_not_written(scene, capsys, 
     """A wheel has no HDF5: the picture is drawn, and the exit code reports the missing file."""
     pytest.importorskip("matplotlib")
     monkeypatch.setattr("libcontact.loop.has", lambda part: False)
-    monkeypatch.setattr("libcontact.warned.has", lambda part: False)
+    monkeypatch.setattr("libcontact.checks.warned.has", lambda part: False)
     assert main(["run", scene, "--plot", "--until", "1e-7", "-o", "out.vtkhdf"]) == 3
     assert Path("scene.png").read_bytes().startswith(b"\x89PNG")
     err = capsys.readouterr().err

@@ -17,7 +17,7 @@ DESCRIBED = [
     "libcontact.mesh",
     "libcontact.projection",
 ]
-DESCRIBED += ["libcontact.run", "libcontact.search"]
+DESCRIBED += ["libcontact.run", "libcontact.search", "libcontact.state"]
 
 
 @pytest.mark.parametrize("name", DESCRIBED)

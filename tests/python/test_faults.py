@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.mesh import Mesh
-from libcontact.run import Run, RunError, State
+from libcontact.run import Run, RunError
+from libcontact.state import State
 
 import libcontact as ct
 from libcontact import loop

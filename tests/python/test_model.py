@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 from libcontact._core import ffi, lib
 from libcontact.effects import Effect
 from libcontact.parts import EFFECTS, MANY, ONCE, Parts, read, schema
+from libcontact.planning import explain
 from libcontact.schema import Place, SceneError, Table
 
 import libcontact as ct
-from libcontact import explain
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "tutorials" / "scenes").glob("*.toml"))

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from libcontact.parts import schema
+from libcontact.pictures import drawing, plot
 
 import libcontact as ct
-from libcontact import drawing, plot
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE, KEPT = (

@@ -15,7 +15,7 @@ pytest.importorskip("matplotlib_inline")
 
 FILE = Path(__file__).resolve().parents[2] / "docs" / "start" / "plates.ipynb"
 PLAN = """\
-from libcontact.planner import Offer, Plan
+from libcontact.planning.planner import Offer, Plan
 offer = Offer(scene, "100 x 1 x 100 <cells>", "courant 0.5", 0.02, 1.5, "the mesh meets the error")
 plan = Plan(offer, None, None, "of the stress", "sure")
 print(plan)

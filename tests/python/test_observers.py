@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from libcontact.checks.warned import during
 from libcontact.observers import Observer
 
 import libcontact as ct
@@ -61,8 +62,7 @@ def test_a_divided_step_keeps_their_times():
 
 
 def test_a_scene_without_contacts_is_not_cut_into_steps():
-    made = loop.Loop(bars(contact=False)._built(1), "")
-    assert [each.next(5) for each in made.observers] == [np.inf] * 3
+    assert [each.next(5) for each in during(bars(contact=False)._built(1))] == [np.inf] * 3
 
 
 @pytest.mark.parametrize(

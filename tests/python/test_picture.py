@@ -3,14 +3,14 @@ from."""
 
 import numpy as np
 import pytest
-from libcontact.run import mises, principal
+from libcontact.state import mises, principal
 
 import libcontact as ct
 
 pytest.importorskip("matplotlib")
-from libcontact.drawing import Drawing  # noqa: E402
-from libcontact.faces import Faces, _shape  # noqa: E402
-from libcontact.picture import bar_axis, chosen, plot_run  # noqa: E402
+from libcontact.pictures.drawing import Drawing  # noqa: E402
+from libcontact.pictures.faces import Faces, _shape  # noqa: E402
+from libcontact.pictures.picture import bar_axis, chosen, plot_run  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 

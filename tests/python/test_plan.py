@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.bridge import ask
+from libcontact.checks import touch
 from libcontact.errors import check, new_error
-from libcontact.plan import LOOP, OUTPUT
+from libcontact.planning import plan as planned
 from libcontact.problem import Held, new_state
+from libcontact.timing import LOOP, OUTPUT
 
 import libcontact as ct
-from libcontact import plan as planned
-from libcontact import touch
 
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
 

@@ -9,10 +9,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from libcontact.command import main
+from libcontact.planning import answer, planner
 from libcontact.schema import SceneError
 
 import libcontact as ct
-from libcontact import answer, planner
 
 ROOT = Path(__file__).resolve().parents[2]
 

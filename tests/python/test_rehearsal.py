@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from libcontact.planning import plan
 
 import libcontact as ct
-from libcontact import plan
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
 UNITS = {"length": "m", "mass": "kg", "time": "s"}

@@ -13,8 +13,9 @@ from builds import leave_out_hdf5
 from libcontact._core import lib
 from libcontact.mesh import Mesh
 from libcontact.model import Material
-from libcontact.run import BodyState, Run, RunError, State
+from libcontact.run import Run, RunError
 from libcontact.schema import SceneError
+from libcontact.state import BodyState, State
 
 import libcontact as ct
 from libcontact import loop

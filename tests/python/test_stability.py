@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from libcontact.checks import warned
 
 import libcontact as ct
-from libcontact import warned
 
 LABORATORY = Path(__file__).parents[2] / "stability"
 sys.path.insert(0, str(LABORATORY))

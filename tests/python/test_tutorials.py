@@ -60,7 +60,7 @@ def test_what_tutorials_import_comes_with_the_extra():
 
 
 def drawing(script):
-    """Lines that draw: statements with matplotlib, ``libcontact.plot`` or objects from these."""
+    """Lines that draw: statements with matplotlib, ``libcontact.pictures.plot`` or objects from these."""
     tree = ast.parse(script.read_text())
     drawn, lines = {"plt", "pyplot", "matplotlib"}, set()
 

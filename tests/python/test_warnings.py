@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builds import leave_out_hdf5
+from libcontact.checks import warned
 from libcontact.mesh import Mesh
 
 import libcontact as ct
-from libcontact import command, warned
+from libcontact import command
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = sorted((ROOT / "tutorials" / "scenes").glob("*.toml"))

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import exact as exact
     from .bloch import *
+    from .bridge import has as has
     from .contact import *
     from .errors import *
     from .projection import *
@@ -25,50 +26,17 @@ if TYPE_CHECKING:
     from .scene import example as example
     from .schema import SceneError as SceneError
     from .search import *
+    from .state import *
 
     __version__: str
 
 # The modules whose public names, those of their __all__, are names of the package; and where other names live.
-_PUBLIC = ("bloch", "contact", "errors", "projection", "search", "run")
-_HOME = {"Scene": "scene", "example": "scene", "SceneError": "schema"}
+_PUBLIC = ("bloch", "contact", "errors", "projection", "run", "search", "state")
+_HOME = {"Scene": "scene", "example": "scene", "SceneError": "schema", "has": "bridge"}
 
 
 def _module(home: str) -> Any:
     return import_module("." + home, __name__)
-
-
-def has(part: str) -> bool:
-    """Check whether an optional part was built in.
-
-    Parameters
-    ----------
-    part : {"hdf5", "gsl", "openmp"}
-        Results files, the modal series, or threads.
-
-    Returns
-    -------
-    bool
-        True if the part was built in.
-
-    Raises
-    ------
-    ValueError
-        Unknown part.
-    """
-    from ._core import ffi, lib
-
-    # A part that is not built in returns CT_ERROR_UNSUPPORTED from every call, also from one
-    # without work.
-    nothing = ffi.NULL
-    parts: dict[str, bool] = {
-        "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
-        "gsl": lib.ct_exact_plates_series(0, *[nothing] * 3, 0.3, 0, *[nothing] * 3)
-        != lib.CT_ERROR_UNSUPPORTED,
-        "openmp": bool(lib.ct_has_openmp()),
-    }
-    if part not in parts:
-        raise ValueError(f'there is no part "{part}"; the parts are {", ".join(parts)}')
-    return parts[part]
 
 
 if not TYPE_CHECKING:  # A type checker knows the names that are imported above, and no others.
@@ -79,7 +47,7 @@ if not TYPE_CHECKING:  # A type checker knows the names that are imported above,
             value = _module("_core").ffi.string(_module("_core").lib.ct_version()).decode()
         elif name == "__all__":
             public = [_module(home).__all__ for home in _PUBLIC]
-            value = sorted({"exact", "has", *_HOME}.union(*public))
+            value = sorted({"exact", *_HOME}.union(*public))
         elif name == "exact":
             value = _module("exact")
         else:

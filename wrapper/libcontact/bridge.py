@@ -10,12 +10,44 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import ffi
+from ._core import ffi, lib
 from .errors import check, new_error
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Rows = NDArray[Any]
+
+
+def has(part: str) -> bool:
+    """Check whether an optional part was built in.
+
+    Parameters
+    ----------
+    part : {"hdf5", "gsl", "openmp"}
+        Results files, the modal series, or threads.
+
+    Returns
+    -------
+    bool
+        True if the part was built in.
+
+    Raises
+    ------
+    ValueError
+        Unknown part.
+    """
+    # A part that is not built in returns CT_ERROR_UNSUPPORTED from every call, also from one
+    # without work.
+    nothing = ffi.NULL
+    parts: dict[str, bool] = {
+        "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
+        "gsl": lib.ct_exact_plates_series(0, *[nothing] * 3, 0.3, 0, *[nothing] * 3)
+        != lib.CT_ERROR_UNSUPPORTED,
+        "openmp": bool(lib.ct_has_openmp()),
+    }
+    if part not in parts:
+        raise ValueError(f'there is no part "{part}"; the parts are {", ".join(parts)}')
+    return parts[part]
 
 
 def call(function: Any, *arguments: Any) -> None:

@@ -450,7 +450,7 @@ def _animate(options: argparse.Namespace) -> int:
     _check_picture(options)
     if options.rate < 1:
         raise BadInput(f"--rate is {options.rate}; at least one picture per second is needed")
-    from .animation import animate
+    from .pictures.animation import animate
 
     target = Path(options.output or Path(options.file).with_suffix(".gif"))
     keys = ("field", "view", "scale", "rate")
@@ -501,9 +501,9 @@ def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 
 def _check_picture(options: argparse.Namespace) -> None:
     """Refuse what can't be drawn before a run, not after it."""
-    from .drawing import check_view
-    from .run import COMPONENTS
+    from .pictures.drawing import check_view
     from .schema import suggestion
+    from .state import COMPONENTS
 
     if options.scale is not None and not abs(options.scale) <= 1e12:
         raise BadInput(f"the scale {options.scale:g} can't be drawn")
@@ -521,7 +521,7 @@ def _check_picture(options: argparse.Namespace) -> None:
 
 
 def _draw(run: Run, target: Path, options: argparse.Namespace) -> None:
-    from .picture import picture
+    from .pictures.picture import picture
 
     keys = ("field", "view", "scale", "instants")
     try:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from .errors import NotBuiltIn
-from .run import BodyState, Run, State
+from .run import Run
+from .state import BodyState, State
 from .tables import write_csv
 
 # Names of the cells in meshio.

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from .mesh import Mesh, open_hdf5, read_vtkhdf
-from .results import in_file, load
+from .results import in_file
+from .run import Run
 from .scene import Scene
 
 
@@ -41,7 +42,7 @@ def _scene(scene: Scene) -> dict[str, Any]:
 
 
 def _run(path: Path) -> dict[str, Any]:
-    run = load(path)
+    run = Run.load(path)
     scene = tomllib.loads(run.scene) if run.scene else {}
     return {
         "kind": "results",

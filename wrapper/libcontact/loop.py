@@ -17,33 +17,23 @@ from typing import Any
 
 import numpy as np
 
-from . import errors, has
+from . import errors
 from ._core import ffi, lib
-from .bridge import Floats, Rows, ask, call, copied, doubles
+from .bridge import Floats, Rows, ask, call, copied, doubles, has
 from .errors import Error, NotBuiltIn, StepError, bare, issue, new_error, place, raise_held, text_of
-from .limits import Depths
 from .mesh import view
 from .model import FEEDS, FIELDS, FILTERED, LARGE
 from .observers import Observer, own
-from .plan import computed_fraction, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .progress import bar
-from .run import (
-    ENERGY,
-    FAULTS,
-    MOMENTUM,
-    BodyState,
-    Run,
-    RunError,
-    State,
-    StepTooLarge,
-    energy_table,
-)
+from .results import Records, write_tables
+from .run import FAULTS, Run, RunError, StepTooLarge
 from .schema import Place, SceneError, is_number
-from .surfaces import contact_tables
-from .tables import as_table
-from .warned import Borders, Turning, whole_skin
+from .state import BodyState, State
+from .surfaces import contact_tables, whole_skin
+from .tables import ENERGY, MOMENTUM, as_table, energy_table
+from .timing import computed_fraction, measured, step_seconds
 
 # Defaults of the recording interval: the number of records, the least number of steps between them in
 # a problem of many nodes, and bounds on the recorded values (records times nodes).
@@ -120,6 +110,7 @@ class Loop:
         watch: Any = None,
         until: Any = None,
         built: Callable[[float], Problem] | None = None,
+        checks: Iterable[Observer] = (),
         observers: Iterable[Any] = (),
     ):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
@@ -131,7 +122,7 @@ class Loop:
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.probes = Histories(problem)
-        self.observers: list[Observer] = [Turning(problem), Borders(problem), Depths(problem)]
+        self.observers = list(checks)
         self.observers += own(problem, observers, lambda state: self._state(state, state))
         self.filter = self._filter(problem.parts.output.filter)
         self.monitor: Any = None
@@ -232,8 +223,6 @@ class Loop:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
         if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't save a run")
-        from .results import write_tables
-
         try:
             self.output = self._create(path)
             self._call(lib.ct_output_append, self.output, self.problem.pointer, self.state)
@@ -241,7 +230,7 @@ class Loop:
         except Error as reason:
             self.abandon()
             raise OSError(str(reason)) from None
-        write_tables(path, run)
+        write_tables(path, run.steps, run.energy, run.momentum)
 
     def fail(self, error: RunError) -> None:
         """After a fault: record the last good state if it is newer than the last record, close the
@@ -625,8 +614,6 @@ class Loop:
     def _states(self) -> Sequence[State]:
         """The recorded states: of the file, or those kept and the last one."""
         if self.path is not None:
-            from .results import Records
-
             return Records(self.path, len(self.steps))
         if self.kept and self.kept[-1].step == self.state.step:
             return list(self.kept)

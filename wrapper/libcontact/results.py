@@ -13,17 +13,17 @@ import numpy as np
 from .bridge import Floats, Rows
 from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import FIELDS, FILTERED, LAWS, Material
-from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
-from .tables import Table, as_table
+from .state import BodyState, State
+from .tables import MOMENTUM, Table, as_table, energy_table
 from .units import Units
 
 LAYOUT = 1
 T = TypeVar("T")
 
 
-def load(path: Path, record: int = -1) -> Run:
-    """Read a run; a ValueError names what is wrong with the file."""
+def read(path: Path, record: int = -1) -> dict[str, Any]:
+    """Read what a ``Run`` holds; a ValueError names what is wrong with the file."""
     return _reading(path, lambda file: _read(path, file, record))
 
 
@@ -81,7 +81,7 @@ def _origin(path: Path, file: Any) -> tuple[str, float]:
     return text_in(own["scene"][()]) if "scene" in own else "", float(own.attrs["dt"])
 
 
-def _read(path: Path, file: Any, record: int) -> Run:
+def _read(path: Path, file: Any, record: int) -> dict[str, Any]:
     scene, dt = _origin(path, file)
     own, vtk = file["libcontact"], file["VTKHDF"]
     count = int(vtk["Steps"].attrs["NSteps"])
@@ -94,7 +94,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
     # The rows of the recorded steps, or the whole history in a file that was saved from memory.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
-    return Run(
+    return dict(
         bodies=[text_in(row["name"]) for row in bodies],
         units=_units(scene),
         steps=own["step"][:count].astype(np.int64),
@@ -204,9 +204,9 @@ def _units(scene: str) -> Units | None:
         return None
 
 
-def write_tables(path: Path, run: Run) -> None:
+def write_tables(path: Path, steps: Any, energy: Rows, momentum: Rows) -> None:
     """Add the history of a run in memory to a file with its last state, in the group
     libcontact/history."""
     with open_hdf5(path, "r+") as file:
         group = file.create_group("libcontact/history")
-        group["step"], group["energy"], group["momentum"] = run.steps, run.energy, run.momentum
+        group["step"], group["energy"], group["momentum"] = steps, energy, momentum

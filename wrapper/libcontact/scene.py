@@ -6,6 +6,7 @@ import copy
 import math
 import os
 import re
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -14,22 +15,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
 
 import numpy as np
+import tomli_w
 
+from . import html
+from .checks.warned import during, known
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
+from .loop import Loop, record_count, schedule
 from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .problem import Problem
-from .run import ENERGY, IN_ENERGY, Run, State
+from .results import origin
+from .run import Run
 from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
+from .source import Text, set_values
+from .state import State
+from .tables import ENERGY, IN_ENERGY
 
 if TYPE_CHECKING:
-    # Modules that compute are imported when a scene is built or run; reading a scene does not need
-    # them.
-    from .explain import Explanation
-    from .plan import Cost
-    from .planner import Plan
+    # A run needs no planning, which is imported where it is called.
+    from .planning.explain import Explanation
+    from .planning.plan import Cost
+    from .planning.planner import Plan
 
 # Tables that may differ between a scene and the one whose run it continues, in addition to ``free``
 # keys.
@@ -205,8 +213,6 @@ class Scene:
         Scene
             The scene.
         """
-        import tomllib
-
         path = str(path)
         try:
             check_file(path, MOST_BYTES)
@@ -219,8 +225,6 @@ class Scene:
         except (OSError, ValueError, RecursionError) as error:
             reason = getattr(error, "strerror", None) or error
             raise SceneError(f"can't be read: {reason}", "", path) from None
-        from .source import Text, set_values
-
         changed = set_values(data, changes or {}, path)
         return cls(data, file=path if len(text) > MOST_WITH_LINES else Text(path, text, changed))
 
@@ -379,8 +383,7 @@ class Scene:
         Explanation
             A text, with the same facts as a dictionary in its ``data``.
         """
-        from .explain import explain
-        from .loop import record_count, schedule
+        from .planning.explain import explain
 
         problem = self._built(None)
         return explain(problem, schedule(problem)[0], record_count(problem))
@@ -399,8 +402,7 @@ class Scene:
         list of Cost
             The costs, predicted from a trial of a few steps.
         """
-        from .loop import record_count
-        from .plan import predict
+        from .planning.plan import predict
 
         problem = self._built(None)
         if run is None:
@@ -422,7 +424,7 @@ class Scene:
         str
             The table.
         """
-        from .plan import table
+        from .planning.plan import table
 
         return table(self.costs(run), self._built(None).stable.dt)
 
@@ -466,7 +468,7 @@ class Scene:
         SceneError
             The functional is missing or unknown, or no feasible mesh meets the request.
         """
-        from .planner import plan
+        from .planning.planner import plan
 
         return plan(self, error, seconds, functional, trials, progress)
 
@@ -513,8 +515,6 @@ class Scene:
             The results. The first Ctrl-C ends the run after a last record, and the Run has
             ``interrupted`` set.
         """
-        from .loop import Loop
-        from .warned import known
 
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
@@ -525,9 +525,8 @@ class Scene:
             self._check_output(path, restart)
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         problem = self._built(threads, dt and dt / parts)
-        loop = Loop(
-            problem, self.toml(arrays=False), watch, until, partial(self._built, threads), observers
-        )
+        built, text = partial(self._built, threads), self.toml(arrays=False)
+        loop = Loop(problem, text, watch, until, built, during(problem), observers)
         loop.begin()
         for warning in known(loop.problem, path, state=loop.state):
             issue(warning)
@@ -581,8 +580,6 @@ class Scene:
         """Raise an error for a run of another scene; return the step of the run, and the number of parts
         into which this scene divides it."""
         at = Place("restart", self._file)
-        from .results import origin
-
         try:
             text, dt = origin(Path(path).absolute())
             before, step = _fixed(text)
@@ -606,8 +603,6 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """The scene in a notebook: its bodies, and its other tables by number."""
-        from .html import lines, table, titled
-
         keys = ("name", "material", "element", "velocity")
         bodies = [[body.get(key, "") for key in keys] for body in self._data.get("body", [])]
         shapes = [_shape_of(body) for body in self._data.get("body", [])]
@@ -618,8 +613,11 @@ class Scene:
             for name, value in self._data.items()
             if name not in known and value
         ]
-        parts = table([*keys, "mesh"], rows), lines("also: " + ", ".join(others)) if others else ""
-        return titled(self._parts.title or "Scene without a title", *parts)
+        parts = (
+            html.table([*keys, "mesh"], rows),
+            html.lines("also: " + ", ".join(others)) if others else "",
+        )
+        return html.titled(self._parts.title or "Scene without a title", *parts)
 
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"
@@ -634,8 +632,6 @@ def _shape_of(body: dict[str, Any]) -> str:
 
 
 def _toml(data: dict[str, Any], arrays: bool = True) -> str:
-    import tomli_w
-
     for body in data.get("body", []):
         for key in ("nodes", "elements"):
             if key in body:
@@ -646,8 +642,6 @@ def _toml(data: dict[str, Any], arrays: bool = True) -> str:
 def _fixed(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a scene without those that may differ in a scene that continues its run, and the keys
     that give its step."""
-    import tomllib
-
     scene = tomllib.loads(text)
     time: dict[str, Any] = scene.get("time", {})
     step = {key: time.pop(key, None) for key in Time.rivals[0]}

@@ -14,6 +14,13 @@ def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
     return f"{first} with " + ("itself" if first == second else second)
 
 
+def whole_skin(surfaces: Sequence[Any]) -> str:
+    """Advice to name the whole skins of two bodies, unless the contact has them."""
+    outer = [f'"{body}.outer"' for body, _ in surfaces]
+    given = [f'"{body}.{name}"' for body, name in surfaces]
+    return "" if given == outer else f"; name the whole skins, surfaces = [{', '.join(outer)}]"
+
+
 def obstacle_name(obstacle: Any) -> str:
     """An obstacle, named by the surface in contact with it."""
     return str(".".join(obstacle.given.surface))

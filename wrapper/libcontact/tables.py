@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .bridge import Rows
+from .bridge import Floats, Rows, members
 from .errors import NotBuiltIn
 
 __all__ = ["Table"]
 
 # Names of the columns of a field with so many numbers.
 PARTS = {3: ("x", "y", "z"), 6: ("xx", "yy", "zz", "xy", "yz", "zx")}
+
+# Rows of the energy balance and of the momenta.
+ENERGY = np.dtype(members("ct_energy"))
+MOMENTUM = np.dtype(members("ct_momentum"))
+# Effects whose energy or work is part of a column of ENERGY; others have a column of their own.
+IN_ENERGY = ("solid", "contact", "support")
 
 
 class Table(np.ndarray[Any, Any]):
@@ -68,6 +75,26 @@ class Table(np.ndarray[Any, Any]):
 def as_table(rows: Rows) -> Table:
     """A view of a structured array as a table."""
     return rows.view(Table)
+
+
+def energy_table(energy: Rows, effects: Sequence[str], values: Floats) -> Rows:
+    """``Run.energy`` from rows of ENERGY, with a column for each further name, which sums the ``values``
+    (rows, effects) of the effects with this name."""
+    own = tuple(dict.fromkeys(name for name in effects if name not in IN_ENERGY))
+    out = np.zeros(len(energy), _energy_row(own))
+    for name in ENERGY.fields or ():
+        out[name] = energy[name]
+    for name, value in zip(effects, values.T):
+        if name in own:
+            out[name] += value
+    return out
+
+
+@cache
+def _energy_row(own: tuple[str, ...]) -> np.dtype[np.void]:
+    """The numpy type of a row of ENERGY with a column for each further name; cached, because each record
+    needs it and numpy creates it slowly."""
+    return np.dtype(ENERGY.descr + [(name, "f8") for name in own])
 
 
 def write_csv(path: Path, table: Table, names: list[str] | None = None) -> None:

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ._core import ffi, lib
-from .bridge import call
-from .errors import LongRunWarning, PenetrationWarning, ShortStepWarning
-from .mesh import Mesh
-from .model import ENFORCEMENTS
-from .observers import Observer, spread
-from .problem import Problem, new_state, penetrations, speeds
-from .surfaces import contact_tables
+from .._core import ffi, lib
+from ..bridge import call
+from ..errors import LongRunWarning, PenetrationWarning, ShortStepWarning
+from ..mesh import Mesh
+from ..model import ENFORCEMENTS
+from ..observers import Observer, spread
+from ..problem import Problem, new_state, penetrations, speeds
+from ..surfaces import contact_tables
 
 # Ratio of the stable steps without and with the friction of one contact (eq:friction-cost).
 SHORTENED = 4.0

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import copy
 import math
+import tempfile
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,15 +22,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import has
-from ._core import ffi, lib
-from .bridge import ask, call
-from .errors import Error
-from .mesh import FACTS
-from .model import Body, Time
-from .problem import Held, Problem, memory_of, new_state
-from .progress import table_text
-from .touch import first_touch
+from .._core import ffi, lib
+from ..bridge import ask, call, has
+from ..checks.touch import first_touch
+from ..errors import Error
+from ..loop import Loop
+from ..mesh import FACTS
+from ..model import Body, Time
+from ..problem import Held, Problem, memory_of, new_state
+from ..progress import table_text
+from ..timing import OUTPUT, by_name, computed_fraction, step_seconds
 
 Array = npt.NDArray[np.float64]
 
@@ -50,7 +52,6 @@ PASSES, PASS_SECONDS = 3, 0.15
 TRIAL_SECONDS, FEWEST_ROUNDS, MOST_ROUNDS, MOST_STEPS = 0.2, 4, 24, 24
 # The strain that makes all elements active in a trial.
 STRETCH = 1e-12
-LOOP, OUTPUT = "time loop", "output"
 
 
 @dataclass(frozen=True)
@@ -159,36 +160,6 @@ def predict(problem: Problem, records: int) -> Prediction:
     return Prediction(tuple(costs), steps, memory_of(problem, tried.grown), size, bool(seen))
 
 
-def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
-    """
-    Return the measured time of each part of a run.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem of the run.
-    state : ct_state *
-        Its last state.
-    output_seconds : float
-        Time of all records [s].
-
-    Returns
-    -------
-    dict of str to float
-        Seconds by name, as in ``Cost.measured``.
-    """
-    return _by_name(problem, step_seconds(problem, state)) | {OUTPUT: output_seconds}
-
-
-def _by_name(problem: Problem, values: Array) -> dict[str, float]:
-    """Sum the values of the effects and the time loop by name. Supports count as part of the time loop."""
-    out: dict[str, float] = {}
-    for k, name in enumerate([*problem.effects, LOOP]):
-        if name == LOOP or problem.made[k].phase != lib.CT_PHASE_REACTION:
-            out[name] = out.get(name, 0.0) + float(values[k])
-    return out
-
-
 # Costs that are known without a step, and those from a rehearsal.
 
 
@@ -210,7 +181,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
     # The kick and drift of a degree of freedom: 6 operations; 3 arrays read, 3 read and written.
     rows[-1, :3] = problem.pointer.node_count * np.array([1.0, 18.0, 192.0])
-    nodes, *columns = (_by_name(problem, column) for column in rows.T)
+    nodes, *columns = (by_name(problem, column) for column in rows.T)
     known = [Cost(name, int(nodes[name]), *(c[name] for c in columns)) for name in nodes]
     return [*known, Cost(OUTPUT)]
 
@@ -248,7 +219,7 @@ def _predicted_seconds(
     coarse = seen[0].coarse
     other = tried if coarse is problem else _try(coarse, interval).seconds
     sizes = [_sizes(one) for one in (problem, *(rehearsal.coarse for rehearsal in seen))]
-    prices = [_by_name(rehearsal.coarse, rehearsal.seconds) for rehearsal in seen]
+    prices = [by_name(rehearsal.coarse, rehearsal.seconds) for rehearsal in seen]
     touching, seconds = _active(seen[0]).keys() - {"solid"}, dict(tried)
     for name, price in prices[0].items():
         known = [(size[name], each[name]) for size, each in zip(sizes[1:], prices)]
@@ -288,9 +259,6 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
 
     With ``together`` the surfaces are moved into touch.
     """
-    import tempfile
-
-    from .loop import Loop
 
     loop = Loop(problem, "")
     rounds: list[Array] = []
@@ -323,7 +291,7 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
             loop.abandon()
     # The median excludes rounds that another program interrupted.
     middle = np.median(rounds[1:], axis=0)
-    seconds = _by_name(problem, middle[:-1]) | {OUTPUT: float(middle[-1])}
+    seconds = by_name(problem, middle[:-1]) | {OUTPUT: float(middle[-1])}
     growth = (sizes[-1] - sizes[0]) / (len(sizes) - 1)
     return _Trial(seconds, sizes[0], growth, held.bytes)
 
@@ -371,13 +339,6 @@ class Rehearsal:
     seconds: Array
     computed: float
     rounds: float
-
-
-def computed_fraction(state: Any) -> float:
-    """Return the fraction of the element forces that the steps of a state computed; the others were
-    asleep."""
-    computed, left_out = state.element_updates
-    return float(computed / max(computed + left_out, 1))
 
 
 def rehearse(problem: Problem) -> list[Rehearsal]:
@@ -499,12 +460,6 @@ def _impulse(state: Any) -> Array:
         return np.empty((0, 3))
     parts = np.frombuffer(ffi.buffer(state.impulse, 8 * state.impulse_count), np.float64)
     return np.asarray(parts.reshape(2, -1, 3).sum(axis=0))
-
-
-def step_seconds(problem: Problem, state: Any) -> Array:
-    """Return the time that a state has spent in each effect and, last, in the time loop (effects + 1,) [s]."""
-    size = 8 * (len(problem.effects) + 1)
-    return np.frombuffer(ffi.buffer(state.effect_seconds, size), np.float64).copy()
 
 
 def _at_rest(problem: Problem, state: Any) -> bool:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bridge import Floats
-from .model import AXES
+from ..bridge import Floats
+from ..model import AXES
 
 if TYPE_CHECKING:
     from .drawing import Drawing

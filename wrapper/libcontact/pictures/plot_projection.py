@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .projection import Projection, Status, face_points, project, project_path
+from ..projection import Projection, Status, face_points, project, project_path
 
 Array = npt.NDArray[np.float64]
 CORNERS = {"Q": [(-1, -1), (1, -1), (1, 1), (-1, 1)], "T": [(0, 0), (1, 0), (0, 1)]}

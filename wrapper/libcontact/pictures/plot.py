@@ -1,7 +1,7 @@
 """
 Functions that draw into axes of matplotlib; they shorten the programs of the tutorials.
 
-:func:`libcontact.picture.plot_run` draws the picture of a run. All need the extra ``plot``.
+:func:`libcontact.pictures.picture.plot_run` draws the picture of a run. All need the extra ``plot``.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import exact
-from .run import BodyState
+from .. import exact
+from ..state import BodyState
 
 if TYPE_CHECKING:
-    from .plan import Cost
+    from ..planning.plan import Cost
 
 Array = npt.NDArray[np.float64]
 # Colour, line and name of each kind of wave front.

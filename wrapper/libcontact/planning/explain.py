@@ -7,17 +7,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
-from ._core import ffi, lib
-from .errors import SceneWarning
-from .mesh import FACTS
-from .model import INTEGRATORS, Contact, ContactKeys, Support
-from .parts import EFFECTS, Parts
+from .._core import ffi, lib
+from ..checks.warned import at_start, known
+from ..errors import SceneWarning
+from ..html import sections
+from ..mesh import FACTS
+from ..model import INTEGRATORS, Contact, ContactKeys, Support
+from ..parts import EFFECTS, Parts
+from ..probes import Located
+from ..problem import BuiltBody, BuiltContact, Problem, speeds
+from ..surfaces import contact_tables, pair_name
+from ..units import Units
 from .plan import Cost, predict, table
-from .probes import Located
-from .problem import BuiltBody, BuiltContact, Problem, speeds
-from .surfaces import contact_tables, pair_name
-from .units import Units
-from .warned import at_start, known
 
 # Effects of the library, and what is missing in a scene without them.
 WITHOUT = {
@@ -64,8 +65,6 @@ class Explanation(str):
 
     def _repr_html_(self) -> str:
         """The text in a notebook, in sections."""
-        from .html import sections
-
         return sections(self)
 
 

@@ -1,7 +1,7 @@
 """Pictures of runs: :func:`plot_run` draws a row of instants and the energies over time.
 
-The extra ``plot`` installs matplotlib for them. :class:`libcontact.drawing.Drawing` draws one instant into axes of your
-own.
+The extra ``plot`` installs matplotlib for them. :class:`libcontact.pictures.drawing.Drawing` draws one instant
+into axes of your own.
 """
 
 from __future__ import annotations
@@ -14,16 +14,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bridge import Floats
+from ..bridge import Floats
+from ..model import AXES
+from ..progress import in_notebook
+from ..state import State
+from ..tables import ENERGY
 from .drawing import Drawing, flat_axis, label, last_state, tables, title_of
-from .model import AXES
 from .plot import draw_bar_in_time
-from .progress import in_notebook
 from .rigid import displacement_at
-from .run import ENERGY, Run, State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from ..run import Run
 
 __all__ = ["draw_energies", "picture", "plot_run"]
 
@@ -51,7 +54,7 @@ def plot_run(
     Draw a row of instants and the energies.
 
     Bars of one element in their cross section are drawn over position and time instead of instants, if
-    no view is given. :meth:`libcontact.drawing.Drawing.of` says what is chosen by default.
+    no view is given. :meth:`libcontact.pictures.drawing.Drawing.of` says what is chosen by default.
 
     Parameters
     ----------
@@ -59,7 +62,7 @@ def plot_run(
         The run.
     field : str, optional
         The component, such as ``"mises"``, ``"contact_pressure"``, ``"principal_max"`` or ``"velocity_z"``
-        (:meth:`libcontact.run.BodyState.component`).
+        (:meth:`libcontact.state.BodyState.component`).
     view : str, optional
         The sides that the viewer sees, such as ``"y_min"`` or ``"x_max+y_min+z_max"``.
     scale : float, optional
@@ -78,7 +81,7 @@ def plot_run(
     Raises
     ------
     ValueError
-        As for :meth:`libcontact.drawing.Drawing.of`.
+        As for :meth:`libcontact.pictures.drawing.Drawing.of`.
     """
     if instants < 1:
         raise ValueError(f"instants is {instants}; at least one is needed")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .model import Contact
-from .problem import Problem
+from ..model import Contact
+from ..problem import Problem
 
 Array = npt.NDArray[np.float64]
 

@@ -13,16 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import errors, has
+from .. import errors
+from ..bridge import has
+from ..errors import SceneWarning, came_in_late
+from ..mesh import rotation
+from ..model import AXES, FEEDS, Contact
+from ..observers import Observer, spread
+from ..parts import acts_on
+from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
+from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
-from .errors import SceneWarning, came_in_late
-from .limits import long_run, short_step
-from .mesh import rotation
-from .model import AXES, FEEDS, Contact
-from .observers import Observer, spread
-from .parts import acts_on
-from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
-from .surfaces import contact_tables, pair_name
+from .limits import Depths, long_run, short_step
 from .touch import Touch, first_touch, gravity_on
 
 Points = dict[str, NDArray[np.int32]]
@@ -69,6 +70,11 @@ def known(
         *short_step(problem, state),
         *long_run(problem),
     ]
+
+
+def during(problem: Problem) -> list[Observer]:
+    """The checks that a run makes between its steps."""
+    return [Turning(problem), Borders(problem), Depths(problem)]
 
 
 def at_start(
@@ -238,13 +244,6 @@ class Borders(Observer):
         if not found["deepest"] > self._first[i] + self.DEEP * edge:
             return ""
         return f"a corner of {found['surface']} is {found['deepest']:.3g} inside the other surface at t = {state.time:.6g}, where no contact point is: the bodies pass into each other beside the surfaces or between their points"
-
-
-def whole_skin(surfaces: Sequence[Any]) -> str:
-    """Advice to name the whole skins of two bodies, unless the contact has them."""
-    outer = [f'"{body}.outer"' for body, _ in surfaces]
-    given = [f'"{body}.{name}"' for body, name in surfaces]
-    return "" if given == outer else f"; name the whole skins, surfaces = [{', '.join(outer)}]"
 
 
 # Surfaces that face away from each other.

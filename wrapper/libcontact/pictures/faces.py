@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .bridge import Floats
-from .run import BodyState, State
+from ..bridge import Floats
+from ..state import BodyState, State
 
 if TYPE_CHECKING:
     from .drawing import Drawing

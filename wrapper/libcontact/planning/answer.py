@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import exact
-from .bridge import Floats
-from .model import AXES
-from .problem import speeds
-from .run import ENERGY, IN_ENERGY, MOMENTUM, STRESS, Run
-from .schema import Place, suggestion
+from .. import exact
+from ..bridge import Floats
+from ..model import AXES
+from ..problem import speeds
+from ..run import Run
+from ..schema import Place, suggestion
+from ..state import STRESS
+from ..tables import ENERGY, IN_ENERGY, MOMENTUM
 
 if TYPE_CHECKING:
-    from .problem import Problem
+    from ..problem import Problem
 
 # Effects that do not change the limit to which a scene converges.
 NUMERICAL = ("viscosity",)

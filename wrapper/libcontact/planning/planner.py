@@ -14,16 +14,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .. import html
+from ..errors import EnergyGrowth, Error
+from ..loop import record_count
+from ..model import Box, Contact, Time
+from ..progress import bar, table_text
+from ..schema import Place, SceneError, is_number
+from ..timing import OUTPUT
 from .answer import NUMERICAL, Functional, Plates, functional, plates
-from .errors import EnergyGrowth, Error
-from .loop import record_count
-from .model import Box, Contact, Time
-from .plan import OUTPUT, predict, shown_seconds
-from .progress import bar, table_text
-from .schema import Place, SceneError, is_number
+from .plan import predict, shown_seconds
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from ..scene import Scene
 
 Keys = dict[str, Any]
 Array = npt.NDArray[np.float64]
@@ -391,11 +393,11 @@ class Plan:
 
     def _repr_html_(self) -> str:
         """The plan in a notebook."""
-        from .html import lines, table, titled
-
         rows, reasons = self._rows()
-        return titled(
-            f"error {self.measure}", table(HEADS, rows), lines("\n".join([*reasons, self.sure]))
+        return html.titled(
+            f"error {self.measure}",
+            html.table(HEADS, rows),
+            html.lines("\n".join([*reasons, self.sure])),
         )
 
     def __str__(self) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .drawing import Drawing, label, title_of
-from .run import Run
+
+if TYPE_CHECKING:
+    from ..run import Run
 
 # Writers of matplotlib by the ending of the file.
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
@@ -33,7 +35,7 @@ def animate(
     rate
         Pictures per second.
     **options
-        ``field``, ``view`` and ``scale``, as for :func:`libcontact.picture.plot_run`.
+        ``field``, ``view`` and ``scale``, as for :func:`libcontact.pictures.picture.plot_run`.
 
     Raises
     ------

@@ -17,15 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bridge import Floats
+from ..bridge import Floats
+from ..model import AXES
+from ..schema import suggestion
+from ..state import COMPONENTS, State
 from .faces import Faces, outer_values, places
-from .model import AXES
 from .rigid import displacement_at, draw_directions, draw_obstacle, draw_scale, nice, patch
-from .run import COMPONENTS, Run, State
-from .schema import suggestion
 
 if TYPE_CHECKING:
-    from .units import Units
+    from ..run import Run
+    from ..units import Units
 
 __all__ = ["Drawing", "check_view", "flat_axis", "label", "last_state", "tables", "title_of"]
 
@@ -232,7 +233,7 @@ class Drawing:
         run : Run
             The run.
         field : str, optional
-            The component, as for :meth:`libcontact.run.BodyState.component`.
+            The component, as for :meth:`libcontact.state.BodyState.component`.
         view : str, optional
             The sides that the viewer sees, such as ``"y_min"`` or ``"x_max+y_min+z_max"``.
         scale : float, optional

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ._core import lib
-from .errors import ChatterWarning
-from .problem import Problem, speeds
-from .surfaces import contact_tables
+from .._core import lib
+from ..errors import ChatterWarning
+from ..problem import Problem, speeds
+from ..surfaces import contact_tables
 
 # Pairs (β, largest fraction of the stable step), measured on the bar on a wall for different initial
 # gaps: within these limits its energy grows by less than 1 %. These integrators allow a stiffer
