@@ -74,7 +74,7 @@ static void list_places(const ct_side *side, double *places)
 static int32_t partner(const pass *p, int64_t i, double N[8])
 {
   const double *place = &p->places[PLACE * i];
-  if (place[0] >= 1.0 && (p->reach == EVERY || place[1] == CT_POINT_INSIDE)) {
+  if (place[0] >= 1.0 && (p->reach == EVERY || place[1] == (double)CT_POINT_INSIDE)) {
     ct_segment_shape(p->now->kind, &place[2], N);
     return (int32_t)place[0] - 1;
   }

@@ -32,13 +32,13 @@ static const double *load_points(ct_side *side, int32_t face_count, const double
     ct_point *point = &side->points[i];
     ct_point_record record;
     memcpy(&record, memory, sizeof record);
-    int buried = record.status == CT_POINT_BURIED,
+    int buried = record.status == (double)CT_POINT_BURIED,
         met = !buried && record.other >= 1.0 && record.other <= (double)face_count;
     point->other = met ? (int32_t)record.other - 1 : -1;
-    point->status = buried                             ? CT_POINT_BURIED
-                    : !met                             ? CT_POINT_NEW
-                    : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
-                                                       : CT_POINT_OUTSIDE;
+    point->status = buried                                     ? CT_POINT_BURIED
+                    : !met                                     ? CT_POINT_NEW
+                    : record.status == (double)CT_POINT_INSIDE ? CT_POINT_INSIDE
+                                                               : CT_POINT_OUTSIDE;
     memcpy(point->xi, record.xi, sizeof point->xi);
     point->known = record.known;
     point->row.force = record.force;

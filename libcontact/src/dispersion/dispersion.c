@@ -91,8 +91,9 @@ static ct_status find_planes(front *f, const int32_t index[3], ct_error *error)
   // -- Planes of nodes and where the families stand between them
   double length = 0.0;
   for (int d = 0; d < 3; d++) {
-    f->normal[d] = index[d] / divisor / f->def->size[d];
-    f->half[1 + d] = index[d] / divisor % 2 != 0;
+    const int reduced = index[d] / divisor;
+    f->normal[d] = reduced / f->def->size[d];
+    f->half[1 + d] = reduced % 2 != 0;
     length += f->normal[d] * f->normal[d];
   }
   f->spacing = 1.0 / sqrt(length); // (eq:front-planes)
@@ -112,7 +113,7 @@ static ct_status find_period(front *f, size_t count, const double *distance, ct_
     farthest = fmax(farthest, fabs(distance[i]));
   }
   const double quarter = (c1 * f->time + farthest) / f->spacing + 16.0;
-  if (!(4.0 * quarter < MOST_PLANES))
+  if (!(4.0 * quarter < (double)MOST_PLANES))
     return CT_REFUSE(
         error, "dispersion: the front and the distances are more than %d planes of nodes away",
         MOST_PLANES / 8);

@@ -291,8 +291,8 @@ static void plates_poles(ct_plates *e)
   } else {
     const ct_complex centre = 0.5 * (ga + gb);
     for (int i = 0; i < CIRCLE; i++) {
-      const ct_complex arm = 0.1 * cexp(I * (2.0 * PI * (i + 0.5) / CIRCLE));
-      other_sheet_add(e, centre + arm, arm / CIRCLE);
+      const ct_complex arm = 0.1 * cexp(I * (2.0 * PI * (i + 0.5) / (double)CIRCLE));
+      other_sheet_add(e, centre + arm, arm / (double)CIRCLE);
     }
   }
   // -- The front that runs along the face: u = K (eq:exact-residue)

@@ -42,7 +42,7 @@ static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, in
 
 /* Write the sides whose nodes are all `in`, for inner faces both; returns their number. Null
  * `sides`: only count. */
-static size_t list_sides(const ct_mesh *mesh, int local[6][8], const char *in, side *sides)
+static size_t list_sides(const ct_mesh *mesh, int local[6][8], const unsigned char *in, side *sides)
 {
   int per = ct_brick_node_count(mesh->kind), per_face = per_side(mesh);
   const int32_t *n = mesh->elements;
@@ -99,7 +99,8 @@ static double plane_tolerance(const ct_mesh *mesh)
 
 /* Copy the outer faces whose nodes are all `in`, by element and side. The list contains both sides
  * of an inner face or none. */
-static int32_t collect(const ct_mesh *mesh, const char *in, int32_t *faces, int32_t *owners)
+static int32_t collect(const ct_mesh *mesh, const unsigned char *in, int32_t *faces,
+                       int32_t *owners)
 {
   int local[6][8];
   int32_t kept = 0;
@@ -131,7 +132,7 @@ static int32_t faces_in(const ct_mesh *mesh, int axis, double value, int32_t *fa
 {
   if (mesh->nodes == NULL || mesh->elements == NULL || ct_mesh_check_numbers(mesh, NULL) != CT_OK)
     return -CT_ERROR_ARGUMENT;
-  char *in = ct_allocate((size_t)mesh->node_count, 1);
+  unsigned char *in = ct_allocate((size_t)mesh->node_count, 1);
   if (in == NULL) return -CT_ERROR_MEMORY;
   double tolerance = plane_tolerance(mesh);
   for (size_t i = 0; i < (size_t)mesh->node_count; i++)

@@ -284,7 +284,9 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
         xi[0] = c.centre[0], xi[1] = c.centre[1];
         return CT_CLOSER;
       }
-      if (proven_from_centre(p, &b, &c) || (sloping = slope_in_cell(p, &b, &c)) == EMPTY) continue;
+      if (proven_from_centre(p, &b, &c)) continue;
+      sloping = slope_in_cell(p, &b, &c);
+      if (sloping == EMPTY) continue;
     }
     // -- Many cells: look along and across the face as well (eq:certified-narrow)
     if (cells >= NARROW && !is_narrow) {

@@ -232,7 +232,7 @@ PART mask proven_from_closest(const proof *p, const base *closest, const cell *c
   if (any(first != 0)) linear_share(p, c, closest, first, E1, &m, &rest);
   if (any(second != 0)) linear_share(p, c, closest, second, E2, &m, &rest);
   // -- The sign that s1 s2 has throughout the cell, if it has one
-  mask corner = (absolute(x) >= w[0]) & (absolute(y) >= w[1]), same = x * y > 0;
+  mask wide = absolute(x) >= w[0], corner = wide & (absolute(y) >= w[1]), same = x * y > 0;
   real sided = pick(same, most(-m.low, zero), most(m.high, zero)),
        twist = pick(corner, sided, worst_twist(&m));
   // The form of a plane face without curved sides is a sum of squares, also if rounding hides this.

@@ -398,7 +398,7 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
     return CT_REFUSE(error, "effect %s: the scene has it already", effect->label);
   else status = ct_effect_check_nodes(effect, scene->problem.node_count, error);
   if (status == CT_OK) {
-    scene->added = grow(scene, scene->added, scene->added_count, sizeof effect);
+    scene->added = grow(scene, scene->added, scene->added_count, sizeof(ct_effect *));
     status = check_memory(scene, "an effect", error);
   }
   if (status == CT_OK) scene->added[scene->added_count++] = effect;

@@ -32,7 +32,7 @@ ct_face_kind ct_brick_face_kind(ct_brick_kind kind) { return KINDS[kind].face_ki
 void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
 {
   int known = node >= 0 && node < ct_brick_node_count(kind);
-  for (int a = 0; a < 3; a++) xi[a] = known ? NODE[node][a] : NAN;
+  for (int a = 0; a < 3; a++) xi[a] = known ? (double)NODE[node][a] : NAN;
 }
 
 /* The factors of node i: 1 + xi_a x_a along the axes where the node has a sign, (1 - x_a)(1 + x_a)
