@@ -22,6 +22,7 @@ os.environ.setdefault("LIBCONTACT_FIGURES", str(ROOT / "build" / "docs" / "figur
 os.environ.setdefault(
     "LIBCONTACT_TIMES", "no"
 )  # how long this machine took is of no use to readers
+os.environ["LIBCONTACT_DOCS"] = ""  # messages in the book have no address of a book on this machine
 RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
 
 sys.path.insert(0, str(DOCS / "_ext"))

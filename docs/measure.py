@@ -223,7 +223,7 @@ def explicit_bar(
     largest pressure, both over the exact one.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ct.ChatterWarning)
+        warnings.filterwarnings("ignore", "chatter:")
         dt = dissipation.thrown("penalty", beta, fraction=fraction, end=0.1, **step).dt
         runs = [
             dissipation.thrown(
@@ -647,7 +647,7 @@ def overlap(n: int, m: int, beta: float) -> float:
         deepest.append(max(0.0, -np.nanmin(run.contact[0]["gap"])))
 
     with warnings.catch_warnings():
-        warnings.simplefilter("error", ct.NotSettled)
+        warnings.filterwarnings("error", "unconverged:")
         scene.set_time(end=1.0, fraction=0.9).set_output(every=1, fields=[]).run(
             progress=False, output=False, watch=look
         )

@@ -444,4 +444,4 @@ with warnings.catch_warnings(record=True) as caught:
     except ct.EnergyBlowup as error:
         print("the last change stops, as expected:", error)
         stopped = True
-assert stopped and caught[0].category is ct.ChatterWarning
+assert stopped and caught[0].message.kind == "chatter"

@@ -79,12 +79,12 @@ soft = bar("penalty", 1, fraction=0.9).run(progress=False)
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
     stiff = bar("penalty", 20, fraction=0.9).run(progress=False)
-for kind in (ct.ChatterWarning, ct.EnergyGrowth):
-    warnings.simplefilter("ignore", kind)  # we have read both
+for kind in ("chatter:", "energy_growth:"):
+    warnings.filterwarnings("ignore", kind)  # we have read both
 foretold, found = (warning.message for warning in caught)
 print("warning:", foretold)
 print("warning:", found)
-assert isinstance(foretold, ct.ChatterWarning) and isinstance(found, ct.EnergyGrowth)
+assert foretold.kind == "chatter" and isinstance(found, ct.EnergyGrowth)
 assert "known to feed energy" in str(foretold) and found.who == "obstacle at bar.x_min"
 try:
     bar("penalty", 20, fraction=0.9).set_time(end=1.5, fraction=0.9).run(progress=False)
@@ -276,7 +276,7 @@ def worst(enforcement, beta, fraction):
             bar(enforcement, beta, landing, every=10, fraction=fraction).run(progress=False)
             for landing in landings
         ]
-    return max(growth(run) for run in runs), any(one.category is ct.ChatterWarning for one in told)
+    return max(growth(run) for run in runs), any(one.message.kind == "chatter" for one in told)
 
 
 cells = [[worst("penalty", beta, f) for f in parts] for beta in betas]

@@ -163,7 +163,7 @@ def run_scene(scene: dict) -> dict:
             run, ended = error.run, f"{type(error).__name__}: {error}"
         except SceneError as error:
             run, ended = None, f"{type(error).__name__}: {error}"
-    told = sorted({type(one.message).__name__ for one in caught})
+    told = sorted({getattr(one.message, "kind", type(one.message).__name__) for one in caught})
     if run is not None and len(run.energy):
         energy = run.energy
         bodies = energy["kinetic"] + energy["strain"]

@@ -131,7 +131,7 @@ def run_scene(made: tuple[dict, float], most: int = 6000) -> dict:
         except RunError as error:
             run, ended = error.run, type(error).__name__
             told.append(str(error)[:160])
-    told += [type(each.message).__name__ for each in caught]
+    told += [getattr(each.message, "kind", type(each.message).__name__) for each in caught]
     rows = run.energy
     own = rows["kinetic"] + rows["strain"] - rows["external"]
     first = rows["total"][0]

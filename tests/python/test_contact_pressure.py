@@ -105,7 +105,7 @@ def test_nothing_where_nothing_touches():
         box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [2, 2, 2]}
         scene.add_body(name, material="elastic", box=box)
     scene.add_contact("lower.z_max", "upper.z_min").set_time(end=0.01, fraction=0.9)
-    with pytest.warns(ct.NeverMeetWarning):
+    with pytest.warns(ct.SceneWarning, match="^never_meet:"):
         (nodes,) = scene.run(progress=False).pressure["contact"]
     assert len(nodes) == 18 and not nodes["pressure"].any() and not nodes["area"].any()
 

@@ -188,6 +188,8 @@ def test_warnings_can_be_copied(way):
     again = way(warning)
     assert type(again) is ct.EnergyGrowth and str(again) == str(warning)
     assert vars(again) == {
+        "kind": "energy_growth",
+        "text": "there is more",
         "key": "contact[0]",
         "ratio": 0.25,
         "time": 1e-6,

@@ -527,7 +527,7 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
         scene.set_time(end=1.5 * duration, fraction=0.8).set_output(every=1)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            warnings.simplefilter("ignore", ct.UnitsWarning)
+            warnings.filterwarnings("ignore", "units:")
             scene.run(progress=False, output=False)
 
 

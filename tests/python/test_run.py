@@ -438,7 +438,7 @@ def test_a_device_is_no_results_file(tmp_path):
 
 def test_without_hdf5_the_run_says_so_and_stays_in_memory(tmp_path, monkeypatch):
     leave_out_hdf5(monkeypatch)
-    with pytest.warns(ct.OutputWarning, match="no HDF5"):
+    with pytest.warns(ct.SceneWarning, match="output: .* no HDF5"):
         run = plates().run(until=1e-8, output=tmp_path / "a.vtkhdf")
     assert run.path is None and run.steps[-1] > 0 and not list(tmp_path.iterdir())
 

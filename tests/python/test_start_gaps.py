@@ -110,7 +110,7 @@ def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quad
     assert begin == 0.0
     assert adjusted == pytest.approx(matching, rel=0.01)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ct.OverlapWarning)
+        warnings.filterwarnings("ignore", "overlap:")
         kept, _ = mean_pressure(facets_a, facets_b, quadratic)
     assert kept < 0.985 * matching
 
@@ -125,7 +125,7 @@ def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
         turn, _ = np.linalg.qr(chance.normal(size=(3, 3)))
         turn *= np.linalg.det(turn)
         with warnings.catch_warnings():
-            warnings.simplefilter("error" if adjust else "ignore", ct.OverlapWarning)
+            warnings.filterwarnings("error" if adjust else "ignore", "overlap:")
             run = (
                 shells(facets_a, facets_b, quadratic, turn, adjust=adjust)
                 .set_time(end=0.3, fraction=0.8)
@@ -145,7 +145,7 @@ def test_an_overlap_is_told():
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             run()
-        return [str(w.message) for w in caught if issubclass(w.category, ct.OverlapWarning)]
+        return [str(w.message) for w in caught if str(w.message).startswith("overlap:")]
 
     def rings(**contact):
         return shells(16, 12, **contact).set_time(end=0.01, fraction=0.8)

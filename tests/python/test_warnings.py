@@ -73,14 +73,14 @@ def told(scene, **more):
 
 
 def kinds(scene):
-    """Classes and keys of the warnings of explain; a run issues the same, once each, and no others."""
+    """Kinds and keys of the warnings of explain; a run issues the same, once each, and no others."""
     known = scene.explain()
     assert known.data["warnings"] == [str(one) for one in known.warnings]
     assert ("Warnings" in known) == bool(known.warnings) and all(
         str(one) in known for one in known.warnings
     )
     assert [str(one) for one in told(scene, output=False)] == known.data["warnings"]
-    return [(type(one), one.key) for one in known.warnings]
+    return [(one.kind, one.key) for one in known.warnings]
 
 
 def test_a_sound_scene_is_not_warned_of():
@@ -94,26 +94,24 @@ def test_a_sound_scene_is_not_warned_of():
 def test_surfaces_that_face_away(surfaces, why):
     scene = pair(*surfaces)
     assert (
-        kinds(scene) == [(ct.InsideOutWarning, "contact[0]")]
+        kinds(scene) == [("inside_out", "contact[0]")]
         and why in scene.explain()
         and "name faces" in scene.explain()
     )
 
 
 def test_a_small_overlap_is_not_inside_out():
-    assert [kind for kind, _ in kinds(pair(gap=-0.01, initial_penetration="keep"))] == [
-        ct.OverlapWarning
-    ]
+    assert [kind for kind, _ in kinds(pair(gap=-0.01, initial_penetration="keep"))] == ["overlap"]
 
 
 @pytest.mark.parametrize("surface", ["b.z_min", "b.outer"])
 def test_a_plane_with_its_normal_the_wrong_way_round(surface):
     assert [
-        (type(one), one.key) for one in drop(normal=(0, 0, -1), surface=surface).explain().warnings
-    ] == [(ct.InsideOutWarning, "obstacle[0]")]
-    assert [
-        (type(one), one.key) for one in drop(surface=surface, gap=-0.01).explain().warnings
-    ] == [(ct.OverlapWarning, "obstacle[0]")]
+        (one.kind, one.key) for one in drop(normal=(0, 0, -1), surface=surface).explain().warnings
+    ] == [("inside_out", "obstacle[0]")]
+    assert [(one.kind, one.key) for one in drop(surface=surface, gap=-0.01).explain().warnings] == [
+        ("overlap", "obstacle[0]")
+    ]
 
 
 @pytest.mark.parametrize("radius, inside", [(3.0, True), (0.3, False)])
@@ -127,9 +125,7 @@ def test_a_body_in_a_sphere(radius, inside):
     scene.add(
         "obstacle", surface="b.outer", sphere={"centre": [0, 0, 0], "radius": radius}
     ).set_time(end=1e-3, fraction=0.7)
-    assert [type(one) for one in scene.explain().warnings] == (
-        [ct.InsideOutWarning] if inside else []
-    )
+    assert [one.kind for one in scene.explain().warnings] == (["inside_out"] if inside else [])
 
 
 @pytest.mark.parametrize(
@@ -138,7 +134,7 @@ def test_a_body_in_a_sphere(radius, inside):
 def test_two_boxes_in_one_place(shift, one_place):
     """Cubes share the fraction 1 - shift of their volume."""
     scene = pair(gap=shift - 1.0)
-    assert (ct.SamePlaceWarning in [type(one) for one in scene.explain().warnings]) == one_place
+    assert ("same_place" in [one.kind for one in scene.explain().warnings]) == one_place
 
 
 @pytest.mark.parametrize("radius, one_place", [((0.5, 0.89), False), ((0.85, 1.05), True)])
@@ -152,9 +148,7 @@ def test_rings_in_one_place(radius, one_place):
             ring={"centre": [0, 0, 0], "radius": list(r), "width": 0.2, "cells": [3, 48, 2]},
         )
     scene.set_time(end=1e-3, fraction=0.7)
-    assert [type(one) for one in scene.explain().warnings] == (
-        [ct.SamePlaceWarning] if one_place else []
-    )
+    assert [one.kind for one in scene.explain().warnings] == (["same_place"] if one_place else [])
 
 
 @pytest.mark.parametrize(
@@ -169,11 +163,11 @@ def test_rings_in_one_place(radius, one_place):
 )
 def test_two_contacts_with_the_same_faces(surfaces, twice):
     found = pair().add_contact(*surfaces).explain().warnings
-    assert [one.key for one in found if type(one) is ct.TwiceWarning] == ["contact[1]"] * twice
+    assert [one.key for one in found if one.kind == "twice"] == ["contact[1]"] * twice
 
 
 def test_bodies_that_never_meet():
-    never = [(ct.NeverMeetWarning, "contact[0]")]
+    never = [("never_meet", "contact[0]")]
     assert (
         kinds(pair(speed=-5.0))
         == kinds(pair(speed=0.0))
@@ -222,9 +216,9 @@ def test_bodies_that_something_moves_may_meet(moved):
 
 def test_equal_gravity_and_still_supports_move_nothing():
     scene = pair(speed=0.0).add("gravity", acceleration=[200, 0, 0])
-    assert kinds(scene) == [(ct.NeverMeetWarning, "contact[0]")]
+    assert kinds(scene) == [("never_meet", "contact[0]")]
     assert kinds(pair(speed=0.0).add_support("a.x_min", fix="xyz")) == [
-        (ct.NeverMeetWarning, "contact[0]")
+        ("never_meet", "contact[0]")
     ]
 
 
@@ -232,7 +226,7 @@ def test_equal_gravity_and_still_supports_move_nothing():
 @pytest.mark.parametrize("made", [drop, pair])
 def test_one_element_behind_the_surface(made, cells, thin):
     scene = made(cells=cells)
-    assert (ct.ThinWarning in [kind for kind, _ in kinds(scene)]) == thin
+    assert ("thin" in [kind for kind, _ in kinds(scene)]) == thin
 
 
 def test_what_a_thin_body_is_said_to_lose_it_loses():
@@ -320,7 +314,7 @@ def test_only_the_nodes_before_the_other_surface_hit(width, thin):
         },
     )
     scene.add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
-    assert (ct.ThinWarning in [kind for kind, _ in kinds(scene)]) == thin
+    assert ("thin" in [kind for kind, _ in kinds(scene)]) == thin
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-3, 0.1, 1.0, 3.0])
@@ -387,7 +381,7 @@ def swung(law, rate):
 def test_a_linear_body_that_turns():
     """A couple t A L rotates a cube of inertia m L² / 6 by 3 t τ² in the time τ: 0.03 t."""
     few, much = told(swung("linear", 1.0)), told(swung("linear", 2.0))
-    assert few == [] and [(type(one), one.key) for one in much] == [(ct.RotationWarning, "body[0]")]
+    assert few == [] and [(one.kind, one.key) for one in much] == [("rotation", "body[0]")]
     angle = float(str(much[0]).split(" turned by ")[1].split()[0])
     assert (
         0.04 < angle < 0.05 and "st_venant_kirchhoff" in str(much[0]) and "t = 0.0" in str(much[0])
@@ -414,14 +408,14 @@ def test_units(units, absurd):
         )
         .set_time(end=1e-3, fraction=0.7)
     )
-    assert kinds(scene) == ([(ct.UnitsWarning, "body[0]")] if absurd else [])
+    assert kinds(scene) == ([("units", "body[0]")] if absurd else [])
     if absurd:
         assert "[units]" in scene.explain()
 
 
 def test_chatter_has_its_key():
     assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [
-        (ct.ChatterWarning, "obstacle[0]")
+        ("chatter", "obstacle[0]")
     ]
 
 
@@ -449,7 +443,7 @@ def test_a_results_file_that_is_not_written_is_no_success(tmp_path, monkeypatch,
     lines = capsys.readouterr().err.splitlines()
     assert (
         sum("no HDF5" in line for line in lines) == 1
-        and lines[0].startswith("warning: output.file")
+        and lines[0].startswith("warning: output: output.file")
         and "not written" in lines[-1]
     )
     assert "no HDF5" in pair().set_output(file="run.vtkhdf").explain()
@@ -479,7 +473,7 @@ def test_the_command_line_says_each_warning_in_one_line(tmp_path, capsys):
     )
     assert command.main(["explain", scene]) == command.OK
     captured = capsys.readouterr()
-    assert captured.err == "" and "Warnings\n  contact[0]" in captured.out
+    assert captured.err == "" and "Warnings\n  inside_out: contact[0]" in captured.out
 
 
 def stacked(**contact):
@@ -499,7 +493,7 @@ def test_friction_that_shortens_the_step(mu, warned):
     scene, free = (stacked(**rub).set_time(end=0.01) for rub in ({"friction": mu}, {}))
     factor = free._built(None).stable.dt / scene._built(None).stable.dt
     assert (factor >= 4.0) == warned
-    assert kinds(scene) == ([(ct.ShortStepWarning, "contact[0]")] if warned else [])
+    assert kinds(scene) == ([("short_step", "contact[0]")] if warned else [])
     if warned:
         text = str(scene.explain().warnings[0])
         assert f"{factor:.3g} times" in text and "beta" in text and "tangent" not in text
@@ -510,7 +504,7 @@ def test_a_run_of_very_many_steps():
     scene = stacked().set_time(end=0.01)
     assert not kinds(scene)
     (warning,) = scene.set_time(end=2e7 * scene._built(None).stable.dt * 0.9).explain().warnings
-    assert type(warning) is ct.LongRunWarning and warning.key == "time.end"
+    assert warning.kind == "long_run" and warning.key == "time.end"
     assert f"{2e7:.2g} steps" in str(warning) and "a wave crosses" in str(warning)
 
 
@@ -522,7 +516,7 @@ def test_a_penalty_that_is_too_soft():
     def warned(**contact):
         scene = stacked(**contact).add("gravity", **pull).add("damping", rate=20.0)
         found = told(scene.set_time(end=0.3), output=False)
-        return [each for each in found if isinstance(each, ct.PenetrationWarning)]
+        return [each for each in found if each.kind == "penetration"]
 
     (warning,) = warned(epsilon=1500.0)
     assert warning.key == "contact[0]"
@@ -538,7 +532,7 @@ def test_a_body_that_passes_through_is_told_of_before_it_has():
     fast = scene.add("gravity", acceleration=[0, 0, -1000.0], bodies=["high"])
     end = 0.12
     found = told(fast.set_time(end=end).set_output(times=[end]), output=False)
-    assert ct.PenetrationWarning in [type(each) for each in found]
+    assert "penetration" in [each.kind for each in found]
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

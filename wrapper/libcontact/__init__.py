@@ -56,10 +56,11 @@ if not TYPE_CHECKING:  # A type checker knows the names that are imported above,
                 (h for h in candidates if name in _module(h).__all__), None
             )
             if home is None:
-                raise AttributeError(f'module "libcontact" has no attribute "{name}"')
+                unknown = f'module "libcontact" has no attribute "{name}"'
+                raise AttributeError(_module("errors").gone(name) or unknown)
             value = getattr(_module(home), name)
         globals()[name] = value
         return value
 
     def __dir__() -> list[str]:
-        return sorted({*globals(), *__getattr__("__all__"), "__version__"})
+        return [*__getattr__("__all__"), "__version__"]

@@ -23,7 +23,7 @@ from .bridge import (
     real,
     row,
 )
-from .errors import BorderWarning, InsideOutWarning, came_in_late, held, issue, renamed
+from .errors import SceneWarning, came_in_late, held, issue, renamed
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -85,10 +85,11 @@ def _warn_of_inside_out(surfaces: Sequence[Surface]) -> None:
         if face is not None and not within:
             who = "the surface" if len(surfaces) == 1 else f"the {('first', 'second')[k]} surface"
             issue(
-                InsideOutWarning(
+                SceneWarning(
+                    "inside_out",
                     f"face {face} of {who} and the faces around it point inwards: they enclose a negative "
                     "volume, so no contact force acts and bodies pass through each other; list the "
-                    "corners of each face counter-clockwise from outside"
+                    "corners of each face counter-clockwise from outside",
                 )
             )
 
@@ -477,7 +478,7 @@ class Contact:
         call(lib.ct_contact_step, self._contact, prediction)
         if not self._told and self.balance.late:
             self._told = True
-            issue(BorderWarning(came_in_late(self.balance.late, self.balance.late_depth)))
+            issue(SceneWarning("border", came_in_late(self.balance.late, self.balance.late_depth)))
 
     def add_force(self, force: Any) -> None:
         """

@@ -1,51 +1,45 @@
 """Exceptions and warnings. Errors of the C library: the class gives the kind, the text comes from
-C, and body, element and point give the place. Warnings of the package: the class gives the kind;
-the text names the key of the scene, what was found, and what to do.
+C, and body, element and point give the place. Warnings of the package: the kind; the
+text names kind and key of the scene, what was found, and what to do.
 """
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import threading
 import warnings
 from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
 
 from ._core import ffi, lib
 
 __all__ = ["ArgumentError", "BlowupError", "EnergyError", "Error", "FileError", "GeometryError"]
-__all__ += ["NotBuiltIn", "StepError"]
-__all__ += ["BorderWarning", "ChatterWarning", "EnergyGrowth", "InsideOutWarning"]
-__all__ += ["LongRunWarning", "NeverMeetWarning", "NotAtRest", "NotSettled", "OutputWarning"]
-__all__ += ["OverlapWarning", "PenetrationWarning", "RotationWarning", "SamePlaceWarning"]
-__all__ += ["SceneWarning", "ShortStepWarning", "StepDivided", "ThinWarning"]
-__all__ += ["TwiceWarning", "UnitsWarning"]
+__all__ += ["NotBuiltIn", "StepError", "EnergyGrowth", "SceneWarning", "StepDivided"]
 
 # The library counts its memory from its first object on.
 lib.count_memory()
 
 
-ADDRESS = " [docs: reference/symptoms.html#{}]"
-
-
 def bare(text: str) -> str:
     """The text of an error without the address of its entry in the book."""
-    return re.sub(r" \[docs: reference/symptoms\.html#\w+\]", "", text)
+    return re.sub(r" \[docs: [^]]*\]", "", text)
 
 
-class _Documented(Exception):
-    """An error or warning with an entry on the page "Symptoms" of the book: its text ends with the address of the
-    entry."""
+def _address(entry: str) -> str:
+    """The address of an entry of the page "Symptoms", in brackets: in the book of the environment variable
+    LIBCONTACT_DOCS, or in that of this Python environment; empty if there is none."""
+    copy = Path(sys.prefix, "share", "doc", "libcontact")
+    installed = copy.as_uri() if (copy / "index.html").is_file() else ""
+    book = os.environ.get("LIBCONTACT_DOCS", installed).rstrip("/")
+    return f" [docs: {book}/reference/symptoms.html#{entry}]" if book else ""
 
-    def __str__(self) -> str:
-        text = super().__str__()
-        return text + ADDRESS.format(type(self).__name__.lower()) if text else text
 
-
-class Error(_Documented):
+class Error(Exception):
     """
     An error of the library.
 
@@ -65,6 +59,10 @@ class Error(_Documented):
         super().__init__(bare(text))
         self.code = code
         vars(self).update(place)
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        return text + _address(type(self).__name__.lower()) if text else text
 
 
 class ArgumentError(Error, ValueError):
@@ -95,78 +93,67 @@ class EnergyError(Error, ArithmeticError):
     """Spurious energy growth was detected during the run."""
 
 
-class SceneWarning(_Documented, UserWarning):
-    """Something in a scene or a run that is probably not intended. The text names the key, says
-    what was found, and ends with what to do.
+# Kinds of warnings: what was found. The first are known before the first step of a run.
+KINDS = {
+    "units": "a wave speed that no material has: Young's modulus, density and units are inconsistent",
+    "output": "a run continues without something that was requested, for example a file in a build without HDF5",
+    "inside_out": "the two surfaces of a contact, or an obstacle and its surface, face away from each other",
+    "same_place": "two bodies occupy the same space",
+    "twice": "two contacts have the same faces, so that the contact force acts twice",
+    "overlap": "surfaces of a contact, or a surface and an obstacle, overlap at the start",
+    "never_meet": "the surfaces of a contact cannot come together before the run ends",
+    "thin": "an impact on a body that is about one element thick loses a large part of its energy",
+    "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "
+    "to the bodies",
+    "short_step": "the friction of a contact or an obstacle shortens the stable step four times or more",
+    "long_run": "a run takes ten million steps or more, or about an hour or more",
+    "energy_growth": "more than 1 % of spurious energy was detected; an :class:`EnergyGrowth`",
+    "penetration": "surfaces overlap by more than half an element: the penalty is too soft for the load",
+    "border": "points were found inside the other surface that did not come in through it",
+    "step_divided": "the step of a run was divided; a :class:`StepDivided`",
+    "rotation": "a body with the small-strain law has rotated so far that the rotation causes false strain",
+    "unconverged": "in some steps the iteration for the contact forces did not converge",
+    "not_at_rest": "a run with ``until_static`` has reached its end before the bodies are at rest",
+}
+
+
+class SceneWarning(UserWarning):
+    """Something in a scene or a run that is probably not intended. The text begins with the kind and the key,
+    ``thin: contact[0]: ...``, says what was found, and ends with what to do. So the filters of Python choose
+    one kind: ``warnings.filterwarnings("ignore", "thin:")``, also with ``"error"`` or in the option ``-W`` of
+    Python and pytest. The kinds are
+
+    {kinds}
 
     Attributes
     ----------
+    kind : str
+        The kind.
     key : str
         The key of the scene that it belongs to, such as ``contact[0]``; ``""`` for the whole scene.
     """
 
-    def __init__(self, text: str, key: str = ""):
-        super().__init__(f"{key}: {text}" if key else text)
-        self.key = key
+    def __init__(self, kind: str, text: str, key: str = ""):
+        self.kind, self.text, self.key = kind, bare(text), key
+
+    def __str__(self) -> str:
+        text = ": ".join(filter(None, (self.kind, self.key, self.text)))
+        return text + _address(self.kind.replace("_", "-"))
 
 
-class UnitsWarning(SceneWarning):
-    """A wave speed that no material has: Young's modulus, density and units are inconsistent."""
+if SceneWarning.__doc__:  # none with python -OO
+    listed = "\n".join(f"    - ``{kind}``: {found}" for kind, found in KINDS.items())
+    SceneWarning.__doc__ = SceneWarning.__doc__.replace("    {kinds}", listed)
 
 
-class InsideOutWarning(SceneWarning):
-    """The two surfaces of a contact, or an obstacle and its surface, face away from each other."""
-
-
-class SamePlaceWarning(SceneWarning):
-    """Two bodies occupy the same space."""
-
-
-class TwiceWarning(SceneWarning):
-    """Two contacts have the same faces, so that the contact force acts twice."""
-
-
-class OverlapWarning(SceneWarning):
-    """Surfaces of a contact, or a surface and an obstacle, overlap at the start."""
-
-
-class BorderWarning(SceneWarning):
-    """Points were found inside the other surface that did not come in through it."""
-
-
-class NeverMeetWarning(SceneWarning):
-    """The surfaces of a contact cannot come together before the run ends."""
-
-
-class ThinWarning(SceneWarning):
-    """An impact on a body that is about one element thick loses a large part of its energy."""
-
-
-class ChatterWarning(SceneWarning):
-    """A penalty is so stiff for the time step that points open and close with every step, which
-    adds energy to the bodies."""
-
-
-class ShortStepWarning(SceneWarning):
-    """The friction of a contact or an obstacle shortens the stable step four times or more."""
-
-
-class LongRunWarning(SceneWarning):
-    """A run takes ten million steps or more, or about an hour or more."""
-
-
-class PenetrationWarning(SceneWarning):
-    """Surfaces overlap by more than half an element during the run: the penalty is too soft for the
-    load."""
-
-
-class RotationWarning(SceneWarning):
-    """A body with the small-strain law has rotated so far that the rotation causes false strain."""
-
-
-class OutputWarning(SceneWarning):
-    """A run continues without something that was requested, for example a file in a build without
-    HDF5."""
+def gone(name: str) -> str:
+    """What to write instead of the name of a warning's class that has left; empty for other names."""
+    words = re.findall("[A-Z][a-z]+", name.removesuffix("Warning"))
+    kind = "unconverged" if name == "NotSettled" else "_".join(words).lower()
+    if kind not in KINDS:
+        return ""
+    ignored = f'warnings.filterwarnings("ignore", "{kind}:")'
+    return f'"{name}" is gone; it is a SceneWarning of the kind "{kind}", as in {ignored}'
 
 
 class EnergyGrowth(SceneWarning):
@@ -182,11 +169,8 @@ class EnergyGrowth(SceneWarning):
         The effect or body that caused most of it.
     """
 
-    # The defaults serve copies, which are made from the text alone.
-    def __init__(
-        self, text: str, key: str = "", ratio: float = 0.0, time: float = 0.0, who: str = ""
-    ):
-        super().__init__(text, key)
+    def __init__(self, text: str, key: str, ratio: float, time: float, who: str):
+        super().__init__("energy_growth", text, key)
         self.ratio, self.time, self.who = ratio, time, who
 
 
@@ -202,18 +186,9 @@ class StepDivided(SceneWarning):
         The number of parts.
     """
 
-    # The defaults serve copies, which are made from the text alone.
-    def __init__(self, text: str, key: str = "", time: float = 0.0, parts: int = 1):
-        super().__init__(text, key)
+    def __init__(self, text: str, key: str, time: float, parts: int):
+        super().__init__("step_divided", text, key)
         self.time, self.parts = time, parts
-
-
-class NotAtRest(SceneWarning):
-    """A run with ``until_static`` has reached its end before the bodies are at rest."""
-
-
-class NotSettled(SceneWarning):
-    """In some steps the iteration for the contact forces did not converge."""
 
 
 def came_in_late(count: int, depth: float) -> str:

@@ -17,10 +17,22 @@ from typing import Any
 
 import numpy as np
 
-from . import errors
 from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles, has
-from .errors import Error, NotBuiltIn, StepError, bare, issue, new_error, place, raise_held, text_of
+from .errors import (
+    EnergyGrowth,
+    Error,
+    NotBuiltIn,
+    SceneWarning,
+    StepDivided,
+    StepError,
+    bare,
+    issue,
+    new_error,
+    place,
+    raise_held,
+    text_of,
+)
 from .mesh import view
 from .model import FEEDS, FIELDS, FILTERED, LARGE
 from .observers import Observer, own
@@ -342,10 +354,10 @@ class Loop:
         if self.time.until_static is not None and at_end and not self._at_rest():
             text = f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
             text += f"until_static = {self.time.until_static:g}; set a later end, or more [damping]"
-            issue(errors.NotAtRest(text, "time.until_static"))
+            issue(SceneWarning("not_at_rest", text, "time.until_static"))
         if state.unconverged:
             text = f"the contact forces did not converge to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
-            issue(errors.NotSettled(text + "choose a smaller step or a smaller beta"))
+            issue(SceneWarning("unconverged", text + "choose a smaller step or a smaller beta"))
 
     def _goes_to_the_end(self, advanced: Any, stop: list[int]) -> bool:
         """Step to the end, to rest or to a Ctrl-C, and record. False if the step was divided and the run must
@@ -450,7 +462,7 @@ class Loop:
             return
         text = f"from t = {self.state.time:.6g} on the time step {self.first.dt:.6g} is divided by {self.parts}, and further where that is not enough: "
         reason = reason.removesuffix(". Take a smaller step")
-        issue(errors.StepDivided(text + reason, "time", self.state.time, self.parts))
+        issue(StepDivided(text + reason, "time", self.state.time, self.parts))
 
     def start_monitor(self) -> None:
         """Start the monitor of the state; an error at this point is an error of the input."""
@@ -472,7 +484,7 @@ class Loop:
         if math.isfinite(growth.ratio):
             much = f"{100.0 * growth.ratio:.3g} % more energy than the bodies should have"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        issue(errors.EnergyGrowth(text, key, growth.ratio, growth.time, who))
+        issue(EnergyGrowth(text, key, growth.ratio, growth.time, who))
 
     def _observe(self, at_end: bool = False) -> None:
         """Call the observers that check this state, all of them ``at_end`` and at the start."""

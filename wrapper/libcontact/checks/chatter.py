@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .._core import lib
-from ..errors import ChatterWarning
+from ..errors import SceneWarning
 from ..problem import Problem, speeds
 from ..surfaces import contact_tables
 
@@ -18,7 +18,7 @@ PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
 DEFAULT = 4.0  # default of the explicit penalty in ρ c₁² / h (eq:penalty-default); β is in E / h
 
 
-def chatter(problem: Problem) -> Iterator[ChatterWarning]:
+def chatter(problem: Problem) -> Iterator[SceneWarning]:
     """
     Warn of penalties that chatter.
 
@@ -29,7 +29,7 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
 
     Yields
     ------
-    ChatterWarning
+    SceneWarning
         One for each contact and obstacle whose enforcement, penalty and step are known to add
         energy.
     """
@@ -43,7 +43,8 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
             beta = given.epsilon * min(body.mesh.shortest_edge for body in bodies) / young
         fraction = problem.dt / problem.stable.dt
         if given.enforcement == "penalty" and _makes_energy(problem, beta, fraction):
-            yield ChatterWarning(
+            yield SceneWarning(
+                "chatter",
                 f'{who}: enforcement = "{given.enforcement}" with beta = {beta:.3g} at '
                 f"{fraction:.2g} of the stable step is known to feed energy into the bodies; take "
                 'a smaller step, a smaller beta, or enforcement = "energy_controlled"',

@@ -11,7 +11,7 @@ import numpy as np
 
 from .._core import ffi, lib
 from ..bridge import call
-from ..errors import LongRunWarning, PenetrationWarning, ShortStepWarning
+from ..errors import SceneWarning
 from ..mesh import Mesh
 from ..model import ENFORCEMENTS
 from ..observers import Observer, spread
@@ -32,7 +32,7 @@ EDGES = np.array(
 )
 
 
-def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning]:
+def short_step(problem: Problem, state: Any = None) -> Iterator[SceneWarning]:
     """
     Warn of friction that shortens the step much.
 
@@ -45,7 +45,7 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning
 
     Yields
     ------
-    ShortStepWarning
+    SceneWarning
         One for each contact and obstacle whose friction shortens the stable step four times
         or more.
     """
@@ -67,10 +67,10 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[ShortStepWarning
             if (given.tangent or 0.0) > given.friction:
                 text += f", or a smaller tangent (down to {given.friction:g}, the "
                 text += "coefficient of friction)"
-            yield ShortStepWarning(text, key)
+            yield SceneWarning("short_step", text, key)
 
 
-def long_run(problem: Problem) -> Iterator[LongRunWarning]:
+def long_run(problem: Problem) -> Iterator[SceneWarning]:
     """
     Warn of a run with very many steps.
 
@@ -81,7 +81,7 @@ def long_run(problem: Problem) -> Iterator[LongRunWarning]:
 
     Yields
     ------
-    LongRunWarning
+    SceneWarning
         One if the run takes ten million steps or more, or about an hour or more.
     """
     bodies = problem.bodies.values()
@@ -95,7 +95,8 @@ def long_run(problem: Problem) -> Iterator[LongRunWarning]:
         np.ptp(body.mesh.bounds, axis=0).max() / speeds(body.material)[0] for body in bodies
     )
     time, unit = problem.parts.time, problem.parts.units.time
-    yield LongRunWarning(
+    yield SceneWarning(
+        "long_run",
         f"the run to t = {problem.end:g} {unit} takes {problem.step_count:.2g} steps of "
         f"{problem.dt:.2g} {unit}, about {_told(seconds)}; a wave crosses the largest "
         f"body in {cross:.2g} {unit}. Choose an earlier end, larger elements (the "
@@ -122,7 +123,7 @@ class Depths(Observer):
         super().__init__(problem, spread(problem, CHECKS, LEAST_STEPS) if self._open else 0)
         self._start: dict[str, float] = {}
 
-    def warnings(self, state: Any) -> Iterator[PenetrationWarning]:
+    def warnings(self, state: Any) -> Iterator[SceneWarning]:
         """Yield a warning for each contact and obstacle that is too deep in a state (``ct_state *``), once
         for each. The first call gives the depths at the start, which do not count."""
         if not self._open:
@@ -156,7 +157,7 @@ class Depths(Observer):
                     text += f"leave epsilon and beta out: the default is {usual:.2g}"
                 else:
                     text += f"choose epsilon = {enough:.2g} or more, or beta in proportion"
-                yield PenetrationWarning(text, key)
+                yield SceneWarning("penetration", text, key)
 
     def _usual(self, given: Any) -> float:
         """The default penalty of a contact or an obstacle, :eq:`penalty-default`."""

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import errors
 from ..bridge import has
 from ..errors import SceneWarning, came_in_late
 from ..mesh import rotation
@@ -107,7 +106,7 @@ class Turning(Observer):
             if body.material.law == "linear"
         }
 
-    def warnings(self, state: Any) -> Iterator[errors.RotationWarning]:
+    def warnings(self, state: Any) -> Iterator[SceneWarning]:
         """Yield a warning for each body that has rotated too far in a state (``ct_state *``), once per
         body."""
         u = self._problem.rows(state.displacement)
@@ -127,7 +126,7 @@ class Turning(Observer):
                 text = f'body "{body.name}" has turned by {turned}, and with the law "linear" '
                 text += f"this rotation causes a false strain of {strain:.2g}; "
                 text += f'give material "{material}" the law "st_venant_kirchhoff" or "neo_hookean"'
-                yield errors.RotationWarning(text, f"body[{i}]")
+                yield SceneWarning("rotation", text, f"body[{i}]")
 
 
 def _spread_of(X: NDArray[Any]) -> tuple[NDArray[Any], float]:
@@ -161,13 +160,13 @@ def _units(problem: Problem) -> Iterator[SceneWarning]:
         si = speeds(body.material)[0] * problem.parts.units.factor("velocity")
         if not SLOW <= si <= FAST:
             text = f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?'
-            yield errors.UnitsWarning(text, f"body[{i}]")
+            yield SceneWarning("units", text, f"body[{i}]")
 
 
 def _file(output: Any) -> Iterator[SceneWarning]:
     if output is not None and not has("hdf5"):
         text = f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file'
-        yield errors.OutputWarning(text, "output.file")
+        yield SceneWarning("output", text, "output.file")
 
 
 # Treatment of an overlap that is neither within ``adjust`` nor removed.
@@ -193,10 +192,10 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             text = f"{who} {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
                 text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
-            yield errors.OverlapWarning(f"{name}: {text}", key)
+            yield SceneWarning("overlap", f"{name}: {text}", key)
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
-            yield errors.OverlapWarning(f"{name}: {text}", key)
+            yield SceneWarning("overlap", f"{name}: {text}", key)
 
 
 class Borders(Observer):
@@ -233,7 +232,7 @@ class Borders(Observer):
             if text and i not in self._told:
                 self._told.add(i)
                 text = f"{pair_name(surfaces)}: {text}{whole_skin(surfaces)}"
-                yield errors.BorderWarning(text, f"contact[{i}]")
+                yield SceneWarning("border", text, f"contact[{i}]")
 
     def _corner(self, i: int, found: dict[str, Any], state: Any) -> str:
         """What to say of the deepest corner, unless it is no deeper than at the start."""
@@ -258,7 +257,7 @@ def _inside_out(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
             who, why = pair_name(touch.surfaces), _away(problem, touch.given)
             text = f"{who}: {why}, so no contact force acts and the bodies pass through each other; name faces that point towards each other"
         if why:
-            yield errors.InsideOutWarning(text, touch.key)
+            yield SceneWarning("inside_out", text, touch.key)
 
 
 def _away(problem: Problem, contact: Contact) -> str:
@@ -310,7 +309,7 @@ def _same_place(problem: Problem) -> Iterator[SceneWarning]:
         share = _common_fraction(problem, a, b)
         if share >= COMMON:
             text = f'bodies "{a.name}" and "{b.name}" occupy the same space: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
-            yield errors.SamePlaceWarning(text, f"body[{i}]")
+            yield SceneWarning("same_place", text, f"body[{i}]")
 
 
 def _common_fraction(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
@@ -339,7 +338,7 @@ def _twice(problem: Problem) -> Iterator[SceneWarning]:
                 text += (
                     "leave one of the contacts out, or name surfaces that have no faces in common"
                 )
-                yield errors.TwiceWarning(text, f"contact[{j}]")
+                yield SceneWarning("twice", text, f"contact[{j}]")
                 break
 
 
@@ -375,7 +374,7 @@ def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
             if math.isfinite(touch.time):
                 when = f"they would touch at t = {touch.time:.4g}"
             text = f"{pair_name(touch.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, places and end, or leave the contact out"
-            yield errors.NeverMeetWarning(text, touch.key)
+            yield SceneWarning("never_meet", text, touch.key)
 
 
 def _acted_on(problem: Problem) -> set[str]:
@@ -417,7 +416,7 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
             text += f"the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, "
             text += "which can be lost; divide it into at least 4 elements along that direction "
             text += "(n equal ones lose up to 1/(2 n))"
-            yield errors.ThinWarning(text, touch.key)
+            yield SceneWarning("thin", text, touch.key)
 
 
 def _first_nodes(problem: Problem, touch: Touch) -> Points:
