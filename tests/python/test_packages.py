@@ -129,3 +129,22 @@ def test_a_circle_and_an_import_upwards_are_found(change):
     text = modules()[name].read_text(encoding="utf-8") + more
     found = ALL | {name: dict(imports(name, text, ALL))}
     assert circle(found) or upwards(found)
+
+
+def test_dir_shows_the_interface_only():
+    """Classes, functions, the exact solution and the version, also after modules were imported."""
+    import libcontact.loop  # noqa: F401
+
+    import libcontact as ct
+
+    assert set(dir(ct)) == {*ct.__all__, "__version__"} and len(dir(ct)) == len(set(dir(ct)))
+    values = {name: getattr(ct, name) for name in dir(ct)}
+    odd = {
+        name
+        for name, value in values.items()
+        if not getattr(value, "__doc__", None) or not callable(value)
+    }
+    assert odd - {"METHODS"} == {"exact", "__version__"}
+    assert all(
+        value.__module__.startswith("libcontact.") for value in values.values() if callable(value)
+    )
