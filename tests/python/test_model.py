@@ -18,7 +18,7 @@ from libcontact._core import ffi, lib
 from libcontact.effects import Effect
 from libcontact.parts import EFFECTS, MANY, ONCE, Parts, read, schema
 from libcontact.planning import explain
-from libcontact.schema import Place, SceneError, Table
+from libcontact.schema import Place, SceneError, Table, required
 
 import libcontact as ct
 
@@ -424,10 +424,12 @@ def test_every_key_is_described(table):
     [
         ("add_material", model.Material, set()),
         ("add_body", model.Body, set()),
-        ("add_contact", model.ContactKeys, {"a", "b"}),
+        ("add_contact", model.Contact, {"a", "b"}),
         ("add_support", model.Support, set()),
         ("set_time", model.Time, set()),
         ("set_output", model.Output, set()),
+        ("add_probe", model.Probe, set()),
+        ("set_run", model.Run, set()),
     ],
 )
 def test_calls_take_the_keys_of_the_model(call, table, more):
@@ -435,12 +437,37 @@ def test_calls_take_the_keys_of_the_model(call, table, more):
     found = inspect.signature(method).parameters
     assert set(found) == {"self"} | more | set(table.keys())
     for name, field in table.keys().items():
-        assert field.default is found[name].default or found[name].default is inspect._empty
+        assert field.default is found[name].default or required(field)
         assert f"\n{name}" in inspect.getdoc(method)
     needed = {name: 1 for name, each in found.items() if each.default is each.empty}
     scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     with pytest.raises(TypeError, match="yuong"):
         method(**{**needed, "self": scene}, yuong=1)
+
+
+def test_a_scene_is_built_from_the_tables_of_a_file():
+    """Each table of a file, with all its keys, is that of a call; only title and units have none."""
+    whole = copy.deepcopy(FULL)
+    whole["contact"].append({"surfaces": ["a.z_max", "c.outer"], "beta": 3})
+    built = ct.Scene(title=whole.pop("title"), units=whole.pop("units"))
+    first = ["material", "body", "contact", "support"]  # others name them
+    for name in [*first, *(whole.keys() - first)]:
+        for table in whole[name] if name in MANY else [whole[name]]:
+            if name in EFFECTS:
+                built.add(name, **table)
+            else:
+                getattr(built, f"{'add' if name in MANY else 'set'}_{name}")(**table)
+    read_one = ct.Scene({**FULL, "contact": whole["contact"]})
+    assert tomllib.loads(built.toml()) == tomllib.loads(read_one.toml())
+
+
+@pytest.mark.parametrize(
+    "wrong", [{}, {"a": "a.x_max"}, {"a": "a.x", "b": "b.x", "surfaces": ["a.x", "b.x"]}]
+)
+def test_a_contact_has_one_pair_of_surfaces(wrong):
+    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    with pytest.raises(TypeError, match="add_contact: give two surfaces, either a and b or"):
+        scene.add_contact(**wrong)
 
 
 def test_the_book_has_a_table_of_every_key():

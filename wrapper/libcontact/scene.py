@@ -7,12 +7,12 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Protocol, cast, overload
 
 import numpy as np
 import tomli_w
@@ -22,7 +22,7 @@ from .checks.warned import during, known
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
 from .loop import Loop, record_count, schedule
-from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
+from .model import Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .problem import Problem
@@ -80,22 +80,27 @@ def example(name: str) -> Path:
 P = ParamSpec("P")
 
 
-def _call(call: str, table: Any, *first: str) -> Any:
+def _call(call: str, table: Any, *pair: str) -> Any:
     """Make a method of ``Scene``, such as ``add_body``, that takes the keys of a table. The arguments
-    ``first`` are texts from which it makes the surfaces."""
+    ``pair`` are two surfaces, in place of the key ``surfaces``."""
     _, _, name = call.partition("_")
-    lead = [Parameter(word, Parameter.POSITIONAL_OR_KEYWORD) for word in ("self", *first)]
+    lead = [Parameter("self", Parameter.POSITIONAL_OR_KEYWORD)]
+    lead += [Parameter(word, Parameter.POSITIONAL_OR_KEYWORD, default=None) for word in pair]
     keys = [*signature(table).parameters.values()]
+    keys = [
+        each.replace(default=None) if pair and each.name == "surfaces" else each for each in keys
+    ]
     whole = Signature([*lead, *keys], return_annotation="Scene")
 
     def method(*values: Any, **entries: Any) -> Scene:
         given = whole.bind(*values, **entries).arguments
         scene: Scene = given.pop("self")
-        if first:
-            given["surfaces"] = [given.pop(word) for word in first]
-        return scene._put(name, given)
+        two = [given.pop(word) for word in pair if word in given]
+        if pair and (len(two) == 2) == ("surfaces" in given) or len(two) == 1:
+            raise TypeError(f"{call}: give two surfaces, either a and b or surfaces = [a, b]")
+        return scene._put(name, {**given, "surfaces": two} if two else given)
 
-    docs = {**{word: f'A surface, such as ``"{word}.x_max"``.' for word in first}, **table.docs()}
+    docs = {**{word: f'A surface, such as ``"{word}.x_max"``.' for word in pair}, **table.docs()}
     text = "\n".join(f"{key}\n    {docs[key]}" for key in [*whole.parameters][1:])
     about = f"Add a ``[[{name}]]``" if name in MANY else f"Give the ``[{name}]``"
     ends = "Returns\n-------\nScene\n    The scene itself."
@@ -110,11 +115,18 @@ def _adding(call: str, table: Callable[P, Table]) -> Callable[Concatenate[Scene,
     return cast("Callable[Concatenate[Scene, P], Scene]", _call(call, table))
 
 
-def _adding_pair(
-    call: str, table: Callable[P, Table]
-) -> Callable[Concatenate[Scene, str, str, P], Scene]:
-    """Make a method that takes two surfaces ``a`` and ``b``, and the other keys of a table."""
-    return cast("Callable[Concatenate[Scene, str, str, P], Scene]", _call(call, table, "a", "b"))
+class _AddsPair(Protocol[P]):
+    """A method that takes two surfaces, ``a`` and ``b`` or ``surfaces``, and the other keys of a table."""
+
+    @overload
+    def __call__(self, a: str, b: str, *values: P.args, **keys: P.kwargs) -> Scene: ...
+    @overload
+    def __call__(self, *, surfaces: Sequence[str], **keys: Any) -> Scene: ...
+
+
+def _adding_pair(call: str, table: type[Table], keys: Callable[P, Table]) -> _AddsPair[P]:
+    """Make a method that takes two surfaces; ``keys`` are those of the table without them."""
+    return cast("_AddsPair[P]", _call(call, table, "a", "b"))
 
 
 class Scene:
@@ -268,11 +280,12 @@ class Scene:
 
     add_material = _adding("add_material", Material)
     add_body = _adding("add_body", Body)
-    add_contact = _adding_pair("add_contact", ContactKeys)
+    add_contact = _adding_pair("add_contact", Contact, ContactKeys)
     add_support = _adding("add_support", Support)
     add_probe = _adding("add_probe", Probe)
     set_time = _adding("set_time", Time)
     set_output = _adding("set_output", Output)
+    set_run = _adding("set_run", RunKeys)
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """
