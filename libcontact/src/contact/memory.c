@@ -79,9 +79,11 @@ static double *store_points(const ct_side *side, double *memory)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
     const ct_point *point = &side->points[i];
+    // A face that was lost, perhaps in a skipped search, leaves no parameters.
+    const int met = point->other >= 0;
     const ct_point_record record = {.other = (double)point->other + 1.0,
                                     .status = point->status,
-                                    .xi = {point->xi[0], point->xi[1]},
+                                    .xi = {met ? point->xi[0] : 0.0, met ? point->xi[1] : 0.0},
                                     .known = point->known,
                                     .force = point->row.force,
                                     .start = point->start,
