@@ -4,9 +4,10 @@
 
 int main(void)
 {
-  enum { INPUTS = 30 };
-  for (uint64_t i = 0; i < INPUTS; i++) {
-    uint64_t seed = mixed((i + 1) * 0x9E3779B97F4A7C15u);
+  // In scene 243, a state that was ahead and begins anew skips other searches.
+  enum { INPUTS = 40, FOUND = 243 };
+  for (uint64_t i = 0; i <= INPUTS; i++) {
+    uint64_t seed = stirred(((i < INPUTS ? i : FOUND) + 1) * 0x9E3779B97F4A7C15u);
     LLVMFuzzerTestOneInput((const uint8_t *)&seed, sizeof seed);
   }
   tap_ok(total_built > INPUTS / 2 && total_steps > 40 * INPUTS && total_asleep > 1000,
