@@ -356,7 +356,7 @@ coverage:
 	+-$(MAKE) --no-print-directory $(JOBS) _check-c BUILD=$(BUILD)/coverage CC="$(CC) --coverage" OPT="-O1 -fno-early-inlining" \
 	  CFLAGS="-DCT_NO_CLONES -DCT_SHORT_LOOPS" SANITIZERS= HAVE_PKG_CONFIG=
 	@rm -f *.gcno # of the compiler's probes
-	$(PYTHON) tests/count_coverage.py $(BUILD)/coverage $(COVERAGE)
+	$(PYTHON) tools/count_coverage.py $(BUILD)/coverage $(COVERAGE)
 
 # -- Threads and memory, looked at by other programs ----------------------------------------------------------------------------------
 # Several states of one problem stepped by several threads of a host, under the thread sanitizer. Without OpenMP, whose runtime it does not see.
@@ -394,10 +394,10 @@ tidy: $(VENV)/.tidy
 	$(Q)$(VENV)/bin/codespell $$(git ls-files)
 
 count: $(VENV)/.test
-	$(VENV)/bin/python tests/count.py $(REVISIONS)
+	$(VENV)/bin/python tools/count.py $(REVISIONS)
 
 count-book: $(VENV)/.test
-	$(VENV)/bin/python tests/count_book.py $(REVISION)
+	$(VENV)/bin/python tools/count_book.py $(REVISION)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

@@ -96,7 +96,7 @@ def test_c_programs_wait_without_spinning(tmp_path):
 
 def test_coverage_counts_lines_and_branches_of_each_room(monkeypatch):
     """Two programs run the same source: their counts add up, and branches count only for the library's own object."""
-    monkeypatch.syspath_prepend(str(RUNNER.parent))
+    monkeypatch.syspath_prepend(str(RUNNER.parents[1] / "tools"))
     import count_coverage as coverage
 
     counts = coverage.Counts()

@@ -1,4 +1,4 @@
-"""How large the project is: ``make count`` or ``python tests/count.py [REVISION]...``, a column each; without one, the
+"""How large the project is: ``make count`` or ``python tools/count.py [REVISION]...``, a column each; without one, the
 working tree.
 
 Every revision is laid out by the formatters of this checkout first. A line of code is one that is not blank, not a
@@ -156,6 +156,9 @@ def measure(folder: Path) -> dict[str, int]:
     tests = folder / "tests"
     counts["tests in C"] = sum(c_lines(p.read_text()) for p in tests.rglob("*.[ch]"))
     counts["tests in Python"] = sum(python_lines(p.read_text()) for p in tests.rglob("*.py"))
+    product = counts["C, together"] + counts["Python package"]
+    written = counts["tests in C"] + counts["tests in Python"]
+    counts["tests, % of the product"] = round(100 * written / product)
     return counts
 
 

@@ -1,4 +1,4 @@
-"""What each chapter of the book holds: ``python tests/count_book.py [REVISION] [PAGE]...``; without a revision, the
+"""What each chapter of the book holds: ``python tools/count_book.py [REVISION] [PAGE]...``; without a revision, the
 working tree.
 
 Words are those of the prose: directives, listings, displayed formulas and their options don't count, a formula within a
