@@ -1,9 +1,10 @@
-"""CITATION.cff, the page "How to cite" and the changelog have the version of base.h."""
+"""CITATION.cff, the page "How to cite" and the changelog have the version of base.h; the changelog has a day."""
 
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+CHANGES = (ROOT / "CHANGELOG.rst").read_text()
 CFF = (ROOT / "CITATION.cff").read_text()
 HEADER = (ROOT / "libcontact" / "include" / "libcontact" / "base.h").read_text()
 VERSION = ".".join(
@@ -24,7 +25,22 @@ def test_one_version():
     page = (ROOT / "docs" / "reference" / "cite.rst").read_text()
     assert re.search(r"^version: (.+)$", CFF, re.M)[1] == VERSION
     assert re.search(r"version = \{(.+)\}", page)[1] == VERSION
-    assert re.search(rf"^{re.escape(VERSION)}\n-+$", (ROOT / "CHANGELOG.rst").read_text(), re.M)
+
+
+def test_the_changelog_begins_with_this_version_and_its_day():
+    version, day = re.search(r"^(\d\S+) \((.+)\)\n-+$", CHANGES, re.M).groups()
+    assert version == VERSION and re.fullmatch(r"\d{4}-\d\d-\d\d|unreleased", day)
+    released = re.search(r"^date-released: (.+)$", CFF, re.M)[1]
+    assert day in (released, "unreleased")
+
+
+def test_what_leaves_is_on_the_page_of_upgrades():
+    page = (ROOT / "docs" / "reference" / "upgrade.rst").read_text()
+    before, now = page.split("\n")[0].split()[1::2]
+    assert VERSION.startswith(f"{now}.") and re.search(rf"^{re.escape(before)}\.", CHANGES, re.M)
+    removed = CHANGES.split("\nRemoved\n")[1].split("~~~\n")[1]
+    words = set(re.findall(r"``((?:ct|CT)_\w+|[a-z]\w+)``", removed))
+    assert len(words) > 5 and [word for word in sorted(words) if word not in page.lower()] == []
 
 
 def test_paper_is_cited_alike():
