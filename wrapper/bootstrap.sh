@@ -23,6 +23,12 @@ look() { # what is missing now
   case "$commands" in *" test "*) command -v "${CXX%% *}" >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || wanted="$wanted g++" ;; esac
   # libc6-dbg: valgrind replaces functions of libc by their names.
   case "$commands" in *" memory "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
+  # The names that docs/browser.py looks for.
+  case "$commands" in *" pdf "*)
+    for browser in chromium chromium-browser google-chrome chrome ""; do command -v "$browser" >/dev/null 2>&1 && break; done
+    [ -n "$browser" ] || wanted="$wanted chromium"
+    ;;
+  esac
   missing="$needed$wanted"
 }
 

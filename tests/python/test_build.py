@@ -427,6 +427,13 @@ def machine(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
+@pytest.mark.parametrize("command", ["memory", "pdf"])
+def test_the_set_up_step_installs_what_one_command_wants(machine, command):
+    packages = {"memory": "valgrind libc6-dbg", "pdf": "chromium"}[command]
+    assert re.search(rf"install {packages}$", machine(command)[1], re.M)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
 def test_the_set_up_step_installs_what_the_tests_want(machine):
     """A C++ compiler for `make test` alone, with the rights to install; without them, and with BOOTSTRAP=no, it is
     named and left out."""
