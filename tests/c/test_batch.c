@@ -2,7 +2,6 @@
  * this machine has them, and with closed forms. */
 #include <libcontact.h>
 
-#include "../../libcontact/src/projection/projection_internal.h"
 #include "faces.h"
 #include "tap.h"
 

@@ -1,6 +1,5 @@
 /* Contact of two surfaces: forces against the energy, conservation, closed forms, folds and
  * borders, the bound on the step. */
-#include "../../libcontact/src/contact/contact_internal.h"
 #include "patches.h"
 #include "springs.h"
 

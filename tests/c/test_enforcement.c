@@ -2,7 +2,6 @@
  * the energy that never grows, momentum, and bits. */
 #include "../../libcontact/src/constraint/law.h"
 #include "../../libcontact/src/step/constraints.h"
-#include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
 
 #include <string.h>

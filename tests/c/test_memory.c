@@ -1,6 +1,5 @@
 /* Memory of a run, byte by byte, by an allocator that counts. */
 #include "../../libcontact/src/solid/kernel.h"
-#include "../../libcontact/src/solid/reduced.h"
 #include "bodies.h"
 #include "counting.h"
 

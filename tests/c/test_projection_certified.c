@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-#include "../../libcontact/src/projection/projection_internal.h"
 
 /* Random faces of a kind. */
 enum { TRIALS = 100 };

@@ -3,7 +3,7 @@
 #ifndef DICE_H
 #define DICE_H
 
-#include <libcontact/base.h>
+#include <libcontact/mesh.h>
 
 #include <math.h>
 #include <stdint.h>
@@ -81,6 +81,16 @@ static inline void *room(size_t count, size_t size)
   void *memory = calloc(count > 0 ? count : 1, size);
   demand(memory != NULL, "memory for the test itself");
   return memory;
+}
+
+/* Smallest and largest coordinates of a mesh. */
+static inline void extent(const ct_mesh *mesh, double low[3], double high[3])
+{
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++) {
+    if (i < 3) low[i] = high[i] = mesh->nodes[i];
+    low[i % 3] = fmin(low[i % 3], mesh->nodes[i]);
+    high[i % 3] = fmax(high[i % 3], mesh->nodes[i]);
+  }
 }
 
 /* An answer with its error: a code that there is, the same in both, and a text that ends. */

@@ -6,7 +6,6 @@
  * FIRST_SEED [INPUTS]. */
 #include <libcontact.h>
 
-#include "../../libcontact/src/mesh/mesh_internal.h"
 #include "../c/defs.h"
 #include "dice.h"
 
@@ -164,7 +163,7 @@ static void keep_sides(run *r, body *b, int all)
 {
   double low[3], high[3];
   size_t size = 8 * 6 * (size_t)b->plain->element_count;
-  ct_mesh_bounds(b->plain, low, high);
+  extent(b->plain, low, high);
   for (int s = 0; s < 2; s++) {
     b->side[s] = keep(r, size, sizeof(int32_t));
     b->side_count[s] =
@@ -298,7 +297,7 @@ static int32_t *any_nodes(run *r, dice *d, int number, int32_t *count)
   double low[3], high[3];
   int how = r->plain ? 1 + below(d, 2) : below(d, 3), axis = below(d, 3), upper = below(d, 2);
   uint64_t salt = salt_of(d), few = r->plain ? 100 + roll(d) : 1 + roll(d) % 30u;
-  ct_mesh_bounds(plain, low, high);
+  extent(plain, low, high);
   *count = how == 1 ? ct_mesh_plane_nodes(plain, axis, upper ? high[axis] : low[axis], nodes) : 0;
   for (int32_t n = 0; how != 1 && n < plain->node_count; n++)
     if (how == 0 || of_place(&plain->nodes[3 * n], salt) % few == 0) nodes[(*count)++] = n;
@@ -463,7 +462,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
     return ct_absorb_create_effect(&absorb, r->joined, effect, &r->error);
   }
   double sign = side ? 1.0 : -1.0, low[3], high[3];
-  ct_mesh_bounds(b->plain, low, high);
+  extent(b->plain, low, high);
   ct_obstacle_def o = {
       .cookie = ct_obstacle_def_default().cookie,
       .shape = CT_OBSTACLE_PLANE,
