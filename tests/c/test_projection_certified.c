@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-
 /* Random faces of a kind. */
 enum { TRIALS = 100 };
 
