@@ -85,20 +85,7 @@ BRICK = np.array(
         (-1, 1, 1),
     ]
 )
-EDGES = [
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 0),
-    (4, 5),
-    (5, 6),
-    (6, 7),
-    (7, 4),
-    (0, 4),
-    (1, 5),
-    (2, 6),
-    (3, 7),
-]
+EDGES = [divmod(ends, 10) for ends in (1, 12, 23, 30, 45, 56, 67, 74, 4, 15, 26, 37)]
 BRICK20 = np.vstack([BRICK, [(BRICK[a] + BRICK[b]) // 2 for a, b in EDGES]])
 
 

@@ -28,54 +28,16 @@ from libcontact.run import Run, RunError
 
 import libcontact as ct
 
-KEYS = [
-    "x_min",
-    "x_max",
-    "y_min",
-    "z_max",
-    "xyz",
-    "x",
-    "hex8",
-    "hex20",
-    "linear",
-    "neo_hookean",
-    "penalty",
-    "energy_controlled",
-    "reduced",
-    "box",
-    "plane",
-    "one",
-    "two",
-    "one.x_max",
-    "two.x_min",
-    "lobatto",
-    "keep",
-    "remove",
-    "refuse",
-    "chung_lee",
-    "noh_bathe",
-    "tchamwa_wielgosz",
-    "assembled",
-]
-WRONG = [
-    "beta",
-    "friction",
-    "end",
-    "velocity",
-    "spin",
-    "enforcement",
-    "look_every",
-    "energy_limit",
-    "until_static",
-    "points",
-    "initial_penetration",
-    "removal_time",
-    "adjust",
-    "dissipation",
-    "integrator",
-    "integrator_parameter",
-    "stable_step",
-]
+KEYS = """
+    x_min x_max y_min z_max xyz x hex8 hex20 linear neo_hookean penalty energy_controlled
+    reduced box plane one two one.x_max two.x_min lobatto keep remove refuse chung_lee
+    noh_bathe tchamwa_wielgosz assembled
+""".split()
+WRONG = """
+    beta friction end velocity spin enforcement look_every energy_limit until_static points
+    initial_penetration removal_time adjust dissipation integrator integrator_parameter
+    stable_step
+""".split()
 
 
 def good_scene(chance: random.Random) -> dict:

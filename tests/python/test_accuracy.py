@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import METRES
 
 import libcontact as ct
 
@@ -319,7 +320,7 @@ def test_the_ball_is_a_ball():
     once, and a mirror image is the same ball."""
     nodes, elements = defaults.ball()
     data = {
-        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "units": METRES,
         "material": [{"name": "a", "young": 1.0, "poisson": 0.3, "density": 1.0}],
         "body": [{"name": "ball", "nodes": nodes, "elements": elements, "material": "a"}],
         "time": {"end": 0.1},

@@ -210,22 +210,10 @@ def test_every_header_alone_links_from_cxx(tmp_path):
 
 
 # System headers that the standard ones may include: on macOS <stdlib.h> includes <sys/wait.h>.
-SYSTEM = (
-    "sys/wait",
-    "sys/stat",
-    "sys/socket",
-    "sys/time",
-    "sys/mman",
-    "unistd",
-    "fcntl",
-    "signal",
-    "poll",
-    "pthread",
-    "sched",
-    "time",
-    "wchar",
-    "strings",
-)
+SYSTEM = """
+    sys/wait sys/stat sys/socket sys/time sys/mman unistd fcntl signal poll pthread sched
+    time wchar strings
+""".split()
 
 
 @pytest.mark.skipif(

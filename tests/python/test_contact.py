@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -207,10 +208,10 @@ def test_the_default_law_has_no_limit():
 
 def skins(n, apart=0.0):
     """Two unit cubes of n³ bricks with density 1: coordinates, outer faces and masses."""
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     scene.add_material(name="soft", young=1.0, poisson=0.0, density=1.0)
     for name, z in ("low", 0.0), ("high", 1.0 + apart):
-        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [n, n, n]}
+        box = box_of([0, 0, z], [1, 1, 1], [n, n, n])
         scene.add_body(name=name, element="hex8", material="soft", box=box)
     problem = scene.set_time(end=1.0)._built(None)
     mass = np.frombuffer(ct._core.ffi.buffer(problem.pointer.mass, 16 * (n + 1) ** 3))

@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from libcontact.model import ENFORCEMENTS
+from scenes import METRES, box_of
 
 import libcontact as ct
 from libcontact import loop
@@ -26,17 +27,13 @@ def blocks(
     **contact,
 ):
     """Two blocks end to end along x that overlap by a length; the right one has a speed."""
-    scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="blocks", units=METRES)
     scene.add_material("soft", young=E, poisson=0.0, density=RHO)
-    scene.add_body(
-        "left",
-        material="soft",
-        box={"origin": [-thick, 0, 0], "size": [thick, 1, 1], "cells": list(cells)},
-    )
+    scene.add_body("left", material="soft", box=box_of([-thick, 0, 0], [thick, 1, 1], list(cells)))
     scene.add_body(
         "right",
         material="soft",
-        box={"origin": [-overlap, 0, 0], "size": [thick, 1, 1], "cells": list(cells)},
+        box=box_of([-overlap, 0, 0], [thick, 1, 1], list(cells)),
         velocity=[-speed, 0, 0],
     )
     scene.add_contact(f"left.{face[0]}", f"right.{face[1]}", beta=1.0, **contact)
@@ -163,13 +160,9 @@ def test_penetration_is_reported_at_corners_and_edges():
     """A corner of the right block enters the left one's face by less than 0.21 h: Gauss points do not detect it,
     Lobatto's do."""
     for rule in ("gauss", "lobatto"):
-        scene = ct.Scene(title="corner", units={"length": "m", "mass": "kg", "time": "s"})
+        scene = ct.Scene(title="corner", units=METRES)
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
-        scene.add_body(
-            "floor",
-            material="soft",
-            box={"origin": [-1, -1, -1], "size": [2, 2, 1], "cells": [4, 4, 2]},
-        )
+        scene.add_body("floor", material="soft", box=box_of([-1, -1, -1], [2, 2, 1], [4, 4, 2]))
         lattice = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
         a, b = np.pi / 4, np.arctan(2**-0.5) - np.pi / 2
         turn = np.array(
@@ -195,17 +188,15 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
     depth, side, beta, speed = 0.02, 0.4, 1.0, 0.5
     kinetic = 0.5 * RHO * side**3 * speed**2
     for faces in (("z_max", "z_min"), ("outer", "outer")):
-        scene = ct.Scene(title="from the side", units={"length": "m", "mass": "kg", "time": "s"})
+        scene = ct.Scene(title="from the side", units=METRES)
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
         scene.add_body(
-            "plate",
-            material="soft",
-            box={"origin": [-1, -0.25, -0.2], "size": [1, 0.5, 0.2], "cells": [10, 5, 2]},
+            "plate", material="soft", box=box_of([-1, -0.25, -0.2], [1, 0.5, 0.2], [10, 5, 2])
         )
         scene.add_body(
             "block",
             material="soft",
-            box={"origin": [0.02, -0.2, -depth], "size": [side] * 3, "cells": [4, 4, 4]},
+            box=box_of([0.02, -0.2, -depth], [side] * 3, [4, 4, 4]),
             velocity=[-speed, 0, 0],
         )
         scene.add_support("plate.z_min", fix=["x", "y", "z"]).add_contact(
@@ -254,13 +245,13 @@ def test_quadratic_bodies_that_turn_inside_out_gain_no_energy():
     faces: the energy grew 48 times.
     """
     c = math.sqrt(0.7 / (1.3 * 0.4))
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     for name, young, origin, v in (
         ("soft", 1.0, [-1.01, 0, 0], 0.5 * c),
         ("stiff", 100.0, [0, 0.13, 0.07], -0.5 * c),
     ):
         scene.add_material(name, young=young, poisson=0.3, density=1.0)
-        box = {"origin": origin, "size": [1, 1, 1], "cells": [3, 3, 3]}
+        box = box_of(origin, [1, 1, 1], [3, 3, 3])
         scene.add_body(name, material=name, element="hex20", box=box, velocity=[v, 0, 0])
     scene.add_contact("soft.outer", "stiff.outer").set_time(end=1.2 / c, fraction=0.3)
     run = scene.run(progress=False, output=False)

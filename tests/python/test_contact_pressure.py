@@ -3,6 +3,7 @@ force and moment of the points, tables."""
 
 import numpy as np
 import pytest
+from scenes import METRES, MILLIMETRES, box_of
 
 import libcontact as ct
 
@@ -12,14 +13,10 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def blocks(n, m, element="hex8", **contact):
     """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the
     pressure 1 and at rest."""
-    scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="blocks", units=METRES)
     scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
-        box = {
-            "origin": [0, 0, z],
-            "size": [1, 1, 0.5],
-            "cells": [cells, cells, max(cells // 2, 1)],
-        }
+        box = box_of([0, 0, z], [1, 1, 0.5], [cells, cells, max(cells // 2, 1)])
         scene.add_body(name, material="elastic", element=element, box=box)
         scene.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.y_min", fix="y")
     scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min", **contact)
@@ -61,7 +58,7 @@ def test_hertz_is_smooth(element):
     """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 3 % rms of
     the peak; the force is Hertz's."""
     data = ct.Scene.load(ct.example("hertz")).data
-    box = {"origin": [0, 0, -2], "size": [2, 2, 2], "cells": [10, 10, 10]}
+    box = box_of([0, 0, -2], [2, 2, 2], [10, 10, 10])
     data["body"][0] |= {"element": element, "box": box}
     data["time"] |= {"end": 4e-3, "until_static": 1e-5}
     data |= {"damping": {"relaxation": True}, "output": {"every": 10**6}}
@@ -99,10 +96,10 @@ def test_rows_name_body_and_node():
 
 def test_nothing_where_nothing_touches():
     """Separated bodies have no tractions and no areas."""
-    scene = ct.Scene(title="apart", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="apart", units=METRES)
     scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
     for name, z in (("lower", -1.0), ("upper", 0.1)):
-        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [2, 2, 2]}
+        box = box_of([0, 0, z], [1, 1, 1], [2, 2, 2])
         scene.add_body(name, material="elastic", box=box)
     scene.add_contact("lower.z_max", "upper.z_min").set_time(end=0.01, fraction=0.9)
     with pytest.warns(ct.SceneWarning, match="^never_meet:"):
@@ -112,9 +109,9 @@ def test_nothing_where_nothing_touches():
 
 def wall(gap=0.0):
     """A bar of 10 cubes hits a wall with the speed 1."""
-    scene = ct.Scene(title="wall", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="wall", units=METRES)
     scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
-    box = {"origin": [gap, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
+    box = box_of([gap, 0, 0], [1, 0.1, 0.1], [10, 1, 1])
     scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
     scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
     return scene.set_time(end=0.03, fraction=0.9)
@@ -205,7 +202,7 @@ def ball(cells, radius, up):
 def test_two_balls_on_unlike_meshes(n, m):
     """Radii 4 and 8, all outer faces: on both surfaces the peak of Hertz's profile for the force to 8 %, the profile to
     9 % rms of it; points are off by more than the peak."""
-    scene = ct.Scene(title="balls", units={"length": "mm", "mass": "t", "time": "s"})
+    scene = ct.Scene(title="balls", units=MILLIMETRES)
     scene.add_material("rubber", young=1000.0, poisson=0.3, density=1e-9)
     for name, cells, radius in (("lower", n, 4.0), ("upper", m, 8.0)):
         scene.add_body(name, material="rubber", **ball(cells, radius, name == "upper"))

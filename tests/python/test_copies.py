@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scenes import MILLIMETRES, box_of
 
 import libcontact as ct
 
@@ -28,13 +29,13 @@ def stored(view, k):
 
 def scene(own=True):
     """Two bars, one of them a mesh of arrays, that meet on a spring written in Python."""
-    made = ct.Scene(title="two bars", units={"length": "mm", "mass": "t", "time": "s"})
+    made = ct.Scene(title="two bars", units=MILLIMETRES)
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     made.add_body(
         "left",
         material="steel",
         element="hex8",
-        box={"origin": [-2, 0, 0], "size": [2, 1, 1], "cells": [4, 2, 2]},
+        box=box_of([-2, 0, 0], [2, 1, 1], [4, 2, 2]),
         velocity=[1000, 0, 0],
     )
     nodes = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
@@ -101,15 +102,12 @@ def test_a_copy_of_a_scene_goes_its_own_way(way):
 
 
 def test_a_scene_that_is_not_whole_yet_can_be_copied():
-    first = ct.Scene(title="", units={"length": "mm", "mass": "t", "time": "s"}).add_material(
+    first = ct.Scene(title="", units=MILLIMETRES).add_material(
         "steel", young=2.1e5, poisson=0.3, density=7.8e-9
     )
     for way in WAYS:
         second = way(first).add_body(
-            "bar",
-            material="steel",
-            element="hex8",
-            box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
+            "bar", material="steel", element="hex8", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])
         )
         assert len(second.set_time(end=1e-7, fraction=0.5).run(progress=False).time) > 1
     assert "body" not in first.data

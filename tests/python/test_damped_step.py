@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from scenes import METRES
 
 import libcontact as ct
 
@@ -85,7 +86,7 @@ class Body:
 
 
 def scene(nu, young=1.0, **body):
-    made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    made = ct.Scene(units=METRES)
     made.add_material("elastic", young=young, poisson=nu, density=1.0)
     return made.add_body("bar", material="elastic", **body)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -138,10 +139,10 @@ def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
 def column(element, integrator, courant, steps):
     """Stress of a row of cubes that hits a wall, c₁ = ρ = v₀ = 1."""
     nu, cells = 0.3, 80
-    scene = ct.Scene(title="column", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="column", units=METRES)
     young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
     scene.add_material("elastic", young=young, poisson=nu, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [cells, 1, 1], "cells": [cells, 1, 1]}
+    box = box_of([0, 0, 0], [cells, 1, 1], [cells, 1, 1])
     scene.add_body("row", material="elastic", element=element, box=box, velocity=[-1, 0, 0])
     scene.add_support("row.x_min", fix="x")
     for face in ("y_min", "y_max", "z_min", "z_max"):

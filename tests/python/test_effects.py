@@ -3,20 +3,16 @@ columns of the energy balance."""
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
-UNITS = {"length": "m", "mass": "kg", "time": "s"}
-
 
 def bar(cells=100, length=10.0, width=0.1, **body):
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
     return scene.add_body(
-        "bar",
-        material="soft",
-        box={"origin": [0, 0, 0], "size": [length, width, width], "cells": [cells, 1, 1]},
-        **body,
+        "bar", material="soft", box=box_of([0, 0, 0], [length, width, width], [cells, 1, 1]), **body
     )
 
 
@@ -40,9 +36,7 @@ def test_a_thrown_body_rises_and_falls_and_the_ledger_has_its_weight():
 
 def test_gravity_of_some_bodies_leaves_the_others():
     scene = bar()
-    scene.add_body(
-        "free", material="soft", box={"origin": [0, 1, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}
-    )
+    scene.add_body("free", material="soft", box=box_of([0, 1, 0], [1, 1, 1], [1, 1, 1]))
     run = (
         scene.add("gravity", acceleration=[0, 0, -10], bodies=["bar"])
         .set_time(end=0.1, fraction=0.9)

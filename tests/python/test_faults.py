@@ -11,11 +11,11 @@ from libcontact._core import ffi, lib
 from libcontact.mesh import Mesh
 from libcontact.run import Run, RunError
 from libcontact.state import State
+from scenes import METRES, box_of
 
 import libcontact as ct
 from libcontact import loop
 
-UNITS = {"length": "m", "mass": "kg", "time": "s"}
 needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 with_and_without_file = pytest.mark.parametrize(
     "with_file", [False, pytest.param(True, marks=needs_hdf5)]
@@ -24,14 +24,10 @@ with_and_without_file = pytest.mark.parametrize(
 
 def bars(law="linear", **time):
     """A bar that is fixed at x = 0 and pulled at x = 10, and another one at rest; ν = 0, c = 1."""
-    scene = ct.Scene(title="bars", units=UNITS)
+    scene = ct.Scene(title="bars", units=METRES)
     scene.add_material("rubber", young=2.0, poisson=0.0, density=2.0, law=law)
     for name, y in (("other", 5.0), ("bar", 0.0)):
-        scene.add_body(
-            name,
-            material="rubber",
-            box={"origin": [0, y, 0], "size": [10, 1, 1], "cells": [10, 1, 1]},
-        )
+        scene.add_body(name, material="rubber", box=box_of([0, y, 0], [10, 1, 1], [10, 1, 1]))
     scene.add_support("bar.x_min", fix=["x"]).add_support(
         "bar.x_max", fix=["x"], velocity=[0.02, 0, 0]
     )
@@ -250,9 +246,9 @@ def guarded(most, start, refused):
             raise ct.StepError("this step is too long", int(lib.CT_ERROR_STEP))
         return np.zeros_like(view.displacement)
 
-    scene = ct.Scene(title="guard", units=UNITS)
+    scene = ct.Scene(title="guard", units=METRES)
     scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 1, 1]}
+    box = box_of([0, 0, 0], [1, 1, 1], [2, 1, 1])
     scene.add_body("b", material="m", box=box, velocity=[0.1, 0, 0])
     return scene.set_time(end=10.0, dt=0.25).add_effect("guard", "b", "x_max", force)
 
@@ -306,13 +302,13 @@ def test_a_divided_run_that_is_continued_has_the_same_bits(integrator, every, tm
 
 def bullet(integrator="central_difference", every=1):
     """A thin plate hits another one at 20 times the speed of sound, at t = 0.3."""
-    scene = ct.Scene(title="bullet", units=UNITS)
+    scene = ct.Scene(title="bullet", units=METRES)
     scene.add_material("m", young=1.0, poisson=0.3, density=1.0)
     for name, x in (("left", -0.05), ("right", 6.0)):
         scene.add_body(
             name,
             material="m",
-            box={"origin": [x, 0, 0], "size": [0.05, 1, 1], "cells": [1, 2, 2]},
+            box=box_of([x, 0, 0], [0.05, 1, 1], [1, 2, 2]),
             velocity=[0.0 if name == "left" else -20.0, 0, 0],
         )
     scene.add_contact("left.outer", "right.outer")
@@ -353,13 +349,10 @@ def test_bad_keys_of_the_watch_are_refused(key, value):
 
 def flying(force, stores=True):
     """A block in free flight, and a force of the user on all its nodes."""
-    scene = ct.Scene(title="flying", units=UNITS)
+    scene = ct.Scene(title="flying", units=METRES)
     scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
     scene.add_body(
-        "block",
-        material="soft",
-        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
-        velocity=[1, 0, 0],
+        "block", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]), velocity=[1, 0, 0]
     )
     scene.add_effect(
         "pump", "block", list(range(8)), force, energy=(lambda view: 0.0) if stores else None
@@ -398,8 +391,8 @@ def test_growth_is_told_once_though_it_is_gone_at_the_end():
 @pytest.mark.parametrize("where", ["obstacle", "contact"])
 def test_growth_names_the_contact_that_makes_it(where):
     """An explicit penalty, too stiff for its step, feeds energy into a bar that hits a wall or an equal bar."""
-    bar = lambda x: {"origin": [x, 0, 0], "size": [10, 0.2, 0.2], "cells": [50, 1, 1]}
-    scene = ct.Scene(title="bars", units=UNITS)
+    bar = lambda x: box_of([x, 0, 0], [10, 0.2, 0.2], [50, 1, 1])
+    scene = ct.Scene(title="bars", units=METRES)
     scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body(
         "bar", material="m", box=bar(0.05), velocity=[-10, 0, 0]
     )
@@ -445,14 +438,10 @@ def test_growth_of_a_solid_names_the_body(monkeypatch):
 
 def test_what_comes_in_from_outside_is_no_growth():
     """A moving ball, a moving support, a load that is switched on, weight, friction and dampers."""
-    scene = ct.Scene(title="outside", units=UNITS)
+    scene = ct.Scene(title="outside", units=METRES)
     scene.add_material("m", young=100.0, poisson=0.3, density=1.0)
-    scene.add_body(
-        "floor", material="m", box={"origin": [-1, -1, -1], "size": [3, 3, 1], "cells": [4, 4, 2]}
-    )
-    scene.add_body(
-        "block", material="m", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}
-    )
+    scene.add_body("floor", material="m", box=box_of([-1, -1, -1], [3, 3, 1], [4, 4, 2]))
+    scene.add_body("block", material="m", box=box_of([0, 0, 0], [1, 1, 1], [3, 3, 3]))
     scene.add_contact("floor.z_max", "block.z_min", friction=0.3).add_support(
         "floor.z_min", fix="xyz", velocity=[0.1, 0, 0]
     )
@@ -489,7 +478,7 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
     must not count as energy. Each report is an error."""
     for seed in range(8):
         axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
-        scene = ct.Scene(title="rest", units=UNITS)
+        scene = ct.Scene(title="rest", units=METRES)
         scene.add_material(
             "m", young=2e5 if seed % 2 else 1.0, poisson=0.3, density=1e-8 if seed % 2 else 1.0
         )
@@ -578,7 +567,7 @@ def worst_determinants(nodes, cells):
 def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_name(seed):
     def scene(amount):
         nodes, cells = distorted(amount, seed)
-        out = ct.Scene(title="distorted", units=UNITS)
+        out = ct.Scene(title="distorted", units=METRES)
         out.add_material("soft", young=2.0, poisson=0.3, density=1.0)
         return out.add_body(
             "block", material="soft", nodes=nodes, elements=cells, velocity=[0.1, 0.0, 0.0]

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from libcontact._core import lib
+from scenes import MILLIMETRES, box_of
 
 import libcontact as ct
 
@@ -54,14 +55,14 @@ for cells in (4, 24):
 
 
 def scene(cells=24):
-    made = ct.Scene(title="two blocks", units={"length": "mm", "mass": "t", "time": "s"})
+    made = ct.Scene(title="two blocks", units=MILLIMETRES)
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     for name, x, velocity in (("left", -1.0, 1000.0), ("right", 0.0, 0.0)):
         made.add_body(
             name,
             material="steel",
             element="hex8",
-            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [cells, cells, cells]},
+            box=box_of([x, 0, 0], [1, 1, 1], [cells, cells, cells]),
             velocity=[velocity, 0, 0],
         )
     made.add_contact("left.x_max", "right.x_min", friction=0.3)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.model import INTEGRATORS
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -20,7 +21,6 @@ LIMITS = {
     "noh_bathe": 2 / np.sqrt(0.46 * 0.62),
     "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1),
 }
-UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 
 def imported(folder: str, name: str):
@@ -35,14 +35,14 @@ def imported(folder: str, name: str):
 def plates(integrator: str, **keys) -> ct.Scene:
     """Two thick plates that meet, in plane strain, with regions that sleep for a time; the right one is also loaded at
     its far end."""
-    made = ct.Scene(title="plates", units=UNITS)
+    made = ct.Scene(title="plates", units=METRES)
     made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
     for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
         made.add_body(
             name,
             material="soft",
             velocity=[speed, 0, 0],
-            box={"origin": [x, 0, 0], "size": [1, 0.1, 0.8], "cells": [10, 1, 8]},
+            box=box_of([x, 0, 0], [1, 0.1, 0.8], [10, 1, 8]),
         )
         for face in ("y_min", "y_max"):
             made.add_support(f"{name}.{face}", fix=["y"])
@@ -148,12 +148,12 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
 def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator, beta):
     """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to
     0.1 %, the impulse to 1.5 %."""
-    made = ct.Scene(title="bar", units=UNITS)
+    made = ct.Scene(title="bar", units=METRES)
     made.add_material("soft", young=900.0, poisson=0.0, density=1.0)
     made.add_body(
         "bar",
         material="soft",
-        box={"origin": [0, 0, 5], "size": [0.1, 0.1, 10], "cells": [1, 1, 100]},
+        box=box_of([0, 0, 5], [0.1, 0.1, 10], [1, 1, 100]),
         velocity=[0, 0, -10],
     )
     made.add(

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -22,9 +23,9 @@ def pressed(
         "time": [*(rise * s), rise * (1 + 1e-6), 2 * rise],
         "value": [*(s**3 * (10 - 15 * s + 6 * s * s)), 1 + jolt, 1 + jolt],
     }
-    scene = ct.Scene(title="bar", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="bar", units=METRES)
     scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [cells, 1, 1], "cells": [cells, 1, 1]}
+    box = box_of([0, 0, 0], [cells, 1, 1], [cells, 1, 1])
     scene.add_body("bar", material="m", box=box, element=element)
     plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=plane, **law)
@@ -75,9 +76,9 @@ def test_the_mode_at_the_surface_has_the_frequency_of_the_book(beta):
 
 @pytest.mark.parametrize("beta", [1.0, 100.0])
 def test_a_wall_that_gathers_speed_makes_nothing(beta):
-    scene = ct.Scene(title="push", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="push", units=METRES)
     scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
+    box = box_of([0, 0, 0], [10, 1, 1], [10, 1, 1])
     scene.add_body("bar", material="m", box=box)
     s = np.linspace(0.0, 1.0, 100)
     scene.add(

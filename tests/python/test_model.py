@@ -19,6 +19,7 @@ from libcontact.effects import Effect
 from libcontact.parts import EFFECTS, MANY, ONCE, Parts, read, schema
 from libcontact.planning import explain
 from libcontact.schema import Place, SceneError, Table, required
+from scenes import METRES
 
 import libcontact as ct
 
@@ -158,22 +159,13 @@ def test_the_full_scene_is_one():
         f"{key}.{name}" for key, table in tables.items() for name in set(table.keys()) - there[key]
     }
     # They replace other keys.
-    assert missing == {
-        "body.mesh",
-        "contact.beta",
-        "damping.bodies",
-        "damping.relaxation",
-        "obstacle.dissipation",
-        "obstacle.enforcement",
-        "obstacle.epsilon",
-        "obstacle.friction",
-        "obstacle.tangent",
-        "output.times",
-        "time.courant",
-        "time.dt",
-        "time.end_c1t_over",
-        "time.until_static",
-    }
+    assert missing == set(
+        """
+        body.mesh contact.beta damping.bodies damping.relaxation obstacle.dissipation
+        obstacle.enforcement obstacle.epsilon obstacle.friction obstacle.tangent output.times
+        time.courant time.dt time.end_c1t_over time.until_static
+    """.split()
+    )
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -440,7 +432,7 @@ def test_calls_take_the_keys_of_the_model(call, table, more):
         assert field.default is found[name].default or required(field)
         assert f"\n{name}" in inspect.getdoc(method)
     needed = {name: 1 for name, each in found.items() if each.default is each.empty}
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     with pytest.raises(TypeError, match="yuong"):
         method(**{**needed, "self": scene}, yuong=1)
 
@@ -465,7 +457,7 @@ def test_a_scene_is_built_from_the_tables_of_a_file():
     "wrong", [{}, {"a": "a.x_max"}, {"a": "a.x", "b": "b.x", "surfaces": ["a.x", "b.x"]}]
 )
 def test_a_contact_has_one_pair_of_surfaces(wrong):
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     with pytest.raises(TypeError, match="add_contact: give two surfaces, either a and b or"):
         scene.add_contact(**wrong)
 

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from scenes import METRES
 
 import libcontact as ct
 
@@ -103,5 +104,5 @@ def test_the_file_has_no_outputs():
 
 def test_what_a_notebook_shows_is_escaped():
     """Titles and names may contain any characters."""
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"}, title="<b>a & b</b>")
+    scene = ct.Scene(units=METRES, title="<b>a & b</b>")
     assert "&lt;b&gt;a &amp; b&lt;/b&gt;" in scene._repr_html_()

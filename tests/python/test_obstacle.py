@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.schema import SceneError
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -87,9 +88,9 @@ def test_restart_carries_friction(tmp_path):
 
 
 def test_contact_with_friction_has_its_own_column_and_line():
-    box = lambda z, size: {"origin": [0, 0, z], "size": size, "cells": [3, 3, 1]}
+    box = lambda z, size: box_of([0, 0, z], size, [3, 3, 1])
     data = {
-        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "units": METRES,
         "material": [{"name": "m", "young": 1e4, "poisson": 0.2, "density": 1.0}],
         "body": [
             {"name": "slab", "box": box(-0.3, [2, 1, 0.3]), "material": "m"},
@@ -191,13 +192,13 @@ def sunk(depth, **keys):
     floor = {"surface": "cube.z_min", "plane": {"point": [0, 0, depth], "normal": [0, 0, 1]}}
     return ct.Scene(
         {
-            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "units": METRES,
             "material": [{"name": "steel", "young": 2.1e11, "poisson": 0.3, "density": 7800.0}],
             "body": [
                 {
                     "name": "cube",
                     "material": "steel",
-                    "box": {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]},
+                    "box": box_of([0, 0, 0], [1, 1, 1], [4, 4, 4]),
                 }
             ],
             "obstacle": [{**floor, **keys}],

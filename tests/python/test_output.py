@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from scenes import ENERGY, MILLIMETRES, box_of
 
 import libcontact as ct
 
@@ -75,14 +76,14 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
     may write."""
 
     def scene():
-        made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material(
+        made = ct.Scene(title="bar", units=MILLIMETRES).add_material(
             "steel", young=2.1e5, poisson=0.3, density=7.8e-9
         )
         made.add_body(
             "bar",
             material="steel",
             element="hex8",
-            box={"origin": [0, 0, 0], "size": [2, 1, 1], "cells": [2, 1, 1]},
+            box=box_of([0, 0, 0], [2, 1, 1], [2, 1, 1]),
             velocity=[1, 0, 0],
         )
         return made.set_time(end=1e-6, fraction=0.5).set_output(path, every=1)
@@ -206,15 +207,7 @@ def test_step_tables(results):
 
 def test_ledger(results):
     energy, momentum = results["libcontact/energy"][:], results["libcontact/momentum"][:]
-    assert energy.dtype.names == (
-        "time",
-        "kinetic",
-        "strain",
-        "contact",
-        "external",
-        "total",
-        "balance",
-    )
+    assert energy.dtype.names == ENERGY
     impulses = ("contact_impulse", "obstacle_impulse", "support_impulse")
     assert momentum.dtype.names == ("time", "body", "p", "L", *impulses)
     factor = np.arange(1, STEPS + 1)
@@ -293,11 +286,11 @@ def test_restart_records(results):
 
 def test_fields_of_many_pieces_are_those_of_the_state(tmp_path):
     """Velocities and stresses are computed in pieces of 16384 rows; one piece has cells of both bodies."""
-    made = ct.Scene(title="pieces", units={"length": "mm", "mass": "t", "time": "s"})
+    made = ct.Scene(title="pieces", units=MILLIMETRES)
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     made.add_material("wood", young=1.1e4, poisson=0.2, density=6e-10)
     for name, x, material in (("left", -1, "steel"), ("right", 1, "wood")):
-        box = {"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [26, 26, 26]}
+        box = box_of([x, 0, 0], [1, 1, 1], [26, 26, 26])
         made.add_body(name, material=material, box=box, velocity=[1000 * x, 0, 0])
         made.add_support(f"{name}.x_min", fix=["x"])
     made.set_time(end=2e-8, fraction=0.5)

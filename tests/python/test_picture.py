@@ -4,6 +4,7 @@ from."""
 import numpy as np
 import pytest
 from libcontact.state import mises, principal
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -15,7 +16,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
 needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
-METRES = {"length": "m", "mass": "kg", "time": "s"}
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +29,8 @@ def falling(cells=2, **material):
     """A block that falls on a held plate."""
     scene = ct.Scene(units=METRES, title="Falling block")
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, **material)
-    plate = {"origin": [-1, -1, -0.4], "size": [2, 2, 0.4], "cells": [10, 10, 2]}
-    block = {"origin": [-0.3, -0.3, 0.02], "size": [0.6, 0.6, 0.6], "cells": [cells] * 3}
+    plate = box_of([-1, -1, -0.4], [2, 2, 0.4], [10, 10, 2])
+    block = box_of([-0.3, -0.3, 0.02], [0.6, 0.6, 0.6], [cells] * 3)
     scene.add_body("plate", box=plate, material="rubber")
     scene.add_body("block", box=block, material="rubber", velocity=[0, 0, -4])
     scene.add_contact("block.z_min", "plate.z_max")
@@ -101,7 +101,7 @@ def test_a_run_that_fails_can_be_drawn():
     """The states up to the last good one."""
     scene = ct.Scene(units=METRES)
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
-    box = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}
+    box = box_of([0, 0, 0], [1, 1, 1], [2, 2, 2])
     scene.add_body("block", box=box, material="rubber", velocity=[0, 0, 1])
     scene.add_effect(
         "push", "block", "z_max", lambda view: np.full((9, 3), np.nan if view.time > 0.3 else 1.0)
@@ -208,7 +208,7 @@ def test_a_thin_plate_that_bends_is_not_flat():
     """Seen from above, a plate that bends would be squares of colours."""
     scene = ct.Scene(units=METRES)
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000)
-    box = {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [8, 8, 1]}
+    box = box_of([0, 0, 0], [1, 1, 0.05], [8, 8, 1])
     scene.add_body("plate", box=box, material="rubber")
     scene.add_support("plate.x_min", fix=["x", "y", "z"])
     scene.add("gravity", acceleration=[0, 0, -10]).set_time(end=0.05)

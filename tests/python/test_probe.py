@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from libcontact.model import INTEGRATORS
 from libcontact.schema import SceneError
+from scenes import METRES, box_of
 
 import libcontact as ct
 
-UNITS = {"length": "m", "mass": "kg", "time": "s"}
 MATERIAL = {"young": 900.0, "poisson": 0.0, "density": 1.0}
 
 
 def bar_on_a_wall(cells=(40, 1, 1), end=1.0, **time):
     """Doyen, Ern and Piperno's bar, which touches the wall: c = 30, ρ c v A = 300, contact until 2 L / c."""
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", **MATERIAL)
-    box = {"origin": [0, 0, 0], "size": [10, 1, 1], "cells": cells}
+    box = box_of([0, 0, 0], [10, 1, 1], cells)
     scene.add_body("bar", material="soft", box=box, velocity=[-10, 0, 0])
     wall = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=wall)
@@ -28,10 +28,10 @@ def bar_on_a_wall(cells=(40, 1, 1), end=1.0, **time):
 
 def two_blocks(**contact):
     """A block falls askew on another one with a different mesh that is fixed below."""
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", **{**MATERIAL, "poisson": 0.3})
-    low = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 2, 2]}
-    high = {"origin": [0.1, 0.2, 1.001], "size": [0.7, 0.6, 0.5], "cells": [2, 3, 2]}
+    low = box_of([0, 0, 0], [1, 1, 1], [3, 2, 2])
+    high = box_of([0.1, 0.2, 1.001], [0.7, 0.6, 0.5], [2, 3, 2])
     scene.add_body("low", material="soft", box=low)
     scene.add_body("high", material="soft", box=high, velocity=[0.3, 0.1, -1])
     scene.add_contact("low.z_max", "high.z_min", **contact)
@@ -150,7 +150,7 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
 
 
 def test_a_support_on_a_path_has_the_force_that_moves_the_body():
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", **MATERIAL)
     scene.add_body("a", material="soft", box={"size": [2, 1, 1], "cells": [4, 1, 1]})
     ramp = {"time": [0, 1], "value": [0, 1]}

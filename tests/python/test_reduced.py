@@ -3,14 +3,13 @@ viscosity."""
 
 import numpy as np
 import pytest
+from scenes import MILLIMETRES, box_of
 
 import libcontact as ct
 
-UNITS = {"length": "mm", "mass": "t", "time": "s"}
-
 
 def block(cells=(4, 3, 3), **body):
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=MILLIMETRES)
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     return scene.add_body(
         "block", material="steel", box={"size": [4, 3, 3], "cells": list(cells)}, **body
@@ -18,13 +17,13 @@ def block(cells=(4, 3, 3), **body):
 
 
 def plates(**run):
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=MILLIMETRES)
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     for name, origin, speed in ("left", -0.5, 1000), ("right", 0.0, -1000):
         scene.add_body(
             name,
             material="steel",
-            box={"origin": [origin, 0, 0], "size": [0.5, 0.05, 0.5], "cells": [10, 1, 10]},
+            box=box_of([origin, 0, 0], [0.5, 0.05, 0.5], [10, 1, 10]),
             velocity=[speed, 0, 0],
         )
         scene.add_support(f"{name}.z_min", fix="z")
@@ -69,7 +68,7 @@ def test_reduced_integration_has_its_hourglass_energy_in_the_ledger():
 
 def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger():
     def hit(**viscosity):
-        scene = ct.Scene(units=UNITS)
+        scene = ct.Scene(units=MILLIMETRES)
         scene.add_material("rod", young=2.1e5, poisson=0.0, density=7.8e-9)
         scene.add_body(
             "rod",
@@ -111,7 +110,9 @@ def test_boxes_of_hex20_share_one_operator():
     np.testing.assert_allclose(box[1].dt, general[1].dt, rtol=0)
     u, v = (r[1].state["block"].displacement for r in (box, general))
     assert np.abs(u - v).max() < 1e-13 * np.abs(v).max()
-    ring = ct.Scene(units=UNITS).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    ring = ct.Scene(units=MILLIMETRES).add_material(
+        "steel", young=2.1e5, poisson=0.3, density=7.8e-9
+    )
     ring.add_body(
         "ring",
         material="steel",
@@ -144,7 +145,7 @@ def test_what_does_not_go_together_is_refused(body, reason):
 
 
 def test_large_deformation_is_integrated_in_full():
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=MILLIMETRES)
     scene.add_material("soft", young=1.0, poisson=0.3, density=1e-9, law="neo_hookean")
     with pytest.raises(ct.SceneError, match=r"body\[0\].integration.*neo_hookean"):
         scene.add_body(

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.planning import plan
+from scenes import METRES, box_of
 
 import libcontact as ct
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
-UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 
 def scene_of(name, cells):
@@ -28,9 +28,9 @@ def rehearsed(scene):
 
 
 def block(element="hex8", cells=(8, 8, 8), **entries):
-    scene = ct.Scene(units=UNITS)
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0, law=entries.pop("law", None))
-    box = {"origin": [1, 2, 3], "size": [1, 2, 3], "cells": list(cells)}
+    box = box_of([1, 2, 3], [1, 2, 3], list(cells))
     scene.add_body("block", material="soft", element=element, box=box, **entries)
     return scene.set_time(end=1.0, fraction=0.5)
 
@@ -99,7 +99,7 @@ def test_a_long_run_is_rehearsed_in_a_bounded_time(monkeypatch):
 def test_larger_elements_keep_the_body(cheap, shape):
     scene = block(cells=(20, 20, 20))
     if shape == "ring":
-        scene = ct.Scene(units=UNITS)
+        scene = ct.Scene(units=METRES)
         scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0)
         ring = {"centre": [1, 2, 3], "radius": [0.8, 1.0], "width": 0.4, "cells": [6, 96, 6]}
         scene.add_body("block", material="soft", ring=ring)
@@ -151,12 +151,8 @@ def test_an_effect_of_the_user_is_rehearsed_with_nodes_of_its_own(cheap):
 
 
 def test_a_scene_that_stays_dear_with_the_largest_elements_is_not_rehearsed(cheap):
-    many = ct.Scene(units=UNITS)
+    many = ct.Scene(units=METRES)
     many.add_material("soft", young=1e6, poisson=0.3, density=1000.0)
     for i in range(10):
-        many.add_body(
-            f"block{i}",
-            material="soft",
-            box={"origin": [2 * i, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
-        )
+        many.add_body(f"block{i}", material="soft", box=box_of([2 * i, 0, 0], [1, 1, 1], [1, 1, 1]))
     assert rehearsed(many.set_time(end=3.0, fraction=0.5))[0] is None

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import MILLIMETRES, box_of
 
 import libcontact as ct
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
-UNITS = {"length": "mm", "mass": "t", "time": "s"}
 
 
 def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
@@ -29,13 +29,9 @@ def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
 def pressed(history, **time):
     """A block above another in a smooth box, with a gap of one element; its top goes down by five elements after the
     gap closes."""
-    scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0.3, density=1e-9)
-    scene.add_body(
-        "low", material="soft", box={"origin": [0, 0, 0], "size": [3, 2, 10], "cells": [3, 2, 10]}
-    )
-    scene.add_body(
-        "high", material="soft", box={"origin": [0, 0, 11], "size": [3, 2, 10], "cells": [3, 2, 10]}
-    )
+    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0.3, density=1e-9)
+    scene.add_body("low", material="soft", box=box_of([0, 0, 0], [3, 2, 10], [3, 2, 10]))
+    scene.add_body("high", material="soft", box=box_of([0, 0, 11], [3, 2, 10], [3, 2, 10]))
     scene.add_contact("low.z_max", "high.z_min", beta=2)
     for body in ("low", "high"):
         for axis in "xy":
@@ -75,10 +71,8 @@ def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
 
 
 def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
-    scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
-    scene.add_body(
-        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [200, 1, 1]}
-    )
+    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene.add_body("bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [200, 1, 1]))
     scene.add_support(
         "bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 4e-6], "value": [0, 1]}
     )
@@ -92,9 +86,9 @@ def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
 
 
 def test_a_run_that_does_not_come_to_rest_says_so():
-    scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
     scene.add_body(
-        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
+        "bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [10, 1, 1])
     ).add_support("bar.x_min", fix="xyz")
     scene.add("gravity", acceleration=[1, 0, 0]).set_time(end=1e-4, fraction=0.9, until_static=1e-6)
     with pytest.warns(UserWarning, match="before it comes to rest"):
@@ -134,10 +128,8 @@ def test_a_run_that_does_not_come_to_rest_says_so():
     ],
 )
 def test_what_contradicts_itself_is_refused(change, words):
-    scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
-    scene.add_body(
-        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
-    )
+    scene = ct.Scene(units=MILLIMETRES).add_material("soft", young=1000, poisson=0, density=1e-9)
+    scene.add_body("bar", material="soft", box=box_of([0, 0, 0], [10, 1, 1], [10, 1, 1]))
     with pytest.raises(ct.SceneError) as refused:
         change(scene)
     for word in words:

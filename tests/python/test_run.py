@@ -16,6 +16,7 @@ from libcontact.model import Material
 from libcontact.run import Run, RunError
 from libcontact.schema import SceneError
 from libcontact.state import BodyState, State
+from scenes import ENERGY, METRES, MILLIMETRES, box_of
 
 import libcontact as ct
 from libcontact import loop
@@ -30,9 +31,9 @@ C1 = math.sqrt((LAMBDA + 2 * MU) / DENSITY)
 
 def plates(cells=(8, 1, 6), **changes):
     """Two plates of steel that meet at x = 0 with 1 m/s each."""
-    plate = lambda x: {"origin": [x, 0, 0], "size": [2.0, 0.25, 1.5], "cells": list(cells)}
+    plate = lambda x: box_of([x, 0, 0], [2.0, 0.25, 1.5], list(cells))
     scene = {
-        "units": {"length": "mm", "mass": "t", "time": "s"},
+        "units": MILLIMETRES,
         "material": [{"name": "steel", "young": YOUNG, "poisson": POISSON, "density": DENSITY}],
         "body": [
             {"name": "left", "box": plate(-2.0), "material": "steel", "velocity": [1000, 0, 0]},
@@ -53,14 +54,14 @@ def plates(cells=(8, 1, 6), **changes):
 
 def bar(velocity=(-1000, 0, 0), supports=True, every=10):
     """A plate in uniaxial strain that hits the plane x = 0."""
-    box = {"origin": [0, 0, 0], "size": [2.0, 0.05, 0.05], "cells": [40, 1, 1]}
+    box = box_of([0, 0, 0], [2.0, 0.05, 0.05], [40, 1, 1])
     held = [{"set": "bar.x_min", "fix": ["x"]}]
     held += [
         {"set": f"bar.{face}", "fix": [face[0]]} for face in ("y_min", "y_max", "z_min", "z_max")
     ]
     return ct.Scene(
         {
-            "units": {"length": "mm", "mass": "t", "time": "s"},
+            "units": MILLIMETRES,
             "material": [{"name": "steel", "young": YOUNG, "poisson": POISSON, "density": DENSITY}],
             "body": [{"name": "bar", "box": box, "material": "steel", "velocity": list(velocity)}],
             "support": held if supports else [],
@@ -180,15 +181,7 @@ def test_a_row_is_recorded_at_the_start_every_so_often_and_at_the_end():
     count = run.steps[-1]
     assert run.steps.tolist() == sorted({*range(0, count + 1, 7), count})
     assert run.time[0] == 0.0 and run.time[-1] == pytest.approx(0.9 * 2.0 / C1, rel=1e-12)
-    assert run.energy.dtype.names == (
-        "time",
-        "kinetic",
-        "strain",
-        "contact",
-        "external",
-        "total",
-        "balance",
-    )
+    assert run.energy.dtype.names == ENERGY
     assert run.momentum.dtype.names[:4] == ("time", "body", "p", "L") and len(
         run.momentum
     ) == 2 * len(run.energy)
@@ -501,13 +494,13 @@ def test_the_progress_bar_goes_to_stderr_when_it_is_wanted(capsys):
 def test_contact_points_are_seen():
     """Two blocks pressed together: gaps are negative where the pressure is, and pressure times weight is the force of
     both passes."""
-    scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="blocks", units=METRES)
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin, velocity in (("left", -2.0, 0.1), ("right", 0.0, -0.1)):
         scene.add_body(
             name,
             material="soft",
-            box={"origin": [origin, 0, 0], "size": [2, 1, 1], "cells": [8, 2, 2]},
+            box=box_of([origin, 0, 0], [2, 1, 1], [8, 2, 2]),
             velocity=[velocity, 0, 0],
         )
     scene.add_contact("left.x_max", "right.x_min", beta=1, enforcement="penalty")

@@ -17,6 +17,7 @@ SHORT = "echo 'ok 1 - sum'; echo 1..2"
 LIE = "echo 'not ok 1 - sum'; echo 1..1"
 
 BOTH = "run plain and under sanitizers"
+TWO = f"2 checks in 1 programs, {BOTH}"
 HOST = "2 checks in 1 host programs, built as c static, cxx static"
 
 
@@ -29,36 +30,16 @@ HOST = "2 checks in 1 host programs, built as c static, cxx static"
             f"4 checks in 2 programs, {BOTH}",
             "4 passed, 0 failed, 0",
         ),
-        (
-            {"test_a": PASS, "asan_a": FAIL},
-            f"2 checks in 1 programs, {BOTH}",
-            "1 passed, 1 failed, 0",
-        ),
-        (
-            {"test_a": FAIL, "asan_a": PASS},
-            f"2 checks in 1 programs, {BOTH}",
-            "1 passed, 1 failed, 0",
-        ),
-        (
-            {"test_a": FAIL, "asan_a": FAIL},
-            f"2 checks in 1 programs, {BOTH}",
-            "1 passed, 1 failed, 0",
-        ),
-        (
-            {"test_a": SKIP, "asan_a": PASS},
-            f"2 checks in 1 programs, {BOTH}",
-            "2 passed, 0 failed, 0",
-        ),
+        ({"test_a": PASS, "asan_a": FAIL}, TWO, "1 passed, 1 failed, 0"),
+        ({"test_a": FAIL, "asan_a": PASS}, TWO, "1 passed, 1 failed, 0"),
+        ({"test_a": FAIL, "asan_a": FAIL}, TWO, "1 passed, 1 failed, 0"),
+        ({"test_a": SKIP, "asan_a": PASS}, TWO, "2 passed, 0 failed, 0"),
         (
             {"test_a": SKIP, "asan_a": SKIP},
             f"1 checks in 1 programs, {BOTH}",
             "1 passed, 0 failed, 1",
         ),
-        (
-            {"test_a": PASS, "asan_a": CRASH},
-            f"2 checks in 1 programs, {BOTH}",
-            "2 passed, 1 failed, 0",
-        ),
+        ({"test_a": PASS, "asan_a": CRASH}, TWO, "2 passed, 1 failed, 0"),
         ({"test_a": SHORT}, "1 checks in 1 programs, run plain", "1 passed, 1 failed, 0"),
         ({"test_a": LIE}, "1 checks in 1 programs, run plain", "0 passed, 2 failed, 0"),
         (

@@ -10,6 +10,7 @@ from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
 from libcontact.problem import new_state
 from libcontact.schema import SceneError
+from scenes import MILLIMETRES, STEEL, box_of
 
 import libcontact as ct
 
@@ -18,10 +19,10 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 def scene(savings=None, threads=1, **changes):
     """Two different plates that approach each other over a gap, with supports and loads at some places."""
-    plate = lambda x, cells: {"origin": [x, 0, 0], "size": [2.0, 0.25, 1.5], "cells": cells}
+    plate = lambda x, cells: box_of([x, 0, 0], [2.0, 0.25, 1.5], cells)
     data = {
-        "units": {"length": "mm", "mass": "t", "time": "s"},
-        "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}],
+        "units": MILLIMETRES,
+        "material": [STEEL],
         "body": [
             {
                 "name": "left",
@@ -173,7 +174,7 @@ def test_explain_tells_the_savings():
 
 
 def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit(monkeypatch):
-    block = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [10, 10, 10]}
+    block = box_of([0, 0, 0], [1, 1, 1], [10, 10, 10])
     body = [{"name": "block", "box": block, "material": "steel"}]
     one = {"contact": [], "support": []}
     nodes, elements = 11**3, 10**3
@@ -202,7 +203,7 @@ def held_bytes():
     return told.hblkhd + told.uordblks
 
 
-BLOCK = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [24, 24, 24]}
+BLOCK = box_of([0, 0, 0], [1, 1, 1], [24, 24, 24])
 RUBBER = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9, "law": "neo_hookean"}
 ALONE = {"contact": [], "support": []}
 
@@ -287,7 +288,7 @@ def bodies(box, **other):
                 "body": [
                     {
                         "name": name,
-                        "box": {"origin": [x, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]},
+                        "box": box_of([x, 0, 0], [0.25, 2, 2], [8, 50, 50]),
                         "material": "steel",
                     }
                     for name, x in (("left", -0.26), ("right", 0.0))

@@ -13,6 +13,7 @@ import pytest
 from libcontact.mesh import Mesh, read_vtkhdf
 from libcontact.schema import Place, Rows, SceneError
 from libcontact.units import Units
+from scenes import EDGES, METRES, MILLIMETRES, STEEL, box_of
 
 import libcontact as ct
 
@@ -27,8 +28,8 @@ def small(**changes):
     plate = {"size": [2.5, 0.5, 2.5], "cells": [4, 1, 3]}
     scene = {
         "title": "small plates",
-        "units": {"length": "mm", "mass": "t", "time": "s"},
-        "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}],
+        "units": MILLIMETRES,
+        "material": [STEEL],
         "body": [
             {
                 "name": "left",
@@ -132,12 +133,8 @@ def test_plates_are_those_of_the_paper():
 
 
 def test_the_scene_that_is_built_piece_by_piece_is_the_one_that_is_read():
-    box = lambda x: {
-        "origin": (x, 0, 0),
-        "size": np.array([2.5, 0.5, 2.5]),
-        "cells": np.array([4, 1, 3]),
-    }
-    scene = ct.Scene(title="small plates", units={"length": "mm", "mass": "t", "time": "s"})
+    box = lambda x: box_of((x, 0, 0), np.array([2.5, 0.5, 2.5]), np.array([4, 1, 3]))
+    scene = ct.Scene(title="small plates", units=MILLIMETRES)
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     scene.add_body("left", box=box(-2.5), element="hex8", material="steel", velocity=[1000, 0, 0])
     scene.add_body(
@@ -150,7 +147,7 @@ def test_the_scene_that_is_built_piece_by_piece_is_the_one_that_is_read():
 
 
 def test_a_scene_without_time_says_so_when_it_is_used():
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     scene.add_material("rubber", young=1e6, poisson=0.4, density=1000.0)
     scene.add_body("block", box={"size": [1, 1, 1], "cells": [1, 1, 1]}, material="rubber")
     with pytest.raises(SceneError, match="time: is missing"):
@@ -391,21 +388,7 @@ def test_inverted_and_collapsed_elements_are_named():
 
 
 def test_a_mid_side_node_beyond_the_quarter_point_is_refused():
-    ends = [
-        (0, 1),
-        (1, 2),
-        (2, 3),
-        (3, 0),
-        (4, 5),
-        (5, 6),
-        (6, 7),
-        (7, 4),
-        (0, 4),
-        (1, 5),
-        (2, 6),
-        (3, 7),
-    ]
-    nodes = np.vstack([CUBE] + [0.5 * (CUBE[[a]] + CUBE[[b]]) for a, b in ends])
+    nodes = np.vstack([CUBE] + [0.5 * (CUBE[[a]] + CUBE[[b]]) for a, b in EDGES])
     number = np.arange(20)[None]
     nodes[18] = [1, 1, 0.75]  # at the quarter point seen from node 6: used for cracks
     assert ct.Scene(cube(nodes, number)).explain()
@@ -427,9 +410,7 @@ def test_a_face_that_no_element_has_is_refused():
     nodes = CUBE.copy()
     nodes[[1, 2], 0] = 2.0
     scene = cube(nodes)
-    scene["body"].append(
-        {**small()["body"][1], "box": {"origin": [2, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}}
-    )
+    scene["body"].append({**small()["body"][1], "box": box_of([2, 0, 0], [1, 1, 1], [1, 1, 1])})
     scene["contact"] = [{"surfaces": ["cube.x_max", "right.x_min"]}]
     error = refused(scene, run=True)
     assert error.key == "contact[0].surfaces[0]" and "no faces" in error.reason
@@ -707,14 +688,10 @@ def test_the_error_of_the_page_is_the_error_that_comes(tmp_path, monkeypatch):
 
 def test_an_overlap_at_the_start_is_told():
     """The right block begins 0.1 inside the left one: explain warns of it."""
-    scene = ct.Scene(title="overlap", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="overlap", units=METRES)
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin in (("left", -1.0), ("right", -0.1)):
-        scene.add_body(
-            name,
-            material="soft",
-            box={"origin": [origin, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]},
-        )
+        scene.add_body(name, material="soft", box=box_of([origin, 0, 0], [1, 1, 1], [2, 2, 2]))
     scene.add_contact("left.x_max", "right.x_min", beta=1).set_time(end=1.0, fraction=0.5)
     facts = scene.explain().data
     assert facts["contacts"][0]["initial_gap"] == pytest.approx(-0.1, abs=1e-12)

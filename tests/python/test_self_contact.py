@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -35,9 +36,9 @@ def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
     """A block falls on the upper leg; the lower leg is free, so that no external force acts."""
     nodes, elements = hairpin(element)
     top = GAP / 2 + THICK
-    block = {"origin": [0, -0.05, top + 0.005], "size": [0.2, 0.3, 0.2], "cells": [2, 3, 2]}
+    block = box_of([0, -0.05, top + 0.005], [0.2, 0.3, 0.2], [2, 3, 2])
     scene = {
-        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "units": METRES,
         "material": [
             {"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0},
             {"name": "heavy", "young": 1e6, "poisson": 0.3, "density": 4000.0},
@@ -137,12 +138,12 @@ def plate(surfaces):
     """A thin plate in free flight without spin: it must not deform, for any surface in contact with itself."""
     return ct.Scene(
         {
-            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "units": METRES,
             "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0}],
             "body": [
                 {
                     "name": "p",
-                    "box": {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [5, 5, 1]},
+                    "box": box_of([0, 0, 0], [1, 1, 0.05], [5, 5, 1]),
                     "material": "soft",
                     "velocity": [3, 2, 1],
                 }
@@ -191,7 +192,7 @@ def test_explain_tells_who_meets_itself():
 
 
 def test_a_scene_piece_by_piece():
-    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
     nodes, elements = hairpin()
     scene.add_body("u", material="soft", nodes=nodes, elements=elements).add_contact(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -34,13 +35,13 @@ def plate(sphere_at, **time):
     """A steel plate of elements of 250 mm, held at two sides, and a sphere of R = 50 mm at 0.008 c1."""
     return ct.Scene(
         {
-            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "units": METRES,
             "material": [{"name": "steel", "young": 2.1e11, "poisson": 0.3, "density": 7800.0}],
             "body": [
                 {
                     "name": "plate",
                     "material": "steel",
-                    "box": {"origin": [-0.5, -0.5, 0], "size": [1, 1, 0.25], "cells": [4, 4, 1]},
+                    "box": box_of([-0.5, -0.5, 0], [1, 1, 0.25], [4, 4, 1]),
                 }
             ],
             "support": [

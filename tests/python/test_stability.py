@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.checks import warned
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -109,14 +110,11 @@ def test_the_table_is_written(tmp_path, capsys):
 
 
 def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
-    scene = ct.Scene(title="fall", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
+    scene = ct.Scene(title="fall", units=METRES).add_material(
         "m", young=1e3, poisson=0.2, density=1.0
     )
     scene.add_body(
-        "block",
-        box={"origin": [0, 0, 0.01], "size": [1, 1, 1], "cells": [2, 2, 2]},
-        material="m",
-        velocity=[0.5, 0, -1],
+        "block", box=box_of([0, 0, 0.01], [1, 1, 1], [2, 2, 2]), material="m", velocity=[0.5, 0, -1]
     )
     scene.add("gravity", acceleration=[0, 0, -10]).add(
         "obstacle",

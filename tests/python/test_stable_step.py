@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -34,7 +35,7 @@ BLOWN = 1e3
 
 def built(shape, element, nu, integrator="central_difference"):
     cells, size = SHAPES[shape]
-    made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    made = ct.Scene(units=METRES)
     made.add_material("elastic", young=1.0, poisson=nu, density=1.0)
     box = {"size": list(size), "cells": list(cells)}
     made.add_body("block", material="elastic", box=box, **ELEMENTS[element])
@@ -61,13 +62,13 @@ def test_integrators(shape, element, nu):
 
 def thrown(n, friction, fraction=0.9, surfaces="outer", size=0.6):
     """A block of n³ bricks is thrown obliquely on one of size 1 and equally many."""
-    made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    made = ct.Scene(units=METRES)
     made.add_material("steel", young=2.1e11, poisson=0.3, density=7800.0)
     for name, low, edge, velocity in (
         ("slab", [0, 0, 0], 1.0, [0, 0, 0]),
         ("block", [0.5 - size / 2, 0.5 - size / 2, 1.0], size, [2.0, 0, -1.0]),
     ):
-        box = {"origin": low, "size": [edge] * 3, "cells": [n] * 3}
+        box = box_of(low, [edge] * 3, [n] * 3)
         made.add_body(name, material="steel", element="hex8", box=box, velocity=velocity)
     faces = ("outer", "outer") if surfaces == "outer" else ("z_max", "z_min")
     rub = {"friction": friction} if friction else {}

@@ -7,23 +7,10 @@ import warnings
 import numpy as np
 import pytest
 from libcontact.model import ENFORCEMENTS
+from scenes import EDGES, METRES, box_of
 
 import libcontact as ct
 
-EDGES = [
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 0),
-    (4, 5),
-    (5, 6),
-    (6, 7),
-    (7, 4),
-    (0, 4),
-    (1, 5),
-    (2, 6),
-    (3, 7),
-]
 CORNERS = [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)]
 INNER, MIDDLE, OUTER, WIDTH = 0.8, 1.0, 1.2, 0.2
 
@@ -58,7 +45,7 @@ def quarter(inner, outer, facets, quadratic):
 
 
 def scene_of(name, contact, **bodies):
-    scene = ct.Scene(title=name, units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title=name, units=METRES)
     scene.add_material("soft", young=100.0, poisson=0.3, density=1.0)
     for body, given in bodies.items():
         scene.add_body(body, material="soft", **given)
@@ -191,11 +178,8 @@ def blocks(gap, speed=0.0, pull=0.0, **contact):
     scene = scene_of(
         "blocks",
         contact,
-        a={"box": {"origin": [-1, 0, -1], "size": [4, 1, 1], "cells": [8, 2, 2]}},
-        b={
-            "box": {"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [3, 3, 3]},
-            "velocity": [pull, 0, -speed],
-        },
+        a={"box": box_of([-1, 0, -1], [4, 1, 1], [8, 2, 2])},
+        b={"box": box_of([0, 0, gap], [1, 1, 1], [3, 3, 3]), "velocity": [pull, 0, -speed]},
     )
     return (
         scene.add_support("a.z_min", fix=["x", "y", "z"])
@@ -266,7 +250,7 @@ def test_a_fold_that_gapes_is_closed():
         corners = np.array([[x + a, y + b, c] for x, y in boxes for a, b, c in CORNERS], float)
         nodes, elements = np.unique(corners, axis=0, return_inverse=True)
         nodes[:, 1] = np.array([0.0, 1.0, 1.1, 2.1])[nodes[:, 1].astype(int)]
-        scene = ct.Scene(title="hairpin", units={"length": "m", "mass": "kg", "time": "s"})
+        scene = ct.Scene(title="hairpin", units=METRES)
         scene.add_material("soft", young=100.0, poisson=0.3, density=1.0)
         order = [0, 3, 2, 1, 4, 7, 6, 5]
         scene.add_body(

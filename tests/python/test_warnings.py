@@ -11,6 +11,7 @@ import pytest
 from builds import leave_out_hdf5
 from libcontact.checks import warned
 from libcontact.mesh import Mesh
+from scenes import METRES, box_of
 
 import libcontact as ct
 from libcontact import command
@@ -33,7 +34,7 @@ def pair(a="a.x_max", b="b.x_min", gap=0.02, speed=5.0, cells=3, end=0.02, aside
             name,
             material="soft",
             velocity=[speed - 2 * speed * k, 0, 0],
-            box={"origin": [(1 + gap) * k, aside * k, 0], "size": [1, 1, 1], "cells": [cells] * 3},
+            box=box_of([(1 + gap) * k, aside * k, 0], [1, 1, 1], [cells] * 3),
         )
     return scene.add_contact(a, b, **contact).set_time(end=end, fraction=0.7)
 
@@ -54,7 +55,7 @@ def drop(
         "b",
         material="soft",
         velocity=[0, 0, -speed],
-        box={"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [4, 4, cells]},
+        box=box_of([0, 0, gap], [1, 1, 1], [4, 4, cells]),
     )
     return scene.add(
         "obstacle", surface=surface, plane={"point": [0, 0, 0], "normal": list(normal)}, **obstacle
@@ -209,7 +210,7 @@ def test_bodies_that_something_moves_may_meet(moved):
             "c",
             material="soft",
             velocity=[5, 0, 0],
-            box={"origin": [-1.02, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]},
+            box=box_of([-1.02, 0, 0], [1, 1, 1], [3, 3, 3]),
         ).add_contact("c.x_max", "a.x_min")
     assert scene.explain().warnings == []
 
@@ -244,7 +245,7 @@ def test_what_a_thin_body_is_said_to_lose_it_loses():
     # Equal cubes of one and of two layers: (1/2 · 1/4) / (1/2 + 1/4) over 1/2.
     scene = empty()
     for k, name in enumerate("ab"):
-        box = {"origin": [1.02 * k, 0, 0], "size": [1, 1, 1], "cells": [k + 1] * 3}
+        box = box_of([1.02 * k, 0, 0], [1, 1, 1], [k + 1] * 3)
         scene.add_body(name, material="soft", velocity=[5 - 10 * k, 0, 0], box=box)
     scene.add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
     assert "33 %" in scene.explain()
@@ -262,32 +263,18 @@ def test_thickness_counts_along_the_impact():
     """One element across, as in plane strain, or a fixed slab: no energy is lost there."""
     scene = empty()
     scene.add_body(
-        "a",
-        material="soft",
-        velocity=[5, 0, 0],
-        box={"origin": [0, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]},
+        "a", material="soft", velocity=[5, 0, 0], box=box_of([0, 0, 0], [1, 0.1, 1], [10, 1, 10])
     )
-    scene.add_body(
-        "b",
-        material="soft",
-        box={"origin": [1.02, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]},
-    )
+    scene.add_body("b", material="soft", box=box_of([1.02, 0, 0], [1, 0.1, 1], [10, 1, 10]))
     for name in "ab":
         scene.add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
     scene.add_contact("a.outer", "b.outer").set_time(end=0.02, fraction=0.7)
     assert kinds(scene) == []
     slab = empty()
     slab.add_body(
-        "a",
-        material="soft",
-        velocity=[5, 0, 0],
-        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [8, 4, 4]},
+        "a", material="soft", velocity=[5, 0, 0], box=box_of([0, 0, 0], [1, 1, 1], [8, 4, 4])
     )
-    slab.add_body(
-        "b",
-        material="soft",
-        box={"origin": [1.02, -1, -1], "size": [0.2, 3, 3], "cells": [1, 12, 12]},
-    )
+    slab.add_body("b", material="soft", box=box_of([1.02, -1, -1], [0.2, 3, 3], [1, 12, 12]))
     slab.add_support("b.x_max", fix="x").add_contact("a.x_max", "b.x_min").set_time(
         end=0.02, fraction=0.7
     )
@@ -299,19 +286,16 @@ def test_only_the_nodes_before_the_other_surface_hit(width, thin):
     """A cube of one layer hits a free plate of one layer: few nodes of a wide plate are hit, with a small mass."""
     scene = empty()
     scene.add_body(
-        "a",
-        material="soft",
-        velocity=[5, 0, 0],
-        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 4, 4]},
+        "a", material="soft", velocity=[5, 0, 0], box=box_of([0, 0, 0], [1, 1, 1], [1, 4, 4])
     )
     scene.add_body(
         "b",
         material="soft",
-        box={
-            "origin": [1.02, 0.5 - width / 2, 0.5 - width / 2],
-            "size": [0.3, width, width],
-            "cells": [1, round(4 * width), round(4 * width)],
-        },
+        box=box_of(
+            [1.02, 0.5 - width / 2, 0.5 - width / 2],
+            [0.3, width, width],
+            [1, round(4 * width), round(4 * width)],
+        ),
     )
     scene.add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
     assert ("thin" in [kind for kind, _ in kinds(scene)]) == thin
@@ -370,9 +354,7 @@ def test_no_body_has_turned_where_the_bound_says_so(size):
 def swung(law, rate):
     """A cube that a pair of tractions rotates about z."""
     scene = empty(law)
-    scene.add_body(
-        "b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}
-    )
+    scene.add_body("b", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [3, 3, 3]))
     for face, sign in (("x_min", -1), ("x_max", 1)):
         scene.add("load", surface=f"b.{face}", traction=[0, sign * rate, 0])
     return scene.set_time(end=0.1, fraction=0.7)
@@ -403,9 +385,7 @@ def test_units(units, absurd):
     """c1 is 116 in the units of the scene: 116 m/s, 0.116 m/s, 116 km/s, 116 km/s, 116 m/s."""
     scene = (
         empty(units=units)
-        .add_body(
-            "b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}
-        )
+        .add_body("b", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [2, 2, 2]))
         .set_time(end=1e-3, fraction=0.7)
     )
     assert kinds(scene) == ([("units", "body[0]")] if absurd else [])
@@ -480,7 +460,7 @@ def stacked(**contact):
     """A block of 2 x 2 x 2 bricks on another one, which is held."""
     scene = empty("linear")
     for name, z in ("low", 0.0), ("high", 1.0):
-        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [2, 2, 2]}
+        box = box_of([0, 0, z], [1, 1, 1], [2, 2, 2])
         scene.add_body(name=name, element="hex8", material="soft", box=box)
     return scene.add_contact("low.outer", "high.outer", **contact).add_support(
         "low.z_min", fix="xyz"
@@ -542,10 +522,10 @@ def test_no_tutorial_is_warned_of(path):
 
 def test_a_scene_with_a_contact_and_an_obstacle_is_watched_to_its_end():
     """Penetrations are told of both; a border is looked at only where two bodies meet."""
-    scene = ct.Scene(title="stack", units={"length": "m", "mass": "kg", "time": "s"})
+    scene = ct.Scene(title="stack", units=METRES)
     scene.add_material("m", young=1e4, poisson=0.3, density=1.0)
     for k, name in enumerate(("low", "top")):
-        box = {"origin": [0, 0, 0.5 * k], "size": [1, 1, 0.5], "cells": [2, 2, 1]}
+        box = box_of([0, 0, 0.5 * k], [1, 1, 0.5], [2, 2, 1])
         scene.add_body(name, box=box, material="m")
     scene.add_contact("low.z_max", "top.z_min")
     plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
