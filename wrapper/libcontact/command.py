@@ -29,19 +29,8 @@ class BadInput(ValueError):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """
-    Run one command.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        The words after ``libcontact``; by default those of the process.
-
-    Returns
-    -------
-    int
-        The exit code. Errors of the user are reported in one line on stderr.
-    """
+    """Run one command, by default that of the process, and return its exit code. Errors of the user are
+    reported in one line on stderr."""
     return _attempt(lambda: _command(arguments))[0]
 
 

@@ -72,23 +72,8 @@ class Own(Observer):
 def own(
     problem: Problem, given: Iterable[Any], state_of: Callable[[Any], Any]
 ) -> Iterator[Observer]:
-    """
-    The observers that a user gives to a run.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem of the run.
-    given : iterable of (function, int)
-        Pairs of a function and the steps between two of its calls.
-    state_of : function
-        Returns the State of a ``ct_state *``.
-
-    Yields
-    ------
-    Observer
-        One for each pair.
-    """
+    """The observers that a user gives to a run: pairs of a function and the steps between two of its calls.
+    ``state_of`` returns the State of a ``ct_state *``."""
     for i, pair in enumerate(given):
         if not isinstance(pair, tuple) or len(pair) != 2 or not callable(pair[0]):
             raise TypeError(f"observers[{i}] must be a pair of a function and a number of steps")

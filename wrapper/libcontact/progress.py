@@ -11,14 +11,7 @@ from typing import Any
 
 
 def in_notebook() -> bool:
-    """
-    Check whether this process is the kernel of a notebook.
-
-    Returns
-    -------
-    bool
-        True in a kernel of Jupyter.
-    """
+    """Whether this process is the kernel of a notebook."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return shell is not None and "IPKernelApp" in shell.config
 
@@ -35,21 +28,8 @@ class Silent:
 
 @contextlib.contextmanager
 def bar(progress: Any, **settings: Any) -> Iterator[Any]:
-    """
-    A progress bar where somebody can see it; without a bar tqdm is not imported.
-
-    Parameters
-    ----------
-    progress : bool or str
-        False: no bar; True: in a terminal or a notebook; "always": everywhere.
-    **settings
-        For tqdm.
-
-    Yields
-    ------
-    tqdm or Silent
-        The bar.
-    """
+    """A progress bar where somebody can see it: with ``progress`` true in a terminal or a notebook, with
+    "always" everywhere. Without a bar tqdm, whose settings follow, is not imported."""
     terminal = getattr(sys.stderr, "isatty", bool)()
     if not progress or (progress != "always" and not terminal and not in_notebook()):
         yield Silent()
@@ -63,19 +43,7 @@ def bar(progress: Any, **settings: Any) -> Iterator[Any]:
 
 
 def table_text(table: Any) -> str:
-    """
-    A table of rich as text.
-
-    Parameters
-    ----------
-    table : rich.table.Table
-        The table.
-
-    Returns
-    -------
-    str
-        Its lines.
-    """
+    """The lines of a table of rich."""
     from rich.console import Console
 
     text = io.StringIO()

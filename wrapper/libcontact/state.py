@@ -21,38 +21,14 @@ PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 
 
 def mises(stress: Floats) -> Floats:
-    """
-    Von Mises stress, the square root of 3/2 s : s with the deviator s.
-
-    Parameters
-    ----------
-    stress : ndarray, shape (n, 6)
-        Stresses xx yy zz xy yz zx.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The von Mises stresses.
-    """
+    """Von Mises stresses (n,) of stresses xx yy zz xy yz zx (n, 6), the root of 3/2 s : s of the deviator s."""
     normal, shear = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True), stress[:, 3:]
     out: Floats = np.sqrt(1.5 * (normal**2).sum(axis=1) + 3.0 * (shear**2).sum(axis=1))
     return out
 
 
 def principal(stress: Floats) -> Floats:
-    """
-    Principal stresses, the eigenvalues of the stress tensors.
-
-    Parameters
-    ----------
-    stress : ndarray, shape (n, 6)
-        Stresses xx yy zz xy yz zx.
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        The principal stresses in ascending order; tension is positive.
-    """
+    """Principal stresses (n, 3) of stresses (n, 6), their eigenvalues in ascending order; tension is positive."""
     values: Any = np.linalg.eigvalsh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]])
     out: Floats = values
     return out

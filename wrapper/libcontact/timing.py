@@ -14,23 +14,8 @@ LOOP, OUTPUT = "time loop", "output"
 
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
-    """
-    Return the measured time of each part of a run.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem of the run.
-    state : ct_state *
-        Its last state.
-    output_seconds : float
-        Time of all records [s].
-
-    Returns
-    -------
-    dict of str to float
-        Seconds by name, as in ``Cost.measured``.
-    """
+    """The measured time of each part of a run [s] by name, from its last state (``ct_state *``) and the time of
+    all records."""
     return by_name(problem, step_seconds(problem, state)) | {OUTPUT: output_seconds}
 
 

@@ -19,20 +19,7 @@ DEFAULT = 4.0  # default of the explicit penalty in ρ c₁² / h (eq:penalty-de
 
 
 def chatter(problem: Problem) -> Iterator[SceneWarning]:
-    """
-    Warn of penalties that chatter.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-
-    Yields
-    ------
-    SceneWarning
-        One for each contact and obstacle whose enforcement, penalty and step are known to add
-        energy.
-    """
+    """Warn of each contact and obstacle whose enforcement, penalty and step are known to add energy."""
     for key, who, given in contact_tables(problem.parts):
         surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces
         bodies = [problem.bodies[name] for name, _ in surfaces]

@@ -33,22 +33,8 @@ EDGES = np.array(
 
 
 def short_step(problem: Problem, state: Any = None) -> Iterator[SceneWarning]:
-    """
-    Warn of friction that shortens the step much.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-    state : ct_state *, optional
-        Its state at t = 0, created if it is not given.
-
-    Yields
-    ------
-    SceneWarning
-        One for each contact and obstacle whose friction shortens the stable step four times
-        or more.
-    """
+    """Warn of each contact and obstacle whose friction shortens the stable step four times or more. ``state``
+    is the state at t = 0 (``ct_state *``), created if it is not given."""
     rubbing = [each for each in contact_tables(problem.parts) if each[2].friction]
     friction = lib.CT_EFFECT_FRICTION
     numbers = [k for k, made in enumerate(problem.made) if made.kind == friction]
@@ -71,19 +57,7 @@ def short_step(problem: Problem, state: Any = None) -> Iterator[SceneWarning]:
 
 
 def long_run(problem: Problem) -> Iterator[SceneWarning]:
-    """
-    Warn of a run with very many steps.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-
-    Yields
-    ------
-    SceneWarning
-        One if the run takes ten million steps or more, or about an hour or more.
-    """
+    """Warn of a run that takes ten million steps or more, or about an hour or more."""
     bodies = problem.bodies.values()
     work = sum(len(body.mesh.elements) * body.flops for body in bodies)
     work += sum(effect.cost.flops for effect in problem.made) + 18.0 * problem.pointer.node_count

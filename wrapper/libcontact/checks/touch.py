@@ -51,22 +51,8 @@ class Touch:
 
 
 def first_touch(problem: Problem) -> list[Touch]:
-    """
-    Find the first touch of each contact and obstacle.
-
-    Bodies move with their initial velocity and gravity, until their boxes overlap or a surface
-    reaches an obstacle.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-
-    Returns
-    -------
-    list of Touch
-        Contacts first, then obstacles, in the order of the scene.
-    """
+    """The first touch of each contact, then of each obstacle, in the order of the scene. Bodies move with their
+    initial velocity and gravity, until their boxes overlap or a surface reaches an obstacle."""
     parts = problem.parts
     pairs = [_pair(problem, f"contact[{i}]", given) for i, given in enumerate(parts.contact)]
     obstacles = enumerate(parts.obstacle)

@@ -67,19 +67,7 @@ MARGIN = 0.06
 
 
 def label(field: str) -> str:
-    """
-    A field in words.
-
-    Parameters
-    ----------
-    field : str
-        The component, such as ``"stress_xx"``.
-
-    Returns
-    -------
-    str
-        Its name in a picture.
-    """
+    """A component such as ``"stress_xx"`` in words."""
     if field in WORDS:
         return WORDS[field]
     name, _, part = field.rpartition("_")
@@ -88,41 +76,13 @@ def label(field: str) -> str:
 
 
 def title_of(run: Run) -> str:
-    """
-    Title of a run's scene.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    str
-        The title, empty if there is none.
-    """
+    """Title of a run's scene, empty if there is none."""
     return str(tables(run).get("title", ""))
 
 
 def check_view(view: str) -> list[str]:
-    """
-    Read the sides of a view.
-
-    Parameters
-    ----------
-    view : str
-        The sides that the viewer sees, joined by ``+``.
-
-    Returns
-    -------
-    list of str
-        The sides.
-
-    Raises
-    ------
-    ValueError
-        They are no sides, or two of them are of one axis.
-    """
+    """The sides of a view, which are joined by ``+``; a ValueError if they are no sides, or two of them are of
+    one axis."""
     sides = view.split("+")
     known = all(re.fullmatch("[xyz]_(min|max)", side) for side in sides)
     if not known or len({side[0] for side in sides}) < len(sides):
@@ -132,19 +92,7 @@ def check_view(view: str) -> list[str]:
 
 
 def tables(run: Run) -> dict[str, Any]:
-    """
-    The tables of a run's scene.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    dict
-        The tables, without the values of meshes; empty if the run has no scene.
-    """
+    """The tables of a run's scene without the values of meshes; empty if the run has no scene."""
     try:
         return tomllib.loads(run.scene)
     except tomllib.TOMLDecodeError:
@@ -152,19 +100,7 @@ def tables(run: Run) -> dict[str, Any]:
 
 
 def last_state(run: Run) -> list[State]:
-    """
-    The last state of a run, with the contact pressure if it is known.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    list of State
-        The state, or nothing if the run has none.
-    """
+    """The last state of a run, with the contact pressure if it is known; nothing if it has none."""
     if run.state and len(run.states) and run.states[-1].step == run.state.step:
         return [run.states[-1]]
     return [run.state] if run.state else []
@@ -291,19 +227,8 @@ class Drawing:
         return np.array([right, np.cross(self.toward, right), self.toward])
 
     def project(self, points: Floats) -> Floats:
-        """
-        Project points into the picture.
-
-        Parameters
-        ----------
-        points : ndarray, shape (..., 3)
-            Points [length].
-
-        Returns
-        -------
-        ndarray, shape (..., 3)
-            Coordinates right and up, and the depth towards the viewer [length].
-        """
+        """Points (..., 3) in the picture: coordinates right and up, and the depth towards the viewer
+        [length]."""
         return points @ self.axes.T
 
     def draw(self, axes: Any, state: State, marks: bool = True) -> Any:

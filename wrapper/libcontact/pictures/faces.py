@@ -31,44 +31,14 @@ APART = 0.02
 
 
 def places(body: BodyState, scale: float) -> Floats:
-    """
-    Coordinates of the nodes with magnified displacements.
-
-    Parameters
-    ----------
-    body : BodyState
-        The body.
-    scale : float
-        Magnification; without recorded displacements the nodes stay in place.
-
-    Returns
-    -------
-    ndarray, shape (nodes, 3)
-        The coordinates [length].
-    """
+    """Coordinates (nodes, 3) of the nodes with magnified displacements [length]; without recorded displacements
+    the nodes stay in place."""
     return body.nodes + scale * body.displacement if body.holds("displacement") else body.nodes
 
 
 def outer_values(body: BodyState, field: str, drawing: Drawing) -> tuple[Floats, Floats]:
-    """
-    Normals of the outer faces, as long as their areas, and a value for each.
-
-    Parameters
-    ----------
-    body : BodyState
-        The body.
-    field : str
-        The component.
-    drawing : Drawing
-        The magnification of the displacements, and the surfaces in contact.
-
-    Returns
-    -------
-    normals : ndarray, shape (faces, 3)
-        The normals [length²].
-    values : ndarray, shape (faces,)
-        The values: that of the element, or the mean of the nodes.
-    """
+    """Normals (faces, 3) of the outer faces, as long as their areas [length²], and a value for each: that of
+    the element, or the mean of the nodes."""
     faces, owners = body.mesh.faces("outer")
     values, at_elements = body.component(field)
     corners = places(body, drawing.scale)[faces[:, :4]]
@@ -140,21 +110,7 @@ class Faces:
 
     @classmethod
     def of(cls, drawing: Drawing, state: State) -> Faces:
-        """
-        Project the faces of a state.
-
-        Parameters
-        ----------
-        drawing : Drawing
-            The field and the view.
-        state : State
-            The state.
-
-        Returns
-        -------
-        Faces
-            The faces turned to the viewer.
-        """
+        """The faces of a state that are turned to the viewer."""
         bodies = list(state.values())
         count = sum(len(body.mesh.faces("outer")[0]) for body in bodies)
         parts = max(1, min(PARTS, int(np.sqrt(POLYGONS / max(count, 1)))))
@@ -167,18 +123,8 @@ class Faces:
         return cls(outlines[order], cells[order], values[order], light[order])
 
     def painted(self) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """
-        List the polygons of a picture.
-
-        Returns
-        -------
-        polygons : ndarray, shape (polygons, 4 or 8, 2)
-            The parts of each face, and after them its outline, if there are not too many.
-        colours : ndarray, shape (polygons, 2)
-            Value and brightness of each.
-        lines : ndarray of bool, shape (polygons,)
-            Whether it is an outline.
-        """
+        """The polygons of a picture (polygons, 4 or 8, 2): the parts of each face, and after them its outline,
+        if there are not too many; value and brightness (polygons, 2) of each; and whether it is an outline."""
         count, parts = self.values.shape
         lined = int(count <= EDGES)
         polygons = np.concatenate([self.cells, self.outlines[:, None][:, :lined]], axis=1)
@@ -190,15 +136,8 @@ class Faces:
         return flat, np.stack([values, light], axis=1), lines.ravel()
 
     def shown(self) -> Floats:
-        """
-        Find how much of each face no other face covers, from a small picture in which each face has its
-        number as colour.
-
-        Returns
-        -------
-        ndarray, shape (faces,)
-            The fractions, approximately: 0 for a face that is covered entirely.
-        """
+        """How much of each face no other face covers, about: 0 for a face that is covered entirely. It is found
+        from a small picture in which each face has its number as colour."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.collections import PolyCollection
         from matplotlib.figure import Figure
@@ -224,14 +163,7 @@ class Faces:
         return np.minimum(count * pixel / np.maximum(self.areas(), pixel), 1.0)
 
     def areas(self) -> Floats:
-        """
-        Compute the areas of the projected faces.
-
-        Returns
-        -------
-        ndarray, shape (faces,)
-            The areas [length²].
-        """
+        """The areas of the projected faces [length²]."""
         x, y = self.outlines[..., 0], self.outlines[..., 1]
         turned = x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)
         area: Floats = 0.5 * np.abs(turned.sum(axis=1))

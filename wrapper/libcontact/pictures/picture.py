@@ -98,37 +98,15 @@ def plot_run(
 
 
 def picture(run: Run, path: str | Path, **options: Any) -> None:
-    """
-    Draw a run into an image file.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    path : str or Path
-        The image file.
-    **options
-        As for :func:`plot_run`.
-
-    Raises
-    ------
-    ValueError
-        As for :func:`plot_run`.
-    """
+    """Draw a run into an image file, with the options of :func:`plot_run`."""
     from matplotlib.figure import Figure
 
     plot_run(run, figure=Figure(), **options).savefig(path, dpi=180)
 
 
 def new_figure() -> Figure:
-    """
-    Make a figure of pyplot; the backend of matplotlib stays as it is.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure. A notebook shows it once, also with a backend that shows nothing.
-    """
+    """A figure of pyplot, which a notebook shows once, also with a backend that shows nothing; the backend
+    stays as it is."""
     from matplotlib import get_backend, pyplot
     from matplotlib.figure import Figure
 
@@ -150,22 +128,8 @@ def new_figure() -> Figure:
 
 
 def chosen(run: Run, count: int) -> list[State]:
-    """
-    Choose instants of a run.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-    count : int
-        Their number.
-
-    Returns
-    -------
-    list of State
-        States at about equal intervals, of which one is that of the largest contact energy (without
-        contact: strain energy), and one the last.
-    """
+    """States at about equal intervals, of which one is that of the largest contact energy (without contact:
+    strain energy), and one the last."""
     states, last = run.states, len(run.states) - 1
     if count == 1 or last < 1:
         return last_state(run)
@@ -252,16 +216,7 @@ def _clock(drawing: Drawing, end: float) -> tuple[float, str]:
 
 
 def draw_energies(axes: Any, run: Run) -> None:
-    """
-    Draw the energy balance over time: each column that is not zero, and the total.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    run : Run
-        The run.
-    """
+    """Draw the energy balance over time: each column that is not zero, and the total."""
     own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
     for name in ("kinetic", "strain", "contact", "external", *own):
         if run.energy[name].any():
@@ -279,20 +234,8 @@ def draw_energies(axes: Any, run: Run) -> None:
 
 
 def bar_axis(run: Run) -> int | None:
-    """
-    The axis of bars.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    int or None
-        The axis along which all bodies lie that have one element in their cross section, and along which they
-        move; None without such bodies.
-    """
+    """The axis along which all bodies lie that have one element in their cross section, and along which they
+    move; None without such bodies."""
     bodies = list(run.state.values()) if run.state else []
     for axis in range(3) if flat_axis([run.state] if run.state else []) is not None else ():
         layers = [
@@ -307,18 +250,7 @@ def bar_axis(run: Run) -> int | None:
 
 
 def draw_bars(axes: Any, run: Run, axis: int) -> None:
-    """
-    Draw the axial stress of bars over position and time, with the planes that they hit.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    run : Run
-        A run of bars.
-    axis : int
-        Their axis, as :func:`bar_axis` finds it.
-    """
+    """Draw the axial stress of bars along an axis over position and time, with the planes that they hit."""
     records = np.linspace(0, len(run.states) - 1, min(len(run.states), COLUMNS)).round()
     states = [run.states[i] for i in records.astype(int).tolist()]
     times, field = np.array([state.time for state in states]), f"stress_{2 * AXES[axis]}"

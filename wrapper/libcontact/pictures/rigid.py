@@ -20,39 +20,13 @@ EDGE_ON = 0.05
 
 
 def nice(value: float) -> float:
-    """
-    Round down to 1, 2 or 5 times a power of ten.
-
-    Parameters
-    ----------
-    value : float
-        A number above 0.
-
-    Returns
-    -------
-    float
-        The largest such number that is not above it.
-    """
+    """The largest 1, 2 or 5 times a power of ten that is not above a positive number."""
     power = 10.0 ** np.floor(np.log10(value))
     return float(power * max(k for k in (1, 2, 5) if k * power <= value * (1 + 1e-12)))
 
 
 def displacement_at(obstacle: dict[str, Any], time: float) -> Floats:
-    """
-    Displacement of an obstacle.
-
-    Parameters
-    ----------
-    obstacle : dict
-        Its table in the scene.
-    time : float
-        The time [time].
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        The displacement [length].
-    """
+    """Displacement (3,) of an obstacle at a time [length]."""
     moved = time * np.array(obstacle.get("velocity", (0, 0, 0)), float)
     history = obstacle.get("history")
     if history:
@@ -62,23 +36,8 @@ def displacement_at(obstacle: dict[str, Any], time: float) -> Floats:
 
 
 def patch(plane: dict[str, Any], box: Floats, moved: Floats) -> Floats:
-    """
-    The part of a plane opposite the bodies.
-
-    Parameters
-    ----------
-    plane : dict
-        Its point and normal.
-    box : ndarray, shape (2, 3)
-        The smallest and largest coordinates of the bodies [length].
-    moved : ndarray, shape (3,)
-        Displacement of the plane [length].
-
-    Returns
-    -------
-    ndarray, shape (4, 3)
-        The corners of a rectangle around the bodies' projection on the plane [length].
-    """
+    """The corners (4, 3) of a rectangle around the projection of the bodies, with bounds ``box`` (2, 3), on a
+    plane that has ``moved`` [length]."""
     normal = np.array(plane["normal"], float)
     normal /= np.linalg.norm(normal)
     first = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
@@ -94,20 +53,7 @@ def patch(plane: dict[str, Any], box: Floats, moved: Floats) -> Floats:
 
 
 def draw_obstacle(axes: Any, drawing: Drawing, obstacle: dict[str, Any], time: float) -> None:
-    """
-    Draw an obstacle as it is at a time.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    drawing : Drawing
-        The view.
-    obstacle : dict
-        Its table in the scene.
-    time : float
-        The time [time].
-    """
+    """Draw an obstacle as it is at a time."""
     moved = displacement_at(obstacle, time)
     if "plane" in obstacle:
         _draw_plane(axes, drawing, obstacle["plane"], moved)
@@ -165,18 +111,7 @@ def _draw_cylinder(axes: Any, drawing: Drawing, cylinder: dict[str, Any], moved:
 
 
 def draw_directions(axes: Any, drawing: Drawing, polygons: Floats) -> None:
-    """
-    Draw arrows along x, y and z into a free corner on the left.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    drawing : Drawing
-        The view.
-    polygons : ndarray, shape (n, m, 2)
-        What is drawn already [length].
-    """
+    """Draw arrows along x, y and z into a corner on the left in which no ``polygons`` (n, m, 2) are."""
     left, right, bottom, top = drawing.bounds
     size = 0.08 * max(right - left, top - bottom)
     low = (left + 1.2 * size, bottom + 0.8 * size)
@@ -189,18 +124,7 @@ def draw_directions(axes: Any, drawing: Drawing, polygons: Floats) -> None:
 
 
 def draw_scale(axes: Any, drawing: Drawing, polygons: Floats) -> None:
-    """
-    Draw a bar with its length into a free corner on the right.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    drawing : Drawing
-        The view.
-    polygons : ndarray, shape (n, m, 2)
-        What is drawn already [length].
-    """
+    """Draw a bar with its length into a corner on the right in which no ``polygons`` (n, m, 2) are."""
     left, right, bottom, top = drawing.bounds
     length, gap = nice(0.3 * (right - left)), 0.03 * (right - left)
     high = (right - gap - length / 2, top - 4.0 * gap)

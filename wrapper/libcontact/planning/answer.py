@@ -56,24 +56,9 @@ class Plates:
     words = "against the closed form: L1 on Fig. 4's line over the plateau"
 
     def error(self, problem: Problem, run: Run) -> float:
-        """
-        Compute the error L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`.
-
-        It averages over the elements next to the plane of symmetry, up to the distance d from the
-        impact.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem of the run.
-        run : Run
-            A run with the stress in its last state.
-
-        Returns
-        -------
-        float
-            The error.
-        """
+        """The error L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`, from a run with the stress in
+        its last state. It averages over the elements next to the plane of symmetry, up to the distance d from
+        the impact."""
         assert run.state is not None
         material = problem.parts.materials[problem.parts.bodies[self.bodies[0]].material]
         nu, c1 = material.poisson, speeds(material)[0]
@@ -91,19 +76,8 @@ class Plates:
 
 
 def plates(problem: Problem) -> Plates | None:
-    """
-    Recognise the impact of two thick plates by its geometry.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-
-    Returns
-    -------
-    Plates or None
-        None if the scene is a different one, or lasts longer than the closed form is valid.
-    """
+    """The impact of two thick plates, recognised by its geometry; None if the scene is a different one, or
+    lasts longer than the closed form is valid."""
     parts, bodies = problem.parts, list(problem.parts.body)
     held = {(str(each.set[0]), each.set[1]) for each in parts.support}
     pure = all(
@@ -213,19 +187,7 @@ class Functional:
         return self.name
 
     def value(self, run: Run) -> float:
-        """
-        Evaluate the number.
-
-        Parameters
-        ----------
-        run : Run
-            A run.
-
-        Returns
-        -------
-        float
-            The number, in the units of the scene.
-        """
+        """The number of a run, in the units of the scene."""
         if self.table in run.probes:
             rows = run.probes[self.table]
         else:
@@ -235,25 +197,8 @@ class Functional:
 
 
 def functional(problem: Problem, text: str) -> Functional:
-    """Find a functional by its name.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-    text : str
-        Its name, see :class:`Functional`.
-
-    Returns
-    -------
-    Functional
-        The functional.
-
-    Raises
-    ------
-    SceneError
-        The scene has no such probe, body or quantity.
-    """
+    """The functional of a name, see :class:`Functional`; a SceneError if the scene has no such probe, body or
+    quantity."""
     known = {name: (table, column, part) for name, table, column, part in columns(problem)}
     column, _, how = text.rpartition(".")
     at = Place("functional", problem.file)
@@ -267,20 +212,8 @@ def functional(problem: Problem, text: str) -> Functional:
 
 
 def columns(problem: Problem) -> Iterator[tuple[str, str, str, int | None]]:
-    """List the columns from which functionals can be formed.
-
-    Parameters
-    ----------
-    problem : Problem
-        A built problem.
-
-    Yields
-    ------
-    name, table, column : str
-        The name, such as ``"wall.force_x"``, and its table and column.
-    part : int or None
-        The component.
-    """
+    """The columns from which functionals can be formed: name, such as ``"wall.force_x"``, table, column, and
+    component or None."""
     for probe in problem.parts.probe:
         for name in probe.taken:
             words = STRESS if name == "stress" else "" if name == "pressure" else AXES

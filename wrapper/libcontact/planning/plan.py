@@ -126,21 +126,8 @@ class Prediction:
 
 
 def predict(problem: Problem, records: int) -> Prediction:
-    """
-    Predict the cost of a run on this machine.
-
-    Parameters
-    ----------
-    problem : Problem
-        The built problem. It is not changed.
-    records : int
-        Number of records of the run.
-
-    Returns
-    -------
-    Prediction
-        The costs; without predicted times if no step can be computed.
-    """
+    """Predict the cost of a run with so many records on this machine. The built problem is not changed. Without
+    a step that can be computed there are no predicted times."""
     seen, steps = rehearse(problem), problem.step_count
     interval = max(1, steps // max(1, records - 1))
     try:
@@ -342,21 +329,9 @@ class Rehearsal:
 
 
 def rehearse(problem: Problem) -> list[Rehearsal]:
-    """
-    Compute the scene with larger elements, twice.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem of the run.
-
-    Returns
-    -------
-    list of Rehearsal
-        One with the smallest elements that are cheap enough, and one with larger ones; only the
-        problem itself if that is cheap enough. Empty if no mesh is cheap enough, as for large bodies
-        with meshes of their own, or if the coarse run fails.
-    """
+    """Compute the scene with larger elements, twice: with the smallest elements that are cheap enough, and with
+    larger ones; only the problem itself if that is cheap enough. Empty if no mesh is cheap enough, as for large
+    bodies with meshes of their own, or if the coarse run fails."""
     most = max(MOST_UPDATES, MOST_FRACTION * _updates(problem, 1.0))
     sizes = (1.1**k for k in range(100))
     times = next((q for q in sizes if _updates(problem, q) <= min(most, MOST_EVER)), math.inf)
@@ -475,21 +450,8 @@ def _at_rest(problem: Problem, state: Any) -> bool:
 
 
 def table(costs: Sequence[Cost], stable: float) -> str:
-    """
-    Format costs as a table.
-
-    Parameters
-    ----------
-    costs : sequence of Cost
-        The rows.
-    stable : float
-        The stable step [time], to whose bound each effect contributes, :eq:`plan-share`.
-
-    Returns
-    -------
-    str
-        The lines of the table.
-    """
+    """Costs as lines of a table, with the stable step, to whose bound each effect contributes,
+    :eq:`plan-share`."""
     from rich.table import Column, Table
 
     rows = [_row(cost, stable) for cost in costs]

@@ -74,19 +74,8 @@ SURE = 0.2
 
 
 def settings(contact: bool) -> list[Keys]:
-    """
-    Select the settings of the price list that are worth a trial.
-
-    Parameters
-    ----------
-    contact : bool
-        Whether the scene has a contact or an obstacle, so that contact laws are part of the choice.
-
-    Returns
-    -------
-    list of dict
-        The keys of each setting, such as ``{"time.fraction": 0.98, "contact.beta": 4.0}``.
-    """
+    """The settings of the price list that are worth a trial, each with its keys, ``{"time.fraction": 0.98,
+    "contact.beta": 4.0}``; with ``contact`` contact laws are part of the choice."""
     with PRICES.open(encoding="utf-8") as file:
         rows = [_Row.read(row) for row in csv.DictReader(file)]
     rows = [row for row in rows if row.keys.keys() <= WORDS.keys() and "time.fraction" in row.keys]
@@ -146,21 +135,8 @@ class Limit:
 
 
 def extrapolate(sizes: Any, values: Any) -> Limit:
-    """
-    Fit :math:`F + C h^q` to values on some meshes, :eq:`planner-fit`.
-
-    Parameters
-    ----------
-    sizes : array_like
-        Sizes h of the elements, at least four, from coarse to fine.
-    values : array_like
-        The values.
-
-    Returns
-    -------
-    Limit
-        The limit F.
-    """
+    """Fit :math:`F + C h^q` to values on at least four meshes with elements of sizes h, from coarse to fine,
+    :eq:`planner-fit`, and return the limit F."""
     h, f = np.asarray(sizes, float)[-LAST:], np.asarray(values, float)[-LAST:]
     h, rows = h / h[0], []
     for q in ORDERS:
@@ -181,19 +157,7 @@ def extrapolate(sizes: Any, values: Any) -> Limit:
 
 
 def together(limits: list[Limit]) -> tuple[float, float]:
-    """
-    Combine the limits of several methods into one, with its uncertainty, :eq:`planner-mean`.
-
-    Parameters
-    ----------
-    limits : list of Limit
-        The limit of each method.
-
-    Returns
-    -------
-    value, uncertainty : float
-        The weighted mean and its uncertainty.
-    """
+    """Combine the limits of several methods into one value with its uncertainty, :eq:`planner-mean`."""
     values, widths = np.array([(each.value, each.uncertainty) for each in limits]).T
     # Few meshes may lie on a curve by chance: the lower quartile bounds each uncertainty from below.
     widths = np.maximum(widths, np.sort(widths)[len(widths) // 4])
@@ -770,27 +734,8 @@ def plan(
     trials: float,
     progress: bool,
 ) -> Plan:
-    """
-    Plan a scene; :meth:`libcontact.scene.Scene.plan` is the call for users.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    error, seconds : float or None
-        The request; exactly one of the two is given.
-    named : str or None
-        The functional.
-    trials : float
-        Seconds that trials may take.
-    progress : bool
-        Show a bar in a terminal or a notebook.
-
-    Returns
-    -------
-    Plan
-        The plan.
-    """
+    """Plan a scene; :meth:`libcontact.scene.Scene.plan` is the call for users. ``named`` is the functional;
+    exactly one of ``error`` and ``seconds`` is given."""
     at = Place("", scene.file)
     if (error is None) == (seconds is None):
         raise (at / "error").error("or seconds: exactly one of the two is needed")
