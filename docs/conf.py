@@ -129,9 +129,11 @@ if not RUN_TUTORIALS and (
 else:
     # Sphinx looks up annotations in the module, which imports these names for type checkers alone.
     import libcontact.scene
+    from libcontact.pictures import animation, drawing, picture
     from libcontact.planning import explain, plan
 
     libcontact.scene.Cost, libcontact.scene.Explanation = plan.Cost, explain.Explanation
+    animation.Run = drawing.Run = picture.Run = libcontact.scene.Run
 
 # -- References and tutorials ---------------------------------------------------------------------------------------
 bibtex_bibfiles = ["references.bib"]

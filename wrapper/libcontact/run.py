@@ -206,7 +206,7 @@ class Run:
         Parameters
         ----------
         name : str
-            ``stress_xx``, ``velocity_z``, ``mises`` and the others of :meth:`BodyState.component`.
+            ``stress_xx``, ``velocity_z``, ``mises`` and the others of :meth:`libcontact.state.BodyState.component`.
         start, end : array_like, shape (3,)
             The ends of the line [length], both included.
         n : int
@@ -214,7 +214,7 @@ class Run:
         body : str, optional
             The only body to sample.
         filtered : bool
-            Whether to sample the filtered fields, :attr:`BodyState.filtered`.
+            Whether to sample the filtered fields, :attr:`libcontact.state.BodyState.filtered`.
 
         Returns
         -------

@@ -204,7 +204,7 @@ class BodyState:
         Returns
         -------
         ndarray, shape (m,)
-            The values, as for :meth:`Run.line`; NaN outside the body.
+            The values, as for :meth:`libcontact.run.Run.line`; NaN outside the body.
 
         Raises
         ------
