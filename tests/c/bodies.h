@@ -84,6 +84,14 @@ static inline void *room(int64_t count, size_t size)
   return memory;
 }
 
+/* Free some of these. */
+static inline void free_each(void *const *memory, size_t count)
+{
+  for (size_t i = 0; i < count; i++) free(memory[i]);
+}
+#define free_all(...) \
+  free_each((void *[]){__VA_ARGS__}, sizeof((void *[]){__VA_ARGS__}) / sizeof(void *))
+
 static inline double *numbers(int64_t count) { return room(count, sizeof(double)); }
 static inline int32_t *integers(int64_t count) { return room(count, sizeof(int32_t)); }
 

@@ -47,8 +47,7 @@ static inline void free_pair(pair *p)
 {
   for (int i = 0; i < p->bodies; i++) {
     ct_mesh_free(p->mesh[i]);
-    free(p->faces[i]);
-    free(p->velocity[i]);
+    free_all(p->faces[i], p->velocity[i]);
   }
 }
 
@@ -281,8 +280,7 @@ static inline host open_host(const pair *p, const ct_contact_options *options, d
       other[n] = h.mass[p->bodies - 1][3 * n];
     need(ct_contact_stable_step(h.contact, mass, other, &dt, NULL), &e);
     h.dt = fraction / sqrt(omega2 / 4.0 + 1.0 / (dt * dt));
-    free(mass);
-    free(other);
+    free_all(mass, other);
   }
   free(reference);
   return h;

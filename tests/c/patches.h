@@ -60,11 +60,7 @@ static inline patch new_patch(ct_face_kind kind, int nx, int ny, double x0, doub
   return p;
 }
 
-static inline void free_patch(patch *p)
-{
-  free(p->faces);
-  free(p->x);
-}
+static inline void free_patch(patch *p) { free_all(p->faces, p->x); }
 
 static inline ct_contact *open_contact(const patch *a, const patch *b, ct_contact_options options)
 {

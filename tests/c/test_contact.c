@@ -89,9 +89,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
          "%s on %s: the resultants are those of the nodal forces, off by %.2g", KIND[kb], KIND[ka],
          resultant / size);
   ct_contact_free(contact);
-  free(point);
-  free(fa);
-  free(fb);
+  free_all(point, fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -175,9 +173,7 @@ static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
     free(by_hand);
   }
   ct_contact_free(contact);
-  free(uniform_force);
-  free(fa);
-  free(fb);
+  free_all(uniform_force, fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -268,8 +264,7 @@ static void gap_sweep(double h)
   tap_ok(energy < 1e-12 && wrong_force == 0,
          "energy and force are those of the gap, exactly none when apart (off by %.2g, %d wrong)",
          energy, wrong_force);
-  free(fa);
-  free(fb);
+  free_all(fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -325,8 +320,7 @@ static void far_side(double inside)
   ct_contact_free(below);
   free_patch(&up);
   ct_contact_free(contact);
-  free(fa);
-  free(outer);
+  free_all(fa, outer);
   free_patch(&b);
   ct_mesh_free(m);
 }
@@ -491,12 +485,7 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
          "%s on %s: bound of omega^2 is %.3f of the true largest eigenvalue", KIND[kb], KIND[ka],
          bound / value);
   ct_contact_free(contact);
-  free(K);
-  free(mass);
-  free(up);
-  free(down);
-  free(v);
-  free(w);
+  free_all(K, mass, up, down, v, w);
   free_patch(&a);
   free_patch(&b);
 }
@@ -674,8 +663,7 @@ static void symmetries(ct_face_kind kind)
   tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0,
          "%s: faces in the opposite order, the same bits", KIND[kind]);
   a.surface.faces = keep;
-  free(order);
-  free(g);
+  free_all(order, g);
 
   // Lengths times 2^k: eps w J d grows as 2^3k, eps w J d^2 as 2^4k.
   for (int k = -20; k <= 20; k += 40) {
@@ -831,8 +819,7 @@ static void history(void)
   tap_ok(off < 1e-13, "after 60 updates of a motion: forces differ by %.2g from a new contact's",
          off);
   ct_contact_free(contact);
-  free(f);
-  free(g);
+  free_all(f, g);
   free_patch(&a);
   free_patch(&b);
 }
@@ -885,8 +872,7 @@ static void not_finite(void)
              e.point == a.faces[0],
          "an infinite coordinate: %s", e.text);
   ct_contact_free(contact);
-  free(f);
-  free(g);
+  free_all(f, g);
   free_patch(&a);
   free_patch(&b);
 }

@@ -36,11 +36,9 @@ static int same(const ct_contact *contact, seen *a, seen *b)
         a->builds[i] == b->builds[i] && memcmp(&a->cost[i], &b->cost[i], sizeof a->cost[i]) == 0;
     equal &= memcmp(a->boxes[i], b->boxes[i],
                     (size_t)contact->gaps.side[i].search->face_count * sizeof **a->boxes) == 0;
-    free(a->boxes[i]);
-    free(b->boxes[i]);
+    free_all(a->boxes[i], b->boxes[i]);
   }
-  free(a->terms);
-  free(b->terms);
+  free_all(a->terms, b->terms);
   return equal;
 }
 

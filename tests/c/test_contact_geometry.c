@@ -37,8 +37,7 @@ static void held(ct_face_kind kind)
          "%.2g, %.2g)",
          KIND[kind], force, energy);
   ct_contact_free(contact);
-  free(fa);
-  free(fb);
+  free_all(fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -133,9 +132,7 @@ static void thin_plates(void)
          "thicknesses, with %.3g of eps t A there",
          jump / (EPSILON * step * 0.64), last / (EPSILON * t * 0.64));
   ct_contact_free(contact);
-  free(point);
-  free(fa);
-  free(fb);
+  free_all(point, fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -207,9 +204,7 @@ static void patch_test(ct_face_kind kind)
          "%s: points at nodes pass the patch test on matching meshes, off by %.2g of eps delta",
          KIND[kind], off / (EPSILON * delta));
   ct_contact_free(contact);
-  free(fa);
-  free(fb);
-  free(want);
+  free_all(fa, fb, want);
   free_patch(&a);
   free_patch(&b);
 }
@@ -250,8 +245,7 @@ static void lobatto_gradient(ct_face_kind kind)
       "%s: with points at nodes the force is the gradient (off by %.2g), momentum is kept (%.2g)",
       KIND[kind], off / top, momentum / top);
   ct_contact_free(contact);
-  free(fa);
-  free(fb);
+  free_all(fa, fb);
   free_patch(&a);
   free_patch(&b);
 }
@@ -373,9 +367,7 @@ static double slide(ct_face_kind kind, double bend, double step)
     if (i > 0) jump = fmax(jump, sqrt(change));
   }
   ct_contact_free(contact);
-  free(start);
-  free(fa);
-  free(fb);
+  free_all(start, fa, fb);
   free_patch(&base);
   free_patch(&bowl);
   return jump / size;
@@ -615,9 +607,7 @@ static void seen_before_it_comes_in(void)
     free(faces[s]);
     ct_mesh_free(mesh[s]);
   }
-  free(x);
-  free(now);
-  free(before);
+  free_all(x, now, before);
 }
 
 /* How far surfaces may come nearer in a step: the width of the narrowest face, which is its area

@@ -327,8 +327,7 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
          "%s: with start gaps linear and angular momentum are conserved (%.2g, %.2g)", name,
          lost / size, turned / size);
   free_hand(&h);
-  free(f);
-  free(other);
+  free_all(f, other);
 }
 
 /* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands
@@ -434,9 +433,7 @@ static void same_as_the_host(void)
   free_hand(&h);
   free_patch(&a);
   free_patch(&b);
-  free(fa);
-  free(fb);
-  free(z);
+  free_all(fa, fb, z);
 }
 
 /* Two states of one effect share constant data only; definitions that do not start from their

@@ -195,8 +195,7 @@ static void box_on_patch(int turned)
          turned ? ", turned" : "", off[1], off[0], area);
   free_recovered(&r);
   ct_contact_free(contact);
-  free(x);
-  free(y);
+  free_all(x, y);
   free_patch(&a);
   free_patch(&b);
 }
@@ -337,8 +336,7 @@ static void bits(ct_face_kind kind)
   int64_t faults = mirror_faults(f, g, nodes, 0) +
                    (memcmp(f + 3 * nodes, g + 3 * nodes, (size_t)nodes * sizeof *f) != 0);
   tap_ok(faults == 0, "%s: mirrored, the mirrored bits (%d are not)", KIND[kind], (int)faults);
-  free(f);
-  free(g);
+  free_all(f, g);
   free_patch(&a);
   free_patch(&b);
 }

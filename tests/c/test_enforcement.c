@@ -183,9 +183,7 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
 
 static void close_bar(bar *b)
 {
-  ct_state_free(b->state);
-  ct_scene_free(b->scene);
-  ct_mesh_free(b->mesh);
+  close_run(b->state, b->scene, b->mesh);
 }
 
 /* The total of the ledger at every step: largest step up over the start, and what is left at the
@@ -496,9 +494,7 @@ static void shared_nodes(void)
            "%s: three walls share %d nodes; forces at the nodes of %d points are those of a dense "
            "solution, off by %.1e",
            ENFORCEMENT[IMPLICIT[e]], shared, (int)s->count, off);
-    ct_state_free(state);
-    ct_scene_free(scene);
-    ct_mesh_free(m);
+    close_run(state, scene, m);
     free(faces);
   }
 }
@@ -598,8 +594,7 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
                               .options = options};
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   ct_mesh_free(m);
-  free(faces);
-  free(v);
+  free_all(faces, v);
   return scene;
 }
 
@@ -656,8 +651,7 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   }
   ct_mesh *meshes[] = {flat, low, up};
   for (int i = 0; i < 3; i++) ct_mesh_free(meshes[i]);
-  free(below);
-  free(above);
+  free_all(below, above);
   return scene;
 }
 
@@ -710,9 +704,7 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
   ct_state_free(state);
   ct_state_free(copy);
   ct_scene_free(scene);
-  free(partner);
-  free(u);
-  free(f);
+  free_all(partner, u, f);
 }
 
 static void partners_change(void)
@@ -817,9 +809,7 @@ static void driven(void)
   tap_ok(top > 100.0 && off < 1e-13 * top,
          "a block driven into a floor by a prescribed motion: the force is the law's, off by %.1e",
          off / top);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 static void refused(void)

@@ -221,9 +221,7 @@ static void momentum(ct_brick_kind kind, const char *name)
   tap_ok(met > 3 && linear < 1e-14, "%s: friction forces add up to zero (%.2g)", name, linear);
   tap_ok(angular < 1e-14, "%s: and so do their moments (%.2g)", name, angular);
   free(f), free(fa), free(fb);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(flat);
+  close_run(state, scene, a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
 /* Two blocks that are pressed together, as a problem whose forces can be computed at any

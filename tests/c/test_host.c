@@ -107,8 +107,7 @@ static void compare_obstacle(const ct_problem *problem, ct_state *state, const c
     so->traction = worst(so->traction, u[d] - t[d]);
     so->pressure = fmax(so->pressure, fabs(t[d]));
   }
-  free(t);
-  free(u);
+  free_all(t, u);
 }
 
 static void compare(const ct_problem *problem, ct_state *state, const ct_contact *contact, told *so)
@@ -200,10 +199,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   for (int i = 0; i < 2; i++) ct_contact_free(contact[i]);
   ct_state_free(state);
   ct_scene_free(scene);
-  free(x);
-  free(f);
-  free(solid);
-  free(want);
+  free_all(x, f, solid, want);
   free_pair(&p);
 }
 
@@ -283,8 +279,7 @@ static void restart(pair p, const char *name, ct_enforcement enforcement)
   tap_ok(same_host(&whole, &again), "%s: a restart from the beginning has them, too", name);
   host *all[] = {&whole, &parts, &spare, &again};
   for (int i = 0; i < 4; i++) close_host(all[i]);
-  free(memory);
-  free(later);
+  free_all(memory, later);
   free_pair(&p);
 }
 

@@ -310,8 +310,7 @@ static void pressed_start(ct_scheme scheme, double beta)
          push = largest(force, 3 * p->node_count);
   tap_ok(off < 1e-13 && push > 0.0, "%s, beta %g: pressed from the start, velocity off by %.2g",
          SCHEME(scheme), beta, off);
-  free(v);
-  free(force);
+  free_all(v, force);
   close_run(state, scene, a);
   ct_mesh_free(b);
 }
@@ -350,9 +349,7 @@ static void order_of(ct_scheme scheme)
            "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)", SCHEME(scheme),
            i ? "velocity" : "displacement", order, error[i][0], error[i][1], error[i][2]);
   }
-  free(v0);
-  free(fine);
-  free(now);
+  free_all(v0, fine, now);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }

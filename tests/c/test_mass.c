@@ -108,8 +108,7 @@ static void mirrored(ct_brick_kind kind)
     double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), *other = masses(image, 1.7, CT_LUMP_DEFAULT);
     tap_ok(memcmp(mass, other, (size_t)m->node_count * sizeof *mass) == 0,
            "%s: mirrored in %c, the same bits", KIND[kind], "xyz"[axis]);
-    free(mass);
-    free(other);
+    free_all(mass, other);
     ct_mesh_free(m);
     ct_mesh_free(image);
   }
@@ -125,8 +124,7 @@ static void turned(ct_brick_kind kind)
   double *mass = masses(m, 1.7, CT_LUMP_DEFAULT),
          off = largest_difference(mass, straight, m->node_count) / largest(straight, m->node_count);
   tap_ok(off < 1e-14, "%s: turned elements have the same masses, off by %.2g", KIND[kind], off);
-  free(mass);
-  free(straight);
+  free_all(mass, straight);
   ct_mesh_free(m);
 }
 
@@ -183,8 +181,7 @@ static void any_box(ct_lumping lumping)
       off = worst(off, mass[n] / sum[n] - 1.0);
       from_closed = worst(from_closed, mass[n] / want - 1.0);
     }
-    free(mass);
-    free(sum);
+    free_all(mass, sum);
     ct_mesh_free(m);
   }
   // Coordinates are rounded to 1e-16 of the largest one, so edges to some 1e-15 of themselves.

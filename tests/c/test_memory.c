@@ -235,11 +235,9 @@ static void many_nodes(const kind *k)
     advance(problem, state, 1);
     tap_ok(close_to(state->memory[0], 2.0 * omega) < 1e-13,
            "the rate is that of the change at all nodes");
-    free(way);
-    free(change);
+    free_all(way, change);
   }
-  free(total);
-  free(force);
+  free_all(total, force);
   close_run(state, scene, m);
 }
 

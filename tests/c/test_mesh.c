@@ -133,9 +133,7 @@ static void faces(ct_brick_kind kind)
   for (int n = 0; n < m->node_count; n++) right += m->nodes[3 * n + 2] == 5.0;
   tap_ok(count == right && ascending && count == (kind == CT_HEX8 ? 12 : 12 + 9 + 8),
          "%s: %d nodes in a plane, ascending", KIND[kind], count);
-  free(face);
-  free(owner);
-  free(set);
+  free_all(face, owner, set);
   ct_mesh_free(m);
 }
 
@@ -164,10 +162,7 @@ static void faces_in_planes(ct_brick_kind kind)
     }
   tap_ok(off == 0, "%s: faces in each plane of a lattice are the outer ones in it (%d are not)",
          KIND[kind], off);
-  free(all);
-  free(owner);
-  free(some);
-  free(its);
+  free_all(all, owner, some, its);
   ct_mesh_free(m);
 }
 

@@ -140,8 +140,7 @@ static void growth(double over)
   ct_monitor_free(monitor);
   close_run(state, scene, m);
   ct_mesh_free(still);
-  free(v);
-  free(rest);
+  free_all(v, rest);
 }
 
 /* A force c m v that declares a stored energy and stores none: kinetic energy grows as exp(2 c t).
@@ -343,8 +342,7 @@ static void at_rest(void)
     ct_monitor_free(monitor);
     close_run(state, scene, lower);
     ct_mesh_free(upper);
-    free(faces[0]);
-    free(faces[1]);
+    free_all(faces[0], faces[1]);
   }
   tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
          "two blocks at rest in 40 positions, energies up to %.1e: %d errors, growth reported %d "

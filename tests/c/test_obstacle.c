@@ -180,8 +180,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
   }
   tap_ok(size > 0.0 && off < 1e-8 * size, "%s: force is minus the gradient of the energy (%.2g)",
          name, off / size);
-  free(memory);
-  free(next);
+  free_all(memory, next);
   e->calls->free_scratch(scratch);
   free(u), free(f), free(scrap);
   end(&t);
@@ -629,9 +628,7 @@ static void tractions(ct_brick_kind kind)
              ct_obstacle_traction(t.problem, t.state, 1, NULL, area, &error) == CT_ERROR_ARGUMENT,
          "refused: %s", error.text);
   ct_state_free(shaken);
-  free(pressure);
-  free(traction);
-  free(area);
+  free_all(pressure, traction, area);
   end(&t);
 }
 
@@ -677,8 +674,7 @@ static void bound(ct_brick_kind kind)
   tap_ok(top <= 1.0 && top > 0.3 && lost < 1e-13,
          "%s in a plane in any direction: at most %.3g of the largest traction; force lost %.2g",
          kind == CT_HEX8 ? "hex8" : "hex20", top, lost);
-  free(traction);
-  free(area);
+  free_all(traction, area);
   end(&t);
 }
 

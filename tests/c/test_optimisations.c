@@ -83,11 +83,9 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
          "a NaN far from all contact is an error");
   for (int k = 0; k < 2; k++) {
     ct_contact_free(c[k]);
-    free(p[k]);
-    free(f[k]);
+    free_all(p[k], f[k]);
   }
-  free(x);
-  free(mass);
+  free_all(x, mass);
 }
 
 static void plates(ct_brick_kind kind, int self)

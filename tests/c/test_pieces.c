@@ -126,9 +126,7 @@ static void close_pieces(piece *of, int count)
 {
   for (int k = 0; k < count; k++) {
     close_host(&of[k].h);
-    free(of[k].owned[0]);
-    free(of[k].owned[1]);
-    free(of[k].traction);
+    free_all(of[k].owned[0], of[k].owned[1], of[k].traction);
   }
 }
 

@@ -66,8 +66,7 @@ static void zeros(void)
     tap_ok(minus == 0, "fixed along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus,
            n);
     close_block(&plane);
-    free(u);
-    free(f);
+    free_all(u, f);
     ct_mesh_free(m);
   }
 }
@@ -121,10 +120,7 @@ static void forces(void)
     tap_ok(unlike(f, g, n) == 0 && own == want, "%c: and as a plane again", "xyz"[axis]);
     close_block(&plane);
     close_block(&box);
-    free(u);
-    free(f);
-    free(g);
-    free(h);
+    free_all(u, f, g, h);
     ct_mesh_free(m);
   }
 }
@@ -176,11 +172,7 @@ static void rings(void)
       }
       close_block(&plane);
       close_block(&box);
-      free(name);
-      free(at);
-      free(u);
-      free(f);
-      free(g);
+      free_all(name, at, u, f, g);
       ct_mesh_free(m);
     }
 }
@@ -218,11 +210,7 @@ static void mirrored(void)
   }
   close_block(&plane);
   ct_mesh_free(m);
-  free(u);
-  free(v);
-  free(f);
-  free(g);
-  free(image);
+  free_all(u, v, f, g, image);
 }
 
 /* Two plates that collide; `push` acts on one layer only. */
@@ -303,8 +291,7 @@ static void runs(void)
     need(ct_state_force(b.problem, b.state, b.problem->effect_count - 1, g, &e), &e);
     tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0,
            "reactions of the supports are the same at every node");
-    free(f);
-    free(g);
+    free_all(f, g);
     plates both[2] = {a, b};
     for (int i = 0; i < 2; i++) {
       ct_state_free(both[i].state);

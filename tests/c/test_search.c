@@ -121,8 +121,7 @@ static void random_boxes(int count, int lattice, const char *what)
     free(moved);
   }
   ct_box_tree_free(tree);
-  free(boxes);
-  free(extra);
+  free_all(boxes, extra);
 }
 
 /* Few boxes, equal boxes, and distances from a box (eq:box-distance). */
@@ -310,11 +309,7 @@ static void patchwork_make(patchwork *p, ct_face_kind kind, int n, double wave)
   p->surface = (ct_surface){kind, m * m, count, p->faces, p->x};
 }
 
-static void patchwork_free(patchwork *p)
-{
-  free(p->x);
-  free(p->faces);
-}
+static void patchwork_free(patchwork *p) { free_all(p->x, p->faces); }
 
 static ct_search *search_of(const ct_surface *surface)
 {
@@ -410,11 +405,7 @@ static void nearest_faces(int k)
   tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
          "%s: after a large deformation and back (%d builds), the same bits", KIND[k].name,
          (int)ct_search_builds(search));
-  free(moved);
-  free(points);
-  free(out);
-  free(again);
-  free(start);
+  free_all(moved, points, out, again, start);
   ct_search_free(search);
   patchwork_free(&p);
 }
@@ -690,8 +681,7 @@ static double sphere_error(int n)
     off = worst(off, got.signed_distance - (sqrt(r) - 1.0));
   }
   ct_search_free(search);
-  free(x);
-  free(faces);
+  free_all(x, faces);
   return off;
 }
 

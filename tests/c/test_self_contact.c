@@ -59,14 +59,7 @@ static fold new_fold(ct_face_kind kind)
   return p;
 }
 
-static void free_fold(fold *p)
-{
-  free(p->faces);
-  free(p->layer[0]);
-  free(p->layer[1]);
-  free(p->reference);
-  free(p->x);
-}
+static void free_fold(fold *p) { free_all(p->faces, p->layer[0], p->layer[1], p->reference, p->x); }
 
 /* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by
  * `slide`, warp both at random. */
@@ -158,8 +151,7 @@ static void folded(ct_face_kind kind)
              largest(F, 3) < 1e-13 * size && largest(M, 3) < 1e-13 * size,
          "%s strip: no resultant", KIND[kind]);
   ct_contact_free(contact);
-  free(point);
-  free(f);
+  free_all(point, f);
   free_fold(&p);
 }
 
@@ -195,9 +187,7 @@ static void like_two(ct_face_kind kind)
          "%s strip: the tractions at the nodes are, too", KIND[kind]);
   ct_contact_free(one);
   ct_contact_free(two);
-  free(f);
-  free(g);
-  free(area);
+  free_all(f, g, area);
   free_fold(&p);
 }
 
@@ -234,11 +224,7 @@ static void bound(ct_face_kind kind)
          "%s strip: the bound %.4g is above the true frequency %.4g", KIND[kind], square, quotient);
   tap_close(dt * sqrt(square), 2.0, 1e-14, "%s strip: the step is that of the bound", KIND[kind]);
   ct_contact_free(contact);
-  free(f0);
-  free(f);
-  free(v);
-  free(x);
-  free(mass);
+  free_all(f0, f, v, x, mass);
   free_fold(&p);
 }
 
@@ -273,9 +259,7 @@ static void history(ct_face_kind kind)
   ct_contact_free(travelled);
   ct_contact_free(fresh);
   ct_contact_free(threads);
-  free(f);
-  free(g);
-  free(h);
+  free_all(f, g, h);
   free_fold(&p);
 }
 
@@ -306,9 +290,7 @@ static void closed(ct_brick_kind kind, double thickness, int layers)
          "it does not touch itself",
          KIND[surface.kind], thickness, layers);
   ct_contact_free(contact);
-  free(x);
-  free(f);
-  free(outer);
+  free_all(x, f, outer);
   ct_mesh_free(m);
 }
 
@@ -357,9 +339,7 @@ static void open_jaws(ct_brick_kind kind)
   jaws(m, -0.16, x);
   tap_ok(energy_at(contact, x) > 0.0, "%s jaws that close are in contact", KIND[skin.kind]);
   ct_contact_free(contact);
-  free(outer);
-  free(reference);
-  free(x);
+  free_all(outer, reference, x);
   ct_mesh_free(m);
 }
 
@@ -410,13 +390,7 @@ static void c_shape(void)
          "and their forces");
   ct_contact_free(self);
   ct_contact_free(pair);
-  free(outer);
-  free(first);
-  free(last);
-  free(reference);
-  free(x);
-  free(f);
-  free(g);
+  free_all(outer, first, last, reference, x, f, g);
   ct_mesh_free(m);
 }
 
@@ -511,8 +485,7 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
       shaken = worst(shaken, energy_at(contact, x));
     }
     ct_contact_free(contact);
-    free(x);
-    free(outer);
+    free_all(x, outer);
     ct_mesh_free(m);
   }
   // A motion of 1e-5 at most, relative to a point, three times that with quadratic faces, on an
@@ -546,8 +519,7 @@ static void made_in_each_other(ct_face_kind kind)
          "again",
          KIND[kind], before, parted, after);
   ct_contact_free(contact);
-  free(apart);
-  free(pressed);
+  free_all(apart, pressed);
   free_fold(&p);
 }
 

@@ -133,8 +133,7 @@ static void no_force(const form *f)
   tap_ok(zeros == TRIALS * dofs, "%s: no force in %d translations", f->name, TRIALS);
   effect->calls->free_scratch(scratch);
   ct_effect_free(effect);
-  free(u);
-  free(force);
+  free_all(u, force);
   ct_mesh_free(m);
 }
 

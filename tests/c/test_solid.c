@@ -68,12 +68,7 @@ static void patch_test(ct_brick_kind kind)
   }
   tap_close(energy / (density * volume), 1.0, 1e-12, "%s patch: energy", KIND[kind]);
   close_block(&solid);
-  free(mass);
-  free(outer);
-  free(is_outer);
-  free(u);
-  free(f);
-  free(stress);
+  free_all(mass, outer, is_outer, u, f, stress);
   ct_mesh_free(m);
 }
 
@@ -102,8 +97,7 @@ static void stresses(ct_brick_kind kind, ct_law law)
       if (m->nodes[3 * n] > count[i] - 0.3) m->nodes[3 * n] -= 2.0;
     unlike += ct_solid_stress(m, &material, u, stress, &e) != CT_ERROR_GEOMETRY ||
               e.element != count[i] - 1;
-    free(u);
-    free(stress);
+    free_all(u, stress);
     ct_mesh_free(m);
   }
   tap_ok(unlike == 0, "%s, law %d: stresses in batches are the readable form's, to the last bit",
@@ -170,9 +164,7 @@ static void rigid_motions(ct_brick_kind kind, ct_solid_kernel kernel, const char
          "%s: a small rotation gives %.2g of a stretch's force", name,
          largest(f, 3 * m->node_count) / scale);
   close_block(&solid);
-  free(u);
-  free(f);
-  free(g);
+  free_all(u, f, g);
   ct_mesh_free(m);
 }
 
@@ -189,9 +181,7 @@ static void kernel_against_reference(ct_mesh *m, ct_solid_kernel kernel, const c
          "%s, %d elements: force off by %.2g, energy by %.2g", name, m->element_count, off,
          fabs(energy / want - 1.0));
   close_block(&solid);
-  free(u);
-  free(f);
-  free(g);
+  free_all(u, f, g);
   ct_mesh_free(m);
 }
 
@@ -256,10 +246,7 @@ static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled,
   tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "%s, %d elements%s: two threads, the same bits",
          name, m->element_count, shuffled ? " in any order" : "");
   close_block(&solid);
-  free(u);
-  free(before);
-  free(f);
-  free(g);
+  free_all(u, before, f, g);
   ct_mesh_free(m);
 }
 
@@ -286,8 +273,7 @@ static void wheel(void)
   ct_error e;
   need(ct_mesh_create_copy(&m, &copy, &e), &e);
   kernel_against_reference(copy, CT_KERNEL_GENERAL, "hex8 kernel, five elements around an axis");
-  free(m.nodes);
-  free(m.elements);
+  free_all(m.nodes, m.elements);
 }
 
 static void refusals(void)
@@ -451,9 +437,7 @@ static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char 
   tap_ok(bound >= quotient && bound < 2.0 * quotient,
          "%s: bound of omega^2 is %.4f of the mesh's own", name, bound / quotient);
   close_block(&solid);
-  free(v);
-  free(f);
-  free(mass);
+  free_all(v, f, mass);
   ct_mesh_free(m);
 }
 
@@ -567,10 +551,7 @@ static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *nam
            (int)faults, 3 * m->node_count);
     close_block(&right);
     close_block(&left);
-    free(u);
-    free(v);
-    free(f);
-    free(g);
+    free_all(u, v, f, g);
     ct_mesh_free(m);
     ct_mesh_free(image);
   }
@@ -619,11 +600,7 @@ static void rows(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, const c
          name, faults);
   close_block(&in_rows);
   close_block(&not);
-  free(to);
-  free(u);
-  free(v);
-  free(f);
-  free(g);
+  free_all(to, u, v, f, g);
   ct_mesh_free(m);
   ct_mesh_free(other);
 }

@@ -27,9 +27,7 @@ static void beside_the_general_kernel(void)
       bound_off = worst(bound_off, block_frequency(&box) - block_frequency(&general));
       close_block(&box);
       close_block(&general);
-      free(u);
-      free(f);
-      free(g);
+      free_all(u, f, g);
       ct_mesh_free(m);
     }
     tap_ok(off < 1e-13 && energy_off < 1e-13,
@@ -60,9 +58,7 @@ static void translations(void)
   }
   tap_ok(zeros, "a translation, also one of 1e300, gives exactly no force and no energy");
   close_block(&box);
-  free(u);
-  free(f);
-  free(g);
+  free_all(u, f, g);
   ct_mesh_free(m);
 }
 

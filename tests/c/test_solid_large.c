@@ -115,11 +115,7 @@ static void patch_test(ct_brick_kind kind, ct_law law)
   tap_close(energy / (density * volume_of(m)), 1.0, 1e-12, "%s, %s patch: energy", KIND[kind],
             LAW[law]);
   close_block(&solid);
-  free(is_outer);
-  free(outer);
-  free(stress);
-  free(u);
-  free(f);
+  free_all(is_outer, outer, stress, u, f);
   ct_mesh_free(m);
 }
 
@@ -166,10 +162,7 @@ static void turned(ct_brick_kind kind, ct_law law)
          "%s, %s: rotated twelve times, energy changes by %.2g, force by %.2g", KIND[kind],
          LAW[law], off[0], off[1]);
   close_block(&solid);
-  free(u);
-  free(v);
-  free(f);
-  free(g);
+  free_all(u, v, f, g);
   ct_mesh_free(m);
 }
 
@@ -242,10 +235,7 @@ static void small_strain(ct_brick_kind kind, ct_law law)
   tap_ok(off[2] < 1e-7 && energy_off[2] < 1e-7 && off[3] < 5e-11 && energy_off[3] < 5e-11,
          "%s, %s: tiny displacements, force off by %.2g, energy by %.2g", KIND[kind], LAW[law],
          off[3], energy_off[3]);
-  free(u);
-  free(v);
-  free(f);
-  free(g);
+  free_all(u, v, f, g);
   ct_mesh_free(m);
 }
 
@@ -307,10 +297,7 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
          "%s, %s: stretched by 0.6 to 2, end force and stress off by %.2g, lateral stress %.2g",
          KIND[kind], LAW[law], off[0], off[1]);
   close_block(&solid);
-  free(u);
-  free(f);
-  free(stress);
-  free(end);
+  free_all(u, f, stress, end);
   ct_mesh_free(m);
 }
 
@@ -338,9 +325,7 @@ static void kernels(ct_brick_kind kind, ct_law law)
     need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     same &= memcmp(f, g, (size_t)n * sizeof *f) == 0;
     close_block(&solid);
-    free(u);
-    free(f);
-    free(g);
+    free_all(u, f, g);
     ct_mesh_free(m);
   }
   tap_ok(off < 1e-13 && energy_off < 1e-13,
@@ -367,10 +352,7 @@ static int64_t mirror_faults_of(ct_mesh *m, ct_law law)
     close_block(&there);
     ct_mesh_free(image);
   }
-  free(u);
-  free(v);
-  free(f);
-  free(g);
+  free_all(u, v, f, g);
   ct_mesh_free(m);
   return faults;
 }
@@ -420,10 +402,7 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
   tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind],
          LAW[law], faults);
   close_block(&solid);
-  free(u);
-  free(v);
-  free(f);
-  free(g);
+  free_all(u, v, f, g);
   ct_mesh_free(m);
 }
 

@@ -64,9 +64,7 @@ static void kernel(void)
     need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "two threads: the same bits");
     close_block(&solid);
-    free(u);
-    free(f);
-    free(g);
+    free_all(u, f, g);
     ct_mesh_free(m);
   }
 }
@@ -138,10 +136,7 @@ static void patch(void)
   tap_ok(hourglass < 1e-24 * strain, "patch: no hourglass energy, %.2g of the strain's",
          hourglass / strain);
   close_block(&solid);
-  free(u);
-  free(f);
-  free(outer);
-  free(is_outer);
+  free_all(u, f, outer, is_outer);
   ct_mesh_free(m);
 }
 
@@ -232,8 +227,7 @@ static void curvature(void)
            exact = 0.5 * (n * n * n / 12.0) * c * c * 6.0;
     off = worst(off, energy / exact - (1.0 - (1.0 - 0.3) / (n * n)));
     close_block(&solid);
-    free(u);
-    free(f);
+    free_all(u, f);
     ct_mesh_free(beam);
   }
   tap_ok(off < 1e-13,
@@ -279,14 +273,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   }
   for (int i = 0; i < ends; i++) mean += u[3 * end[i] + 1] / ends;
   close_block(&solid);
-  free(u);
-  free(r);
-  free(d);
-  free(q);
-  free(end);
-  free(root);
-  free(fixed);
-  free(faces);
+  free_all(u, r, d, q, end, root, fixed, faces);
   return mean;
 }
 

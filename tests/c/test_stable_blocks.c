@@ -36,9 +36,7 @@ static double whole(const ct_mesh *m, const ct_material *material, const block *
     }
     quotient = work / kinetic;
   }
-  free(v);
-  free(f);
-  free(mass);
+  free_all(v, f, mass);
   return quotient;
 }
 

@@ -129,10 +129,7 @@ static void second_order(ct_brick_kind kind)
            "kind %d: %s at t = 1 has order %.3f in dt (errors %.2g %.2g %.2g)", kind,
            i == 0 ? "displacement" : "velocity", order, error[i][0], error[i][1], error[i][2]);
   }
-  free(v0);
-  free(fine_u);
-  free(fine_v);
-  free(v);
+  free_all(v0, fine_u, fine_v, v);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }
@@ -184,8 +181,7 @@ static void stability(ct_brick_kind kind)
   top = largest_kinetic(&q, 100, 30);
   tap_ok(top > 1e6 * start, "kind %d: at 1.02 of the true limit it grows without bound, %.2g", kind,
          top / start);
-  free(v);
-  free(zero);
+  free_all(v, zero);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }
@@ -472,9 +468,7 @@ static void loaded_start(void)
   order = log(error[0] / error[1]) / log(2.0);
   tap_ok(order > 1.9 && order < 2.1, "loaded start: order %.3f in dt (errors %.2g %.2g)", order,
          error[0], error[1]);
-  free(fine);
-  free(f);
-  free(v);
+  free_all(fine, f, v);
   ct_scene_free(scene);
   ct_mesh_free(left);
   ct_mesh_free(right);

@@ -62,8 +62,7 @@ static void moving_base(ct_brick_kind kind)
   tap_ok(off == 0.0,
          "kind %d: the reaction is minus the force on the fixed components, and zero elsewhere",
          kind);
-  free(force);
-  free(solid);
+  free_all(force, solid);
   close_run(state, scene, m);
 }
 

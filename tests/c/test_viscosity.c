@@ -90,8 +90,7 @@ static void uniform_compression(void)
          "a rotation causes no force except rounding, %.2g of the pressure", largest(f, n) / q);
   ct_effect_free(effect);
   ct_scene_free(scene);
-  free(v);
-  free(f);
+  free_all(v, f);
   ct_mesh_free(m);
 }
 
@@ -154,9 +153,7 @@ static void kernel(void)
     ct_scene_free(b);
     ct_mesh_free(image);
   }
-  free(v);
-  free(f);
-  free(g);
+  free_all(v, f, g);
   ct_mesh_free(m);
 }
 
@@ -206,12 +203,7 @@ static void bound(void)
            part == 0 ? "linear" : "quadratic", rate / quotient);
     ct_effect_free(effect);
     ct_scene_free(scene);
-    free(v0);
-    free(d);
-    free(v);
-    free(f0);
-    free(f);
-    free(mass);
+    free_all(v0, d, v, f0, f, mass);
     ct_mesh_free(m);
   }
 }
