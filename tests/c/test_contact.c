@@ -88,10 +88,8 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   tap_ok(resultant < 1e-13 * size,
          "%s on %s: the resultants are those of the nodal forces, off by %.2g", KIND[kb], KIND[ka],
          resultant / size);
-  ct_contact_free(contact);
   free_all(point, fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Forces of the pass of b on nodes of the flat patch a, n x n cells over 1 by 0.75: half of
@@ -172,10 +170,8 @@ static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
         KIND[kb], nb, KIND[ka], na, off, nodal);
     free(by_hand);
   }
-  ct_contact_free(contact);
   free_all(uniform_force, fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* One pair of Q8 faces: corners -1/12, mid-sides 1/3 of the force. */
@@ -194,9 +190,7 @@ static void one_q8(void)
   }
   tap_ok(off < 1e-13,
          "uniform pressure on a Q8 face: -1/12 at corners, 1/3 at mid-sides, off by %.2g", off);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* The bound of one pair of Q8 faces of area 1 with masses 1: shape functions of both signs count by
@@ -221,9 +215,7 @@ static void bound_of_q8(void)
   for (int i = 0; i < 9; i++) mass[i] = 1.0;
   need(springs_of(contact, mass, mass, &omega2), &e);
   tap_close(omega2 / largest(row, 8), 1.0, 1e-12, "a pair of Q8 faces: the bound by hand");
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* The gap from far apart to far inside, in units of the face; at the first update there is no
@@ -265,8 +257,7 @@ static void gap_sweep(double h)
          "energy and force are those of the gap, exactly none when apart (off by %.2g, %d wrong)",
          energy, wrong_force);
   free_all(fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 /* A plate of thickness 0.1, closed all around, and a patch that is pressed into its top: no force
@@ -349,9 +340,7 @@ static void border(void)
          "wrong)",
          in, (int)count, wrong);
   free(point);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the closest point on
@@ -428,9 +417,7 @@ static void fold(double c, double C, double z0, double q, const char *what)
   tap_close(ct_contact_energy(contact) / energy, 1.0, 1e-12,
             "%s: the energy counts each of them once", what);
   free(point);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* The bound of the contact's omega^2 against the largest eigenvalue of its own stiffness, by
@@ -484,10 +471,8 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
   tap_ok(status == CT_OK && bound >= value * (1.0 - 1e-6) && bound < 10.0 * value,
          "%s on %s: bound of omega^2 is %.3f of the true largest eigenvalue", KIND[kb], KIND[ka],
          bound / value);
-  ct_contact_free(contact);
   free_all(K, mass, up, down, v, w);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Two equal Q4 squares: the uniform mode is the highest, omega^2 = eps A / 2 m, and the bound is
@@ -515,9 +500,7 @@ static void sharp_bound(void)
   tap_ok(springs_of(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT &&
              ct_contact_stable_step(contact, mass, mass, &dt, NULL) == CT_ERROR_ARGUMENT,
          "a node without mass is refused");
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Points at exactly the same distance from two faces with a common edge: the bound must use one
@@ -549,8 +532,7 @@ static void bound_on_ties(void)
   tap_close(
       bound[1] / bound[0], 1.0, 1e-12,
       "points over an edge between two faces: the bound does not depend on the order of the faces");
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
   free_patch(&swapped);
 }
 
@@ -617,8 +599,7 @@ static void translation(ct_face_kind kind)
   tap_ok(off < 1e-9 * top && fabs(energy[1] / energy[0] - 1.0) < 1e-9 && top > 0.0,
          "%s, moved by a million faces: forces off by %.2g", KIND[kind], off / top);
   for (int k = 0; k < 4; k++) free(f[k / 2][k % 2]);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 /* Forces of a pair, in one list: all of a, then all of b, then the energy. */
@@ -706,8 +687,7 @@ static void symmetries(ct_face_kind kind)
            (int)wrong);
   }
   free(f);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_options options,
@@ -754,8 +734,7 @@ static void methods(ct_face_kind kind)
     free(got);
   }
   free(want);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 /* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to
@@ -794,9 +773,7 @@ static void between(ct_face_kind kind)
          "%s between a floor and a ceiling: nearest to the floor %d times, to the ceiling %d "
          "times, %d wrong",
          KIND[kind], floor, ceiling, wrong);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* A contact that has followed a motion gives the same forces as a new one at its end. */
@@ -818,10 +795,8 @@ static void history(void)
   double off = largest_difference(f, g, na + nb) / largest(g, na + nb);
   tap_ok(off < 1e-13, "after 60 updates of a motion: forces differ by %.2g from a new contact's",
          off);
-  ct_contact_free(contact);
   free_all(f, g);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* A point exactly over the edge between two faces belongs to the first of them, wherever it came
@@ -842,9 +817,7 @@ static void tie(void)
   }
   tap_ok(point[8 + 4].position[0] == 0.0 && other[0] == 1 && other[1] == 0,
          "a point that comes from face %d to the edge is on face %d", other[0], other[1]);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static void not_finite(void)
@@ -871,10 +844,8 @@ static void not_finite(void)
   tap_ok(ct_contact_update(contact, a.x, b.x, &e) == CT_INVALID && e.body == 0 &&
              e.point == a.faces[0],
          "an infinite coordinate: %s", e.text);
-  ct_contact_free(contact);
   free_all(f, g);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
@@ -919,9 +890,7 @@ static void after_a_refusal(void)
     tap_ok(status == CT_INVALID && fabs(energy - want) < 1e-12 * want,
            "after a NaN of surface %d surfaces that came in press: energy %g of %g", bad, energy,
            want);
-    ct_contact_free(contact);
-    free_patch(&a);
-    free_patch(&b);
+    close_pair(contact, &a, &b);
   }
 }
 
@@ -939,9 +908,7 @@ static void jump_while_in_contact(void)
     off = worst(off, (ct_contact_energy(contact) - want) / (want > 0.0 ? want : 1.0));
   }
   tap_ok(off < 1e-12, "a jump to twenty widths deep and back: energy of the gap, off by %.2g", off);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static void refusals(void)
@@ -1002,8 +969,7 @@ static void refusals(void)
   ct_contact_free(NULL);
   tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6,
             "beta = 4, E = 2.1e5, h = 0.025: eps = 3.36e7");
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 /* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum

@@ -87,9 +87,7 @@ int main(void)
               "%s: the energy of both surfaces, each with half the stiffness", KIND[kind]);
     tap_close(got[2], 0.01, 1e-15, "%s: the corners of b are inside by its displacement",
               KIND[kind]);
-    ct_contact_free(contact);
-    free_patch(&a);
-    free_patch(&b);
+    close_pair(contact, &a, &b);
   }
   return tap_done();
 }

@@ -36,10 +36,8 @@ static void held(ct_face_kind kind)
          "%s: a patch pressed to five times the depth and back keeps its force and energy (off by "
          "%.2g, %.2g)",
          KIND[kind], force, energy);
-  ct_contact_free(contact);
   free_all(fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Points that are deeper than the depth at the first update are not in contact until they have been
@@ -66,9 +64,7 @@ static void buried(void)
       "points deep inside at the first update are not in contact until they have been outside (%d "
       "wrong)",
       wrong);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static void shift(patch *p, double x, double y, double z)
@@ -131,10 +127,8 @@ static void thin_plates(void)
          "thin plates: no jump (at most %.3g of a step's stiffness), and pushed apart to 1.6 "
          "thicknesses, with %.3g of eps t A there",
          jump / (EPSILON * step * 0.64), last / (EPSILON * t * 0.64));
-  ct_contact_free(contact);
   free_all(point, fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static ct_contact_options with_points(ct_contact_rule rule)
@@ -203,10 +197,8 @@ static void patch_test(ct_face_kind kind)
   tap_ok(off < 1e-13 * EPSILON * delta,
          "%s: points at nodes pass the patch test on matching meshes, off by %.2g of eps delta",
          KIND[kind], off / (EPSILON * delta));
-  ct_contact_free(contact);
   free_all(fa, fb, want);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Two warped patches with points at nodes: forces are the gradient of the energy, and both momenta
@@ -244,10 +236,8 @@ static void lobatto_gradient(ct_face_kind kind)
       top > 0.0 && off < 1e-8 * top && momentum < 1e-12 * top,
       "%s: with points at nodes the force is the gradient (off by %.2g), momentum is kept (%.2g)",
       KIND[kind], off / top, momentum / top);
-  ct_contact_free(contact);
   free_all(fa, fb);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 static void turn(patch *p, double R[3][3])
@@ -322,8 +312,7 @@ static void corners_and_edges(void)
       edge[r] =
           fmax(edge[r], 2.0 * c - unseen(&lower, &upper, r ? CT_POINTS_LOBATTO : CT_POINTS_GAUSS,
                                          2.0 * c + 0.1, 2.0 * c - 0.5));
-    free_patch(&lower);
-    free_patch(&upper);
+    close_pair(NULL, &lower, &upper);
   }
   tap_ok(edge[1] <= 0.25,
          "crossed edges: with points on edges they penetrate by up to %.3f h, at most 0.25 h; with "
@@ -366,10 +355,8 @@ static double slide(ct_face_kind kind, double bend, double step)
     size = fmax(size, fabs(last[2]));
     if (i > 0) jump = fmax(jump, sqrt(change));
   }
-  ct_contact_free(contact);
   free_all(start, fa, fb);
-  free_patch(&base);
-  free_patch(&bowl);
+  close_pair(contact, &base, &bowl);
   return jump / size;
 }
 
@@ -438,9 +425,7 @@ static void open_border(void)
          off, along);
   tap_ok(jump > 0.49 && jump < 1.01,
          "at an open border energy jumps by a column of points, %.3g of epsilon delta^2 / 4", jump);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Largest change of the energy in a step of a block that slides off a plate at a depth, both
@@ -463,9 +448,7 @@ static double slide_off(double step, double *left)
     shift(&b, step, 0, 0);
   }
   *left = last;
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
   return jump / top;
 }
 
@@ -631,8 +614,7 @@ static void safe_approach(void)
     double approach = contact->fixed->gaps.approach, expected = want[k];
     if (k == 2) expected = 1.0 / sqrt(2.0); // legs of 1: area ½, longest edge √2
     tap_close(approach, expected, 1e-12, "%s: the largest safe approach", name[k]);
-    free_patch(&a);
-    free_patch(&b);
+    close_pair(NULL, &a, &b);
     ct_contact_free(contact);
   }
   patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 0);
@@ -648,9 +630,7 @@ static void safe_approach(void)
   tap_ok(ct_tunnelling_check(&contact->gaps, v, 0.999 * limit, 0.0, &e) == CT_OK &&
              ct_tunnelling_check(&contact->gaps, v, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
          "a larger approach in a step is refused");
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
   free(v);
 }
 
@@ -672,9 +652,7 @@ static void asked_twice(void)
       update(contact, &a, &b);
       if (energy > 0.0) off = worst(off, ct_contact_energy(contact) / energy - 1.0), touched++;
     }
-    ct_contact_free(contact);
-    free_patch(&a);
-    free_patch(&b);
+    close_pair(contact, &a, &b);
   }
   tap_ok(touched > 200 && off < 1e-14,
          "a repeated query gives the same energy (%d times, off by %.2g at most)", touched, off);

@@ -99,8 +99,7 @@ static hand two_flat_patches(ct_contact_options options, double start)
   options.enforcement = CT_ENFORCE_PENALTY;
   hand h = new_hand(&a, &b, &options);
   h.start = start;
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
   return h;
 }
 
@@ -278,8 +277,7 @@ static hand two_warped_patches(ct_face_kind kind)
   options.enforcement = CT_ENFORCE_PENALTY;
   options.adjust = 0.2;
   hand h = new_hand(&a, &b, &options);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
   return h;
 }
 
@@ -431,8 +429,7 @@ static void same_as_the_host(void)
          different);
   ct_contact_free(contact);
   free_hand(&h);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
   free_all(fa, fb, z);
 }
 

@@ -61,9 +61,7 @@ static void uniform_overlap(ct_face_kind kind)
          KIND[kind], written, off, size[0], size[1]);
   free(seen);
   free_recovered(&r);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Warped patches that do not match, with straight edges if so wished. */
@@ -148,9 +146,7 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
          KIND[ka], straight ? "straight" : "curved", force, moment);
   free(point);
   free_recovered(&r);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* A closed box stands on a patch, which is larger, in any direction: the box's walls carry nothing,
@@ -194,10 +190,8 @@ static void box_on_patch(int turned)
          "box on a larger patch%s: uniform to its edges, off by %.2g; the patch, %.2g; areas, %.2g",
          turned ? ", turned" : "", off[1], off[0], area);
   free_recovered(&r);
-  ct_contact_free(contact);
   free_all(x, y);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* A surface bends down at an angle, and only the flat part is in contact: the area of a node on the
@@ -221,9 +215,7 @@ static void bend(double angle)
   }
   tap_ok(off < 1e-12 && on_bend == 5, "bent by %.2g: half on the bend, off by %.2g", angle, off);
   free_recovered(&r);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* A round surface in a flat one, whose nodes with a force all have the area of their faces, also
@@ -254,9 +246,7 @@ static void round_on_flat(ct_face_kind kind)
       rim += with > 0 && with < corners;
     }
     free_recovered(&r);
-    ct_contact_free(contact);
-    free_patch(&a);
-    free_patch(&b);
+    close_pair(contact, &a, &b);
   }
   // The direction of the forces on the flat faces is vertical only to the angle of the round ones.
   tap_ok(off < 0.02 && rim > 8 * 12, "%s: a round surface in a flat one: whole areas, off by %.2g",
@@ -285,9 +275,7 @@ static void between_points(double warp)
             "a patch between points of a face warped by %g: half its force", warp);
   tap_close(size, 1.0, 1e-14, "the face between whose points it is counts");
   free_recovered(&r);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 /* Tractions and areas of a pair, in one list: tractions of a and b, areas of a and b; 0 where
@@ -337,8 +325,7 @@ static void bits(ct_face_kind kind)
                    (memcmp(f + 3 * nodes, g + 3 * nodes, (size_t)nodes * sizeof *f) != 0);
   tap_ok(faults == 0, "%s: mirrored, the mirrored bits (%d are not)", KIND[kind], (int)faults);
   free_all(f, g);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(NULL, &a, &b);
 }
 
 static void refusals(void)
@@ -353,9 +340,7 @@ static void refusals(void)
              ct_contact_traction(contact, 0, traction, NULL, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_traction(NULL, 0, traction, area, &e) == CT_ERROR_ARGUMENT,
          "an unknown surface and null arguments are refused: %s", e.text);
-  ct_contact_free(contact);
-  free_patch(&a);
-  free_patch(&b);
+  close_pair(contact, &a, &b);
 }
 
 int main(void)

@@ -181,10 +181,7 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
   return b;
 }
 
-static void close_bar(bar *b)
-{
-  close_run(b->state, b->scene, b->mesh);
-}
+static void close_bar(bar *b) { close_run(b->state, b->scene, b->mesh); }
 
 /* The total of the ledger at every step: largest step up over the start, and what is left at the
  * end. */
