@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from commands import captured
 from libcontact._core import ffi, lib
 
 import libcontact as ct
@@ -147,7 +148,7 @@ def test_every_header_compiles_alone(tmp_path):
     for header in sorted((INCLUDE / "libcontact").glob("*.h")):
         source = tmp_path / "alone.c"
         source.write_text(f"#include <libcontact/{header.name}>\nint main(void) {{ return 0; }}\n")
-        done = subprocess.run(
+        done = captured(
             [
                 *CC,
                 "-std=c99",
@@ -158,9 +159,7 @@ def test_every_header_compiles_alone(tmp_path):
                 f"-I{INCLUDE}",
                 "-fsyntax-only",
                 str(source),
-            ],
-            capture_output=True,
-            text=True,
+            ]
         )
         assert done.returncode == 0, done.stderr
 
@@ -187,7 +186,7 @@ def test_every_header_alone_links_from_cxx(tmp_path):
         + f"int main() {{ return {' + '.join(call for call, _ in calls)} == {sum(count for _, count in calls)} ? 0 : 1; }}\n"
     )
     libraries = [str(path) for path in sorted(LIBRARIES.glob("*.so"))]
-    done = subprocess.run(
+    done = captured(
         [
             *CXX,
             "-std=c++11",
@@ -201,9 +200,7 @@ def test_every_header_alone_links_from_cxx(tmp_path):
             f"-Wl,-rpath,{LIBRARIES.resolve()}",
             "-o",
             str(tmp_path / "all"),
-        ],
-        capture_output=True,
-        text=True,
+        ]
     )
     assert done.returncode == 0, done.stderr
     assert subprocess.run([str(tmp_path / "all")]).returncode == 0
@@ -227,7 +224,7 @@ def test_no_name_of_the_core_is_one_of_the_systems():
         if path.parent.name not in ADDON
     ]
     ahead = [word for name in SYSTEM for word in ("-include", f"{name}.h")]
-    done = subprocess.run(
+    done = captured(
         [
             *CC,
             "-w",
@@ -237,9 +234,7 @@ def test_no_name_of_the_core_is_one_of_the_systems():
             *ahead,
             "-fsyntax-only",
             *sources,
-        ],
-        capture_output=True,
-        text=True,
+        ]
     )
     assert done.returncode == 0, done.stderr
 
@@ -260,12 +255,8 @@ USES = {
 @pytest.mark.parametrize("part", USES)
 def test_an_installed_addon_is_found_by_pkg_config(part, tmp_path):
     environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
-    flags = subprocess.run(
-        [PKG_CONFIG, "--cflags", "--libs", f"libcontact-{part}"],
-        check=True,
-        capture_output=True,
-        text=True,
-        env=environment,
+    flags = captured(
+        [PKG_CONFIG, "--cflags", "--libs", f"libcontact-{part}"], check=True, env=environment
     )
     source, program = tmp_path / "use.c", tmp_path / "use"
     source.write_text(USES[part])
@@ -334,15 +325,9 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
         name: value for name, value in os.environ.items() if not name.startswith("LIBCONTACT_")
     } | {"CC": str(fast)}
     make = "from setuptools import build_meta as b; import sys; print(b.build_sdist(sys.argv[1]))"
-    done = subprocess.run(
-        [sys.executable, "-c", make, str(tmp_path)],
-        cwd=tree,
-        capture_output=True,
-        text=True,
-        env=environment,
-    )
+    done = captured([sys.executable, "-c", make, str(tmp_path)], cwd=tree, env=environment)
     assert done.returncode == 0, done.stderr
-    done = subprocess.run(
+    done = captured(
         [
             sys.executable,
             "-m",
@@ -357,8 +342,6 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
             str(next(tmp_path.glob("*.tar.gz"))),
         ],
         cwd=tmp_path,
-        capture_output=True,
-        text=True,
         env=environment,
     )
     assert done.returncode == 0, done.stderr
@@ -370,11 +353,9 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
         f"import libcontact as ct; assert ct.__file__.startswith({str(tmp_path)!r}); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
         "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))"
     )
-    done = subprocess.run(
+    done = captured(
         [sys.executable, "-c", use],
         cwd=tmp_path,
-        capture_output=True,
-        text=True,
         env={**environment, "PYTHONPATH": str(tmp_path / "installed")},
     )
     assert done.stdout == "2.0 False False\n", done.stderr
@@ -401,11 +382,9 @@ def machine(tmp_path):
         for name, text in programs.items():
             (tools / name).write_text(f"#!/bin/sh\n{text}\n")
             (tools / name).chmod(0o755)
-        done = subprocess.run(
+        done = captured(
             ["sh", str(ROOT / "wrapper" / "bootstrap.sh"), command],
             env={"PATH": str(tools), "PYTHON": "python", "PKG_CONFIG": "pkg-config", **variables},
-            capture_output=True,
-            text=True,
             stdin=subprocess.DEVNULL,
         )
         assert done.returncode == 0
@@ -435,7 +414,7 @@ def test_the_set_up_step_installs_what_the_tests_want(machine):
 
 
 def nm(*arguments):
-    return subprocess.run(["nm", *arguments], check=True, capture_output=True, text=True).stdout
+    return captured(["nm", *arguments], check=True).stdout
 
 
 @pytest.mark.skipif(
@@ -494,9 +473,7 @@ def test_either_all_kernels_or_none_are_compiled_for_several_machines():
     reason="no ldd or no shared library",
 )
 def test_the_core_needs_libc_and_libm_only():
-    needed = subprocess.run(
-        ["ldd", str(LIBRARIES / "libcontact.so")], check=True, capture_output=True, text=True
-    ).stdout
+    needed = captured(["ldd", str(LIBRARIES / "libcontact.so")], check=True).stdout
     names = {line.split()[0].split("/")[-1] for line in needed.splitlines()}
     allowed = r"linux-vdso\.so.*|libc\.so.*|libm\.so.*|libgomp\.so.*|libpthread\.so.*|libdl\.so.*|ld-linux.*"
     assert {name for name in names if not re.fullmatch(allowed, name)} == set()

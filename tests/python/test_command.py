@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import captured
 from libcontact._core import lib
 from libcontact.command import main
 from libcontact.run import RunError
@@ -199,10 +200,8 @@ def test_what_may_never_end_is_not_read(scene, capsys):
         ("large.toml", "300 MB; at most 256 MB"),
         ("mesh.toml", "pipe.toml"),
     ):
-        done = subprocess.run(
+        done = captured(
             [sys.executable, "-m", "libcontact", "explain", path],
-            capture_output=True,
-            text=True,
             timeout=60,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)),
         )
@@ -228,7 +227,7 @@ def test_a_warning_that_python_makes_an_error_is_one_line_and_exit_code_3(scene)
     """Before the first step, as with wrong units, and so without a file."""
     Path(scene).write_text(Path(scene).read_text().replace("young = 2.1e5", "young = 1e-9"))
     for flag, code in (("error", 3), ("default", 0)):
-        done = subprocess.run(
+        done = captured(
             [
                 sys.executable,
                 "-W",
@@ -241,8 +240,6 @@ def test_a_warning_that_python_makes_an_error_is_one_line_and_exit_code_3(scene)
                 "--until",
                 "1e-9",
             ],
-            capture_output=True,
-            text=True,
             timeout=60,
         )
         told = [line for line in done.stderr.splitlines() if "c1 = " in line]
@@ -287,12 +284,7 @@ def test_ctrl_c_among_the_imports_has_exit_code_130_and_says_one_word(tmp_path):
     (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt")
     place = {**os.environ, "PYTHONPATH": str(tmp_path)}
     for arguments in (["run", "scene.toml"], ["explain", "scene.toml"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "libcontact", *arguments],
-            capture_output=True,
-            text=True,
-            env=place,
-        )
+        done = captured([sys.executable, "-m", "libcontact", *arguments], env=place)
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
 
 
@@ -347,15 +339,13 @@ def test_a_disk_with_room_for_the_file_and_a_margin_takes_all_of_it(scene):
     subprocess.run(command, check=True, capture_output=True)
     most = Path("out.vtkhdf").stat().st_size + 300_000
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    done = subprocess.run(command, check=False, capture_output=True, text=True, preexec_fn=limit)
+    done = captured(command, check=False, preexec_fn=limit)
     assert done.returncode == 0, done.stderr
 
 
 def test_a_closed_pipe_is_no_error(scene):
     command = f"{sys.executable} -m libcontact explain {scene} | head -n 1"
-    done = subprocess.run(
-        ["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True
-    )
+    done = captured(["bash", "-c", f"set -o pipefail; {command}"], check=False)
     assert "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr
 
 
@@ -579,7 +569,7 @@ def test_completion_knows_every_command(capsys):
     text = capsys.readouterr().out
     for word in ("explain", "animate", "--restart", "--set"):
         assert word in text
-    done = subprocess.run(["bash", "-n"], input=text, text=True, capture_output=True)
+    done = captured(["bash", "-n"], input=text)
     assert (done.returncode, done.stderr) == (0, "")
 
 

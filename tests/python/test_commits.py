@@ -1,10 +1,10 @@
 """Subjects of commits begin with a room and have at most 72 characters (docs/develop/contributing.rst)."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 ROOT = Path(__file__).resolve().parents[2]
 SINCE = (
@@ -19,7 +19,7 @@ def fits(subject):
 def test_subjects_of_commits_fit():
     log = ["git", "log", "--no-merges", "--format=%s", f"{SINCE}..HEAD"]
     try:
-        done = subprocess.run(log, cwd=ROOT, capture_output=True, text=True)
+        done = captured(log, cwd=ROOT)
     except OSError:
         pytest.skip("no git")
     if done.returncode != 0:

@@ -2,11 +2,11 @@
 and its runs must still end."""
 
 import os
-import subprocess
 import sys
 
 import numpy as np
 import pytest
+from commands import captured
 from libcontact._core import lib
 from scenes import MILLIMETRES, box_of
 
@@ -81,9 +81,7 @@ def test_a_forked_child_runs(tmp_path):
     program = tmp_path / "forks.py"
     program.write_text(PROGRAM.format(folder=os.path.dirname(__file__)))
     # A child that waits for missing threads would wait forever; the limit is far above the time needed.
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60
-    )
+    done = captured([sys.executable, "-W", "ignore", str(program)], timeout=60)
     assert done.stdout.split("\n")[:3] == ["0", "[True, True, True]", "True"], done.stderr
 
 
@@ -95,5 +93,5 @@ def test_short_loops_start_no_threads(tmp_path):
     """Starting a thread takes longer than a step of a small scene; a larger one uses the requested threads."""
     program = tmp_path / "short.py"
     program.write_text(SHORT.format(folder=os.path.dirname(__file__)))
-    done = subprocess.run([sys.executable, str(program)], capture_output=True, text=True)
+    done = captured([sys.executable, str(program)])
     assert done.stdout.split() == ["0", "1"], done.stderr

@@ -2,11 +2,11 @@
 
 import re
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import captured
 from libcontact._core import ffi
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -38,9 +38,7 @@ def test_an_include_that_looks_up_is_found(tmp_path):
 @pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
 def test_every_symbol_has_the_prefix():
     for archive in ARCHIVES:
-        listed = subprocess.run(
-            ["nm", "-g", "--defined-only", str(archive)], capture_output=True, text=True, check=True
-        ).stdout
+        listed = captured(["nm", "-g", "--defined-only", str(archive)], check=True).stdout
         names = set(re.findall(r"^[0-9a-f]+ [A-Zi] (\S+)$", listed, re.M))
         assert names, archive
         # target_clones adds its own endings to a name, no other beginnings.
@@ -157,7 +155,7 @@ def test_no_files_of_a_room_need_each_other_in_a_circle(room):
         path = ROOT / "build" / "obj" / room / source.with_suffix(".o").name
         if not path.exists():  # an add-on that is not built
             continue
-        listed = subprocess.run(["nm", str(path)], capture_output=True, text=True).stdout
+        listed = captured(["nm", str(path)]).stdout
         gives[source.stem] = set(re.findall(r"^[0-9a-f]+ [TDRBi] (\S+)$", listed, re.M))
         takes[source.stem] = set(re.findall(r"^ +U (\S+)$", listed, re.M))
     needs = {a: {b for b in gives if b != a and takes[a] & gives[b]} for a in gives}

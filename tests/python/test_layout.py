@@ -1,11 +1,11 @@
 """All tracked C and Python files have the layout that ``make format`` writes, and no line of prose exceeds 120."""
 
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 ROOT = Path(__file__).resolve().parents[2]
 TOOLS = Path(sys.executable).parent  # those of wrapper/requirements/test.txt, with their versions
@@ -14,9 +14,7 @@ TOOLS = Path(sys.executable).parent  # those of wrapper/requirements/test.txt, w
 def tracked(*patterns):
     """Files of the repository in the working tree."""
     try:
-        done = subprocess.run(
-            ["git", "ls-files", "-z", *patterns], cwd=ROOT, capture_output=True, text=True
-        )
+        done = captured(["git", "ls-files", "-z", *patterns], cwd=ROOT)
     except OSError:
         pytest.skip("no git")
     if done.returncode != 0:
@@ -40,9 +38,7 @@ def test_sources_have_the_layout_of_make_format(command, patterns):
     if not (TOOLS / tool).exists():
         pytest.skip(f"no {tool} in {TOOLS.name}/ beside this Python (make build/venv/.test)")
     files = tracked(*patterns)
-    done = subprocess.run(
-        [TOOLS / tool, *options, *files], cwd=ROOT, capture_output=True, text=True
-    )
+    done = captured([TOOLS / tool, *options, *files], cwd=ROOT)
     assert done.returncode == 0, f"make format writes:\n{done.stdout}{done.stderr}"[:4000]
 
 

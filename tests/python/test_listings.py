@@ -5,12 +5,12 @@ import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 import textwrap
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 ROOT = Path(__file__).resolve().parents[2]
 STAGE = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "stage"
@@ -41,14 +41,14 @@ def output_of(source, folder):
     """Compile as a user does, with all warnings, and run."""
     environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
     found = [PKG_CONFIG, "--cflags", "--libs", "libcontact"]
-    flags = subprocess.run(found, check=True, capture_output=True, text=True, env=environment)
+    flags = captured(found, check=True, env=environment)
     warnings = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{ROOT / 'tests/c'}"]
     link = [*flags.stdout.split(), f"-Wl,-rpath,{STAGE / 'lib'}", "-lm"]
     program = folder / "program"
     command = [*CC, *warnings, str(source), *link, "-o", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = captured(command)
     assert done.returncode == 0, done.stderr
-    done = subprocess.run([str(program)], capture_output=True, text=True, cwd=folder)
+    done = captured([str(program)], cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -61,7 +61,7 @@ def test_a_program_prints_what_stands_beside_it(source, tmp_path):
 
 def test_the_same_effect_in_python_prints_the_same():
     script = ROOT / "tutorials" / "c" / "02_effect.py"
-    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    done = captured([sys.executable, str(script)])
     assert done.stdout == script.with_suffix(".out").read_text(), done.stderr
 
 
@@ -69,7 +69,7 @@ def test_the_number_of_the_reader_in_a_hurry(tmp_path):
     """``docs/start/ball.py`` prints the output on the page, and the page's statements about it are true."""
     script = ROOT / "docs" / "start" / "ball.py"
     command = [sys.executable, str(script)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    done = captured(command, cwd=tmp_path)
     assert done.stdout == script.with_suffix(".out").read_text(), done.stderr
     hertz, *found = (float(x) for x in re.findall(r"([\d.]+) MPa", done.stdout))
     soft, default = found[::2], found[1::2]
@@ -95,9 +95,7 @@ def test_the_commands_for_a_c_programmer_compile_and_run_as_they_stand(tmp_path)
         line = line.replace("$HOME/.local", str(STAGE)).replace("gcc", shlex.join(CC), 1)
         line = line.replace("-o ", f"-o {tmp_path}/").replace("./", f"{tmp_path}/")
         line = line.replace("pkg-config", PKG_CONFIG)
-        done = subprocess.run(
-            line, shell=True, cwd=ROOT, env=environment, capture_output=True, text=True
-        )
+        done = captured(line, shell=True, cwd=ROOT, env=environment)
         assert done.returncode == 0 and not done.stderr, line + done.stderr
         printed.append(done.stdout)
     programs = ("03_projection", "01_impact", "04_own_loop")
@@ -116,7 +114,7 @@ def test_the_commands_for_a_number_run_as_they_stand(tmp_path):
             if line.startswith("libcontact")
             else line
         )
-        done = subprocess.run(line, shell=True, cwd=tmp_path, capture_output=True, text=True)
+        done = captured(line, shell=True, cwd=tmp_path)
         assert done.returncode == 0, line + done.stderr
     assert (tmp_path / "hertz.png").stat().st_size > 10_000
 

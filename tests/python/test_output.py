@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from commands import captured
 from scenes import ENERGY, MILLIMETRES, box_of
 
 import libcontact as ct
@@ -27,9 +28,7 @@ def writer_program(folder):
     flags = None
     for name in ("hdf5-serial", "hdf5"):
         try:
-            asked = subprocess.run(
-                ["pkg-config", "--cflags", "--libs", name], capture_output=True, text=True
-            )
+            asked = captured(["pkg-config", "--cflags", "--libs", name])
         except FileNotFoundError:
             break
         if asked.returncode == 0:

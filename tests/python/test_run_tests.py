@@ -1,10 +1,10 @@
 """How ``make test`` counts: a check once, however many builds of its program ran."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 RUNNER = Path(__file__).resolve().parents[1] / "run_tests.py"
 
@@ -53,11 +53,9 @@ def test_counts(tmp_path, programs, ran, last):
     for name, script in programs.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{script}\n")
         (tmp_path / name).chmod(0o755)
-    done = subprocess.run(
+    done = captured(
         [sys.executable, RUNNER, tmp_path, "--no-pytest", "--skip", "no compiler"]
-        + [tmp_path / name for name in programs],
-        capture_output=True,
-        text=True,
+        + [tmp_path / name for name in programs]
     )
     passed_and_failed, skipped = last.rsplit(" ", 1)
     last = f"{passed_and_failed} {int(skipped) + 1} skipped"  # one more by --skip
@@ -69,9 +67,7 @@ def test_c_programs_wait_without_spinning(tmp_path):
     program = tmp_path / "test_a"
     program.write_text('#!/bin/sh\n[ "$OMP_WAIT_POLICY" = passive ] && echo ok 1 - a\necho 1..1\n')
     program.chmod(0o755)
-    done = subprocess.run(
-        [sys.executable, RUNNER, tmp_path, "--no-pytest", program], capture_output=True, text=True
-    )
+    done = captured([sys.executable, RUNNER, tmp_path, "--no-pytest", program])
     assert done.returncode == 0, done.stdout
 
 

@@ -3,13 +3,13 @@
 import copy
 import dataclasses
 import math
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import captured
 from libcontact.mesh import Mesh, read_vtkhdf
 from libcontact.schema import Place, Rows, SceneError
 from libcontact.units import Units
@@ -728,7 +728,7 @@ def test_a_scene_of_the_tutorials_is_short_and_explained(path):
 
 def test_a_scene_is_read_without_planning_and_pictures():
     code = "import sys, libcontact as ct; ct.Scene.load(ct.example('plates')); print(*sys.modules)"
-    out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    out = captured([sys.executable, "-c", code], check=True)
     loaded = {name.split(".")[1] for name in out.stdout.split() if name.startswith("libcontact.")}
     assert "scene" in loaded and not loaded & {"planning", "pictures", "command"}
 

@@ -2,11 +2,11 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 ROOT = Path(__file__).resolve().parents[2]
 # Runs the top level of each script, with the modules beside it, and forgets these before the next one. A package of
@@ -31,7 +31,7 @@ for script in sys.argv[1:]:
 
 def make(*words):
     alone = {**os.environ, "MAKEFLAGS": ""}  # not those of the make that runs this test
-    done = subprocess.run(["make", *words], cwd=ROOT, env=alone, capture_output=True, text=True)
+    done = captured(["make", *words], cwd=ROOT, env=alone)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -68,7 +68,5 @@ def test_scripts_of_all_targets_start(commands):
     scripts = set(re.findall(r"python3? (\w+/\S+\.py)", commands[0]))
     assert len(scripts) > 10
     scripts = [name for name in sorted(scripts) if "__main__" in (ROOT / name).read_text()]
-    done = subprocess.run(
-        [sys.executable, "-c", START, *scripts], cwd=ROOT, capture_output=True, text=True
-    )
+    done = captured([sys.executable, "-c", START, *scripts], cwd=ROOT)
     assert done.returncode == 0, done.stderr

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import captured
 
 import libcontact as ct
 
@@ -27,11 +28,9 @@ FILES = {
 
 def run(script, folder):
     alone = shutil.copy(script, folder)
-    return subprocess.run(
+    return captured(
         [sys.executable, alone],
         cwd=folder,
-        capture_output=True,
-        text=True,
         env={
             **os.environ,
             "MPLBACKEND": "Agg",
@@ -117,12 +116,8 @@ def test_a_download_runs_with_the_wheel_and_its_extra(script, fresh, tmp_path):
     (tmp_path / script.name).write_text(found)
     names = ("PYTHONPATH", "LIBCONTACT_FIGURES", "LIBCONTACT_TIMES")
     environment = {name: value for name, value in os.environ.items() if name not in names}
-    done = subprocess.run(
-        [str(fresh), "-I", script.name],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        env=environment | {"MPLBACKEND": "Agg"},
+    done = captured(
+        [str(fresh), "-I", script.name], cwd=tmp_path, env=environment | {"MPLBACKEND": "Agg"}
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert list(tmp_path.glob("*.png"))

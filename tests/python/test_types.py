@@ -1,10 +1,10 @@
 """The types of the package: mypy --strict finds no error, and a user's program is checked against them."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import captured
 
 ROOT = Path(__file__).resolve().parents[2]
 pytest.importorskip("mypy")
@@ -13,7 +13,7 @@ pytest.importorskip("mypy")
 def check(*arguments):
     """The output of mypy for these files, with the settings of pyproject.toml."""
     command = [sys.executable, "-m", "mypy", "--config-file", "pyproject.toml", *arguments]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    done = captured(command, cwd=ROOT)
     return done.stdout + done.stderr
 
 
