@@ -102,4 +102,13 @@ static inline double total(const double *f, int nodes, int c)
   return sum;
 }
 
+/* Rotate a patch about the origin. */
+static inline void turn(patch *p, double R[3][3])
+{
+  for (int n = 0; n < p->surface.node_count; n++) {
+    const double x[3] = {p->x[3 * n], p->x[3 * n + 1], p->x[3 * n + 2]};
+    for (int c = 0; c < 3; c++) p->x[3 * n + c] = R[c][0] * x[0] + R[c][1] * x[1] + R[c][2] * x[2];
+  }
+}
+
 #endif

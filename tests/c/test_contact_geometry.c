@@ -240,14 +240,6 @@ static void lobatto_gradient(ct_face_kind kind)
   close_pair(contact, &a, &b);
 }
 
-static void turn(patch *p, double R[3][3])
-{
-  for (int n = 0; n < p->surface.node_count; n++) {
-    double v[3] = {p->x[3 * n], p->x[3 * n + 1], p->x[3 * n + 2]};
-    for (int c = 0; c < 3; c++) p->x[3 * n + c] = R[c][0] * v[0] + R[c][1] * v[1] + R[c][2] * v[2];
-  }
-}
-
 /* Height of the lowest of the highest positions: largest depth of `top` in `base` before any
  * contact point is inside, by bisection; and the deepest corner at this height. */
 static double unseen(const patch *base, const patch *top, ct_contact_rule rule, double high,

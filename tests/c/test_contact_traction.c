@@ -95,14 +95,6 @@ static void add(double sum[6], const double x[3], const double f[3])
   }
 }
 
-static void turn(patch *p, double R[3][3])
-{
-  for (int n = 0; n < p->surface.node_count; n++) {
-    const double x[3] = {p->x[3 * n], p->x[3 * n + 1], p->x[3 * n + 2]};
-    for (int c = 0; c < 3; c++) p->x[3 * n + c] = R[c][0] * x[0] + R[c][1] * x[1] + R[c][2] * x[2];
-  }
-}
-
 /* Areas times tractions against the forces of all points, those of both passes.
  * (eq:recovered-traction) */
 static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)

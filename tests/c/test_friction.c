@@ -443,8 +443,7 @@ static void closed_skins(int n, double apart)
 {
   ct_mesh *low = box_mesh(CT_HEX8, 0, 0, -1, 1, 1, 1, n, n, n),
           *high = box_mesh(CT_HEX8, 0, 0, apart, 1, 1, 1, n, n, n);
-  ct_scene *scene = new_scene();
-  add_body(scene, "low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "high", high, &SOFT, CT_KERNEL_AUTO, 0, 0, -1);
   int32_t outer[2][4 * 6 * 64];
   ct_scene_contact skins = {.body_a = 0,

@@ -265,8 +265,7 @@ static void least_energy(void)
   static const ct_material STIFF = {30.0, 0.25, 5.0, CT_LINEAR};
   ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 2),
           *upper = box_mesh(CT_HEX8, 0, 0, 5, 2, 2, 1, 2, 2, 2);
-  ct_scene *scene = new_scene();
-  add_body(scene, "lower", lower, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("lower", lower, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "upper", upper, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
   tap_close(floor_of(p) / DBL_EPSILON, 10.0 * 30.0 * 0.75 / (1.25 * 0.5), 1e-9,
