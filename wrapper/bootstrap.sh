@@ -21,8 +21,8 @@ look() { # what is missing now
   wants gsl && { "$PKG_CONFIG" --exists gsl 2>/dev/null || wanted="$wanted libgsl-dev"; }
   wants hdf5 && { "$PKG_CONFIG" --exists hdf5-serial 2>/dev/null || "$PKG_CONFIG" --exists hdf5 2>/dev/null || wanted="$wanted libhdf5-dev"; }
   case "$commands" in *" test "*) command -v "${CXX%% *}" >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || wanted="$wanted g++" ;; esac
-  # libc6-dbg: valgrind replaces functions of libc by their names.
-  case "$commands" in *" memory "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
+  # Callgrind counts instructions. libc6-dbg: valgrind replaces functions of libc by their names.
+  case "$commands" in *" memory "* | *" bench "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
   # The names that docs/browser.py looks for.
   case "$commands" in *" pdf "*)
     for browser in chromium chromium-browser google-chrome chrome ""; do command -v "$browser" >/dev/null 2>&1 && break; done

@@ -394,9 +394,9 @@ def machine(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
-@pytest.mark.parametrize("command", ["memory", "pdf"])
+@pytest.mark.parametrize("command", ["memory", "bench", "pdf"])
 def test_the_set_up_step_installs_what_one_command_wants(machine, command):
-    packages = {"memory": "valgrind libc6-dbg", "pdf": "chromium"}[command]
+    packages = "chromium" if command == "pdf" else "valgrind libc6-dbg"
     assert re.search(rf"install {packages}$", machine(command)[1], re.M)
 
 
