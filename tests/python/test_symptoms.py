@@ -48,6 +48,11 @@ def test_every_class_and_kind_has_an_entry_and_every_entry_one():
     assert {*CLASSES, *errors.KINDS} == set(ENTRIES)
 
 
+def test_the_chapter_on_warnings_has_a_row_for_each_kind():
+    chapter = (ROOT / "docs" / "theory" / "warnings.rst").read_text(encoding="utf-8")
+    assert set(re.findall(r"^   \* - ``(\w+)``", chapter, re.M)) == set(errors.KINDS)
+
+
 def test_the_kinds_are_those_of_the_sources():
     used = re.findall(r'SceneWarning\(\s*"(\w+)"|super\(\).__init__\("(\w+)", text, key\)', words())
     assert {kind for pair in used for kind in pair if kind} == set(errors.KINDS)
