@@ -136,7 +136,8 @@ typedef struct body {
   const char *name;
   ct_brick_kind kind;
   ct_solid_kernel kernel;
-  double bent; /* largest displacement of a node along y */
+  double bent;  /* largest displacement of a node along y */
+  int32_t rows; /* elements along z, each .1 high */
 } body;
 
 /* A result of two bodies in an order that does not depend on their numbers. */
@@ -162,9 +163,10 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
   ct_mesh *m[2];
   int64_t steps;
   for (int b = 0; b < 2; b++) {
-    m[b] =
-        mesh_of(form->kind,
-                (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2}, {1, 0.2, 1.2}, {10, 2, 12}, layers});
+    m[b] = mesh_of(form->kind, (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2},
+                                        {1, 0.2, 0.1 * form->rows},
+                                        {10, 2, form->rows},
+                                        layers});
     for (double *x = m[b]->nodes; x < m[b]->nodes + 3 * m[b]->node_count; x += 3)
       x[1] += form->bent * sin(4.0 * x[0] + 3.0 * x[2]);
     if (shuffle_it) {
@@ -226,10 +228,12 @@ static void orders(const body *form)
 
 int main(void)
 {
-  static const body BODIES[] = {{"hex8", CT_HEX8, CT_KERNEL_AUTO, 0.0},
-                                {"hex8, bent", CT_HEX8, CT_KERNEL_AUTO, 0.03},
-                                {"hex8, reduced", CT_HEX8, CT_KERNEL_REDUCED, 0.03},
-                                {"hex20", CT_HEX20, CT_KERNEL_AUTO, 0.0}};
+  static const body BODIES[] = {{"hex8", CT_HEX8, CT_KERNEL_AUTO, 0.0, 12},
+                                // More nodes in a line than the zeros that a border reads
+                                {"hex8, long", CT_HEX8, CT_KERNEL_AUTO, 0.0, 260},
+                                {"hex8, bent", CT_HEX8, CT_KERNEL_AUTO, 0.03, 12},
+                                {"hex8, reduced", CT_HEX8, CT_KERNEL_REDUCED, 0.03, 12},
+                                {"hex20", CT_HEX20, CT_KERNEL_AUTO, 0.0, 12}};
   for (int self = 0; self < 2; self++) {
     plates(CT_HEX8, self);
     plates(CT_HEX20, self);
