@@ -219,7 +219,7 @@ static void lacking(void)
     const ct_effect_calls *calls;
     ct_phase phase;
     const char *names;
-  } wrong[] = {{NULL, CT_PHASE_STATE, "effect host: it has no calls"},
+  } wrong[] = {{NULL, CT_PHASE_STATE, "effect host: its table of calls is null"},
                {&forceless, CT_PHASE_STATE, "effect host: its calls lack force"},
                {&unfreed, CT_PHASE_STATE, "effect host: its calls lack free_scratch"},
                {&freed, CT_PHASE_STATE, "effect host: its calls lack create_scratch"},

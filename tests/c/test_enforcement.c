@@ -820,7 +820,7 @@ static void refused(void)
   options.epsilon = 1.0;
   options.dissipation = 1.5;
   tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT &&
-             strstr(error.text, "dissipation 1.5") != NULL,
+             strstr(error.text, "dissipation must be 0 to 1, not 1.5") != NULL,
          "refused: %s", error.text);
   options.dissipation = NAN;
   tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT,

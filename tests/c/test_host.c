@@ -443,7 +443,7 @@ static void refusals(void)
   need(ct_contact_step(contact, &p, &e), &e);
   tap_ok(lift(contact) == 0.0, "or kept, also after an update, without force");
   for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
-  tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not for 0.005"),
+  tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not 0.005"),
          "half a kick in the second step: %s", e.text);
   p.force_time = 0.01;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_STEP, "a leap: %s", e.text);

@@ -215,20 +215,21 @@ static void contacts(void)
                            .options = ct_contact_options_default()},
                    c;
   c = good, c.options.epsilon = 1.0;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive",
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, not both",
                   "both beta and epsilon");
   c = good, c.beta = -4.0;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive", "a negative beta");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta must be 0", "a negative beta");
   c = good, c.beta = NAN;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive", "a beta that is NaN");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta must be 0", "a beta that is NaN");
   c = good, c.face_count_a = 0;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a surface without faces");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "list of faces", "a surface without faces");
   c = good, c.faces_b = NULL;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a face list that does not exist");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "list of faces", "a face list that does not exist");
   c = good, c.side_a = CT_X_MAX;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either a list or a side", "a list and a side");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either a list of faces or a side",
+                  "a list and a side");
   c = good, c.faces_b = NULL, c.side_b = (ct_box_side)7;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a side that does not exist");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "list of faces", "a side that does not exist");
   c = good, c.body_b = 2;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no body 2", "a body that does not exist");
   c = good, c.body_a = -1;
@@ -571,7 +572,8 @@ static void own_effects(void)
   tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_ERROR_ARGUMENT && freed == 1,
          "nodes outside: refused and freed, %s", e.text);
   filled.nodes = unsorted;
-  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "ascending"),
+  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "must ascend"),
          "nodes not ascending: %s", e.text);
   static const ct_effect_calls forceless = {.free_data = own_freed};
   filled.nodes = nodes, filled.calls = &forceless;

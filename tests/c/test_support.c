@@ -115,8 +115,8 @@ static void refusals(void)
   s[0].fixed[0] = 1, s[0].velocity[0] = NAN;
   refused(s, 1, CT_INVALID, "not finite", "a velocity that is NaN");
   s[0].velocity[0] = 0.0;
-  refused(s, 0, CT_ERROR_ARGUMENT, "nothing", "no supports");
-  refused(NULL, 1, CT_ERROR_ARGUMENT, "nothing", "a null list");
+  refused(s, 0, CT_ERROR_ARGUMENT, "is empty", "no supports");
+  refused(NULL, 1, CT_ERROR_ARGUMENT, "is empty", "a null list");
 }
 
 /* Fixed components that differ from node to node, at some nodes or at all; an effect on all nodes

@@ -327,7 +327,7 @@ def test_refusals():
         contact.step(0.1, SQUARE, pair, pair)
     with pytest.raises(ValueError, match="velocity must have shape"):
         contact.step(0.1, (SQUARE, SQUARE), (np.zeros((5, 3)), pair[0]), pair)
-    with pytest.raises(ct.ArgumentError, match="a step of -1"):
+    with pytest.raises(ct.ArgumentError, match="dt must be positive and finite, not -1"):
         contact.step(-1.0, (SQUARE, SQUARE), pair, pair)
     with pytest.raises(ct.ArgumentError, match="not finite") as refused:
         contact.step(0.1, (SQUARE, SQUARE + [[np.nan, 0, 0]]), pair, pair)
@@ -412,7 +412,7 @@ def test_numbers_that_are_no_prediction_are_refused_in_the_first_step():
             contact = ct.Contact(square(up, [0, 3, 2, 1]), square(low, [0, 1, 2, 3]), epsilon=50.0)
             velocity, force, inverse = still.copy(), still.copy(), one.copy()
             (velocity, force, inverse)[what][2, 1] = wrong
-            with pytest.raises(ct.Error, match="node 2 of surface 0"):
+            with pytest.raises(ct.Error, match="node 2 of surface a"):
                 contact.step(0.01, (up, low), (velocity, still), (inverse, one), (force, still))
 
 
@@ -570,7 +570,7 @@ def test_restart():
     got = slide(second, 100, middle)
     assert (got[0] == want[0]).all() and (got[1] == want[1]).all()
     assert second.balance == contact.balance
-    with pytest.raises(ct.ArgumentError, match="of another contact"):
+    with pytest.raises(ct.ArgumentError, match="it is another one"):
         second.restore(first.save()[1:])
     with pytest.raises(ct.Error, match="were not written by ct_contact_save"):
         second.restore(np.full_like(first.save(), np.nan))

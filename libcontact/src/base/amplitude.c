@@ -8,7 +8,7 @@ ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error)
 {
   if (amplitude == NULL || amplitude->count < 0 ||
       (amplitude->count > 0 && (amplitude->time == NULL || amplitude->value == NULL)))
-    return CT_REFUSE(error, "amplitude: null argument");
+    return CT_REFUSE_NULL(error);
   for (int32_t i = 0; i < amplitude->count; i++) {
     if (!isfinite(amplitude->time[i]) || !isfinite(amplitude->value[i]))
       return ct_fail(error, CT_INVALID, (ct_place){-1, -1, i}, "amplitude: point %d is not finite",

@@ -22,6 +22,8 @@ ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *f
 
 /* Refuse an invalid argument without a place in a mesh, and report missing memory. */
 #define CT_REFUSE(error, ...) ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, __VA_ARGS__)
+/* Refuse a null argument of the public call in whose body this stands. */
+#define CT_REFUSE_NULL(error) CT_REFUSE(error, "%s: a required argument is null", __func__)
 #define CT_NO_MEMORY(error, ...) \
   ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for " __VA_ARGS__)
 

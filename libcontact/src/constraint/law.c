@@ -57,9 +57,10 @@ static int is_known(ct_enforcement law) { return (int)law >= 0 && law < CT_ENFOR
 
 ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 {
-  if (!is_known(c->enforcement) || !(c->dissipation >= 0.0 && c->dissipation <= 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: enforcement %d with dissipation %g",
-                   who, (int)c->enforcement, c->dissipation);
+  if (!is_known(c->enforcement))
+    return CT_REFUSE(error, "%s: there is no enforcement %d", who, (int)c->enforcement);
+  if (!(c->dissipation >= 0.0 && c->dissipation <= 1.0))
+    return CT_REFUSE(error, "%s: dissipation must be 0 to 1, not %g", who, c->dissipation);
   return CT_OK;
 }
 

@@ -300,7 +300,10 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
   memset(s->coarse, 0, size);
   memset(s->fine, 0, size);
   if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 24 * data->points))
-    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: a force of %g", top);
+    return ct_fail(
+        error, CT_ERROR_BLOWUP, CT_NOWHERE,
+        "friction: the largest force, %g, is too large or not finite; the motion has diverged",
+        top);
   const slip_point *p = s->points;
   for (int k = 0; top > 0.0 && k < data->sides; k++) {
     push(now, k, &grid, p, s);
@@ -380,7 +383,10 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
 {
   friction_state *s = state;
   const friction *data = s->data;
-  if (at->on == NULL) return CT_REFUSE(error, "friction: what it acts on is not in the problem");
+  if (at->on == NULL)
+    return CT_REFUSE(
+        error,
+        "friction: the contact or obstacle that it acts on must be an effect of the problem, too");
   int64_t first = 0;
   call now = begin(s, at);
   s->pieces = now.side[0]->pieces;
@@ -455,7 +461,10 @@ static ct_status check(double coefficient, double tangent, ct_error *error)
   if (!(coefficient > 0.0) || !isfinite(coefficient))
     return CT_REFUSE(error, "friction: the coefficient must be positive, not %g", coefficient);
   if (!(tangent > 0.0) || !isfinite(tangent))
-    return CT_REFUSE(error, "friction: a tangential penalty of %g times the normal one", tangent);
+    return CT_REFUSE(
+        error,
+        "friction: the ratio of the tangential to the normal penalty must be positive, not %g",
+        tangent);
   return CT_OK;
 }
 

@@ -214,26 +214,29 @@ static ct_status check(const ct_contact_fixed *fixed, const ct_obstacle_def *o,
 {
   const ct_obstacle_kind *kind = ct_obstacle_kind_of(o->shape);
   double a[3];
-  int per = ct_face_node_count(surface->kind), finite = 1;
-  for (int c = 0; c < 3; c++)
-    finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]) && isfinite(o->travel[c]);
-  if (!finite)
-    return ct_fail(error, CT_INVALID, CT_NOWHERE,
-                   "obstacle: its point, velocity or travel is not finite");
+  int per = ct_face_node_count(surface->kind);
+  static const char *const NAME[3] = {"point", "velocity", "travel"};
+  for (int i = 0; i < 9; i++) {
+    const double *vector = i < 3 ? o->point : i < 6 ? o->velocity : o->travel;
+    if (!isfinite(vector[i % 3]))
+      return ct_fail(error, CT_INVALID, CT_NOWHERE, "obstacle: %s %c must be finite, not %g",
+                     NAME[i / 3], "xyz"[i % 3], vector[i % 3]);
+  }
   if (kind == NULL) return CT_REFUSE(error, "obstacle: there is no shape %d", (int)o->shape);
   if (kind->direction != NULL && !ct_obstacle_axis(o->axis, a))
-    return CT_REFUSE(error, "obstacle: the %s has no length", kind->direction);
+    return CT_REFUSE(error, "obstacle: the %s is zero; it must have a direction", kind->direction);
   if (kind->is_round && (!(o->radius > 0.0) || !isfinite(o->radius)))
     return CT_REFUSE(error, "obstacle: the radius must be positive, not %g", o->radius);
   if (o->amplitude.count == 0 &&
       (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
-    return CT_REFUSE(error, "obstacle: it has a travel, but no amplitude");
+    return CT_REFUSE(error, "obstacle: travel needs an amplitude, which says when it is travelled");
   if (per == 0 || surface->face_count < 1 || surface->faces == NULL)
     return CT_REFUSE(error, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)surface->face_count * per; i++)
     if (surface->faces[i] < 0 || surface->faces[i] >= surface->node_count)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, surface->faces[i]},
-                     "obstacle: there is no node %d", (int)surface->faces[i]);
+                     "obstacle: face %d of the surface names node %d, there are nodes 0 to %d",
+                     (int)(i / per), (int)surface->faces[i], (int)surface->node_count - 1);
   return ct_contact_check(fixed, o->epsilon, o->points, error);
 }
 

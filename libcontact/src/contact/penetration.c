@@ -89,7 +89,7 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
                                  ct_penetration *out, ct_error *error)
 {
   ct_penetration points = {0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, 0.0, 0, 0.0};
-  if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL || out == NULL) return CT_REFUSE_NULL(error);
   const ct_gaps_fixed *fixed = contact->gaps.fixed;
   const int rigid = ct_contact_is_rigid(contact->fixed), surfaces = ct_gaps_surfaces(fixed);
   if (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES)

@@ -7,7 +7,7 @@ ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], dou
 {
   if (contact == NULL || force_a == NULL || moment_a == NULL ||
       (contact->fixed->gaps.sides == 2 && (force_b == NULL || moment_b == NULL)))
-    return CT_REFUSE(error, "contact: null argument");
+    return CT_REFUSE_NULL(error);
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     double *force = s == 0 ? force_a : force_b, *moment = s == 0 ? moment_a : moment_b;
@@ -35,7 +35,7 @@ int64_t ct_contact_point_count(const ct_contact *contact)
 
 ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points, ct_error *error)
 {
-  if (contact == NULL || points == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL || points == NULL) return CT_REFUSE_NULL(error);
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     for (int64_t i = 0; i < side->fixed->point_count; i++, points++) {

@@ -190,7 +190,9 @@ ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   const int64_t terms = (ct_contact_is_rigid(contact->fixed) ? 8 : 16) * fixed->point_count;
   if (!ct_grid_init(&grid, 2.0 * top, terms))
-    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
+    return ct_fail(
+        error, CT_ERROR_BLOWUP, CT_NOWHERE,
+        "the largest contact force, %g, is too large or not finite; the motion has diverged", top);
   for (int s = 0; s < fixed->sides; s++)
     if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, &sides[s], &sides[0]);
     else spread(&grid, &sides[s], ct_contact_other(contact, s));

@@ -23,13 +23,16 @@ int ct_start_gap_counts(const ct_start_rule *rule) { return keeps(rule) || rule-
 
 ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error)
 {
-  if (rule->initial_penetration < CT_INITIAL_FORCE ||
-      rule->initial_penetration > CT_INITIAL_REMOVE ||
-      (rule->initial_penetration == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0)))
-    return CT_REFUSE(error, "%s: initial penetration %d with removal in %g", label,
-                     (int)rule->initial_penetration, rule->removal_time);
+  const ct_initial initial = rule->initial_penetration;
+  if (initial < CT_INITIAL_FORCE || initial > CT_INITIAL_REMOVE)
+    return CT_REFUSE(error, "%s: there is no initial penetration %d", label, (int)initial);
+  if (initial == CT_INITIAL_REMOVE && !(rule->removal_time > 0.0))
+    return CT_REFUSE(error,
+                     "%s: to remove the initial penetration, removal_time must be positive, not %g",
+                     label, rule->removal_time);
   if (!(rule->adjust >= 0.0) || !isfinite(rule->adjust))
-    return CT_REFUSE(error, "%s: gaps and overlaps up to %g to be adjusted", label, rule->adjust);
+    return CT_REFUSE(error, "%s: adjust must be 0 or positive and finite, not %g", label,
+                     rule->adjust);
   return CT_OK;
 }
 

@@ -49,10 +49,14 @@ static ct_status check_options(const ct_contact_fixed *fixed, const ct_contact_o
                                ct_error *error)
 {
   if (!(options->tolerance > 0.0 && options->tolerance < 1.0))
-    return CT_REFUSE(error, "contact: a tolerance of %g", options->tolerance);
-  if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 ||
-      options->threads > CT_MOST_THREADS)
-    return CT_REFUSE(error, "contact: depth %g, %d threads", options->depth, options->threads);
+    return CT_REFUSE(error, "contact: tolerance must be above 0 and below 1, not %g",
+                     options->tolerance);
+  if (!(options->depth >= 0.0) || !isfinite(options->depth))
+    return CT_REFUSE(error, "contact: depth must be 0 or positive and finite, not %g",
+                     options->depth);
+  if (options->threads < 1 || options->threads > CT_MOST_THREADS)
+    return CT_REFUSE(error, "contact: threads must be 1 to %d, not %d", CT_MOST_THREADS,
+                     options->threads);
   if (!ct_method_exists(options->method))
     return CT_REFUSE(error, "contact: there is no search method %d", (int)options->method);
   return ct_contact_check(fixed, options->epsilon, options->points, error);
@@ -146,14 +150,14 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   }
   const int32_t offset = fixed->one_array ? 0 : surface[0]->node_count;
   if (status == CT_OK && offset > INT32_MAX - surface[sides - 1]->node_count)
-    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: too many nodes");
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                     "contact: the two surfaces have more than 2147483647 nodes");
   if (status == CT_OK && list_nodes(fixed, offset) != CT_OK)
     status = CT_NO_MEMORY(error, "a contact");
   fixed->gaps.depth = options->depth > 0.0 ? options->depth : size;
   if (status == CT_OK && options->adjust > fixed->gaps.depth)
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "contact: surfaces are searched for each other up to the depth %g only, so "
-                     "adjust = %g is too much",
+                     "contact: adjust must be at most the depth of the search, %g, not %g",
                      fixed->gaps.depth, options->adjust);
   if (status == CT_OK &&
       ct_tunnelling_init(&fixed->gaps, options->depth > 0.0, options->adjust) != CT_OK)

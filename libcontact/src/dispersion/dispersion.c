@@ -23,7 +23,7 @@ static ct_status begin(const ct_dispersion_def *def, ct_bloch *bloch, ct_error *
   if (def->cookie != CT_DEF_COOKIE)
     return CT_REFUSE(error, "dispersion: begin with ct_dispersion_def_default()");
   if (!(def->step >= 0.0 && def->step < HUGE_VAL))
-    return CT_REFUSE(error, "dispersion: step = %g is negative or not finite", def->step);
+    return CT_REFUSE(error, "dispersion: step must be 0 or positive and finite, not %g", def->step);
   ct_status status = ct_integrator_check(&def->integrator, error);
   return status == CT_OK ? ct_bloch_init(def, bloch, error) : status;
 }
@@ -50,12 +50,12 @@ ct_status ct_dispersion(const ct_dispersion_def *def, size_t count, const double
   ct_bloch bloch;
   ct_status status = begin(def, &bloch, error);
   if (status != CT_OK) return status;
-  if (count > 0 && (wave == NULL || branches == NULL))
-    return CT_REFUSE(error, "dispersion: null argument");
+  if (count > 0 && (wave == NULL || branches == NULL)) return CT_REFUSE_NULL(error);
   for (size_t i = 0; i < 3 * count; i++)
     if (!(fabs(wave[i]) < HUGE_VAL))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)(i / 3)},
-                     "dispersion: a component of the wave vector is %g", wave[i]);
+                     "dispersion: the components of the wave vector must be finite, not %g",
+                     wave[i]);
   const size_t n = 3 * (size_t)bloch.families;
   for (size_t i = 0; i < count; i++) {
     ct_bloch_wave found[CT_CELL_SIZE];
@@ -80,14 +80,15 @@ static ct_status find_planes(front *f, const int32_t index[3], ct_error *error)
   int32_t divisor = 0;
   for (int d = 0; d < 3; d++) {
     if (index[d] > LARGEST_INDEX || index[d] < -LARGEST_INDEX)
-      return CT_REFUSE(error, "dispersion: normal[%d] = %d is beyond %d", d, index[d],
-                       LARGEST_INDEX);
+      return CT_REFUSE(error, "dispersion: normal[%d] must be -%d to %d, not %d", d, LARGEST_INDEX,
+                       LARGEST_INDEX, index[d]);
     for (int32_t a = index[d] < 0 ? -index[d] : index[d]; a != 0;) {
       int32_t rest = divisor % a;
       divisor = a, a = rest;
     }
   }
-  if (divisor == 0) return CT_REFUSE(error, "dispersion: the normal is zero");
+  if (divisor == 0)
+    return CT_REFUSE(error, "dispersion: the normal is zero; it must have a direction");
   // -- Planes of nodes and where the families stand between them
   double length = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -109,7 +110,7 @@ static ct_status find_period(front *f, size_t count, const double *distance, ct_
   for (size_t i = 0; i < count; i++) {
     if (!(fabs(distance[i]) < HUGE_VAL))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                     "dispersion: the distance is %g", distance[i]);
+                     "dispersion: distance must be finite, not %g", distance[i]);
     farthest = fmax(farthest, fabs(distance[i]));
   }
   const double quarter = (c1 * f->time + farthest) / f->spacing + 16.0;
@@ -125,9 +126,12 @@ static ct_status find_steps(front *f, double time, ct_error *error)
 {
   const double steps = f->def->step > 0.0 ? time / f->def->step : 0.0;
   if (!(time >= 0.0 && time < HUGE_VAL && steps < 1e15))
-    return CT_REFUSE(error, "dispersion: time = %g is negative or too large", time);
+    return CT_REFUSE(
+        error, "dispersion: time must be 0 or positive, and at most 1e15 steps, not %g", time);
   if (fabs(steps - nearbyint(steps)) > 1e-6)
-    return CT_REFUSE(error, "dispersion: time = %g is %.9g steps, not a whole number", time, steps);
+    return CT_REFUSE(error,
+                     "dispersion: time must be a whole number of steps, but %g is %.9g steps", time,
+                     steps);
   f->time = time;
   f->steps = (int64_t)nearbyint(steps);
   return CT_OK;
@@ -188,7 +192,7 @@ ct_status ct_dispersion_front(const ct_dispersion_def *def, const int32_t normal
   front f = {.def = def};
   ct_status status = begin(def, &f.bloch, error);
   if (status == CT_OK && (normal == NULL || (count > 0 && (distance == NULL || stress == NULL))))
-    return CT_REFUSE(error, "dispersion: null argument");
+    return CT_REFUSE_NULL(error);
   if (status == CT_OK) status = find_planes(&f, normal, error);
   if (status == CT_OK) status = find_steps(&f, time, error);
   if (status == CT_OK) status = find_period(&f, count, distance, error);

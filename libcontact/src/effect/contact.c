@@ -226,7 +226,7 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
   if (on == NULL || (on->kind != CT_EFFECT_CONTACT && on->kind != CT_EFFECT_OBSTACLE))
     return CT_REFUSE(
         error,
-        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
+        "friction: add a contact or an obstacle first; friction acts where there is a pressure");
   status = ct_friction_create(def->coefficient, def->tangent, interaction_of(on), &is, error);
   const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
                             .label = "friction",

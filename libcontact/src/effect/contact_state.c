@@ -17,7 +17,7 @@ static const void *state_of(const ct_problem *problem, ct_state *state, int32_t 
   int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
            problem->effects[effect]->kind == kind;
   *status = is ? ct_workspace_forces(problem, state, error)
-               : CT_REFUSE(error, "effect %d is not %s", (int)effect, what);
+               : CT_REFUSE(error, "effect %d of the problem is not %s", (int)effect, what);
   return *status == CT_OK ? ct_touch_state(state->workspace->scratch[effect]) : NULL;
 }
 
@@ -37,7 +37,7 @@ static const ct_contact *obstacle_of(const ct_problem *problem, ct_state *state,
 ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                double force[3], double *work, ct_error *error)
 {
-  if (force == NULL || work == NULL) return CT_REFUSE(error, "obstacle: null argument");
+  if (force == NULL || work == NULL) return CT_REFUSE_NULL(error);
   ct_status status = CT_OK;
   const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
   if (s == NULL) return status;
@@ -49,7 +49,7 @@ ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32
 ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
                                double *traction, double *area, ct_error *error)
 {
-  if (traction == NULL || area == NULL) return CT_REFUSE(error, "obstacle: null argument");
+  if (traction == NULL || area == NULL) return CT_REFUSE_NULL(error);
   ct_status status = CT_OK;
   const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
   return s == NULL ? status
@@ -67,7 +67,7 @@ ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, in
 ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
                              double *stored, double *dissipated, ct_error *error)
 {
-  if (stored == NULL || dissipated == NULL) return CT_REFUSE(error, "friction: null argument");
+  if (stored == NULL || dissipated == NULL) return CT_REFUSE_NULL(error);
   ct_status status = CT_OK;
   ct_interaction_energy energy;
   const void *s = state_of(problem, state, effect, CT_EFFECT_FRICTION, "friction", &status, error);
@@ -94,8 +94,7 @@ static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t
 ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
                             ct_error *error)
 {
-  if (problem == NULL || state == NULL || pressure == NULL)
-    return CT_REFUSE(error, "contact: null argument");
+  if (problem == NULL || state == NULL || pressure == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const int32_t nodes = problem->node_count;

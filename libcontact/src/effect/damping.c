@@ -142,10 +142,12 @@ ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *
   data->mass = problem->mass;
   data->inverse_mass = problem->inverse_mass;
   if (!(def->rate >= 0.0) || !isfinite(def->rate))
-    status = ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", def->rate);
+    status = ct_fail(error, CT_INVALID, CT_NOWHERE,
+                     "damping: the rate must be 0 or positive and finite, not %g", def->rate);
   else if (def->relaxation && def->rate != 0.0)
-    status = CT_REFUSE(
-        error, "damping: relaxation chooses the rate, but a rate of %g is given, too", def->rate);
+    status =
+        CT_REFUSE(error, "damping: relaxation chooses the rate by itself; leave rate at 0, not %g",
+                  def->rate);
   else
     status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "damping", &data->pool,
                                   &data->nodes, &count, error);

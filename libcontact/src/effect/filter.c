@@ -96,8 +96,9 @@ static ct_status pass(const ct_filter *filter, const ct_state *state, double *fi
 ct_status ct_filter_apply(ct_filter *filter, ct_state *state, double *displacement,
                           double *velocity, ct_error *error)
 {
-  if (filter == NULL || state == NULL || state->node_count != filter->problem->node_count)
-    return CT_REFUSE(error, "filter: null argument, or a state of another problem");
+  if (filter == NULL || state == NULL) return CT_REFUSE_NULL(error);
+  if (state->node_count != filter->problem->node_count)
+    return CT_REFUSE(error, "filter: the state belongs to another problem");
   // The state's own problem may have a smaller step.
   ct_status status = ct_workspace_forces(state->problem, state, error);
   if (status == CT_OK && velocity != NULL)
@@ -136,11 +137,12 @@ static ct_status prepare(ct_filter *filter, ct_error *error)
 ct_status ct_filter_create(const ct_problem *problem, int passes, ct_filter **out, ct_error *error)
 {
   if (out != NULL) *out = NULL;
-  if (problem == NULL || out == NULL || passes < 1 || passes > MOST_PASSES)
-    return CT_REFUSE(error, "filter: null argument, or %d passes, which are not 1 to %d", passes,
-                     (int)MOST_PASSES);
+  if (problem == NULL || out == NULL) return CT_REFUSE_NULL(error);
+  if (passes < 1 || passes > MOST_PASSES)
+    return CT_REFUSE(error, "filter: passes must be 1 to %d, not %d", (int)MOST_PASSES, passes);
   if (!ct_problem_is_linear(problem) || problem->effects[0]->kind != CT_EFFECT_SOLID)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "filter: it is for linear bodies");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "filter: all bodies must have the law \"linear\"; leave the filter out");
   ct_filter *filter = ct_allocate(1, sizeof *filter);
   if (filter == NULL) return CT_NO_MEMORY(error, "the filter");
   filter->problem = problem;

@@ -17,7 +17,8 @@ static ct_status check(const ct_motion *motion, int support, int32_t number, int
   if (motion->nodes == NULL || motion->node_count < 1)
     return CT_REFUSE(error, "%s %d has no nodes", NAME[support], (int)number);
   if (!motion->fixed[0] && !motion->fixed[1] && !motion->fixed[2])
-    return CT_REFUSE(error, "%s %d prescribes no component", NAME[support], (int)number);
+    return CT_REFUSE(error, "%s %d prescribes no component; at least one of x, y, z is needed",
+                     NAME[support], (int)number);
   for (int c = 0; c < 3; c++)
     if (motion->fixed[c] && !isfinite(motion->displacement[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "%s %d: %s %c is not finite", NAME[support],
@@ -87,7 +88,7 @@ ct_status ct_held_fill(ct_held *held, ct_scene_part part, const ct_problem *prob
   int support = part == CT_PART_SUPPORT;
   if (held->pool.failed) return CT_NO_MEMORY(error, "the %ss", NAME[support]);
   if (motions == NULL || count < 1)
-    return CT_REFUSE(error, "%s: there is nothing to hold", NAME[support]);
+    return CT_REFUSE(error, "%s: the list of %ss is empty", NAME[support], NAME[support]);
   int32_t *holder = ct_allocate((size_t)problem->node_count, 3 * sizeof *holder);
   held->motions = ct_pool_copy(&held->pool, motions, (size_t)count * sizeof *motions);
   held->mass = problem->mass;

@@ -122,7 +122,8 @@ static ct_status prepare(load_data *load, const ct_problem *problem, ct_error *e
     if (!isfinite(given->traction[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "load: traction %c is not finite", "xyz"[c]);
   if (!isfinite(given->pressure))
-    return ct_fail(error, CT_INVALID, CT_NOWHERE, "load: the pressure is not finite");
+    return ct_fail(error, CT_INVALID, CT_NOWHERE, "load: the pressure must be finite, not %g",
+                   given->pressure);
   ct_status status = ct_amplitude_copy(&load->pool, &given->amplitude, error);
   if (status == CT_OK)
     status = ct_facets_create(given->kind, given->face_count, given->faces, problem->node_count,

@@ -86,7 +86,7 @@ ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *pr
   status = ct_held_fill(data, CT_PART_NONE, problem, def->motions, def->motion_count, error);
   for (int32_t i = 0; status == CT_OK && i < def->motion_count; i++)
     if (def->motions[i].amplitude.count < 1)
-      status = CT_REFUSE(error, "motion %d has no amplitude", (int)i);
+      status = CT_REFUSE(error, "motion %d has no amplitude, which says when it moves", (int)i);
   ct_effect filled = {
       .kind = CT_EFFECT_MOTION,
       .label = "support",

@@ -209,8 +209,8 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   const ct_brick_facts *facts = ct_brick_facts_of(from->mesh->kind);
   if (!facts->trilinear)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "viscosity: body %s is of %s; bulk viscosity is for hex8", from->name,
-                   facts->name);
+                   "viscosity: body %s has elements %s; bulk viscosity is for hex8 only",
+                   from->name, facts->name);
   body->mesh = from->mesh;
   body->first_node = from->first_node;
   body->density = from->material.density;
@@ -228,12 +228,13 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
 
 static ct_status check(const ct_viscosity_def *options, ct_error *error)
 {
-  if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
-        options->linear + options->quadratic > 0.0) ||
-      !isfinite(options->linear + options->quadratic))
-    return CT_REFUSE(
-        error, "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
-        options->linear, options->quadratic);
+  const double coefficient[2] = {options->linear, options->quadratic};
+  for (int i = 0; i < 2; i++)
+    if (!(coefficient[i] >= 0.0) || !isfinite(coefficient[i]))
+      return CT_REFUSE(error, "viscosity: %s must be 0 or positive and finite, not %g",
+                       i == 0 ? "linear" : "quadratic", coefficient[i]);
+  if (coefficient[0] == 0.0 && coefficient[1] == 0.0)
+    return CT_REFUSE(error, "viscosity: linear and quadratic are both 0; one must be positive");
   for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++)
     for (int32_t k = 0; k < i; k++)
       if (options->bodies[k] == options->bodies[i])

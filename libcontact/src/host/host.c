@@ -12,8 +12,7 @@ ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
                             const ct_contact_options *options, ct_contact **out, ct_error *error)
 {
   ct_contact_fixed *fixed = NULL;
-  if (a == NULL || options == NULL || out == NULL)
-    return CT_REFUSE(error, "contact: null argument");
+  if (a == NULL || options == NULL || out == NULL) return CT_REFUSE_NULL(error);
   const ct_surface *const surface[2] = {a, b == NULL ? a : b};
   ct_status status =
       ct_contact_fixed_create(surface, surface[1] == a ? 1 : 2, options, &fixed, error);
@@ -30,7 +29,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
                             ct_error *error)
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->gaps.sides == 2))
-    return CT_REFUSE(error, "contact: null argument");
+    return CT_REFUSE_NULL(error);
   const int sides = contact->fixed->gaps.sides;
   const double *const x[2] = {xa, xb};
   for (int s = 0; s < sides; s++) {
@@ -348,16 +347,20 @@ static ct_status check_side(const ct_contact *contact, int s, const side_predict
   const ct_search *search = contact->fixed->gaps.side[s].search;
   const double *vectors[] = {p->velocity, p->inverse_mass, p->increment,
                              p->increment == NULL ? p->force : NULL};
+  static const char *const WHAT[] = {"velocity", "inverse mass", "increment", "force"};
   for (int32_t n = 0; n < search->node_count; n++)
     for (int64_t d = 3 * (int64_t)search->nodes[n], c = 0; c < 3; c++) {
-      int fine = p->inverse_mass[d + c] >= 0.0;
+      const ct_place here = {s, -1, search->nodes[n]};
+      if (!(p->inverse_mass[d + c] >= 0.0))
+        return ct_fail(error, CT_INVALID, here,
+                       "contact: node %d of surface %c has the inverse mass %g, which must not be "
+                       "negative",
+                       (int)search->nodes[n], "ab"[s], p->inverse_mass[d + c]);
       for (int v = 0; v < 4; v++)
-        fine = fine && (vectors[v] == NULL || isfinite(vectors[v][d + c]));
-      if (!fine)
-        return ct_fail(error, CT_INVALID, (ct_place){s, -1, search->nodes[n]},
-                       "contact: node %d of surface %d has a prediction that is not finite, or a "
-                       "negative inverse mass",
-                       (int)search->nodes[n], s);
+        if (vectors[v] != NULL && !isfinite(vectors[v][d + c]))
+          return ct_fail(error, CT_INVALID, here,
+                         "contact: the %s of node %d of surface %c is not finite", WHAT[v],
+                         (int)search->nodes[n], "ab"[s]);
     }
   return CT_OK;
 }
@@ -371,21 +374,23 @@ static ct_status check_times(const ct_contact *contact, const ct_contact_predict
   const ct_host_record last = ct_host_record_of(contact->host);
   double mean = last.begun != 0.0 ? 0.5 * (last.before + p->dt) : p->dt,
          least = last.begun != 0.0 ? fmin(mean, p->dt) : 0.0, most = fmax(mean, p->dt);
-  if (!(p->dt > 0.0 && isfinite(p->dt) && p->force_time > 0.0 && isfinite(p->force_time)))
-    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt,
+  if (!(p->dt > 0.0 && isfinite(p->dt)))
+    return CT_REFUSE(error, "contact: dt must be positive and finite, not %g", p->dt);
+  if (!(p->force_time > 0.0 && isfinite(p->force_time)))
+    return CT_REFUSE(error, "contact: force_time must be positive and finite, not %g",
                      p->force_time);
   if (p->increment_a != NULL ||
       (p->force_time >= (1.0 - SLACK) * least && p->force_time <= (1.0 + SLACK) * most))
     return CT_OK;
   return CT_REFUSE(error,
-                   "contact: in a step of %g after one of %g forces act for %g, not for %g; give "
-                   "the increments if your step is no leapfrog",
+                   "contact: in a leapfrog step of %g after one of %g, force_time is %g, not %g; "
+                   "give the increments if your step is no leapfrog",
                    p->dt, last.before, mean, p->force_time);
 }
 
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
 {
-  if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL || p == NULL) return CT_REFUSE_NULL(error);
   const side_prediction a = {p->x_a, p->velocity_a, p->force_a, p->inverse_mass_a, p->increment_a},
                         b = {p->x_b, p->velocity_b, p->force_b, p->inverse_mass_b, p->increment_b},
                         side[2] = {a, contact->fixed->gaps.sides == 2 ? b : a};
@@ -404,7 +409,7 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
 
 ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out, ct_error *error)
 {
-  if (contact == NULL || out == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL || out == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_host_check_current(contact, error);
   if (status != CT_OK) return status;
   const ct_host_record record = ct_host_record_of(contact->host);

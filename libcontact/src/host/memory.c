@@ -52,13 +52,15 @@ static int is_memory(const ct_contact *contact, const double *memory, int64_t co
 ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
                              ct_error *error)
 {
-  if (contact == NULL || memory == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL || memory == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_host_open(contact, error);
   if (status != CT_OK) return status;
   ct_host *h = contact->host;
   if (count != h->memory_count)
-    return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
-                     (long long)count, (long long)h->memory_count);
+    return CT_REFUSE(
+        error,
+        "contact: %lld numbers were saved, but this contact restores %lld; it is another one",
+        (long long)count, (long long)h->memory_count);
   if (!is_memory(contact, memory, count))
     return ct_fail(error, CT_INVALID, CT_NOWHERE,
                    "contact: these numbers were not written by ct_contact_save");

@@ -33,7 +33,7 @@ const ct_host_part *ct_host_obstacle(const ct_contact *contact, int32_t number)
 
 ct_status ct_host_check_new(const ct_contact *contact, ct_error *error)
 {
-  if (contact == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (contact == NULL) return CT_REFUSE_NULL(error);
   if (contact->host != NULL && contact->host->open)
     return CT_REFUSE(error,
                      "contact: obstacles, friction and pieces must be given before the first step");
@@ -79,8 +79,9 @@ ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
   ct_interaction *is = NULL;
   ct_status status = ct_host_check_new(contact, error);
   if (status != CT_OK) return status;
-  if (side < 0 || side >= contact->fixed->gaps.sides || obstacle == NULL)
-    return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
+  if (obstacle == NULL) return CT_REFUSE_NULL(error);
+  if (side < 0 || side >= contact->fixed->gaps.sides)
+    return CT_REFUSE(error, "contact: there is no surface %d", (int)side);
   status = create_obstacle(contact->fixed, side, obstacle, &is, error);
   if (status != CT_OK) return status;
   return append(contact, (ct_host_part){.is = is, .nodes = is->nodes, .surface = side}, error);
@@ -96,9 +97,12 @@ ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coeffi
   if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
   const ct_host_part *what = on < 0 ? &h->contact : ct_host_obstacle(contact, on);
   if (on < -1 || what == NULL || (on == -1 && contact->fixed->gaps.alone))
-    return CT_REFUSE(error, "friction: there is no obstacle %d and no other surface", (int)on);
+    return CT_REFUSE(
+        error, "friction: there is no obstacle %d, nor -1, another surface, to slide on", (int)on);
   for (const ct_host_part *part = h->contact.next; part != NULL; part = part->next)
-    if (part->on == what) return CT_REFUSE(error, "friction: there is one already");
+    if (part->on == what)
+      return CT_REFUSE(error, "friction: it acts on obstacle %d already (-1: the other surface)",
+                       (int)on);
   status = ct_friction_create(coefficient, tangent, what->is, &is, error);
   if (status != CT_OK) return status;
   return append(contact, (ct_host_part){.is = is, .nodes = what->nodes, .on = what}, error);
@@ -143,7 +147,7 @@ static void add_parts(const ct_contact *contact, double *const f[2])
 ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb, ct_error *error)
 {
   if (contact == NULL || fa == NULL || (fb == NULL && contact->fixed->gaps.sides == 2))
-    return CT_REFUSE(error, "contact: null argument");
+    return CT_REFUSE_NULL(error);
   const int more = contact->host != NULL && contact->host->current;
   double *const f[2] = {fa, fb};
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
@@ -225,9 +229,9 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
       contact == NULL || side < 2 ? NULL : ct_host_obstacle(contact, side - 2);
   if (obstacle != NULL && traction != NULL && area != NULL && contact->host->current)
     return obstacle_traction(contact, obstacle, traction, area, error);
-  if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
-      side >= contact->fixed->gaps.sides)
-    return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
+  if (contact == NULL || traction == NULL || area == NULL) return CT_REFUSE_NULL(error);
+  if (side < 0 || side >= contact->fixed->gaps.sides)
+    return CT_REFUSE(error, "contact: there is no surface %d", (int)side);
   return ct_side_traction(&contact->gaps.side[side], ct_contact_acting(contact, side), traction,
                           area, error);
 }

@@ -40,10 +40,11 @@ ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a, con
   const uint8_t *const owned[2] = {owned_a, owned_b};
   if (owned_a == NULL || (owned_b == NULL && sides == 2) || pieces == NULL || pieces->sum == NULL ||
       pieces->largest == NULL)
-    return CT_REFUSE(error, "contact: null argument");
+    return CT_REFUSE_NULL(error);
   ct_host *h = ct_host_of(contact);
   if (h == NULL) return CT_NO_MEMORY(error, "the pieces of a contact");
-  if (h->pieces != NULL) return CT_REFUSE(error, "contact: it is in pieces already");
+  if (h->pieces != NULL)
+    return CT_REFUSE(error, "contact: ct_contact_set_pieces was called before; it is called once");
   status = check_masks(contact, owned, pieces, error);
   for (int s = 0; status == CT_OK && s < sides; s++) {
     const size_t count = (size_t)contact->fixed->gaps.side[s].search->face_count;

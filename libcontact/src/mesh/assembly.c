@@ -54,8 +54,9 @@ ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **
   if (status != CT_OK) return status;
   int64_t values = ((int64_t)mesh->element_count + 7) / 8 * 8 * per * components;
   if (values > INT32_MAX / 4)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "a mesh of %d elements is too large",
-                   (int)mesh->element_count);
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "a mesh of %d elements is too large to assemble; at most about %lld fit",
+                   (int)mesh->element_count, (long long)INT32_MAX / 4 / per / components);
   ct_assembly *assembly = ct_allocate(1, sizeof *assembly);
   if (assembly == NULL) return CT_NO_MEMORY(error, "the assembly");
   ct_pool *pool = &assembly->pool;

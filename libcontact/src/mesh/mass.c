@@ -14,7 +14,7 @@ ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shape
   const ct_brick_facts *facts = ct_brick_facts_of(kind);
   out->per = ct_brick_node_count(kind);
   if (ct_rule_brick(kind, &out->rule) != CT_OK)
-    return CT_REFUSE(error, "mass: null argument or unknown element");
+    return CT_REFUSE(error, "mass: there is no brick of the kind %d", (int)kind);
   out->hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && !facts->row_sum);
   if (!out->hrz && !facts->row_sum)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
@@ -86,7 +86,7 @@ static ct_status check_mass(double total, int64_t element, ct_error *error)
 {
   if (total > 0.0) return CT_OK;
   return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1},
-                 "mass: the element has mass %g", total);
+                 "mass: an element has the mass %g, which must be positive", total);
 }
 
 ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
@@ -95,8 +95,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   ct_mass_shapes at;
   ct_lanes x[3 * 20], m[20], total;
   double first;
-  if (nodes == NULL || mass == NULL)
-    return CT_REFUSE(error, "mass: null argument or unknown element");
+  if (nodes == NULL || mass == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mass_tabulate(kind, lumping, &at, error);
   if (status != CT_OK) return status;
   for (int i = 0; i < 3 * at.per; i++)
@@ -164,7 +163,7 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
                          ct_error *error)
 {
   ct_mass_shapes at;
-  if (mesh == NULL || mass == NULL) return CT_REFUSE(error, "mass: null argument");
+  if (mesh == NULL || mass == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mesh_check_numbers(mesh, error);
   if (status == CT_OK) status = ct_mass_tabulate(mesh->kind, lumping, &at, error);
   if (status != CT_OK) return status;

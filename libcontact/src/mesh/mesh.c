@@ -19,8 +19,11 @@ static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elemen
 {
   int per = ct_brick_node_count(kind);
   if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
-    return CT_REFUSE(error, "a mesh of %lld nodes and %lld elements", (long long)nodes,
-                     (long long)elements);
+    return CT_REFUSE(
+        error,
+        "a mesh of %lld nodes and %lld elements is empty or too large; at most %d nodes and "
+        "%d elements fit",
+        (long long)nodes, (long long)elements, INT32_MAX, INT32_MAX / 64);
   ct_mesh *mesh = ct_allocate(1, sizeof *mesh);
   if (mesh != NULL)
     *mesh = (ct_mesh){.kind = kind,
@@ -85,16 +88,18 @@ static void lattice_coordinates(const void *shape, const int32_t at[3], double x
 static ct_status box_check(const ct_box *box, ct_error *error)
 {
   for (int d = 0; d < 3; d++) {
-    if (!isfinite(box->origin[d]) ||
-        !isfinite(2.0 * box->cells[d] * (fabs(box->origin[d]) + box->size[d])) ||
-        !(box->size[d] > 0.0))
-      return CT_REFUSE(error, "box: origin %g and size %g along %c", box->origin[d], box->size[d],
-                       "xyz"[d]);
+    if (!(box->size[d] > 0.0))
+      return CT_REFUSE(error, "box: the size along %c must be positive, not %g", "xyz"[d],
+                       box->size[d]);
+    if (!isfinite(2.0 * box->cells[d] * (fabs(box->origin[d]) + box->size[d])))
+      return CT_REFUSE(error, "box: origin %g and size %g along %c are not finite, or too large",
+                       box->origin[d], box->size[d], "xyz"[d]);
     if (box->cells[d] < 1 || box->cells[d] > 1000000)
-      return CT_REFUSE(error, "box: %d cells along %c", (int)box->cells[d], "xyz"[d]);
+      return CT_REFUSE(error, "box: cells along %c must be 1 to 1000000, not %d", "xyz"[d],
+                       (int)box->cells[d]);
   }
   if (box->layers != CT_LAYERS_X && box->layers != CT_LAYERS_Y && box->layers != CT_LAYERS_Z)
-    return CT_REFUSE(error, "box: unknown order of numbers %d", (int)box->layers);
+    return CT_REFUSE(error, "box: there is no order of numbers %d", (int)box->layers);
   return CT_OK;
 }
 
@@ -135,7 +140,9 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
 {
   const lattice l = lattice_of(cells, corners);
   int64_t n[3] = {cells[0], cells[1], cells[2]};
-  if (n[0] * n[1] > INT32_MAX) return CT_REFUSE(error, "a mesh of too many cells");
+  if (n[0] * n[1] > INT32_MAX)
+    return CT_REFUSE(error, "a mesh of %lld times %lld cells in a layer is too large",
+                     (long long)n[0], (long long)n[1]);
   int64_t nodes = ct_brick_facts_of(kind)->cell_nodes > 1
                       ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2]
                       : l.first[1];
@@ -180,8 +187,9 @@ ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **me
 ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_settings *settings,
                            ct_mesh **mesh, ct_error *error)
 {
-  if (box == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
-    return CT_REFUSE(error, "box: null argument or unknown element");
+  if (box == NULL || mesh == NULL) return CT_REFUSE_NULL(error);
+  if (ct_brick_node_count(kind) == 0)
+    return CT_REFUSE(error, "box: there is no brick of the kind %d", (int)kind);
   ct_status status = box_check(box, error);
   if (status != CT_OK) return status;
   int axes[3];
@@ -229,19 +237,24 @@ static void ring_coordinates(const void *shape, const int32_t at[3], double x[3]
 ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh,
                               ct_error *error)
 {
-  if (ring == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
-    return CT_REFUSE(error, "ring: null argument or unknown element");
+  if (ring == NULL || mesh == NULL) return CT_REFUSE_NULL(error);
+  if (ct_brick_node_count(kind) == 0)
+    return CT_REFUSE(error, "ring: there is no brick of the kind %d", (int)kind);
   const double *r = ring->radius;
-  if (!(r[0] > 0.0 && r[1] > r[0]) || !isfinite(r[1]) || !(ring->width > 0.0) ||
-      !isfinite(ring->width))
-    return CT_REFUSE(error, "ring: radius %g to %g, width %g", r[0], r[1], ring->width);
+  if (!(r[0] > 0.0 && r[1] > r[0]) || !isfinite(r[1]))
+    return CT_REFUSE(error,
+                     "ring: inner and outer radius must be positive and ascend, not %g and %g",
+                     r[0], r[1]);
+  if (!(ring->width > 0.0) || !isfinite(ring->width))
+    return CT_REFUSE(error, "ring: width must be positive and finite, not %g", ring->width);
   for (int d = 0; d < 3; d++) {
     static const char *const along[3] = {"along the radius", "around", "across"};
     int32_t least = d == 1 ? 3 : 1;
-    if (!isfinite(ring->centre[d])) return CT_REFUSE(error, "ring: its centre is not finite");
+    if (!isfinite(ring->centre[d]))
+      return CT_REFUSE(error, "ring: centre %c must be finite, not %g", "xyz"[d], ring->centre[d]);
     if (ring->cells[d] < least || ring->cells[d] > 1000000)
-      return CT_REFUSE(error, "ring: %d cells %s, at least %d are needed", (int)ring->cells[d],
-                       along[d], (int)least);
+      return CT_REFUSE(error, "ring: cells %s must be %d to 1000000, not %d", along[d], (int)least,
+                       (int)ring->cells[d]);
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
   return create_lattice(kind, (const int[3]){0, 1, 2}, ring->cells, corners, ring_coordinates, ring,
@@ -250,7 +263,7 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)
 {
-  if (source == NULL || mesh == NULL) return CT_REFUSE(error, "mesh: null argument");
+  if (source == NULL || mesh == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mesh_check(source, error);
   if (status == CT_OK)
     status = mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
@@ -281,7 +294,8 @@ ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error)
   int64_t entries = (int64_t)mesh->element_count * ct_brick_node_count(mesh->kind);
   int32_t number[20];
   int outside = 0;
-  if (entries < 1) return CT_REFUSE(error, "mesh: empty, or unknown kind of element");
+  if (entries < 1)
+    return CT_REFUSE(error, "mesh: it has no elements, or of the unknown kind %d", (int)mesh->kind);
   for (int64_t i = 0; i < entries; i++)
     outside |= (uint32_t)mesh->elements[i] >= (uint32_t)mesh->node_count;
   ct_status status = CT_OK;
@@ -443,9 +457,12 @@ static int32_t first_doubtful(const ct_mesh *mesh, const checks *at)
 
 ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
 {
-  if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL ||
-      ct_brick_node_count(mesh->kind) == 0 || mesh->node_count < 1 || mesh->element_count < 1)
-    return CT_REFUSE(error, "mesh: empty, or unknown kind of element");
+  if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL) return CT_REFUSE_NULL(error);
+  if (ct_brick_node_count(mesh->kind) == 0)
+    return CT_REFUSE(error, "mesh: there is no brick of the kind %d", (int)mesh->kind);
+  if (mesh->node_count < 1 || mesh->element_count < 1)
+    return CT_REFUSE(error, "mesh: %d nodes and %d elements; there must be some of each",
+                     (int)mesh->node_count, (int)mesh->element_count);
   for (int32_t i = 0; i < mesh->node_count; i++)
     for (int d = 0; d < 3; d++)
       if (!isfinite(mesh->nodes[3 * (size_t)i + (size_t)d]))

@@ -54,20 +54,24 @@ static ct_status refuse(const ct_face *face, const double *point, const ct_proje
 {
   if (face == NULL || point == NULL) return CT_REFUSE(error, "projection: null argument");
   if (ct_face_node_count(face->kind) == 0)
-    return CT_REFUSE(error, "projection: unknown kind %d of a face", (int)face->kind);
+    return CT_REFUSE(error, "projection: there is no face of the kind %d", (int)face->kind);
   if (options->cookie != CT_DEF_COOKIE)
     return ct_check_options(options->cookie, "ct_project_options_default", error);
   if (!ct_method_exists(options->method))
-    return CT_REFUSE(error, "projection: unknown method %d", (int)options->method);
-  return CT_REFUSE(error,
-                   "projection: tolerance %g, iteration limit %d, or a start that is not finite",
-                   options->tolerance, options->iteration_limit);
+    return CT_REFUSE(error, "projection: there is no method %d", (int)options->method);
+  if (!(options->tolerance > 0.0 && options->tolerance < HUGE_VAL))
+    return CT_REFUSE(error, "projection: tolerance must be positive and finite, not %g",
+                     options->tolerance);
+  if (options->iteration_limit < 0)
+    return CT_REFUSE(error, "projection: iteration_limit must not be negative, but is %d",
+                     options->iteration_limit);
+  return CT_REFUSE(error, "projection: the start is not finite");
 }
 
 ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
                      ct_projection *out, ct_error *error)
 {
-  if (out == NULL) return CT_REFUSE(error, "projection: null argument");
+  if (out == NULL) return CT_REFUSE_NULL(error);
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
   if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0 ||
@@ -102,7 +106,7 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
                             ct_projection *out, ct_error *error)
 {
   if (count == 0) return CT_OK;
-  if (points == NULL || out == NULL) return CT_REFUSE(error, "projection: null argument");
+  if (points == NULL || out == NULL) return CT_REFUSE_NULL(error);
   ct_project_options own = options != NULL ? *options : ct_project_options_default();
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
@@ -152,8 +156,7 @@ ct_status ct_project_rays(const ct_face *face, size_t count, const double *point
                           ct_error *error)
 {
   if (count == 0) return CT_OK;
-  if (points == NULL || directions == NULL || out == NULL)
-    return CT_REFUSE(error, "ray: null argument");
+  if (points == NULL || directions == NULL || out == NULL) return CT_REFUSE_NULL(error);
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
     ct_status status = project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);

@@ -65,7 +65,7 @@ static ct_status check_memory(ct_scene *scene, const char *what, ct_error *error
 
 ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 {
-  if (scene == NULL) return CT_REFUSE(error, "scene: null argument");
+  if (scene == NULL) return CT_REFUSE_NULL(error);
   *scene = ct_allocate(1, sizeof **scene);
   if (*scene == NULL) return CT_NO_MEMORY(error, "a scene");
   (*scene)->optimisations = (ct_optimisations){1, 1, 1};
@@ -75,8 +75,7 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *optimisations,
                                      ct_error *error)
 {
-  if (scene == NULL || optimisations == NULL)
-    return CT_REFUSE(error, "optimisations: null argument");
+  if (scene == NULL || optimisations == NULL) return CT_REFUSE_NULL(error);
   scene->optimisations = *optimisations;
   return CT_OK;
 }
@@ -84,10 +83,10 @@ ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *op
 ct_status ct_scene_set_run_settings(ct_scene *scene, const ct_run_settings *settings,
                                     ct_error *error)
 {
-  if (scene == NULL || settings == NULL) return CT_REFUSE(error, "run settings: null argument");
+  if (scene == NULL || settings == NULL) return CT_REFUSE_NULL(error);
   if (settings->threads < 0 || settings->threads > CT_MOST_THREADS)
-    return CT_REFUSE(error, "run settings: %d threads, not 0 to %d", settings->threads,
-                     (int)CT_MOST_THREADS);
+    return CT_REFUSE(error, "run settings: threads must be 0 (all processors) to %d, not %d",
+                     (int)CT_MOST_THREADS, settings->threads);
   scene->problem.settings = *settings;
   return CT_OK;
 }
@@ -143,15 +142,16 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
                                 ct_error *error)
 {
   if (scene->joined)
-    return CT_REFUSE(
-        error, "body %s: the scene's bodies were joined before, and none can be added after", name);
-  if ((int)def->lumping < CT_LUMP_DEFAULT || (int)def->lumping > CT_LUMP_HRZ ||
-      (int)def->kernel < CT_KERNEL_AUTO || (int)def->kernel > CT_KERNEL_REDUCED)
-    return CT_REFUSE(error, "body %s: no lumping %d or no kernel %d", name, (int)def->lumping,
-                     (int)def->kernel);
+    return CT_REFUSE(error, "body %s: add it before ct_scene_join; the bodies are joined already",
+                     name);
+  if ((int)def->lumping < CT_LUMP_DEFAULT || (int)def->lumping > CT_LUMP_HRZ)
+    return CT_REFUSE(error, "body %s: there is no lumping %d", name, (int)def->lumping);
+  if ((int)def->kernel < CT_KERNEL_AUTO || (int)def->kernel > CT_KERNEL_REDUCED)
+    return CT_REFUSE(error, "body %s: there is no kernel %d", name, (int)def->kernel);
   if (!(def->hourglass >= 0.0) || !isfinite(def->hourglass))
-    return CT_REFUSE(error, "body %s: the hourglass coefficient must be positive, not %g", name,
-                     def->hourglass);
+    return CT_REFUSE(error,
+                     "body %s: hourglass must be 0 (the default) or positive and finite, not %g",
+                     name, def->hourglass);
   return ct_material_check(&def->material, error);
 }
 
@@ -182,7 +182,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
 ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                             ct_error *error)
 {
-  if (scene == NULL || def == NULL) return CT_REFUSE(error, "body: null argument");
+  if (scene == NULL || def == NULL) return CT_REFUSE_NULL(error);
   scene_body part = {.given = *def};
   const char *name = def->name == NULL ? "" : def->name;
   ct_status status = check_new_body(scene, def, name, error);
@@ -255,7 +255,7 @@ static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, cons
   if (listed == NULL && side >= CT_X_MIN && side <= CT_Z_MAX)
     status = side_faces(scene, mesh, side, &entry->faces[s], count, error);
   else if (listed == NULL || *count < 1 || side != CT_SIDE_NONE)
-    status = CT_REFUSE(error, "contact: a surface has no faces; it needs either a list or a side");
+    status = CT_REFUSE(error, "contact: surface %d needs either a list of faces or a side", s);
   else status = check_nodes(scene, body, listed, (int64_t)*count * per, per, "contact", error);
   if (status != CT_OK) return status;
   size_t entries = (size_t)*count * (size_t)per;
@@ -268,14 +268,18 @@ static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, cons
 
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
-  if (scene == NULL || contact == NULL) return CT_REFUSE(error, "contact: null argument");
+  if (scene == NULL || contact == NULL) return CT_REFUSE_NULL(error);
   if (ct_check_options(contact->options.cookie, "ct_contact_options_default", error) != CT_OK)
     return CT_ERROR_ARGUMENT;
-  if (!(contact->beta >= 0.0) || !(contact->options.epsilon >= 0.0) ||
-      (contact->beta > 0.0 && contact->options.epsilon > 0.0))
-    return CT_REFUSE(error,
-                     "contact: give beta or epsilon, positive, or neither (beta %g, epsilon %g)",
-                     contact->beta, contact->options.epsilon);
+  if (!(contact->beta >= 0.0))
+    return CT_REFUSE(error, "contact: beta must be 0 (the default) or positive, not %g",
+                     contact->beta);
+  if (!(contact->options.epsilon >= 0.0))
+    return CT_REFUSE(error, "contact: epsilon must be 0 (the default) or positive, not %g",
+                     contact->options.epsilon);
+  if (contact->beta > 0.0 && contact->options.epsilon > 0.0)
+    return CT_REFUSE(error, "contact: give beta or epsilon, not both (%g and %g)", contact->beta,
+                     contact->options.epsilon);
   scene_contact entry = {.given = *contact,
                          .body = {contact->body_a, contact->body_b},
                          .face_count = {contact->face_count_a, contact->face_count_b}};
@@ -291,8 +295,9 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
 
 ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error)
 {
-  if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
-    return CT_REFUSE(error, "support: no nodes");
+  if (scene == NULL || support == NULL) return CT_REFUSE_NULL(error);
+  if (support->nodes == NULL || support->node_count < 1)
+    return CT_REFUSE(error, "support: its list of nodes is empty");
   int32_t count = support->node_count, body = support->body;
   ct_status status = check_body(scene, body, "support", error);
   if (status == CT_OK)
@@ -375,8 +380,8 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
 
 ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error)
 {
-  if (scene == NULL || problem == NULL) return CT_REFUSE(error, "scene: null argument");
-  if (scene->body_count < 1) return CT_REFUSE(error, "scene: no bodies");
+  if (scene == NULL || problem == NULL) return CT_REFUSE_NULL(error);
+  if (scene->body_count < 1) return CT_REFUSE(error, "scene: it has no bodies; add one first");
   ct_status status = CT_OK;
   if (!scene->joined) {
     status = join_bodies(scene, error);
@@ -389,7 +394,7 @@ ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *e
 ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error)
 {
   ct_status status = CT_OK;
-  if (scene == NULL || effect == NULL) status = CT_REFUSE(error, "effect: null argument");
+  if (scene == NULL || effect == NULL) status = CT_REFUSE_NULL(error);
   else if (!scene->joined)
     status = CT_REFUSE(
         error, "effect %s: join the scene's bodies first, an effect is made for their nodes",
@@ -553,10 +558,11 @@ static ct_status requested_step(const ct_scene_time *time, const ct_stable_step 
                                 ct_error *error)
 {
   int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
-  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1)
-    return CT_REFUSE(error,
-                     "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given)",
-                     time->end, given);
+  if (!(time->end > 0.0) || !isfinite(time->end))
+    return CT_REFUSE(error, "time: end must be positive and finite, not %g", time->end);
+  if (given != 1)
+    return CT_REFUSE(error, "time: give exactly one of courant, fraction and dt, not %d of them",
+                     given);
   *dt = time->courant > 0.0    ? time->courant * stable->dt_courant
         : time->fraction > 0.0 ? time->fraction * stable->dt
                                : time->dt;
@@ -566,11 +572,9 @@ static ct_status requested_step(const ct_scene_time *time, const ct_stable_step 
         "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
         *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
   if (isinf(*dt))
-    return CT_REFUSE(
-        error, "time: the stable step is infinite, so there is no share of it (are the bodies "
-               "stiff at all?)");
+    return CT_REFUSE(error, "time: the stable step is infinite, so it has no fraction; give dt");
   if (!(time->end / *dt < 9e15))
-    return CT_REFUSE(error, "time: %g steps to the end are more than can be counted",
+    return CT_REFUSE(error, "time: the end is %g steps away; at most 9e15 can be counted",
                      time->end / *dt);
   return CT_OK;
 }
@@ -626,7 +630,7 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
                          ct_error *error)
 {
   if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
-    return CT_REFUSE(error, "scene: null argument");
+    return CT_REFUSE_NULL(error);
   ct_problem *p = &scene->problem;
   double dt = 0.0;
   int64_t count = 0;
@@ -658,9 +662,9 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
 ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon,
                                    ct_error *error)
 {
-  if (scene == NULL || epsilon == NULL) return CT_REFUSE(error, "scene: null argument");
+  if (scene == NULL || epsilon == NULL) return CT_REFUSE_NULL(error);
   if (contact < 0 || contact >= scene->contact_count)
-    return CT_REFUSE(error, "scene: no contact %d", (int)contact);
+    return CT_REFUSE(error, "scene: there is no contact %d", (int)contact);
   *epsilon = scene->contacts[contact].epsilon;
   return CT_OK;
 }

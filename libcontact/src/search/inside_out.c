@@ -86,7 +86,7 @@ static int32_t first_inside_out(const part *parts, int32_t count)
 
 ct_status ct_search_inside_out(const ct_search *search, int32_t *face, ct_error *error)
 {
-  if (search == NULL || face == NULL) return CT_REFUSE(error, "search: null argument");
+  if (search == NULL || face == NULL) return CT_REFUSE_NULL(error);
   const size_t count = (size_t)search->face_count;
   part *parts = ct_allocate(count, sizeof *parts);
   int32_t *number_of = ct_allocate(count, sizeof *number_of),

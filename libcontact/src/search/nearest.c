@@ -187,16 +187,16 @@ ct_status ct_search_nearest(const ct_search *search, size_t count, const double 
   ct_status status = ct_check_options(own.cookie, "ct_search_options_default", error);
   if (status != CT_OK) return status;
   if (search == NULL || (count > 0 && (points == NULL || out == NULL)))
-    return CT_REFUSE(error, "search: null argument");
-  if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)
-    return CT_REFUSE(
-        error, "search: the tolerance must be positive, not %g, and the threads at least 1, not %d",
-        own.tolerance, own.threads);
+    return CT_REFUSE_NULL(error);
+  if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL))
+    return CT_REFUSE(error, "search: tolerance must be positive and finite, not %g", own.tolerance);
+  if (own.threads < 1)
+    return CT_REFUSE(error, "search: threads must be at least 1, not %d", own.threads);
   for (size_t i = 0; start != NULL && i < count; i++)
     if (start[i] < -1 || start[i] >= search->face_count)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                     "search: point %zu starts at face %d, which the surface does not have", i,
-                     (int)start[i]);
+                     "search: point %zu starts at face %d, there are faces -1 (none) to %d", i,
+                     (int)start[i], (int)search->face_count - 1);
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
 #ifdef _OPENMP
   int threads = ct_threads_for(own.threads, blocks, 1);

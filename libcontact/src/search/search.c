@@ -18,10 +18,13 @@ void ct_search_free(ct_search *search)
 static ct_status check_surface(const ct_surface *surface, int body, ct_error *error)
 {
   int per = surface == NULL ? 0 : ct_face_node_count(surface->kind);
-  if (per == 0 || surface->faces == NULL || surface->reference == NULL || surface->face_count < 1 ||
-      surface->node_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                   "surface %d is empty or of an unknown kind", body);
+  const ct_place where = {body, -1, -1};
+  if (surface != NULL && per == 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d: there is no face of the kind %d",
+                   body, (int)surface->kind);
+  if (surface == NULL || surface->faces == NULL || surface->reference == NULL ||
+      surface->face_count < 1 || surface->node_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d has no faces or no nodes", body);
   for (int32_t f = 0; f < surface->face_count; f++)
     for (int a = 0; a < per; a++) {
       int32_t node = surface->faces[(int64_t)f * per + a];
@@ -213,7 +216,7 @@ int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
 
 ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error)
 {
-  if (surface == NULL || out == NULL) return CT_REFUSE(error, "search: null argument");
+  if (surface == NULL || out == NULL) return CT_REFUSE_NULL(error);
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
@@ -228,7 +231,7 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
 
 ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
 {
-  if (search == NULL || x == NULL) return CT_REFUSE(error, "search: null argument");
+  if (search == NULL || x == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_search_set(search, x, 0, error);
   if (status == CT_OK) ct_search_refit(search);
   return status;

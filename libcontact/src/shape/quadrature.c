@@ -46,7 +46,7 @@ static void add_orbit(ct_rule *rule, double a, double w)
 
 ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule, ct_error *error)
 {
-  if (rule == NULL) return CT_REFUSE(error, "rule: null argument");
+  if (rule == NULL) return CT_REFUSE_NULL(error);
   rule->count = 0;
   if (kind == CT_Q4 || kind == CT_Q8) {
     gauss_product(2, kind == CT_Q4 ? 2 : 3, rule);
@@ -60,7 +60,8 @@ ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule, ct_error *error)
     add_orbit(rule, (8 - sqrt(10) + root) / 18, (620 + share) / 7440);
     add_orbit(rule, (8 - sqrt(10) - root) / 18, (620 - share) / 7440);
   }
-  return rule->count > 0 ? CT_OK : CT_REFUSE(error, "rule: unknown kind %d of a face", (int)kind);
+  return rule->count > 0 ? CT_OK
+                         : CT_REFUSE(error, "rule: there is no face of the kind %d", (int)kind);
 }
 
 ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule)

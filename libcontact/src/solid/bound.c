@@ -123,7 +123,8 @@ ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],
   for (int i = 0; i < n; i++)
     if (!(mass[i] > 0.0))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i / 3},
-                     "node %d of the element has mass %g", i / 3, mass[i]);
+                     "node %d of the element has the mass %g, which must be positive", i / 3,
+                     mass[i]);
   // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-scaled)
   for (int i = 0; i < n; i++)
     for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i]) * sqrt(mass[j]));

@@ -139,7 +139,7 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *body, c
                    "the box kernel needs rectangular elements of one size, with nodes in the "
                    "middle of straight edges");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
-    return CT_REFUSE(error, "the hourglass coefficient must be positive, not %g", part->hourglass);
+    return CT_REFUSE(error, "hourglass must be positive and finite, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (part->box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
   if (!take_row(part))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,

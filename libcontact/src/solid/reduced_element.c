@@ -47,13 +47,14 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
                               reduced_element *r, ct_error *error)
 {
   double x[20][3] = {{0.0}}, xi[3], g2 = 0.0, middle[3];
-  if (nodes == NULL || !(hourglass > 0.0) || !isfinite(hourglass))
-    return CT_REFUSE(error, "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
+  if (nodes == NULL) return CT_REFUSE(error, "reduced: nodes is null");
+  if (!(hourglass > 0.0) || !isfinite(hourglass))
+    return CT_REFUSE(error, "reduced: hourglass must be positive and finite, not %g", hourglass);
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
   if (material->law != CT_LINEAR)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "reduced integration with hourglass control is for small strain");
+                   "reduced integration is for small strain only; take the law \"linear\"");
   *r = (reduced_element){.V = 0.0};
   status = ct_element_mean_gradients(nodes, r->B, &r->V, &g2, error);
   if (status != CT_OK) return status;
@@ -90,7 +91,7 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
 {
   reduced_element r;
   double u[20][3], G[3][3], lambda, mu, W = 0.0, H = 0.0;
-  if (displacement == NULL || force == NULL) return CT_REFUSE(error, "reduced: null argument");
+  if (displacement == NULL || force == NULL) return CT_REFUSE_NULL(error);
   ct_status status = open_element(nodes, material, hourglass, &r, error);
   if (status != CT_OK) return status;
   memcpy(u, displacement, 8 * sizeof u[0]);

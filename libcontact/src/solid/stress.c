@@ -65,8 +65,7 @@ ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material,
                           const double *displacement, double *stress, ct_error *error)
 {
   static const double centre[3] = {0.0, 0.0, 0.0};
-  if (mesh == NULL || displacement == NULL || stress == NULL)
-    return CT_REFUSE(error, "solid: null argument");
+  if (mesh == NULL || displacement == NULL || stress == NULL) return CT_REFUSE_NULL(error);
   double dN[20][3], lame[2];
   ct_status status = ct_material_check(material, error);
   if (status == CT_OK) status = ct_mesh_check_numbers(mesh, error);

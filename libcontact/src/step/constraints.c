@@ -87,7 +87,9 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
            row->own_count + row->other_count <= row_nodes(effect);
   }
   if (fine) return CT_OK;
-  return CT_REFUSE(error, "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
+  return CT_REFUSE(error,
+                   "effect %s: of its %lld rows, at most %lld, one is null or has a law, nodes or "
+                   "weights that are not valid",
                    effect->label, (long long)count, (long long)effect->constraint_count);
 }
 

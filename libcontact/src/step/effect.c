@@ -22,10 +22,15 @@ ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
   if (effect->label == NULL || effect->node_count < 0 || effect->memory_count < 0 ||
       effect->constraint_count < 0 || effect->constraint_nodes < 0 ||
       effect->constraint_nodes > CT_ROW_NODES)
-    return CT_REFUSE(error, "effect: no label or negative counts");
+    return CT_REFUSE(
+        error,
+        "effect %s: it needs a label, counts that are not negative, and at most %d nodes "
+        "per constraint",
+        effect->label == NULL ? "(null)" : effect->label, (int)CT_ROW_NODES);
   if ((int)effect->phase < CT_PHASE_STATE || effect->phase > CT_PHASE_REACTION)
-    return CT_REFUSE(error, "effect %s: there is no such phase", effect->label);
-  if (effect->calls == NULL) return CT_REFUSE(error, "effect %s: it has no calls", effect->label);
+    return CT_REFUSE(error, "effect %s: there is no phase %d", effect->label, (int)effect->phase);
+  if (effect->calls == NULL)
+    return CT_REFUSE(error, "effect %s: its table of calls is null", effect->label);
   const char *missing = missing_call(effect);
   if (missing != NULL)
     return CT_REFUSE(error, "effect %s: its calls lack %s", effect->label, missing);
@@ -34,8 +39,8 @@ ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
   for (int32_t i = 0; effect->nodes != NULL && i < effect->node_count; i++)
     if (effect->nodes[i] < 0 || (i > 0 && effect->nodes[i] <= effect->nodes[i - 1]))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, effect->nodes[i]},
-                     "effect %s: node %d at place %d is not in ascending order", effect->label,
-                     (int)effect->nodes[i], (int)i);
+                     "effect %s: its nodes must ascend from 0, but node %d stands at place %d",
+                     effect->label, (int)effect->nodes[i], (int)i);
   return CT_OK;
 }
 
@@ -45,13 +50,13 @@ ct_status ct_effect_check_nodes(const ct_effect *effect, int32_t node_count, ct_
   if (count == 0 ||
       (effect->nodes == NULL ? count == node_count : effect->nodes[count - 1] < node_count))
     return CT_OK;
-  return CT_REFUSE(error, "effect %s: its nodes are not those of the %d of the problem",
-                   effect->label, (int)node_count);
+  return CT_REFUSE(error, "effect %s: its nodes must be among those of the problem, 0 to %d",
+                   effect->label, (int)node_count - 1);
 }
 
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
-  if (filled == NULL || effect == NULL) return CT_REFUSE(error, "effect: null argument");
+  if (filled == NULL || effect == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_effect_check(filled, error);
   if (status != CT_OK) return status;
   *effect = ct_allocate(1, sizeof **effect);

@@ -29,9 +29,10 @@ static double velocity_after(const ct_problem *problem, const ct_state *state, d
 static ct_status begin(const ct_problem *problem, ct_state *state, int32_t effect, const void *out,
                        ct_error *error)
 {
-  if (problem == NULL || state == NULL || out == NULL || effect < 0 ||
-      effect >= problem->effect_count)
-    return CT_REFUSE(error, "energy: null argument or no effect %d", (int)effect);
+  if (problem == NULL || state == NULL || out == NULL)
+    return CT_REFUSE(error, "energy: a required argument is null");
+  if (effect < 0 || effect >= problem->effect_count)
+    return CT_REFUSE(error, "energy: there is no effect %d", (int)effect);
   ct_status status = ct_stage_check(state, error);
   return status == CT_OK ? ct_workspace_forces(problem, state, error) : status;
 }
@@ -164,8 +165,7 @@ static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger 
 ct_status ct_ledger_of(const ct_problem *problem, ct_state *state, ct_ledger *ledger,
                        ct_error *error)
 {
-  if (problem == NULL || state == NULL || ledger == NULL)
-    return CT_REFUSE(error, "energy: null argument");
+  if (problem == NULL || state == NULL || ledger == NULL) return CT_REFUSE_NULL(error);
   ct_ledger row = *ledger;
   ct_status status = ct_stage_check(state, error);
   if (status != CT_OK) return status;
@@ -184,7 +184,7 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
                        ct_error *error)
 {
   ct_ledger row = {.momentum = NULL, .effects = NULL};
-  if (energy == NULL) return CT_REFUSE(error, "energy: null argument");
+  if (energy == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_ledger_of(problem, state, &row, error);
   if (status == CT_OK) *energy = row.energy;
   return status;
@@ -227,7 +227,8 @@ ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double 
 ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k,
                             double impulse[3], ct_error *error)
 {
-  if (k == 0) return CT_REFUSE(error, "energy: the impulse of the first effect is not stored");
+  if (k == 0)
+    return CT_REFUSE(error, "energy: effect 0, the solid, has no impulse; give 1 or more");
   ct_status status = begin(problem, state, k, impulse, error);
   if (status != CT_OK) return status;
   int32_t bodies = problem->body_count;
@@ -276,8 +277,9 @@ ct_status ct_state_velocity_at(const ct_problem *problem, ct_state *state, int32
   ct_status status = begin(problem, state, 0, velocity, error);
   if (status != CT_OK) return status;
   if (first < 0 || count < 0 || first > problem->node_count - count)
-    return CT_REFUSE(error, "velocity: there are no %d nodes from node %d on", (int)count,
-                     (int)first);
+    return CT_REFUSE(error,
+                     "velocity: %d nodes from node %d on are not among the %d of the problem",
+                     (int)count, (int)first, (int)problem->node_count);
   ct_mean_velocity(problem, state, first, first + count, velocity);
   return CT_OK;
 }

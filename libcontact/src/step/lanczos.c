@@ -110,7 +110,7 @@ ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double
   // If the stiffness may change, no bound holds for all times.
   if (!ct_problem_is_linear(problem) || problem->effects[0]->kind != CT_EFFECT_SOLID)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "stable step: the assembled bound is for linear solids");
+                   "stable step: the assembled bound needs the law \"linear\" in all bodies");
   const ct_effect *solid = problem->effects[0];
   size_t n = 3 * (size_t)problem->node_count;
   lanczos l = {.problem = problem,

@@ -288,7 +288,7 @@ static ct_status examine(void *data, ct_state *state, ct_error *error)
 
 ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
-  if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
+  if (monitor == NULL || state == NULL) return CT_REFUSE_NULL(error);
   if (is_good(monitor, state)) return CT_OK;
   // Known forces may be older than the last change of the state by its host.
   ct_series_begin(state, 0);
@@ -374,18 +374,22 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
 ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
                             const ct_monitor_options *options, ct_monitor **out, ct_error *error)
 {
-  if (problem == NULL || state == NULL || options == NULL || out == NULL ||
-      state->problem != problem)
-    return CT_REFUSE(error, "monitor: null argument, or a state of another problem");
+  if (problem == NULL || state == NULL || options == NULL || out == NULL)
+    return CT_REFUSE_NULL(error);
+  if (state->problem != problem)
+    return CT_REFUSE(error, "monitor: the state belongs to another problem");
   ct_status status = ct_check_options(options->cookie, "ct_monitor_options_default", error);
   if (status != CT_OK) return status;
-  if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) ||
-      !(options->stable >= 0.0) || !(options->growth_limit >= 0.0))
-    return CT_REFUSE(error,
-                     "monitor: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
-                     "growth reported from %g",
-                     (long long)options->every, options->energy_limit, options->omega_limit,
-                     options->stable, options->growth_limit);
+  if (options->every < 1)
+    return CT_REFUSE(error, "monitor: every must be at least 1 step, not %lld",
+                     (long long)options->every);
+  const double limit[4] = {options->energy_limit, options->omega_limit, options->stable,
+                           options->growth_limit};
+  static const char *const NAME[4] = {"energy_limit", "omega_limit", "stable", "growth_limit"};
+  for (int i = 0; i < 4; i++)
+    if (!(i < 2 ? limit[i] > 0.0 : limit[i] >= 0.0))
+      return CT_REFUSE(error, "monitor: %s must %s, not %g", NAME[i],
+                       i < 2 ? "be positive" : "be 0 or positive", limit[i]);
   ct_monitor *w = ct_allocate(1, sizeof *w);
   if (w == NULL) return CT_NO_MEMORY(error, "a monitor");
   w->problem = problem;

@@ -66,10 +66,12 @@ static ct_status check_nodes(const ct_problem *problem, const probe *p, ct_error
 {
   const ct_probe_def *def = &p->def;
   for (int32_t i = 0; i < def->node_count; i++)
-    if (def->nodes[i] < 0 || def->nodes[i] >= problem->node_count ||
-        (i > 0 && def->nodes[i] <= def->nodes[i - 1]))
-      return CT_REFUSE(error, "probe %s: node %d is not one of the problem's %d, or not ascending",
-                       p->name, (int)def->nodes[i], (int)problem->node_count);
+    if (def->nodes[i] < 0 || def->nodes[i] >= problem->node_count)
+      return CT_REFUSE(error, "probe %s: there is no node %d; there are nodes 0 to %d", p->name,
+                       (int)def->nodes[i], (int)problem->node_count - 1);
+    else if (i > 0 && def->nodes[i] <= def->nodes[i - 1])
+      return CT_REFUSE(error, "probe %s: its nodes must ascend, but %d stands after %d", p->name,
+                       (int)def->nodes[i], (int)def->nodes[i - 1]);
   return CT_OK;
 }
 
@@ -77,13 +79,17 @@ static ct_status check(const ct_problem *problem, const probe *p, ct_error *erro
 {
   const ct_probe_def *def = &p->def;
   int taken = takes_motion(p) + takes_stress(p) + takes_force(p);
-  if (taken == 0 || def->every < 1 || def->node_count < 0 || def->effect_count < 0)
-    return CT_REFUSE(error, "probe %s: nothing is taken, or every %lld steps", p->name,
+  if (taken == 0)
+    return CT_REFUSE(error, "probe %s: it takes nothing; choose at least one quantity", p->name);
+  if (def->every < 1)
+    return CT_REFUSE(error, "probe %s: every must be at least 1 step, not %lld", p->name,
                      (long long)def->every);
-  if (takes_motion(p) && (def->nodes == NULL || def->node_count == 0))
-    return CT_REFUSE(error, "probe %s: its motion needs nodes", p->name);
-  if (takes_force(p) && (def->effects == NULL || def->effect_count == 0))
-    return CT_REFUSE(error, "probe %s: its force needs effects", p->name);
+  if (takes_motion(p) && (def->nodes == NULL || def->node_count < 1))
+    return CT_REFUSE(error, "probe %s: its list of nodes is empty; motion is taken of nodes",
+                     p->name);
+  if (takes_force(p) && (def->effects == NULL || def->effect_count < 1))
+    return CT_REFUSE(error, "probe %s: its list of effects is empty; force is taken of effects",
+                     p->name);
   if (takes_stress(p) && (def->body < 0 || def->body >= problem->body_count || def->element < 0 ||
                           def->element >= problem->bodies[def->body].mesh->element_count))
     return CT_REFUSE(error, "probe %s: body %d has no element %d", p->name, (int)def->body,
@@ -172,7 +178,7 @@ ct_status ct_probes_create(const ct_problem *problem, const ct_probe_def *defs, 
                            ct_probes **out, ct_error *error)
 {
   if (problem == NULL || out == NULL || count < 0 || (count > 0 && defs == NULL))
-    return CT_REFUSE(error, "probes: null argument, or %d probes", (int)count);
+    return CT_REFUSE(error, "probes: defs is null, or their number is %d", (int)count);
   ct_probes *probes = ct_allocate(1, sizeof *probes);
   if (probes == NULL) return CT_NO_MEMORY(error, "probes");
   probes->problem = problem;
@@ -340,7 +346,7 @@ static ct_status prepare(void *data, const ct_problem *problem, ct_state *state,
   ct_probes *probes = data;
   (void)problem;
   if (probes == NULL || state == NULL || state->problem != probes->problem)
-    return CT_REFUSE(error, "probes: null argument, or a state of another problem");
+    return CT_REFUSE(error, "probes: the state belongs to another problem");
   double last = state->time + 0.5 * probes->problem->dt;
   for (int32_t i = 0; i < probes->count; i++) {
     probe *p = &probes->list[i];
@@ -372,8 +378,8 @@ ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error)
 ct_status ct_probes_history(const ct_probes *probes, int32_t i, ct_probe_history *history,
                             ct_error *error)
 {
-  if (probes == NULL || history == NULL) return CT_REFUSE(error, "probe: null argument");
-  if (i < 0 || i >= probes->count) return CT_REFUSE(error, "probe: no probe %d", (int)i);
+  if (probes == NULL || history == NULL) return CT_REFUSE_NULL(error);
+  if (i < 0 || i >= probes->count) return CT_REFUSE(error, "probes: there is no probe %d", (int)i);
   const probe *p = &probes->list[i];
   *history = (ct_probe_history){
       .name = p->name, .width = p->width, .row_count = p->row_count, .rows = p->rows};
@@ -384,11 +390,12 @@ ct_status ct_probes_history(const ct_probes *probes, int32_t i, ct_probe_history
 ct_status ct_probes_subdivide_step(ct_probes *probes, const ct_problem *problem, int64_t parts,
                                    ct_error *error)
 {
-  if (probes == NULL || problem == NULL || parts < 1 ||
-      problem->node_count != probes->problem->node_count ||
+  if (probes == NULL || problem == NULL) return CT_REFUSE_NULL(error);
+  if (parts < 1)
+    return CT_REFUSE(error, "probes: parts must be at least 1, not %lld", (long long)parts);
+  if (problem->node_count != probes->problem->node_count ||
       problem->effect_count != probes->problem->effect_count)
-    return CT_REFUSE(error, "probes: null argument, another problem, or a step in %lld parts",
-                     (long long)parts);
+    return CT_REFUSE(error, "probes: the problem has other nodes or effects than theirs");
   probes->problem = problem;
   for (int32_t i = 0; i < probes->count; i++) probes->list[i].def.every *= parts;
   return CT_OK;
@@ -397,8 +404,8 @@ ct_status ct_probes_subdivide_step(ct_probes *probes, const ct_problem *problem,
 ct_status ct_probes_restore(ct_probes *probes, int32_t i, const double *rows, int64_t count,
                             ct_error *error)
 {
-  if (probes == NULL || i < 0 || i >= probes->count || count < 0 || (rows == NULL && count > 0))
-    return CT_REFUSE(error, "probes: null argument, or no probe %d", (int)i);
+  if (probes == NULL || count < 0 || (rows == NULL && count > 0)) return CT_REFUSE_NULL(error);
+  if (i < 0 || i >= probes->count) return CT_REFUSE(error, "probes: there is no probe %d", (int)i);
   probe *p = &probes->list[i];
   p->row_count = 0;
   ct_status status = grow(p, count, error);

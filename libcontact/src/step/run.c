@@ -6,14 +6,17 @@
 static ct_status prepare(const ct_problem *problem, ct_state *state, int64_t count,
                          const ct_observers *by, ct_error *error)
 {
-  if (problem == NULL || state == NULL || count < 0 || by->count < 0 ||
-      (by->count > 0 && by->list == NULL))
-    return CT_REFUSE(error, "run: null argument, %lld steps, or %d observers", (long long)count,
-                     (int)by->count);
+  if (problem == NULL || state == NULL || by->count < 0 || (by->count > 0 && by->list == NULL))
+    return CT_REFUSE(error, "run: problem, state or the list of observers is null");
+  if (count < 0)
+    return CT_REFUSE(error, "run: the number of steps must be at least 0, not %lld",
+                     (long long)count);
   for (int32_t i = 0; i < by->count; i++)
-    if (by->list[i].calls == NULL || by->list[i].every < 1)
-      return CT_REFUSE(error, "run: observer %d has no calls, or is called every %lld steps",
-                       (int)i, (long long)by->list[i].every);
+    if (by->list[i].calls == NULL)
+      return CT_REFUSE(error, "run: the table of calls of observer %d is null", (int)i);
+    else if (by->list[i].every < 1)
+      return CT_REFUSE(error, "run: every of observer %d must be at least 1 step, not %lld", (int)i,
+                       (long long)by->list[i].every);
   ct_status status = CT_OK;
   state->workspace->unchanged = 0;
   for (int32_t i = 0; status == CT_OK && i < by->count; i++) {

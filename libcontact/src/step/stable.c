@@ -14,9 +14,10 @@ static const double ALIKE = 1e-6;
 ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int32_t k,
                                  double *omega_squared, double *rate, ct_error *error)
 {
-  if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 ||
-      k >= problem->effect_count)
-    return CT_REFUSE(error, "stable step: null argument or no effect %d", (int)k);
+  if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL)
+    return CT_REFUSE_NULL(error);
+  if (k < 0 || k >= problem->effect_count)
+    return CT_REFUSE(error, "stable step: there is no effect %d", (int)k);
   const ct_effect *effect = problem->effects[k];
   *omega_squared = *rate = 0.0;
   ct_status status = ct_stage_check(state, error);
@@ -29,8 +30,9 @@ ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int
   if (status == CT_OK && effect->calls->bounds.rate != NULL)
     status = effect->calls->bounds.rate(effect, &view, rate, error);
   if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
-    return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are not valid",
-                     effect->label, *omega_squared, *rate);
+    return CT_REFUSE(
+        error, "stable step: effect %s bounds omega2 by %g and rate by %g; neither may be negative",
+        effect->label, *omega_squared, *rate);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {
     double whole = INFINITY;
@@ -111,7 +113,7 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   bounds sum[2] = {{.rate = 0.0}, {.rate = 0.0}};
   double *dt[2];
   ct_state *own = NULL;
-  if (problem == NULL || out == NULL) return CT_REFUSE(error, "stable step: null argument");
+  if (problem == NULL || out == NULL) return CT_REFUSE_NULL(error);
   ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
   if (status == CT_OK) status = sum_bounds(problem, state == NULL ? own : state, sum, error);
   ct_state_free(own);

@@ -29,10 +29,10 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
       p->inverse_mass == NULL || p->initial_velocity == NULL || p->effects == NULL ||
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
-    return CT_REFUSE(error, "problem: bodies, effects or an array are missing");
+    return CT_REFUSE(error, "problem: bodies, effects, an array or a count is null or 0");
   if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
       p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
-    return CT_REFUSE(error, "problem: the first effect must act on all nodes");
+    return CT_REFUSE(error, "problem: effect 0 must be the solid, which acts on all nodes");
   ct_status known = ct_integrator_check(&p->integrator, error);
   if (known != CT_OK) return known;
   for (int32_t k = 0; k < p->effect_count; k++) {
@@ -53,9 +53,11 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
                        "problem: effect %s reads one whose force does not come before its own",
                        effect->label);
   }
-  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->settings.threads < 0 ||
-      p->settings.threads > CT_MOST_THREADS)
-    return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->settings.threads);
+  if (!(p->dt > 0.0) || !isfinite(p->dt))
+    return CT_REFUSE(error, "problem: dt must be positive and finite, not %g", p->dt);
+  if (p->settings.threads < 0 || p->settings.threads > CT_MOST_THREADS)
+    return CT_REFUSE(error, "problem: threads must be 0 to %d, not %d", CT_MOST_THREADS,
+                     p->settings.threads);
   return CT_OK;
 }
 
@@ -335,7 +337,7 @@ ct_status ct_state_finish(const ct_problem *problem, ct_state *state, ct_error *
 ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *state = NULL;
-  if (out == NULL) return CT_REFUSE(error, "state: null argument");
+  if (out == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_state_begin(problem, &state, error);
   if (status == CT_OK) status = ct_state_finish(problem, state, error);
   if (status == CT_OK) *out = state;

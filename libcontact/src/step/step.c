@@ -162,7 +162,7 @@ void ct_series_end(ct_state *state)
 
 ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
-  if (problem == NULL || state == NULL) return CT_REFUSE(error, "step: null argument");
+  if (problem == NULL || state == NULL) return CT_REFUSE_NULL(error);
   ct_series_begin(state, 0);
   ct_status status = take_step(problem, state, NULL, error);
   ct_series_end(state);

@@ -72,12 +72,14 @@ ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_
                                   ct_error *error)
 {
   ct_energy before, after;
-  if (problem == NULL || from == NULL || to == NULL || from == to || to->problem != problem)
-    return CT_REFUSE(error, "smaller step: null argument, or a state of another problem");
+  if (problem == NULL || from == NULL || to == NULL) return CT_REFUSE_NULL(error);
+  if (from == to || to->problem != problem)
+    return CT_REFUSE(error, "smaller step: to must be another state, of the problem that is given");
   int64_t parts = parts_of(from->problem, problem);
   if (parts == 0 || from->step > INT64_MAX / parts)
-    return CT_REFUSE(error, "smaller step: %g is no whole part of %g, or the problems differ",
-                     problem->dt, from->problem->dt);
+    return CT_REFUSE(
+        error, "smaller step: dt = %g must be a whole part of %g, and the problems else alike",
+        problem->dt, from->problem->dt);
   ct_status status = ct_energy_of(from->problem, from, &before, error);
   if (status == CT_OK) status = ct_state_copy(problem, from, to, error);
   if (status != CT_OK || parts == 1) return status;
