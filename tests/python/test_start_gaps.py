@@ -305,7 +305,9 @@ def test_moving_shells_keep_their_energy():
 
 
 def test_a_distance_beyond_the_depth_is_refused():
-    with pytest.raises(ct.SceneError, match="adjust must be at most the depth of the search, 0.25, not 0.3"):
+    with pytest.raises(
+        ct.SceneError, match="adjust must be at most the depth of the search, 0.25, not 0.3"
+    ):
         blocks(0.0, adjust=0.3, depth=0.25).run(progress=False)
     with pytest.raises(ct.SceneError, match="adjust"):
         blocks(0.0, adjust=-0.1)

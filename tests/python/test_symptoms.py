@@ -61,7 +61,7 @@ def test_the_kinds_are_those_of_the_sources():
     )
 
 
-@pytest.mark.parametrize("name", [*CLASSES, *errors.KINDS])
+@pytest.mark.parametrize("name", [*sorted(CLASSES), *errors.KINDS])
 def test_text_ends_with_the_address_of_the_book(name, monkeypatch):
     monkeypatch.setenv("LIBCONTACT_DOCS", "https://example.org/book/")
     found = re.search(
