@@ -19,7 +19,7 @@ ct_dispersion_def ct_dispersion_def_default(void)
 
 static ct_status begin(const ct_dispersion_def *def, ct_bloch *bloch, ct_error *error)
 {
-  if (def == NULL) return CT_REFUSE(error, "dispersion: null argument");
+  if (def == NULL) return CT_REFUSE(error, "dispersion: a required argument is null");
   if (def->cookie != CT_DEF_COOKIE)
     return CT_REFUSE(error, "dispersion: begin with ct_dispersion_def_default()");
   if (!(def->step >= 0.0 && def->step < HUGE_VAL))

@@ -374,8 +374,9 @@ static const ct_effect_calls HOURGLASS = {.force = no_force, .energy = hourglass
 
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {
-  if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
-    return CT_REFUSE(error, "hourglass: null argument or no solid effect");
+  if (solid == NULL || out == NULL) return CT_REFUSE_NULL(error);
+  if (solid->kind != CT_EFFECT_SOLID)
+    return CT_REFUSE(error, "hourglass: the effect is %s, not the solid", solid->label);
   const solid_data *data = solid->data;
   int reduced = 0;
   for (int32_t i = 0; i < data->part_count; i++)
@@ -390,11 +391,12 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
 ct_status ct_solid_body_plan(const ct_effect *effect, int32_t body, ct_solid_kernel *kernel,
                              double *flops, double *bytes, ct_error *error)
 {
-  if (effect == NULL || effect->kind != CT_EFFECT_SOLID)
-    return CT_REFUSE(error, "solid: null argument, or another effect");
+  if (effect == NULL) return CT_REFUSE_NULL(error);
+  if (effect->kind != CT_EFFECT_SOLID)
+    return CT_REFUSE(error, "solid: the effect is %s, not the solid", effect->label);
   const solid_data *solid = effect->data;
   if (body < 0 || body >= solid->part_count)
-    return CT_REFUSE(error, "solid: no body %d", (int)body);
+    return CT_REFUSE(error, "solid: there is no body %d", (int)body);
   const ct_solid_part *part = &solid->parts[body];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;

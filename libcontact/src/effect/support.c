@@ -47,9 +47,9 @@ ct_status ct_support_create_effect(const ct_support_def *def, const ct_problem *
 ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity,
                            ct_error *error)
 {
-  if (effect == NULL || effect->kind != CT_EFFECT_SUPPORT || inverse_mass == NULL ||
-      velocity == NULL)
-    return CT_REFUSE(error, "support: null argument, or another effect");
+  if (effect == NULL || inverse_mass == NULL || velocity == NULL) return CT_REFUSE_NULL(error);
+  if (effect->kind != CT_EFFECT_SUPPORT)
+    return CT_REFUSE(error, "support: the effect is %s, not a support", effect->label);
   const ct_held *held = effect->data;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int c = 0; c < 3; c++) {

@@ -437,7 +437,7 @@ static double *take_masses(const ct_contact *contact, const double *const mass[2
 {
   if (contact == NULL || mass[0] == NULL || (mass[1] == NULL && contact->fixed->gaps.sides == 2) ||
       dt == NULL) {
-    *status = CT_REFUSE(error, "contact: null argument");
+    *status = CT_REFUSE(error, "contact: a required argument is null");
     return NULL;
   }
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {

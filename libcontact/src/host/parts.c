@@ -169,9 +169,11 @@ static const ct_host_part *stepped(const ct_contact *contact, int32_t obstacle, 
                                    ct_status *status, ct_error *error)
 {
   const ct_host_part *part = contact == NULL ? NULL : ct_host_obstacle(contact, obstacle);
-  *status = part == NULL || out == NULL
-                ? CT_REFUSE(error, "contact: null argument, or no obstacle %d", (int)obstacle)
-                : ct_host_check_current(contact, error);
+  if (contact == NULL || out == NULL)
+    *status = CT_REFUSE(error, "contact: a required argument is null");
+  else if (part == NULL)
+    *status = CT_REFUSE(error, "contact: there is no obstacle %d", (int)obstacle);
+  else *status = ct_host_check_current(contact, error);
   return *status == CT_OK ? part : NULL;
 }
 

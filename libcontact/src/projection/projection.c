@@ -52,7 +52,8 @@ static int are_possible(const ct_project_options *options)
 static ct_status refuse(const ct_face *face, const double *point, const ct_project_options *options,
                         ct_error *error)
 {
-  if (face == NULL || point == NULL) return CT_REFUSE(error, "projection: null argument");
+  if (face == NULL || point == NULL)
+    return CT_REFUSE(error, "projection: a required argument is null");
   if (ct_face_node_count(face->kind) == 0)
     return CT_REFUSE(error, "projection: there is no face of the kind %d", (int)face->kind);
   if (options->cookie != CT_DEF_COOKIE)

@@ -149,8 +149,8 @@ ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
 {
   double A[SIZE][SIZE], m[SIZE];
   int per = ct_brick_node_count(kind);
-  if (per == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
-    return CT_REFUSE(error, "solid: null argument or unknown element");
+  if (nodes == NULL || mass == NULL || omega_squared == NULL) return CT_REFUSE_NULL(error);
+  if (per == 0) return CT_REFUSE(error, "solid: there is no brick of the kind %d", (int)kind);
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
   if (material->law == CT_LINEAR) displacement = NULL;

@@ -84,8 +84,9 @@ static ct_status element_arguments(ct_brick_kind kind, const double *nodes,
                                    double x[20][3], double u[20][3], ct_error *error)
 {
   size_t per = (size_t)ct_brick_node_count(kind);
-  if (per == 0 || nodes == NULL || displacement == NULL)
-    return CT_REFUSE(error, "solid: null argument or unknown element");
+  if (nodes == NULL || displacement == NULL)
+    return CT_REFUSE(error, "solid: a required argument is null");
+  if (per == 0) return CT_REFUSE(error, "solid: there is no brick of the kind %d", (int)kind);
   memcpy(x, nodes, per * sizeof x[0]);
   memcpy(u, displacement, per * sizeof u[0]);
   return ct_material_check(material, error);

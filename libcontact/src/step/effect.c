@@ -77,7 +77,7 @@ ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, 
                               const char *what, ct_error *error)
 {
   if (cookie == NULL || problem == NULL || effect == NULL)
-    return CT_REFUSE(error, "%s: null argument", what);
+    return CT_REFUSE(error, "%s: a required argument is null", what);
   if (*cookie != CT_DEF_COOKIE)
     return CT_REFUSE(error, "%s: the definition does not start from ct_%s_def_default", what, what);
   return CT_OK;
