@@ -12,8 +12,8 @@ for scenes of your own (:doc:`/theory/scene`).
 # Two helpers
 # -----------
 # ``states`` returns the states at some times: the scene is run up to each of them. ``often``
-# records more often. :func:`libcontact.pictures.plot.draw_faces` draws deformed faces, coloured by values
-# of elements.
+# records more often. :func:`libcontact.pictures.plot.draw_faces` draws deformed faces, coloured by
+# values of elements.
 
 import os
 from pathlib import Path
