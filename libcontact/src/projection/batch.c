@@ -39,12 +39,8 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
   if (closest == NULL || (count > 0 && (nodes == NULL || points == NULL)))
     return CT_REFUSE_NULL(error);
   if (per == 0) return CT_REFUSE(error, "batch: there is no face of the kind %d", (int)kind);
-  if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL))
-    return CT_REFUSE(error, "batch: tolerance must be positive and finite, not %g",
-                     options->tolerance);
-  if (options->iteration_limit < 0)
-    return CT_REFUSE(error, "batch: iteration_limit must not be negative, but is %d",
-                     options->iteration_limit);
+  status = ct_check_search_limits("batch", options, error);
+  if (status != CT_OK) return status;
   ct_batch_kernel *kernel = widest_kernel();
   for (size_t block = 0; block < blocks_of(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block,

@@ -48,6 +48,18 @@ static int are_possible(const ct_project_options *options)
           (fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL));
 }
 
+ct_status ct_check_search_limits(const char *who, const ct_project_options *options,
+                                 ct_error *error)
+{
+  if (!(options->tolerance > 0.0 && options->tolerance < HUGE_VAL))
+    return CT_REFUSE(error, "%s: tolerance must be positive and finite, not %g", who,
+                     options->tolerance);
+  if (options->iteration_limit < 0)
+    return CT_REFUSE(error, "%s: iteration_limit must not be negative, but is %d", who,
+                     options->iteration_limit);
+  return CT_OK;
+}
+
 /* The reason why a call is rejected. */
 static ct_status refuse(const ct_face *face, const double *point, const ct_project_options *options,
                         ct_error *error)
@@ -60,13 +72,8 @@ static ct_status refuse(const ct_face *face, const double *point, const ct_proje
     return ct_check_options(options->cookie, "ct_project_options_default", error);
   if (!ct_method_exists(options->method))
     return CT_REFUSE(error, "projection: there is no method %d", (int)options->method);
-  if (!(options->tolerance > 0.0 && options->tolerance < HUGE_VAL))
-    return CT_REFUSE(error, "projection: tolerance must be positive and finite, not %g",
-                     options->tolerance);
-  if (options->iteration_limit < 0)
-    return CT_REFUSE(error, "projection: iteration_limit must not be negative, but is %d",
-                     options->iteration_limit);
-  return CT_REFUSE(error, "projection: the start is not finite");
+  ct_status status = ct_check_search_limits("projection", options, error);
+  return status != CT_OK ? status : CT_REFUSE(error, "projection: the start is not finite");
 }
 
 ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,

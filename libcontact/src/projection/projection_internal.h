@@ -171,4 +171,8 @@ ct_project_method ct_project_sphere, ct_project_torus;
 /* Whether a method has this number. */
 int ct_method_exists(ct_method method);
 
+/* Refuse a tolerance or an iteration limit that no search can use; `who` begins the text. */
+ct_status ct_check_search_limits(const char *who, const ct_project_options *options,
+                                 ct_error *error);
+
 #endif
