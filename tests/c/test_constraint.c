@@ -1,6 +1,7 @@
 /* The parts of the constraint solver, on random rows, compared with matrices that this file
  * computes itself. The source is included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/solve.c"
+#include "../../libcontact/src/constraint/matrix.h"
 #include "bodies.h"
 
 enum { NODES = 9, ROWS = 14, OWN = 4, OTHER = 4, DOFS = 3 * NODES };
@@ -31,9 +32,9 @@ static void fill(rows *r)
   for (int i = 0; i < NODES; i++)
     for (int c = 0; c < 3; c++) {
       r->A[3 * i + c] = 1.0 + 0.5 * uniform(1.0);
-      r->s->mobility[WIDE * i + c] = r->A[3 * i + c];
-      r->s->increment[WIDE * i + c] = 0.2 * uniform(1.0);
-      r->s->last_increment[WIDE * i + c] = 0.2 * uniform(1.0);
+      r->s->mobility[CT_SOLVER_WIDE * i + c] = r->A[3 * i + c];
+      r->s->increment[CT_SOLVER_WIDE * i + c] = 0.2 * uniform(1.0);
+      r->s->last_increment[CT_SOLVER_WIDE * i + c] = 0.2 * uniform(1.0);
     }
   for (int j = 0; j < ROWS; j++) {
     ct_constraint *c = &r->row[j];
@@ -80,10 +81,9 @@ static void fill_dense(rows *r)
 static void prepare(rows *r)
 {
   fill(r);
-  fill_entries(r->s);
-  find_alike(r->s->first[1], r->s->entries);
+  ct_matrix_fill(r->s);
   choose_active(r->s);
-  list_active_nodes(r->s);
+  ct_matrix_choose(r->s);
   (void)fix_laws(r->s);
   fill_dense(r);
 }
@@ -116,7 +116,8 @@ static void slopes(void)
       const ct_entries e = s->entries[j];
       for (int a = 0; a < e.own + e.other; a++)
         for (int c = 0; c < 3; c++)
-          dense[3 * (s->entry_place[e.place + a] / WIDE) + c] += s->G[WIDE * (e.first + a) + c];
+          dense[3 * (s->entry_place[e.place + a] / CT_SOLVER_WIDE) + c] +=
+              s->G[CT_SOLVER_WIDE * (e.first + a) + c];
       off_force = worst(off_force, largest_difference(dense, r.G[j], DOFS));
     }
     (void)find_gradient(r.s);
@@ -217,14 +218,15 @@ static void near_rows(void)
       free[j] = c->gap = fabs(c->gap) - 0.3;
       for (int k = 0; k < 3; k++) {
         for (int a = 0; a < OWN; a++)
-          free[j] += c->own_shape[a] * c->normal[k] * r.s->increment[WIDE * c->own[a] + k];
+          free[j] +=
+              c->own_shape[a] * c->normal[k] * r.s->increment[CT_SOLVER_WIDE * c->own[a] + k];
         for (int a = 0; a < c->other_count; a++)
-          free[j] -= c->other_shape[a] * c->normal[k] * r.s->increment[WIDE * c->other[a] + k];
+          free[j] -=
+              c->other_shape[a] * c->normal[k] * r.s->increment[CT_SOLVER_WIDE * c->other[a] + k];
       }
       most = fmax(most, fmax(fabs(free[j] - c->gap), -c->gap));
     }
-    fill_entries(r.s);
-    find_alike(r.s->first[1], r.s->entries);
+    ct_matrix_fill(r.s);
     choose_active(r.s);
     for (int j = 0, next = 0; j < ROWS; j++) {
       int near = fmin(r.row[j].gap, free[j]) <= 2.0 * most,

@@ -1,0 +1,26 @@
+#ifndef CT_SRC_CONSTRAINT_MATRIX_H
+#define CT_SRC_CONSTRAINT_MATRIX_H
+
+#include "solve.h"
+
+/* The matrix G of the listed rows, whose entries are b_a n (eq:constraint-force), and its products
+ * with vectors. */
+
+/* The entries of all listed rows, and the places of their nodes. */
+void ct_matrix_fill(ct_solver *solver);
+
+/* List the nodes on which the active rows act, after their `entries` are chosen. */
+void ct_matrix_choose(ct_solver *solver);
+
+/* `out` = G times a vector at nodes, of the first `count` rows. */
+void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, double *out);
+
+/* `out` = W times forces of the active rows (eq:constraint-problem). Returns 0 if they are not
+ * finite. */
+int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
+
+/* An upper bound of Σ_k |W_jk| y_k of each active row, for numbers y that are not negative: 1 for
+ * the sum over all rows (eq:constraint-bound). Returns 0 if it is not finite. */
+int ct_matrix_bound(ct_solver *solver, const double *y, double *out);
+
+#endif
