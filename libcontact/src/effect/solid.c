@@ -16,9 +16,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Fewest operations of a thread: a fraction of a millisecond. */
-enum { LEAST_FLOPS = 2000000 };
-
 typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
@@ -63,12 +60,6 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* Memory for the displacements of a part in its own order; else null. */
-static double *ordered_of(const ct_solid_part *part, const ct_solid_scratch *scratch)
-{
-  return part->order != NULL ? scratch->values + part->first_ordered : NULL;
-}
-
 /* The task of part `i`: elements, kernel, input and output. */
 static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *view, double *force)
 {
@@ -76,7 +67,7 @@ static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *v
   const ct_solid_scratch *scratch = view->scratch;
   ct_part_call call = {.part = part,
                        .given = view->displacement + 3 * (int64_t)part->first_node,
-                       .ordered = ordered_of(part, scratch),
+                       .ordered = ct_part_ordered(part, scratch->values),
                        .f = force + 3 * (int64_t)part->first_node,
                        .ring_stride = solid->ring_stride,
                        .batch = ct_sleep_batches(scratch->sleep, i)};
@@ -97,7 +88,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   ct_part_call *calls = ((const ct_solid_scratch *)view->scratch)->calls;
   for (int32_t i = 0; i < solid->part_count; i++) calls[i] = call_of(solid, i, view, force);
   ct_part_forces(calls, solid->part_count,
-                 ct_threads_for(ct_threads_of(view->settings), solid->flops, LEAST_FLOPS));
+                 ct_threads_for(ct_threads_of(view->settings), solid->flops, CT_LEAST_FLOPS));
   ct_status status = CT_OK;
   for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
     if (solid->parts[i].energies != NULL)
@@ -174,7 +165,8 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
         ct_stream_add(&sum, &scratch->half_work[i], 1);
         continue;
       }
-      ct_part_call call = {.part = part, .given = u, .ordered = ordered_of(part, scratch)};
+      ct_part_call call = {
+          .part = part, .given = u, .ordered = ct_part_ordered(part, scratch->values)};
       ct_part_arrange(&call, 1, 1);
       if (call.ordered != NULL) u = call.ordered;
       if (sum.round == 1) begin_energies(part, u, values);
@@ -244,32 +236,6 @@ ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_erro
   return CT_OK;
 }
 
-/* Set the begin of each part's values. A ring is read before a thread computes the next part: it
- * has one ring for all parts. */
-static void place_values(solid_data *solid)
-{
-  int rings = 0;
-  for (int32_t i = 0; i < solid->part_count; i++)
-    for (int plane = 0; plane < 2; plane++) {
-      const ct_force_ring *ring = plane ? solid->parts[i].plane : solid->parts[i].ring;
-      if (ring == NULL) continue;
-      if (ring->value_count > solid->ring_stride) solid->ring_stride = ring->value_count;
-      rings = ring->ring_count;
-    }
-  solid->value_count = solid->ring_stride * rings;
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    ct_solid_part *part = &solid->parts[i];
-    if (part->ring != NULL) continue;
-    part->first_value = solid->value_count;
-    solid->value_count += part->value_count;
-  }
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    ct_solid_part *part = &solid->parts[i];
-    part->first_ordered = solid->value_count;
-    if (part->order != NULL) solid->value_count += 3 * (int64_t)part->mesh->node_count;
-  }
-}
-
 static ct_status prepare(solid_data *solid, const ct_solid_body *bodies, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
@@ -296,7 +262,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *bodies, ct_erro
     solid->sleeps = solid->sleeps || part->optimisations.sleep;
     next_node += part->mesh->node_count;
   }
-  place_values(solid);
+  solid->value_count = ct_parts_place(solid->parts, solid->part_count, &solid->ring_stride);
   return CT_OK;
 }
 

@@ -5,9 +5,11 @@
 #include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/threads.h"
+#include "../solid/call.h"
 #include "../solid/element.h"
-#include "../solid/kernel.h"
 #include "../solid/mean.h"
+#include "../solid/part.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,13 +19,11 @@ typedef struct viscous_lanes {
   ct_lanes b[3][CT_MEAN_MODES], inverse_volume, length;
 } viscous_lanes;
 
-typedef struct viscous_body {
-  const ct_mesh *mesh;
-  int32_t first_node, batch_count;
-  double density, c1;
-  viscous_lanes *lanes;
-  ct_assembly *assembly;
-  double most; /* largest l / V Σ b² / m over the elements, for the bound on the step */
+typedef struct ct_viscous_body {
+  const ct_mesh *mesh; /* the user's */
+  double density, c1, linear, quadratic;
+  viscous_lanes *lanes; /* in the order of the part */
+  double most;          /* largest l / V Σ b² / m over the elements, for the bound on the step */
 } viscous_body;
 
 /* The quadratic part is limited to the slope of a linear part with this coefficient
@@ -35,14 +35,18 @@ typedef struct viscous_data {
   double linear, quadratic;
   int32_t body_count;
   viscous_body *bodies;
+  ct_solid_part *parts; /* the bodies as parts whose displacements are velocities */
   int32_t *nodes;
-  int64_t value_count;
+  int64_t value_count, ring_stride;
 } viscous_data;
+
+/* Operations of the kernel for one element. */
+static const double FLOPS = 249.0;
 
 static void free_data(void *data)
 {
   viscous_data *d = data;
-  for (int32_t i = 0; d != NULL && i < d->body_count; i++) ct_assembly_free(d->bodies[i].assembly);
+  for (int32_t i = 0; d != NULL && i < d->body_count; i++) ct_part_release(&d->parts[i]);
   ct_pool_free(d);
 }
 
@@ -55,20 +59,24 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 /* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
 static double length_of(double g2) { return sqrt(1.5 / g2); }
 
-/* Forces of all elements of one body. */
+/* Forces of the batches first ... last - 1 of a body. */
 CT_CLONES
-static void body_batches(const viscous_body *body, const double *velocity, double linear,
-                         double quadratic, double *values)
+static void viscous_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                            const double *velocity, double *values)
 {
-  double slow = body->density * linear * body->c1, fast = body->density * quadratic * quadratic,
+  const viscous_body *body = part->viscous;
+  double slow = body->density * body->linear * body->c1,
+         fast = body->density * body->quadratic * body->quadratic,
          steep = body->density * STEEPEST * body->c1,
-         knee = quadratic > 0.0 ? 0.5 * steep / fast : INFINITY;
-  for (int32_t b = 0; b < body->batch_count; b++)
+         knee = body->quadratic > 0.0 ? 0.5 * steep / fast : INFINITY;
+  for (int32_t b = first; b < last; b++) {
+    int64_t stride;
+    double *out = ct_batch_values(part->ring, 8, values, b, &stride);
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       const viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q, low;
       double speed[CT_LANES_COUNT], below[CT_LANES_COUNT];
-      ct_load_lanes(body->mesh, NULL, b, 8, velocity, lane, v);
+      ct_load_lanes(part->mesh, part->rows, b, 8, velocity, lane, v);
       // -- The closing speed l D of the rate at which the volume changes
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
@@ -90,9 +98,10 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
         F[CT_XI_ETA_ZETA] = q - q;
         ct_brick_nodal(F, v);
-        ct_store_lanes(v, 8, j, lane, 8, &values[192 * (int64_t)b]);
+        ct_store_lanes(v, 8, j, lane, stride, out);
       }
     }
+  }
 }
 
 static ct_status viscous_force(const ct_effect *effect, const ct_view *view, double *force,
@@ -102,13 +111,19 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   double *values = view->scratch;
   (void)error;
   for (int32_t i = 0; i < d->body_count; i++) {
-    const viscous_body *body = &d->bodies[i];
-    body_batches(body, view->velocity + 3 * (int64_t)body->first_node, d->linear, d->quadratic,
-                 values);
-    ct_assembly_fold(body->assembly, values);
-    ct_assembly_gather(body->assembly, values, 0, body->mesh->node_count, force);
-    force += 3 * (int64_t)body->mesh->node_count;
-    values += body->assembly->value_count;
+    const ct_solid_part *part = &d->parts[i];
+    const int64_t flops = (int64_t)FLOPS * part->mesh->element_count;
+    ct_part_call call = {.part = part,
+                         .ring = part->ring,
+                         .batches = viscous_batches,
+                         .given = view->velocity + 3 * (int64_t)part->first_node,
+                         .ordered = ct_part_ordered(part, values),
+                         .values = values + part->first_value,
+                         .f = force,
+                         .ring_stride = d->ring_stride};
+    call.displacement = call.ordered != NULL ? call.ordered : call.given;
+    ct_part_forces(&call, 1, ct_threads_for(ct_threads_of(view->settings), flops, CT_LEAST_FLOPS));
+    force += 3 * (int64_t)part->mesh->node_count;
   }
   return CT_OK;
 }
@@ -146,7 +161,7 @@ static void viscous_element(const ct_effect *effect, int32_t first_node, const d
   }
   for (int32_t k = 0; k < d->body_count; k++) {
     const viscous_body *body = &d->bodies[k];
-    if (body->first_node != first_node) continue;
+    if (d->parts[k].first_node != first_node) continue;
     // (eq:joint-bound)
     double most = 2.0 * dt * body->density * body->c1 * coefficient_of(d) * length_of(g2) * volume;
     for (int i = 0; i < 24; i++)
@@ -183,14 +198,14 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
 }
 
 CT_CLONES
-static void lay_down(const viscous_body *body)
+static void lay_down(const ct_solid_part *part, viscous_lanes *lanes)
 {
-  for (int32_t b = 0; b < body->batch_count; b++)
+  for (int32_t b = 0; b < part->batch_count; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-      viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
+      viscous_lanes *e = &lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes x[3 * 8], X[3][CT_MODES], V, g[3];
       double length[CT_LANES_COUNT];
-      ct_load_lanes(body->mesh, NULL, b, 8, body->mesh->nodes, lane, x);
+      ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
       ct_mean_gradient(X, e->b, &V);
       e->inverse_volume = 1.0 / V;
@@ -202,28 +217,31 @@ static void lay_down(const viscous_body *body)
     }
 }
 
-static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass,
-                              ct_pool *pool, ct_error *error)
+static ct_status prepare_body(viscous_data *d, const ct_body *from, const double *mass,
+                              ct_error *error)
 {
   double c2;
   const ct_brick_facts *facts = ct_brick_facts_of(from->mesh->kind);
+  viscous_body *body = &d->bodies[d->body_count];
+  ct_solid_part *part = &d->parts[d->body_count++];
   if (!facts->trilinear)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "viscosity: body %s has elements %s; bulk viscosity is for hex8 only",
                    from->name, facts->name);
-  body->mesh = from->mesh;
-  body->first_node = from->first_node;
-  body->density = from->material.density;
+  *body = (viscous_body){.mesh = from->mesh,
+                         .density = from->material.density,
+                         .linear = d->linear,
+                         .quadratic = d->quadratic};
   ct_material_speeds(&from->material, &body->c1, &c2);
-  body->batch_count = (body->mesh->element_count + 7) / 8;
-  body->lanes = ct_pool_take(pool, (size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT),
+  *part = (ct_solid_part){.mesh = from->mesh, .first_node = from->first_node, .viscous = body};
+  ct_status status = ct_mesh_check(body->mesh, error);
+  if (status == CT_OK) status = ct_part_lay_out(part, error);
+  if (status != CT_OK) return status;
+  body->lanes = ct_pool_take(&d->pool, (size_t)part->batch_count * (CT_BATCH / CT_LANES_COUNT),
                              sizeof *body->lanes);
   if (body->lanes == NULL) return CT_NO_MEMORY(error, "the viscosity");
-  ct_status status = ct_mesh_check(body->mesh, error);
-  if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
-  if (status != CT_OK) return status;
-  lay_down(body);
-  return bound_body(body, mass + body->first_node, error);
+  lay_down(part, body->lanes);
+  return bound_body(body, mass + part->first_node, error);
 }
 
 static ct_status check(const ct_viscosity_def *options, ct_error *error)
@@ -250,18 +268,17 @@ static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
   d->linear = options->linear;
   d->quadratic = options->quadratic;
   d->bodies = ct_pool_take(&d->pool, (size_t)problem->body_count, sizeof *d->bodies);
-  if (d->bodies == NULL) return CT_NO_MEMORY(error, "the viscosity");
+  d->parts = ct_pool_take(&d->pool, (size_t)problem->body_count, sizeof *d->parts);
+  if (d->bodies == NULL || d->parts == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = ct_effect_body_nodes(problem, options->bodies, options->body_count,
                                           "viscosity", &d->pool, &d->nodes, node_count, error);
   for (int32_t n = 0; status == CT_OK && n < *node_count;) {
     int32_t i = ct_effect_body_of(problem, d->nodes[n]);
-    viscous_body *body = &d->bodies[d->body_count++];
-    status = prepare_body(body, &problem->bodies[i], problem->mass, &d->pool, error);
+    status = prepare_body(d, &problem->bodies[i], problem->mass, error);
     if (status != CT_OK && error != NULL) error->body = i;
-    if (status != CT_OK) return status;
-    d->value_count += body->assembly->value_count;
-    n += body->mesh->node_count;
+    n += problem->bodies[i].mesh->node_count;
   }
+  d->value_count = ct_parts_place(d->parts, d->body_count, &d->ring_stride);
   return status;
 }
 
@@ -290,10 +307,12 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
     // Operations counted in the kernel and the sums at the nodes; bytes of node numbers, of
-    // constant data, of forces (written and read), and of nodes.
-    const ct_mesh *mesh = d->bodies[i].mesh;
-    filled.cost.flops += 249.0 * mesh->element_count + 21.0 * mesh->node_count;
-    filled.cost.bytes += (32.0 + 160.0 + 384.0) * mesh->element_count + 80.0 * mesh->node_count;
+    // constant data, without a ring of forces (written and read), and of nodes.
+    const ct_solid_part *part = &d->parts[i];
+    double forces = part->ring != NULL ? 0.0 : 384.0;
+    filled.cost.flops += FLOPS * part->mesh->element_count + 21.0 * part->mesh->node_count;
+    filled.cost.bytes +=
+        (32.0 + 160.0 + forces) * part->mesh->element_count + 80.0 * part->mesh->node_count;
   }
   return ct_effect_finish(status, &filled, effect, error);
 }

@@ -4,6 +4,9 @@
 #include "../base/bits.h"
 #include "sleep.h"
 
+/* Fewest operations of a thread: a fraction of a millisecond. */
+enum { CT_LEAST_FLOPS = 2000000 };
+
 /* One force evaluation of one body; the rings of all bodies share their memory. */
 typedef struct ct_part_call {
   const ct_solid_part *part;

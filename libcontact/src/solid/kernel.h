@@ -72,6 +72,8 @@ typedef struct ct_solid_part {
   double hourglass;
   /* Data shared by the elements, if the kernel is CT_KERNEL_BOX for hex20. */
   struct ct_box20 *box20;
+  /* Null, or of a part of the bulk viscosity: its constant data. */
+  const struct ct_viscous_body *viscous;
   ct_assembly *assembly;
   /* Begin of this part's values, and of its batches, in the scratch of the effect; number of its
    * values; and number of values before the energies. */

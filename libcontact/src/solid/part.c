@@ -154,6 +154,14 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *body, c
   return CT_OK;
 }
 
+/* A table for the sums at the nodes, where there is no ring. */
+static ct_status prepare_table(ct_solid_part *part, ct_error *error)
+{
+  ct_status status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  if (status == CT_OK) part->value_count = part->assembly->value_count;
+  return status;
+}
+
 ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_error *error)
 {
   part->mesh = body->mesh;
@@ -167,10 +175,41 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
   part->batch_count = (part->mesh->element_count + 7) / 8;
   ct_status status = choose_kernel(part, body, error);
   if (status != CT_OK || part->ring != NULL) return status;
-  status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  status = prepare_table(part, error);
   if (status != CT_OK) return status;
   part->energy_value = part->assembly->value_count + (part->batch_count + 7) / 8 * 8;
-  part->value_count = part->energies != NULL ? part->energy_value + 8 * (int64_t)part->batch_count
-                                             : part->assembly->value_count;
+  if (part->energies != NULL)
+    part->value_count = part->energy_value + 8 * (int64_t)part->batch_count;
   return CT_OK;
+}
+
+ct_status ct_part_lay_out(ct_solid_part *part, ct_error *error)
+{
+  part->batch_count = (part->mesh->element_count + 7) / 8;
+  if (prepare_ring(part) != CT_OK || prepare_rows(part) != CT_OK)
+    return CT_NO_MEMORY(error, "the elements");
+  return part->ring != NULL ? CT_OK : prepare_table(part, error);
+}
+
+int64_t ct_parts_place(ct_solid_part *parts, int32_t count, int64_t *ring_stride)
+{
+  int rings = 0;
+  for (int32_t i = 0; i < count; i++)
+    for (int plane = 0; plane < 2; plane++) {
+      const ct_force_ring *ring = plane ? parts[i].plane : parts[i].ring;
+      if (ring == NULL) continue;
+      if (ring->value_count > *ring_stride) *ring_stride = ring->value_count;
+      rings = ring->ring_count;
+    }
+  int64_t values = *ring_stride * rings;
+  for (int32_t i = 0; i < count; i++) {
+    if (parts[i].ring != NULL) continue;
+    parts[i].first_value = values;
+    values += parts[i].value_count;
+  }
+  for (int32_t i = 0; i < count; i++) {
+    parts[i].first_ordered = values;
+    if (parts[i].order != NULL) values += 3 * (int64_t)parts[i].mesh->node_count;
+  }
+  return values;
 }
