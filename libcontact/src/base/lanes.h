@@ -55,6 +55,20 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_CLONES
 #endif
 
+/* The numbers of 4 consecutive nodes, each three times, for their degrees of freedom; only if
+ * CT_ROWS. */
+CT_INLINE void ct_thrice(const double *p, ct_quad t[3])
+{
+#if CT_ROWS
+  ct_quad m = *(const ct_quad *)(const void *)p;
+  t[0] = CT_PICK(m, m, 0, 0, 0, 1);
+  t[1] = CT_PICK(m, m, 1, 1, 2, 2);
+  t[2] = CT_PICK(m, m, 2, 3, 3, 3);
+#else
+  (void)p, (void)t;
+#endif
+}
+
 /* Load x, y, z of 8 consecutive nodes, to v[0], v[step], v[2 step]; only if CT_ROWS. */
 CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
 {

@@ -3,6 +3,7 @@
 
 #include "../step/effect_internal.h"
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 
@@ -16,6 +17,27 @@ typedef struct damping_data {
   const double *mass, *inverse_mass; /* of the problem */
 } damping_data;
 
+/* Forces of consecutive nodes, of four at a time. */
+CT_CLONES
+static void drag(int32_t count, double rate, const double *restrict mass,
+                 const double *restrict velocity, double *restrict force)
+{
+  int32_t rows = CT_ROWS ? count / 4 * 4 : 0;
+#if CT_ROWS
+  for (int32_t i = 0; i < rows; i += 4) {
+    ct_quad m[3];
+    ct_thrice(&mass[i], m);
+    for (int32_t k = 3 * i, j = 0; j < 3; j++, k += 4)
+      *(ct_quad *)(void *)&force[k] = -(rate * m[j]) * *(const ct_quad *)(const void *)&velocity[k];
+  }
+#endif
+  for (int32_t i = rows; i < count; i++) {
+    double c = rate * mass[i];
+    // -- Against the velocity half a step back (eq:damping-force)
+    for (int k = 0; k < 3; k++) force[3 * i + k] = -c * velocity[3 * i + k];
+  }
+}
+
 static ct_status damping_force(const ct_effect *effect, const ct_view *view, double *force,
                                ct_error *error)
 {
@@ -25,11 +47,10 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
     return ct_fail(error, CT_ERROR_STEP, CT_NOWHERE,
                    "damping: the rate %g reverses velocities in a step of %g; at most %g is safe",
                    data->rate, view->c_dt, 1.0 / data->rate);
-  for (int32_t i = 0; i < effect->node_count; i++) {
+  for (int32_t i = 0, end; i < effect->node_count; i = end) {
     int64_t node = data->nodes[i];
-    double c = data->rate * data->mass[node];
-    // -- Against the velocity half a step back (eq:damping-force)
-    for (int k = 0; k < 3; k++) force[3 * (int64_t)i + k] = -c * view->velocity[3 * node + k];
+    end = i + ct_row_length(&data->nodes[i], effect->node_count - i);
+    drag(end - i, data->rate, &data->mass[node], &view->velocity[3 * node], &force[3 * (int64_t)i]);
   }
   return CT_OK;
 }

@@ -3,6 +3,7 @@
 
 #include "../step/effect_internal.h"
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 
@@ -16,15 +17,34 @@ typedef struct gravity_data {
   const double *mass; /* of the problem */
 } gravity_data;
 
+/* Forces of consecutive nodes, of four at a time. */
+CT_CLONES
+static void weigh(int32_t count, const double *restrict mass, const double *restrict g,
+                  double *restrict force)
+{
+  int32_t rows = CT_ROWS ? count / 4 * 4 : 0;
+#if CT_ROWS
+  const double x = g[0], y = g[1], z = g[2];
+  const ct_quad pattern[3] = {{x, y, z, x}, {y, z, x, y}, {z, x, y, z}};
+  for (int32_t i = 0; i < rows; i += 4) {
+    ct_quad m[3];
+    ct_thrice(&mass[i], m);
+    for (int k = 0; k < 3; k++) *(ct_quad *)(void *)&force[3 * i + 4 * k] = m[k] * pattern[k];
+  }
+#endif
+  for (int32_t i = rows; i < count; i++)
+    // -- Weight of a node (eq:gravity-force)
+    for (int c = 0; c < 3; c++) force[3 * i + c] = mass[i] * g[c];
+}
+
 static ct_status gravity_force(const ct_effect *effect, const ct_view *view, double *force,
                                ct_error *error)
 {
   const gravity_data *data = effect->data;
   (void)view, (void)error;
-  for (int32_t i = 0; i < effect->node_count; i++) {
-    double m = data->mass[data->nodes[i]];
-    // -- Weight of a node (eq:gravity-force)
-    for (int c = 0; c < 3; c++) force[3 * (int64_t)i + c] = m * data->acceleration[c];
+  for (int32_t i = 0, end; i < effect->node_count; i = end) {
+    end = i + ct_row_length(&data->nodes[i], effect->node_count - i);
+    weigh(end - i, &data->mass[data->nodes[i]], data->acceleration, &force[3 * (int64_t)i]);
   }
   return CT_OK;
 }

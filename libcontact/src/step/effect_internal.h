@@ -4,6 +4,7 @@
 #include <libcontact/problem.h>
 
 #include "../base/error.h"
+#include "../base/list.h"
 #include "../base/memory.h"
 
 /* An effect on the heap, copied from a filled one, of any kind; hosts have ct_effect_create. */
@@ -35,6 +36,21 @@ void *ct_effect_begin(const void *def, const ct_problem *problem, ct_effect **ef
 static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
 {
   return effect->nodes == NULL ? i : effect->nodes[i];
+}
+
+/* Number of nodes of an effect below a node of the problem. */
+static inline int32_t ct_effect_below(const ct_effect *effect, int32_t node)
+{
+  int32_t count = effect->node_count;
+  if (effect->nodes != NULL) return ct_lower_bound(effect->nodes, count, node);
+  return count < node ? count : node;
+}
+
+/* Whether the nodes of an effect from the i-th up to the one before the end-th, at least one, have
+ * consecutive numbers. */
+static inline int ct_effect_is_row(const ct_effect *effect, int32_t i, int32_t end)
+{
+  return ct_effect_node(effect, end - 1) - ct_effect_node(effect, i) == end - 1 - i;
 }
 
 /* Check that the members of an effect are consistent and its nodes ascend. */

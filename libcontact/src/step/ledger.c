@@ -6,26 +6,27 @@
 
 #include <string.h>
 
-void ct_ledger_keep(ct_state *state)
+void ct_ledger_keep(const ct_state *state, ct_moved piece, double *sum, double *work)
 {
-  ct_workspace *w = state->workspace;
-  for (int32_t i = 0; i < w->shared_count; i++) {
-    int64_t dof = 3 * (int64_t)w->shared[i];
-    memcpy(&w->shared_velocity[3 * (int64_t)i], &state->velocity[dof], 3 * sizeof(double));
-    memcpy(&w->shared_work[3 * (int64_t)i], &state->work[dof], 3 * sizeof(double));
+  const int32_t *nodes = state->workspace->shared;
+  for (int32_t i = piece.shared_first; i < piece.shared_last; i++, work += 3) {
+    memcpy(&sum[3 * (nodes[i] - piece.first)], &state->velocity[3 * (int64_t)nodes[i]],
+           3 * sizeof *sum);
+    memcpy(work, &state->work[3 * (int64_t)nodes[i]], 3 * sizeof *work);
   }
 }
 
-/* After the step: at nodes with several effects the first effect's work is that of its own force
- * (eq:work-balance, eq:stage-work). */
-static void correct_shared(ct_state *state, double share)
+void ct_ledger_correct(ct_state *state, double share, ct_moved piece, const double *work,
+                       double *sum)
 {
-  ct_workspace *w = state->workspace;
-  for (int32_t i = 0; i < w->shared_count; i++)
+  const ct_workspace *w = state->workspace;
+  for (int32_t i = piece.shared_first; i < piece.shared_last; i++)
     for (int c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)w->shared[i] + c, own = 3 * (int64_t)i + c;
-      state->work[dof] = w->shared_work[own] + share * w->shared_first[own] *
-                                                   (w->shared_velocity[own] + state->velocity[dof]);
+      int64_t dof = 3 * (int64_t)w->shared[i] + c;
+      double *both = &sum[dof - 3 * (int64_t)piece.first];
+      *both += state->velocity[dof];
+      // (eq:work-balance, eq:stage-work)
+      state->work[dof] = *work++ + share * w->shared_first[3 * (int64_t)i + c] * *both;
     }
 }
 
@@ -54,60 +55,76 @@ static void react(int64_t count, double share, const double *restrict inverse_ma
 static void count_reaction(const ct_problem *problem, const double *total, const ct_effect *effect,
                            double share, int32_t first, int32_t last, double *impulse)
 {
-  const int32_t *nodes = effect->nodes;
-  int32_t i = nodes == NULL ? first : ct_lower_bound(nodes, effect->node_count, first), end = last;
-  for (; i < effect->node_count && ct_effect_node(effect, i) < last; i = end) {
-    // Nodes with consecutive numbers are processed together.
-    for (end = i + 1; nodes != NULL && end < effect->node_count && nodes[end] < last &&
-                      nodes[end] == nodes[end - 1] + 1;)
-      end++;
-    if (nodes == NULL) end = last;
+  int32_t i = ct_effect_below(effect, first), stop = ct_effect_below(effect, last);
+  // Nodes with consecutive numbers are processed together.
+  for (int32_t end; i < stop; i = end) {
+    end = effect->nodes == NULL ? stop : i + ct_row_length(&effect->nodes[i], stop - i);
     int64_t dof = 3 * (int64_t)ct_effect_node(effect, i);
     react(3 * (int64_t)(end - i), share, &problem->inverse_mass[dof], &total[dof],
           &impulse[3 * (int64_t)i]);
   }
 }
 
-void ct_ledger_reactions(const ct_problem *problem, ct_state *state, double share, int32_t first,
-                         int32_t last)
+/* Work and impulse of consecutive degrees of freedom, from v⁻ + v⁺. */
+CT_INLINE void count_dofs(int64_t count, double share, const double *restrict force,
+                          const double *restrict sum, double *restrict work,
+                          double *restrict impulse)
 {
-  for (int32_t k = 1; k < problem->effect_count; k++)
-    if (problem->effects[k]->phase == CT_PHASE_REACTION)
-      count_reaction(problem, state->workspace->total, problem->effects[k], share, first, last,
-                     state->impulse + ct_state_starts(problem, k).impulse);
-}
-
-/* Work and impulse of the effects other than the first and the reactions, for a stage whose kick is
- * `share` of the step. */
-static void count_work(const ct_problem *problem, ct_state *state, double share)
-{
-  ct_workspace *w = state->workspace;
-  for (int32_t k = 1; k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    ct_starts start = ct_state_starts(problem, k);
-    double *impulse = state->impulse + start.impulse, *work = state->work + start.work;
-    for (int32_t i = 0, at = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++) {
-      int32_t node = ct_effect_node(effect, i);
-      const double *after = &state->velocity[3 * (int64_t)node];
-      // Both lists ascend, so one pass finds the velocity before the step.
-      while (w->shared[at] < node) at++;
-      const double *before = &w->shared_velocity[3 * (int64_t)at],
-                   *force = &w->force[k][3 * (int64_t)i];
-      // -- Work and impulse of one node
-      for (int64_t c = 0; c < 3; c++) {
-        double f = share * force[c];
-        // f (v⁻ + v⁺) (eq:work-balance, eq:stage-work)
-        work[3 * (int64_t)i + c] += f * (before[c] + after[c]);
-        impulse[3 * (int64_t)i + c] += f; // (eq:impulse-balance)
-      }
-    }
+#pragma omp simd
+  for (int64_t d = 0; d < count; d++) {
+    double f = share * force[d];
+    work[d] += f * sum[d]; // f (v⁻ + v⁺) (eq:work-balance, eq:stage-work)
+    impulse[d] += f;       // (eq:impulse-balance)
   }
 }
 
-void ct_ledger_count(const ct_problem *problem, ct_state *state, double share)
+CT_CLONES
+static void count_row(int64_t count, double share, const double *force, const double *sum,
+                      double *work, double *impulse)
 {
-  correct_shared(state, share);
-  count_work(problem, state, share);
+  int64_t d = 0;
+  for (; d + CT_BATCH <= count; d += CT_BATCH)
+    count_dofs(CT_BATCH, share, &force[d], &sum[d], &work[d], &impulse[d]);
+  count_dofs(count - d, share, &force[d], &sum[d], &work[d], &impulse[d]);
+}
+
+void ct_ledger_count(const ct_problem *problem, ct_state *state, double share, int32_t p,
+                     const double *sum)
+{
+  const ct_workspace *w = state->workspace;
+  const int32_t first = CT_MOVED * p;
+  double *work = state->work + 3 * (int64_t)problem->node_count, *impulse = state->impulse;
+  for (int32_t k = 1; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    int64_t dofs = 3 * (int64_t)effect->node_count;
+    if (effect->phase != CT_PHASE_REACTION) {
+      // Nodes with consecutive numbers are processed together.
+      int32_t i = w->places[k][p], stop = w->places[k][p + 1];
+      for (int32_t end; i < stop; i = end) {
+        int is_row = stop - i >= CT_BATCH && ct_effect_is_row(effect, i, stop);
+        end = is_row ? stop : i + 1;
+        int64_t d = 3 * (int64_t)i, at = 3 * (int64_t)(ct_effect_node(effect, i) - first);
+        if (is_row)
+          count_row(3 * (int64_t)(stop - i), share, &w->force[k][d], &sum[at], &work[d],
+                    &impulse[d]);
+        else count_dofs(3, share, &w->force[k][d], &sum[at], &work[d], &impulse[d]);
+      }
+      work += dofs;
+    }
+    impulse += dofs;
+  }
+}
+
+void ct_ledger_reactions(const ct_problem *problem, ct_state *state, double share, int32_t first,
+                         int32_t last)
+{
+  double *impulse = state->impulse;
+  for (int32_t k = 1; k < problem->effect_count; k++) {
+    if (problem->effects[k]->phase == CT_PHASE_REACTION)
+      count_reaction(problem, state->workspace->total, problem->effects[k], share, first, last,
+                     impulse);
+    impulse += 3 * (int64_t)problem->effects[k]->node_count;
+  }
 }
 
 void ct_ledger_fold(ct_state *state)

@@ -82,12 +82,38 @@ static void list_shared(const ct_problem *problem, ct_workspace *w)
   for (int32_t n = 0; mark != NULL && n < problem->node_count; n++) w->shared_count += mark[n];
   size_t count = (size_t)w->shared_count;
   w->shared = ct_pool_take(&w->pool, count, sizeof *w->shared);
-  double **array[] = {&w->shared_first, &w->shared_velocity, &w->shared_work};
-  for (int i = 0; i < 3; i++) *array[i] = ct_pool_take(&w->pool, count, 3 * sizeof(double));
+  w->shared_first = ct_pool_take(&w->pool, count, 3 * sizeof(double));
   w->pool.failed |= mark == NULL;
   for (int32_t n = 0, next = 0; !w->pool.failed && n < problem->node_count; n++)
     if (mark[n]) w->shared[next++] = n;
   ct_release(mark);
+}
+
+/* For each piece of nodes, the places of ascending nodes in it; null: all nodes. */
+static int32_t *places_of(const ct_problem *problem, ct_workspace *w, const int32_t *nodes,
+                          int32_t count)
+{
+  int32_t pieces = ct_moved_count(problem),
+          *place = ct_pool_take(&w->pool, (size_t)pieces + 1, sizeof *place);
+  for (int32_t p = 0, i = 0; place != NULL && p <= pieces; p++) {
+    int64_t first = (int64_t)CT_MOVED * p;
+    if (nodes == NULL) i = first < count ? (int32_t)first : count;
+    while (nodes != NULL && i < count && nodes[i] < first) i++;
+    place[p] = i;
+  }
+  return place;
+}
+
+/* The places of all effects' nodes, and of the shared ones. */
+static void list_places(const ct_problem *problem, ct_workspace *w)
+{
+  w->places = ct_pool_take(&w->pool, (size_t)problem->effect_count, sizeof *w->places);
+  for (int32_t k = 0; w->places != NULL && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (k == 0) w->places[k] = places_of(problem, w, w->shared, w->shared_count);
+    else if (effect->phase != CT_PHASE_REACTION)
+      w->places[k] = places_of(problem, w, effect->nodes, effect->node_count);
+  }
 }
 
 static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct_error *error)
@@ -106,6 +132,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   if (!w->leapfrog && !ct_scheme_of(problem)->stores)
     w->last_acceleration = ct_pool_take(&w->pool, n, 3 * sizeof(double));
   list_shared(problem, w);
+  list_places(problem, w);
   ct_constraints_create(problem, w);
   for (int32_t k = 0; status == CT_OK && !w->pool.failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];

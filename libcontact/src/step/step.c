@@ -10,40 +10,58 @@
 #include <string.h>
 
 enum {
-  NODES_AT_ONCE = 256,
   LEAST_NODES = 32768, /* per thread: a fraction of a millisecond */
   STEPS_BETWEEN_CHECKS = 64,
   STEPS_BETWEEN_FOLDS = 256
 };
 
-/* Kick and drift the degrees of freedom first ... last - 1, and add the work of the first effect.
- */
-CT_CLONES
-static void advance(int64_t first, int64_t last, double dt, const double *restrict inverse_mass,
-                    const double *restrict force, double *restrict displacement,
-                    double *restrict velocity, double *restrict work)
+/* Kick and drift degrees of freedom, and add the work of the forces `own` of the first effect.
+ * Unless it is null, `sum` gets v_{n-1/2} + v_{n+1/2} for the work of the others. */
+CT_INLINE void advance(int64_t count, double dt, const double *restrict inverse_mass,
+                       const double *restrict force, const double *restrict own,
+                       double *restrict displacement, double *restrict velocity,
+                       double *restrict work, double *restrict sum)
 {
 #pragma omp simd
-  for (int64_t d = first; d < last; d++) {
+  for (int64_t d = 0; d < count; d++) {
     // -- v_{n+1/2} = v_{n-1/2} + Δt f / m, u_{n+1} = u_n + Δt v_{n+1/2} (eq:leapfrog)
     double before = velocity[d], after = ct_kick(before, dt, inverse_mass[d], force[d]);
     velocity[d] = after;
     displacement[d] += dt * after;
-    work[d] += force[d] * (before + after);
+    work[d] += own[d] * (before + after);
+    if (sum != NULL) sum[d] = before + after;
   }
+}
+
+/* Nodes on which the first effect alone acts. */
+CT_CLONES
+static void advance_alone(int64_t count, double dt, const double *inverse_mass, const double *force,
+                          double *displacement, double *velocity, double *work)
+{
+  advance(count, dt, inverse_mass, force, force, displacement, velocity, work, NULL);
+}
+
+/* Nodes on which others act, too. */
+CT_CLONES
+static void advance_shared(int64_t count, double dt, const double *inverse_mass,
+                           const double *force, const double *own, double *displacement,
+                           double *velocity, double *work, double *sum)
+{
+  advance(count, dt, inverse_mass, force, own, displacement, velocity, work, sum);
 }
 
 /* The same for integrators whose drift is not the velocity after the kick; the times of the stage
  * are τΔt, cΔt, rΔt, lΔt. */
 CT_CLONES
-static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, double share,
+static void advance_stage(int64_t count, const ct_stage *stage, double share,
                           const double *restrict inverse_mass, const double *restrict force,
-                          double *restrict last_acceleration, double *restrict displacement,
-                          double *restrict velocity, double *restrict work)
+                          const double *restrict own, double *restrict last_acceleration,
+                          double *restrict displacement, double *restrict velocity,
+                          double *restrict work, double *restrict sum)
 {
   const double tau = stage->tau, c = stage->c, r = stage->r, l = stage->l;
 #pragma omp simd
-  for (int64_t d = first; d < last; d++) {
+  for (int64_t d = 0; d < count; d++) {
     // -- v⁺ = v + c Δt a, u⁺ = u + τ Δt (v + r Δt a + l Δt a⁻) with a = f / m (eq:stage)
     double before = velocity[d], after = ct_kick(before, c, inverse_mass[d], force[d]);
     velocity[d] = after;
@@ -51,42 +69,62 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
         tau * (ct_kick(before, r, inverse_mass[d], force[d]) + l * last_acceleration[d]);
     last_acceleration[d] = inverse_mass[d] * force[d];
     // Half of this is the work of the stage (eq:stage-work).
-    work[d] += share * force[d] * (before + after);
+    work[d] += share * own[d] * (before + after);
+    sum[d] = before + after;
   }
 }
 
-/* Move the nodes first ... last - 1 by a stage, whose kick is `share` of the step. */
+/* Move the nodes first ... last - 1 by a stage, whose kick is `share` of the step. `own` are the
+ * forces of the first effect where others act on all these nodes; null: its work is that of all
+ * forces. */
 static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage,
-                          double share, int32_t first, int32_t last)
+                          double share, int32_t first, int32_t last, const double *own, double *sum)
 {
-  int64_t begin = 3 * (int64_t)first, end = 3 * (int64_t)last;
-  const double *total = state->workspace->total;
-  double *last_acceleration = ct_stage_last_acceleration(problem, state);
-  if (state->workspace->leapfrog)
-    advance(begin, end, problem->dt, problem->inverse_mass, total, state->displacement,
-            state->velocity, state->work);
-  else
-    advance_stage(begin, end, stage, share, problem->inverse_mass, total, last_acceleration,
-                  state->displacement, state->velocity, state->work);
+  const ct_workspace *w = state->workspace;
+  const int64_t d = 3 * (int64_t)first, count = 3 * (int64_t)(last - first);
+  const double *total = &w->total[d], *inverse_mass = &problem->inverse_mass[d];
+  double *u = &state->displacement[d], *v = &state->velocity[d], *work = &state->work[d];
+  if (!w->leapfrog)
+    advance_stage(count, stage, share, inverse_mass, total, own != NULL ? own : total,
+                  ct_stage_last_acceleration(problem, state) + d, u, v, work, sum);
+  else if (own == NULL) advance_alone(count, problem->dt, inverse_mass, total, u, v, work);
+  else advance_shared(count, problem->dt, inverse_mass, total, own, u, v, work, sum);
   ct_ledger_reactions(problem, state, share, first, last);
+}
+
+/* Move the active nodes of a piece (null: all of them are), of which some are shared. Shared nodes
+ * are always active. */
+static void advance_some(const ct_problem *problem, ct_state *state, const ct_stage *stage,
+                         double share, ct_moved piece, const uint64_t *active, double *sum)
+{
+  double unused[3 * CT_MOVED], work[3 * CT_MOVED];
+  ct_ledger_keep(state, piece, sum, work);
+  for (int32_t n = piece.first, end; n < piece.last; n = end) {
+    end = ct_bits_run(active, &n, piece.last);
+    if (n < end) advance_nodes(problem, state, stage, share, n, end, NULL, unused);
+  }
+  ct_ledger_correct(state, share, piece, work, sum);
 }
 
 /* Move all nodes by a stage: individually if they are active (null: all of them are), as a whole if
  * they sleep. */
 static void move(const ct_problem *problem, ct_state *state, double share, const uint64_t *active)
 {
+  const ct_workspace *w = state->workspace;
   ct_stage stage = ct_stage_now(problem, state);
-  int32_t count = problem->node_count;
+  int32_t count = problem->node_count, pieces = ct_moved_count(problem);
 #ifdef _OPENMP
   int threads = ct_threads_for(problem->settings.threads, count, LEAST_NODES);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int32_t begin = 0; begin < count; begin += NODES_AT_ONCE) {
-    int32_t last = count - begin > NODES_AT_ONCE ? begin + NODES_AT_ONCE : count;
-    for (int32_t n = begin, end; n < last; n = end) {
-      end = ct_bits_run(active, &n, last);
-      if (n < end) advance_nodes(problem, state, &stage, share, n, end);
-    }
+  for (int32_t p = 0; p < pieces; p++) {
+    double sum[3 * CT_MOVED];
+    ct_moved piece = ct_moved_piece(problem, w, p);
+    if (piece.shared_last - piece.shared_first == piece.last - piece.first)
+      advance_nodes(problem, state, &stage, share, piece.first, piece.last,
+                    &w->shared_first[3 * (int64_t)piece.shared_first], sum);
+    else advance_some(problem, state, &stage, share, piece, active, sum);
+    if (piece.shared_first < piece.shared_last) ct_ledger_count(problem, state, share, p, sum);
   }
   if (active != NULL) ct_sleep_drift(state->workspace->sleep, stage.tau);
   state->time += stage.tau;
@@ -112,9 +150,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   if (status != CT_OK) return status;
   if (samplers != NULL && w->stage == 0) sample(samplers, state);
   double begin = ct_run_seconds(problem);
-  ct_ledger_keep(state);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
-  ct_ledger_count(problem, state, share);
   memcpy(state->memory, w->next_memory,
          (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;

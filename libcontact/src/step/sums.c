@@ -178,20 +178,12 @@ static int effect_terms(const ct_problem *problem, const ct_state *state, int32_
   return 1;
 }
 
-/* Number of nodes of an effect below a node of the problem. */
-static int32_t nodes_below(const ct_effect *effect, int32_t node)
-{
-  int32_t count = effect->node_count;
-  if (effect->nodes != NULL) return ct_lower_bound(effect->nodes, count, node);
-  return count < node ? count : node;
-}
-
 void ct_sum_effect(const ct_problem *problem, const ct_state *state, int32_t k, int32_t body,
                    ct_effect_sums *out)
 {
   const ct_effect *effect = problem->effects[k];
-  int32_t start = nodes_below(effect, first_node(problem, body)),
-          count = nodes_below(effect, first_node(problem, body + 1)) - start;
+  int32_t start = ct_effect_below(effect, first_node(problem, body)),
+          count = ct_effect_below(effect, first_node(problem, body + 1)) - start;
   ct_stream sums[EFFECT_SUMS];
   ct_grid *grids = grids_of(problem, state, k, body);
   double term[EFFECT_SUMS][CT_PIECE];

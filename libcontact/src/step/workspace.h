@@ -18,6 +18,9 @@ static inline double ct_run_seconds(const ct_problem *problem)
   return problem->settings.clock == NULL ? 0.0 : problem->settings.clock();
 }
 
+/* Number of nodes that are moved together, in one piece. */
+enum { CT_MOVED = 256 };
+
 /* Data of a state for steps that a restart does not need: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
@@ -41,14 +44,33 @@ typedef struct ct_workspace {
   int32_t shared_count; /* shared nodes, on which more than the first effect acts, ascending */
   int32_t *shared;
   double *shared_first; /* force of the first effect there, shape (shared_count, 3) */
-  double *shared_velocity,
-      *shared_work;          /* v_{n-1/2} and the first effect's work there, before the step */
+  int32_t **places; /* for each effect, except reactions: how many of its nodes are below the first
+                       one of each piece, and of all; for the first effect, of the shared nodes */
   double *last_acceleration; /* acceleration of the last evaluation, shape (node_count, 3); null if
                    the state stores it, and for the leapfrog */
   ct_grid *grids;            /* of the sums for the last row of the energy balance (ct_sum_grids) */
   double *addends;           /* memory for sums over the bodies, shape (3, body_count) */
   struct ct_constraints *constraints; /* null if there are none */
 } ct_workspace;
+
+/* A piece: the nodes first ... last - 1, among which are the shared nodes at the places
+ * shared_first
+ * ... shared_last - 1. */
+typedef struct ct_moved {
+  int32_t first, last, shared_first, shared_last;
+} ct_moved;
+
+static inline int32_t ct_moved_count(const ct_problem *problem)
+{
+  return (problem->node_count - 1) / CT_MOVED + 1;
+}
+
+static inline ct_moved ct_moved_piece(const ct_problem *problem, const ct_workspace *w, int32_t p)
+{
+  int32_t first = CT_MOVED * p, left = problem->node_count - first;
+  return (ct_moved){first, left < CT_MOVED ? problem->node_count : first + CT_MOVED,
+                    w->places[0][p], w->places[0][p + 1]};
+}
 
 /* A state of zeros without a workspace: all data of a restart, to be copied into and from. Free it
  * also if this fails. */
