@@ -104,6 +104,59 @@ CT_INLINE double twice_outside(double low, double high, double x)
   return (under + fabs(under)) + (over + fabs(over));
 }
 
+/* Some consecutive lanes with one face and one target: their number, and the box of the places that
+ * are as near to one of them as its closest point. */
+typedef struct lane_group {
+  int first, end;
+  ct_bounds reach;
+} lane_group;
+
+/* Whether two boxes have no point in common, without a branch per side. */
+CT_INLINE int are_apart(const ct_bounds *a, const ct_bounds *b)
+{
+  int apart = 0;
+  for (int c = 0; c < 3; c++) apart |= (a->low[c] > b->high[c]) | (b->low[c] > a->high[c]);
+  return apart;
+}
+
+/* The group that begins with a lane; the points are `at`, and four times the square of the distance
+ * to which each searches is at most `most`. */
+CT_INLINE lane_group group_from(const block *b, int first, const double *at, const double *most)
+{
+  lane_group g = {
+      first, first, {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}}};
+  double reach = 0.0;
+  for (;
+       g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
+       g.end++) {
+    if (most[g.end] > reach) reach = most[g.end];
+    for (int c = 0; c < 3; c++) {
+      const double x = at[CT_WARM * c + g.end];
+      g.reach.low[c] = x < g.reach.low[c] ? x : g.reach.low[c];
+      g.reach.high[c] = x > g.reach.high[c] ? x : g.reach.high[c];
+    }
+  }
+  // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
+  reach = (0.5 + 1e-12) * sqrt(reach);
+  g.reach = ct_bounds_grown(&g.reach, reach);
+  return g;
+}
+
+/* Mark the lanes of a group that are as near to a box as to their closest point. */
+CT_INLINE void mark_rivals(const lane_group *g, const ct_bounds *box, const double *at,
+                           const double *most, int *rival)
+{
+  int near[CT_WARM];
+#pragma omp simd
+  for (int l = 0; l < CT_WARM; l++) {
+    double x = twice_outside(box->low[0], box->high[0], at[l]),
+           y = twice_outside(box->low[1], box->high[1], at[8 + l]),
+           z = twice_outside(box->low[2], box->high[2], at[16 + l]);
+    near[l] = (x * x + y * y) + z * z <= most[l];
+  }
+  for (int l = g->first; l < g->end; l++) rival[l] |= near[l];
+}
+
 /* Find the points to which a face other than the last one may be nearer than the closest point.
  * With a margin for the rounding of positions, so some points are found unnecessarily. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
@@ -119,23 +172,15 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
     b->rival[l] = 0;
     at[l] = x, at[8 + l] = y, at[16 + l] = z;
   }
-  for (int first = 0, last; first < CT_WARM; first = last) {
-    int32_t face = b->face[first], met = b->target[first];
-    for (last = first + 1; last < CT_WARM && b->face[last] == face && b->target[last] == met;)
-      last++;
+  for (lane_group g = {0}; g.end < CT_WARM;) {
+    g = group_from(b, g.end, at, most);
+    const int32_t face = b->face[g.first], met = b->target[g.first];
     for (int32_t i = p->side->candidate_first[face]; i < p->side->candidate_first[face + 1]; i++) {
-      int32_t rival = p->side->candidates[i];
-      const ct_bounds box = p->other->search->boxes[rival];
-      int near[CT_WARM];
-      if (rival == met) continue;
-#pragma omp simd
-      for (int l = 0; l < CT_WARM; l++) {
-        double x = twice_outside(box.low[0], box.high[0], at[l]),
-               y = twice_outside(box.low[1], box.high[1], at[8 + l]),
-               z = twice_outside(box.low[2], box.high[2], at[16 + l]);
-        near[l] = (x * x + y * y) + z * z <= most[l];
-      }
-      for (int l = first; l < last; l++) b->rival[l] |= near[l];
+      const int32_t rival = p->side->candidates[i];
+      const ct_bounds *box = &p->other->search->boxes[rival];
+      // Most candidates are beyond the reach of the whole group.
+      if (rival == met || are_apart(box, &g.reach)) continue;
+      mark_rivals(&g, box, at, most, b->rival);
     }
   }
 }
