@@ -71,21 +71,39 @@ static void note(ct_admission *admission, double depth, double size)
   admission->late_depth = fmax(admission->late_depth, depth);
 }
 
+/* Σ_a N_a n·u_a over the nodes of a face. */
+static inline double normal_motion(int per, const int32_t *node, const double *u, const double *N,
+                                   const double n[3])
+{
+  double t[8] = {0.0};
+  for (int a = 0; a < per; a++) t[a] = N[a] * ct_vector_dot(n, &u[3 * (int64_t)node[a]]);
+  return ct_side_sum(per, t);
+}
+
+/* Motion of a place on a face of a side since the last update, along n. */
+static double motion_along(const ct_side *side, int32_t face, const double *N, const double n[3])
+{
+  const int per = side->search->per;
+  const int32_t *node = &side->search->faces[(int64_t)face * per];
+  return per == 4 ? normal_motion(4, node, side->moved, N, n)
+                  : normal_motion(per, node, side->moved, N, n);
+}
+
 /* Gap of a point in the last step at its present place, as the solver computes it; returns 0 if the
  * point has no direction. */
 static int find_before(ct_contact *contact, int s, int64_t i)
 {
-  const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
-  const double *moved = contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)].moved;
+  const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s),
+                *surface = &contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)];
   ct_point *p = &side->points[i];
   ct_constraint *row = &p->row;
-  double own[3], theirs[3];
-  if (!ct_side_direction(side, p, row->normal)) return 0;
-  ct_side_interpolate(side->search, moved, ct_side_face(side, i), row->own_shape, NULL, own);
-  if (other == NULL) memcpy(theirs, contact->came, sizeof theirs);
-  else ct_side_interpolate(other->search, other->moved, p->other, p->N, NULL, theirs);
-  row->before =
-      row->gap + p->closed - (ct_vector_dot(row->normal, own) - ct_vector_dot(row->normal, theirs));
+  const double *n = row->normal;
+  if (isnan(n[0])) return 0;
+  const double own = motion_along(surface, ct_side_face(side, i), row->own_shape, n),
+               theirs = other == NULL ? ct_vector_dot(n, contact->came)
+                                      : motion_along(other, p->other, p->N, n);
+  // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
+  row->before = row->gap + p->closed - (own - theirs);
   return 1;
 }
 

@@ -90,7 +90,10 @@ static int meet(const ct_contact *contact, int64_t i, int first)
   point->row.gap = point->known = distance(contact->fixed, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
-  for (int c = 0; c < 3; c++) point->d[c] = -point->row.gap * point->outward[c];
+  for (int c = 0; c < 3; c++) {
+    point->d[c] = -point->row.gap * point->outward[c];
+    point->row.normal[c] = point->outward[c];
+  }
   point->jumped = !first && !was && point->row.gap < 0.0;
   if (!has_passed(contact, i)) return !isnan(point->d[0]);
   point->other = -1;

@@ -14,12 +14,10 @@
 
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force). */
-static int list_point(const ct_contact *contact, const ct_side *side, const ct_side *other,
-                      ct_point *point)
+static int list_point(const ct_contact *contact, const ct_side *other, ct_point *point)
 {
   ct_constraint *row = &point->row;
-  if ((other != NULL && point->other < 0) || !(row->gap <= contact->reach) ||
-      !ct_side_direction(side, point, row->normal))
+  if ((other != NULL && point->other < 0) || !(row->gap <= contact->reach) || isnan(row->normal[0]))
     return 0;
   if (other != NULL) {
     row->other_count = other->search->per;
@@ -36,7 +34,7 @@ int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      p->listed = list_point(contact, side, other, p);
+      p->listed = list_point(contact, other, p);
       if (p->listed) rows[count++] = &p->row;
       else p->row.force = 0.0;
     }
@@ -54,9 +52,9 @@ void ct_side_take_rows(ct_side *side)
 void ct_side_apply_penalty(ct_side *side)
 {
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    double n[3], k = p->row.stiffness;
+    const double *n = p->row.normal, k = p->row.stiffness;
     int inside = p->other >= 0 && p->row.gap < 0.0,
-        counted = inside && p->shift != 0.0 && ct_side_direction(side, p, n);
+        counted = inside && p->shift != 0.0 && !isnan(n[0]);
     // -- Force of the point, k d where it is inside
     for (int c = 0; c < 3; c++)
       p->force[c] = counted ? -k * p->row.gap * n[c]

@@ -138,7 +138,7 @@ static void keep(const station *s, ct_point *p, const ct_nearest *found, double 
   ct_segment_shape(s->search->kind, found->xi, p->N);
   p->row.own = ct_side_row_nodes(s->contact->gaps.side[0].fixed, found->face);
   p->row.gap = p->known = gap;
-  for (int c = 0; c < 3; c++) p->outward[c] = n[c], p->d[c] = -gap * n[c];
+  for (int c = 0; c < 3; c++) p->outward[c] = p->row.normal[c] = n[c], p->d[c] = -gap * n[c];
 }
 
 /* Gap of one station. A gap changes at most by `motion` in a step. */

@@ -7,17 +7,42 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest motion of a node since the last build of the candidate lists. */
-static double motion(const ct_side *side)
+/* Motion of a node since the last build of the candidate lists. */
+static inline void node_motion(const ct_side *side, int64_t n, double d[3])
+{
+  for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
+}
+
+/* Largest motion of a node since then, relative to a given one. */
+static double largest_motion(const ct_side *side, const double shared[3])
 {
   double top = 0.0;
   for (int64_t n = 0; n < side->search->node_count; n++) {
     double d[3];
-    for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
+    node_motion(side, n, d);
+    for (int c = 0; c < 3; c++) d[c] -= shared[c];
     double square = ct_vector_dot(d, d);
     if (square > top) top = square;
   }
   return sqrt(top);
+}
+
+/* Bound of the motion of two surfaces relative to each other since then. A motion that both share,
+ * about the middle of the motions of one of them, brings no faces together (eq:skin). */
+static double relative_motion(const ct_side *a, const ct_side *b)
+{
+  double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
+         shared[3];
+  for (int64_t n = 0; n < a->search->node_count; n++) {
+    double d[3];
+    node_motion(a, n, d);
+    for (int c = 0; c < 3; c++) {
+      low[c] = d[c] < low[c] ? d[c] : low[c];
+      high[c] = d[c] > high[c] ? d[c] : high[c];
+    }
+  }
+  for (int c = 0; c < 3; c++) shared[c] = 0.5 * (low[c] + high[c]);
+  return largest_motion(a, shared) + largest_motion(b, shared);
 }
 
 /* Remove from a list of faces those that share a node with `face`, including itself; returns the
@@ -108,7 +133,7 @@ int ct_gaps_are_separated(const ct_gaps *gaps)
   double part =
       a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
   // (eq:contact-clear)
-  return motion(a) + motion(b) <= part * gaps->clear && !holds(a) && !holds(b);
+  return relative_motion(a, b) <= part * gaps->clear && !holds(a) && !holds(b);
 }
 
 /* Depth of a point that was in contact in the last update, else 0. */
@@ -151,7 +176,7 @@ ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error)
   ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   // -- The lists still hold all that can come near (eq:skin)
   if (gaps->built && gaps->begun && reaches_deepest(a, gaps->fixed->near) &&
-      reaches_deepest(b, gaps->fixed->near) && motion(a) + motion(b) <= 0.25 * gaps->fixed->skin)
+      reaches_deepest(b, gaps->fixed->near) && relative_motion(a, b) <= 0.25 * gaps->fixed->skin)
     return CT_OK;
   for (int s = 0; s < gaps->fixed->sides; s++) {
     ct_side *side = &gaps->side[s];

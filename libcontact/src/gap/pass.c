@@ -302,8 +302,12 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
                                      : CT_POINT_NEW;
   point->other = met ? target : -1;
   point->known = known_gap(p, found, target, point);
-  if (!met) point->row.gap = NAN;
-  else memcpy(point->xi, xi, sizeof point->xi);
+  if (!met) {
+    point->row.gap = NAN;
+    return;
+  }
+  memcpy(point->xi, xi, sizeof point->xi);
+  ct_side_direct(p->side, point);
 }
 
 /* Begin with nothing found. A surface in contact with itself needs the point's own normal, and a

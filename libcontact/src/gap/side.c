@@ -171,17 +171,15 @@ void ct_side_place(ct_side *side)
   }
 }
 
-int ct_side_direction(const ct_side *side, const ct_point *point, double n[3])
+void ct_side_direct(const ct_side *side, ct_point *point)
 {
-  double length = sqrt(ct_vector_dot(point->d, point->d)),
-         sign = ct_point_distance(point) < 0.0 ? 1.0 : -1.0;
-  if (length > 1e-12 * side->search->size) {
-    for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
-    return 1;
+  const double gap = point->row.gap, *outward = point->outward;
+  if (fabs(gap) > ct_side_coincident(side)) {
+    for (int c = 0; c < 3; c++) point->row.normal[c] = point->d[c] / -gap;
+    return;
   }
-  length = sqrt(ct_vector_dot(point->outward, point->outward));
-  for (int c = 0; c < 3; c++) n[c] = point->outward[c] / length;
-  return length > 0.0;
+  const double length = sqrt(ct_vector_dot(outward, outward));
+  for (int c = 0; c < 3; c++) point->row.normal[c] = outward[c] / length;
 }
 
 /* Normal of the surface at the place of a station. */

@@ -159,8 +159,11 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 double ct_side_depth(const ct_side *side, const ct_search *other, int32_t face, const double xi[2],
                      double y[3]);
 
-/* Unit direction of the force on a point: along the line to its closest point, or the normal if the
- * two coincide. Returns 0 if there is none. */
-int ct_side_direction(const ct_side *side, const ct_point *point, double n[3]);
+/* Distance below which a point and its closest point coincide: the gap vector has no direction. */
+static inline double ct_side_coincident(const ct_side *side) { return 1e-12 * side->search->size; }
+
+/* Set the unit direction of the force on a point whose gap has just been measured, `row.normal`:
+ * along the line to its closest point, or the normal if the two coincide. NaN if there is none. */
+void ct_side_direct(const ct_side *side, ct_point *point);
 
 #endif

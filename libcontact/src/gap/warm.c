@@ -19,7 +19,8 @@ typedef struct block {
   double points[3 * CT_WARM], start[2 * CT_WARM];
   double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
   int32_t status[CT_WARM];
-  double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM]; /* as in ct_point */
+  double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
+      direction[3 * CT_WARM];                          /* gap vector over minus the gap */
   int rival[CT_WARM];
 } block;
 
@@ -92,7 +93,9 @@ CT_INLINE void gaps(int per, block *b)
     double x = closest[l] - b->points[l], y = closest[8 + l] - b->points[8 + l],
            z = closest[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
     b->gap[l] = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? -distance : distance;
+    const double back = -b->gap[l];
     b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
+    b->direction[l] = x / back, b->direction[8 + l] = y / back, b->direction[16 + l] = z / back;
   }
 }
 
@@ -220,12 +223,14 @@ static void write_point(const ct_pass *p, const block *b, int l)
   for (int c = 0; c < 3; c++) {
     point->d[c] = b->d[8 * c + l];
     point->outward[c] = b->normal[8 * c + l];
+    point->row.normal[c] = b->direction[8 * c + l];
   }
   for (int a = 0; a < 8; a++) point->N[a] = b->N[8 * a + l];
   for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
   point->jumped = 0;
   point->row.gap = point->known = b->gap[l];
   point->status = b->gap[l] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  if (!(fabs(b->gap[l]) > ct_side_coincident(p->side))) ct_side_direct(p->side, point);
 }
 
 /* Load the points into lanes. Returns one bit for each point with a face; the other lanes repeat
