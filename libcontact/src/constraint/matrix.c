@@ -30,12 +30,20 @@ CT_INLINE void fill_face(int32_t count, const double *N, const double direction[
   }
 }
 
+/* Entries of one row, with `own` and `other` nodes; inlined for the most frequent numbers. */
+CT_INLINE void fill_nodes(int32_t own, int32_t other, const ct_constraint *c, double *G)
+{
+  const double *n = c->normal, to[WIDE] = {n[0], n[1], n[2]}, from[WIDE] = {-n[0], -n[1], -n[2]};
+  fill_face(own, c->own_shape, to, G);
+  fill_face(other, c->other_shape, from, G + WIDE * own);
+}
+
 /* Entries of one row. */
 CT_INLINE void fill_row(const ct_constraint *c, double *G)
 {
-  const double *n = c->normal, to[WIDE] = {n[0], n[1], n[2]}, from[WIDE] = {-n[0], -n[1], -n[2]};
-  fill_face(c->own_count, c->own_shape, to, G);
-  fill_face(c->other_count, c->other_shape, from, G + WIDE * c->own_count);
+  if (c->own_count == 4 && c->other_count == 4) fill_nodes(4, 4, c, G);
+  else if (c->own_count == 4 && c->other_count == 0) fill_nodes(4, 0, c, G);
+  else fill_nodes(c->own_count, c->other_count, c, G);
 }
 
 static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
