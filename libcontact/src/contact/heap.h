@@ -17,16 +17,31 @@ typedef struct ct_heap {
   double coarse[24], fine[24];
 } ct_heap;
 
+/* Add the sums of one face with `count` nodes to those of all nodes. */
+CT_INLINE void ct_heap_pour_nodes(int count, int stride, const ct_heap *heap, const int32_t *node,
+                                  const double *coarse, const double *fine)
+{
+  for (int a = 0; a < count; a++) {
+    int64_t first = 3 * (int64_t)node[a];
+    for (int c = 0; c < 3; c++) {
+      heap->coarse_sum[first + c] += coarse[stride * c + a];
+      heap->fine_sum[first + c] += fine[stride * c + a];
+    }
+  }
+}
+
+/* The same for the faces of a heap. */
+CT_INLINE void ct_heap_pour(int stride, const ct_heap *heap, const int32_t *node,
+                            const double *coarse, const double *fine)
+{
+  if (heap->count == stride) ct_heap_pour_nodes(stride, stride, heap, node, coarse, fine);
+  else ct_heap_pour_nodes(heap->count, stride, heap, node, coarse, fine);
+}
+
 /* Add the sums of a heap to the nodes of its face, and begin with another face, or null. */
 CT_INLINE void ct_heap_bring(int stride, ct_heap *heap, const int32_t *next)
 {
-  for (int a = 0; heap->node != NULL && a < heap->count; a++) {
-    int64_t first = 3 * (int64_t)heap->node[a];
-    for (int c = 0; c < 3; c++) {
-      heap->coarse_sum[first + c] += heap->coarse[stride * c + a];
-      heap->fine_sum[first + c] += heap->fine[stride * c + a];
-    }
-  }
+  if (heap->node != NULL) ct_heap_pour(stride, heap, heap->node, heap->coarse, heap->fine);
   heap->node = next;
   for (int i = 0; i < 3 * stride; i++) heap->coarse[i] = heap->fine[i] = 0.0;
 }
@@ -41,6 +56,25 @@ CT_INLINE void ct_heap_add(int stride, const ct_grid *grid, const int32_t *node,
     for (int a = 0; a < stride; a++)
       ct_grid_add(grid, N[a] * force[c], &heap->coarse[stride * c + a],
                   &heap->fine[stride * c + a]);
+}
+
+/* Add the forces at the four points of a 2 x 2 rule, of which all act on one face, past the heap.
+ * They are summed first, paired across the middle, so that a flipped or rotated face gives the same
+ * bits (eq:tree-sum). */
+CT_INLINE void ct_heap_add_four(int stride, const ct_grid *grid, const int32_t *node,
+                                const double *const N[4], const double *const force[4],
+                                const ct_heap *heap)
+{
+  double coarse[24], fine[24];
+  for (int c = 0; c < 3; c++)
+#pragma omp simd
+    for (int a = 0; a < stride; a++) {
+      double sum = (N[0][a] * force[0][c] + N[3][a] * force[3][c]) +
+                   (N[1][a] * force[1][c] + N[2][a] * force[2][c]);
+      coarse[stride * c + a] = fine[stride * c + a] = 0.0;
+      ct_grid_add(grid, sum, &coarse[stride * c + a], &fine[stride * c + a]);
+    }
+  ct_heap_pour(stride, heap, node, coarse, fine);
 }
 
 #endif

@@ -120,20 +120,55 @@ static const int32_t *nodes_of(const ct_search *search, int32_t face)
   return &search->faces[(int64_t)face * search->per];
 }
 
+/* Add the forces of the points of a face, one by one, and what acts against them on the other side.
+ */
+CT_INLINE void spread_points(int stride, const ct_grid *grid, const ct_side *side, int32_t face,
+                             const ct_side *other, ct_heap *own, ct_heap *theirs)
+{
+  const ct_point *point = &side->points[(int64_t)face * side->fixed->rule.count];
+  for (int q = 0; q < side->fixed->rule.count; q++, point++) {
+    if (!ct_point_has_force(point)) continue;
+    // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
+    const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
+    ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, own);
+    if (other != NULL)
+      ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, back, theirs);
+  }
+}
+
+/* Whether the points of a face are the four of a 2 x 2 rule, have forces, and meet one face. */
+CT_INLINE int are_four(const ct_side *side, const ct_point *point)
+{
+  int four = side->fixed->rule.count == 4;
+  for (int q = 0; four && q < 4; q++)
+    four = ct_point_has_force(&point[q]) && point[q].other == point[0].other;
+  return four;
+}
+
+/* The same as `spread_points` for such points, together. */
+CT_INLINE void spread_four(int stride, const ct_grid *grid, const ct_side *side, int32_t face,
+                           const ct_side *other, ct_heap *own, ct_heap *theirs)
+{
+  const ct_point *point = &side->points[4 * (int64_t)face];
+  const double *N[4], *N_bar[4], *force[4], *against[4];
+  double back[4][3];
+  for (int q = 0; q < 4; q++) {
+    for (int c = 0; c < 3; c++) back[q][c] = -point[q].force[c];
+    N[q] = side->fixed->N[q], N_bar[q] = point[q].N;
+    force[q] = point[q].force, against[q] = back[q];
+  }
+  ct_heap_add_four(stride, grid, nodes_of(side->search, face), N, force, own);
+  if (other != NULL)
+    ct_heap_add_four(stride, grid, nodes_of(other->search, point->other), N_bar, against, theirs);
+}
+
 CT_INLINE void spread_faces(int stride, const ct_grid *grid, ct_side *side, ct_side *other)
 {
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
-  const ct_point *point = side->points;
   for (int32_t face = 0; face < side->search->face_count; face++)
-    for (int q = 0; q < side->fixed->rule.count; q++, point++) {
-      if (!ct_point_has_force(point)) continue;
-      // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
-      const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-      ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], point->force,
-                  &own);
-      if (other != NULL)
-        ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, back, &theirs);
-    }
+    if (are_four(side, &side->points[(int64_t)face * side->fixed->rule.count]))
+      spread_four(stride, grid, side, face, other, &own, &theirs);
+    else spread_points(stride, grid, side, face, other, &own, &theirs);
   ct_heap_bring(stride, &own, NULL);
   ct_heap_bring(stride, &theirs, NULL);
 }
