@@ -1,4 +1,5 @@
 /* Points that are found inside after the start: they get a start gap, so that no energy appears. */
+#include "../base/lanes.h"
 #include "../base/vector.h"
 #include "../constraint/law.h"
 #include "contact_internal.h"
@@ -71,40 +72,59 @@ static void note(ct_admission *admission, double depth, double size)
   admission->late_depth = fmax(admission->late_depth, depth);
 }
 
-/* Σ_a N_a n·u_a over the nodes of a face. */
-static inline double normal_motion(int per, const int32_t *node, const double *u, const double *N,
-                                   const double n[3])
+/* Motions of the nodes of one face of a side since the last update; each component side by side, 0
+ * beyond the last node. */
+typedef struct face_motion {
+  int32_t face; /* -1: none */
+  double u[3][8];
+} face_motion;
+
+/* Motion of a place on a face since the last update, along n: Σ_a N_a n·u_a. The face is often that
+ * of the point before. Inlined with a known `per`. */
+CT_INLINE double motion_along(int per, const ct_side *side, int32_t face, const double *N,
+                              const double n[3], face_motion *of)
 {
-  double t[8] = {0.0};
-  for (int a = 0; a < per; a++) t[a] = N[a] * ct_vector_dot(n, &u[3 * (int64_t)node[a]]);
+  const int32_t *node = &side->search->faces[(int64_t)face * per];
+  double t[8];
+  for (int a = 0; of->face != face && a < per; a++)
+    for (int c = 0; c < 3; c++) of->u[c][a] = side->moved[3 * (int64_t)node[a] + c];
+  of->face = face;
+  for (int a = 0; a < per; a++)
+    t[a] = N[a] * ((n[0] * of->u[0][a] + n[1] * of->u[1][a]) + n[2] * of->u[2][a]);
+  for (int a = per; a < 8; a++) t[a] = 0.0;
   return ct_side_sum(per, t);
 }
 
-/* Motion of a place on a face of a side since the last update, along n. */
-static double motion_along(const ct_side *side, int32_t face, const double *N, const double n[3])
-{
-  const int per = side->search->per;
-  const int32_t *node = &side->search->faces[(int64_t)face * per];
-  return per == 4 ? normal_motion(4, node, side->moved, N, n)
-                  : normal_motion(per, node, side->moved, N, n);
-}
-
-/* Gap of a point in the last step at its present place, as the solver computes it; returns 0 if the
- * point has no direction. */
-static int find_before(ct_contact *contact, int s, int64_t i)
+/* Gaps of the points of side `s` in the last step at their present places, as the solver computes
+ * them, where a point is near enough to store energy: these points claim it. */
+CT_INLINE void find_before(int per, ct_contact *contact, int s, double reach)
 {
   const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s),
                 *surface = &contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)];
-  ct_point *p = &side->points[i];
-  ct_constraint *row = &p->row;
-  const double *n = row->normal;
-  if (isnan(n[0])) return 0;
-  const double own = motion_along(surface, ct_side_face(side, i), row->own_shape, n),
-               theirs = other == NULL ? ct_vector_dot(n, contact->came)
-                                      : motion_along(other, p->other, p->N, n);
-  // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
-  row->before = row->gap + p->closed - (own - theirs);
-  return 1;
+  face_motion on_own = {.face = -1}, on_other = {.face = -1};
+  for (int64_t i = 0; i < side->fixed->point_count; i++) {
+    ct_point *p = &side->points[i];
+    ct_constraint *row = &p->row;
+    const double *n = row->normal;
+    p->claims = p->other >= 0 && row->gap < reach && !isnan(n[0]);
+    if (!p->claims) continue;
+    double motion = motion_along(per, surface, ct_side_face(side, i), row->own_shape, n, &on_own);
+    if (other == NULL) motion -= ct_vector_dot(n, contact->came);
+    else
+      motion -=
+          motion_along(per == 4 ? 4 : other->search->per, other, p->other, p->N, n, &on_other);
+    // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
+    row->before = row->gap + p->closed - motion;
+  }
+}
+
+CT_CLONES
+static void find_all_before(ct_contact *contact, int s, double reach)
+{
+  const ct_side *other = ct_contact_other(contact, s);
+  const int per = contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)].search->per;
+  if (per == 4 && (other == NULL || other->search->per == 4)) find_before(4, contact, s, reach);
+  else find_before(per, contact, s, reach);
 }
 
 /* Distance from which a point may store energy: four times the largest motion of both sides. */
@@ -125,10 +145,10 @@ void ct_admission_limit(ct_contact *contact)
                reach = reach_of(contact);
   int64_t some = 0;
   // -- Points that jumped; then the energy that each point claims to store
-  for (int s = 0; s < count; s++)
+  for (int s = 0; s < count; s++) {
+    find_all_before(contact, s, reach);
     for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
       ct_point *p = &sides[s].points[i];
-      p->claims = p->other >= 0 && p->row.gap < reach && find_before(contact, s, i);
       if (!p->claims) continue;
       if (p->jumped && p->row.gap < 0.0) {
         note(admission, -ct_point_distance(p), size);
@@ -137,6 +157,7 @@ void ct_admission_limit(ct_contact *contact)
       contact->terms[some] = ct_law_claim(&p->row);
       some += contact->terms[some] != 0.0;
     }
+  }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
   double all = (double)some;
   ct_pieces_sum(sides[0].pieces, &all, 1);
