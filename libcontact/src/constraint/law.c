@@ -87,6 +87,13 @@ static double stored_between(const ct_constraint *c, double g0, double g1)
   return LAWS[c->enforcement].stored(c, g0, g1);
 }
 
+double ct_law_loss(const ct_constraint *c, double force, double after)
+{
+  // -- ½ (Π(g_{n-1}) - Π(g_{n+1})) - ½ λ (g_{n+1} - g_{n-1}) (eq:row-loss)
+  return stored_between(c, c->before, c->gap) - stored_between(c, c->gap, after) -
+         0.5 * force * (after - c->before);
+}
+
 double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, c->after); }
 
 double ct_law_lag(const ct_constraint *c)

@@ -30,6 +30,10 @@ ct_ramp ct_law_ramp(const ct_constraint *row);
  * all points around it (eq:surface-damping). */
 double ct_law_dashpot(const ct_constraint *row, double mobility);
 
+/* Energy that a row takes from the bodies and does not store in the step with the given force and
+ * next gap: negative if the forces do not solve the problem (eq:row-loss). */
+double ct_law_loss(const ct_constraint *row, double force, double after);
+
 /* Energy of the row at t_n, such that its sum with the energy of the bodies never grows
  * (eq:controlled-energy). The stored energy of the last step is computed from `before`, as if the
  * row had had the same nodes. */

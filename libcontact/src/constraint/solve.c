@@ -12,11 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 2000 };
+/* Most iterations; and of these most Chebyshev steps, which converge slowly where W has small
+ * eigenvalues. */
+enum { MOST_ITERATIONS = 2000, MOST_CHEBYSHEV = 12 };
 
-/* The iteration ends when the largest change of a force is below this fraction of the largest
- * force. */
-static const double TOLERANCE = 1e-10;
+/* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on (eq:chebyshev); the largest is
+ * at most 1. */
+static const double LOWEST = 0.08;
 
 /* Number the nodes of all sets, each once. */
 static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_nodes,
@@ -47,6 +49,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   }
   size_t nodes = (size_t)places, rows = (size_t)s->most, entries = (size_t)most_entries;
   s->set_count = count;
+  s->tolerance = CT_SOLVER_TIGHT;
   s->first = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
   s->first_node = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first_node);
   s->nodes = ct_pool_take(pool, nodes, sizeof *s->nodes);
@@ -280,14 +283,14 @@ static int releases(ct_solver *s)
   return 1;
 }
 
-/* Solve from the forces of the last step. Forces that already meet the tolerance are not changed,
- * so a repeated start gives the same bits. */
-static int iterate(ct_solver *s)
+/* Iterate from the present forces to a tolerance. Forces that already meet ten times the tolerance
+ * are not changed, so a repeated start gives the same bits. */
+static int iterate(ct_solver *s, double least)
 {
-  double last = 0.0, tolerance = 10.0 * TOLERANCE;
+  double last = 0.0, tolerance = 10.0 * least;
   int first = 1;
   if (!find_gradient(s) || !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
-  for (;; tolerance = TOLERANCE) {
+  for (;; tolerance = least) {
     double d[MEASURES];
     descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
     ct_pieces_largest(s->pieces, d, MEASURES);
@@ -302,6 +305,80 @@ static int iterate(ct_solver *s)
     first = first || release;
     last = slope;
   }
+}
+
+/* Whether all rows together lose energy, to rounding: then the energy of the bodies and of the rows
+ * does not grow, whatever the forces are (eq:energy-stop). */
+static int loses_energy(ct_solver *s)
+{
+  double sum[2];
+  for (int sizes = 0; sizes < 2; sizes++) {
+    for (int64_t r = 0; r < s->count; r++) {
+      // -- g_{n+1}, of the slope g_{n+1} + b + C λ
+      const double force = s->force[r], after = s->gradient[r] - s->b[r] - s->C[r] * force;
+      s->terms[r] = sizes ? force * (fabs(after) + fabs(s->active[r]->before))
+                          : ct_law_loss(s->active[r], force, after);
+    }
+    sum[sizes] = ct_sum_over(s->pieces, s->terms, s->count);
+  }
+  return sum[0] >= -4.0 * DBL_EPSILON * sum[1];
+}
+
+/* Move the forces along the direction, which gets a share of the last one and a multiple of the
+ * gradient over D, without making one negative (eq:chebyshev). */
+CT_CLONES
+static void step_chebyshev(int64_t count, double share, double length, const double *gradient,
+                           const double *scale, double *restrict direction, double *restrict force)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) {
+    // -- d = ρ' ρ d + 2 ρ' r / (δ D), λ' = ⟨λ - d⟩, d = λ - λ' (eq:chebyshev)
+    const double next = force[r] - (share * direction[r] + length * (gradient[r] * scale[r])),
+                 kept = next > 0.0 ? next : 0.0;
+    direction[r] = force[r] - kept;
+    force[r] = kept;
+  }
+}
+
+/* Approach the solution from the forces that an even pressure would have. Sets `converged` if they
+ * meet the tolerance and no energy appears; returns 0 if they are not finite. */
+static int approach(ct_solver *s)
+{
+  const double middle = 0.5 * (1.0 + LOWEST), half = 0.5 * (1.0 - LOWEST), ratio = middle / half;
+  double share = 0.0, length = 1.0 / middle, rho = 1.0 / ratio;
+  // -- λ = ⟨-q / D⟩ (eq:chebyshev)
+  for (int64_t r = 0; r < s->count; r++) {
+    s->force[r] = fmax(-(s->free[r] + s->b[r]) * s->scale[r], 0.0);
+    s->direction[r] = 0.0;
+  }
+  for (int i = 0; i < MOST_CHEBYSHEV; i++) {
+    double d[MEASURES];
+    if (!find_gradient(s)) return 0;
+    if (i == 0 && !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
+    descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
+    ct_pieces_largest(s->pieces, d, MEASURES);
+    s->converged = d[MOST] <= s->tolerance * d[TOP] && loses_energy(s);
+    if (s->converged) return 1;
+    step_chebyshev(s->count, share, length, s->gradient, s->scale, s->direction, s->force);
+    const double next = 1.0 / (2.0 * ratio - rho);
+    share = next * rho, length = 2.0 * next / half, rho = next;
+  }
+  return 1;
+}
+
+/* The forces of all active rows. A loose solution goes on until no energy appears (eq:energy-stop).
+ */
+static int find_forces(ct_solver *s)
+{
+  s->converged = 0;
+  if (s->tolerance < CT_SOLVER_LOOSE) return iterate(s, s->tolerance);
+  if (!approach(s)) return 0;
+  for (double least = 0.1 * s->tolerance; !s->converged; least *= 0.01) {
+    if (!iterate(s, fmax(least, CT_SOLVER_TIGHT))) return 0;
+    if (!s->converged || least <= CT_SOLVER_TIGHT) return 1;
+    s->converged = loses_energy(s);
+  }
+  return 1;
 }
 
 /* Store forces and gaps of the solution in the rows. */
@@ -321,7 +398,7 @@ int ct_solver_solve(ct_solver *s)
   ct_matrix_choose(s);
   s->iterations = 0;
   s->converged = 1;
-  if (!fix_laws(s) || !iterate(s)) return 0;
+  if (!fix_laws(s) || !find_forces(s)) return 0;
   store_solution(s);
   return 1;
 }

@@ -18,6 +18,10 @@ typedef struct ct_row_set {
  * nodes. */
 enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
 
+/* Tolerances of the forces: that of a new solver; and the smallest one for which the solver begins
+ * with projected Chebyshev steps, and ends only if no energy appears (eq:energy-stop). */
+static const double CT_SOLVER_TIGHT = 1e-10, CT_SOLVER_LOOSE = 1e-4;
+
 /* Entries b_a n of a row of G: those of its own face, then those of the other. Consecutive rows
  * with the same nodes share the list of their places. */
 typedef struct ct_entries {
@@ -66,6 +70,8 @@ typedef struct ct_solver {
   double *direction;      /* direction of the search */
   double *image;          /* (W + C) times it */
   double *terms;          /* of a sum */
+  double tolerance;       /* largest change of a force by a further step, as a fraction of the
+                             largest force; see CT_SOLVER_TIGHT */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */
 } ct_solver;
