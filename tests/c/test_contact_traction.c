@@ -64,6 +64,31 @@ static void uniform_overlap(ct_face_kind kind)
   close_pair(contact, &a, &b);
 }
 
+/* Equal patches pressed into each other at a small angle: the pressure is linear, and so are the
+ * tractions of all nodes within. (eq:recovered-weights) */
+static void linear_overlap(ct_face_kind kind)
+{
+  patch a = new_patch(kind, 4, 3, 0, 0, 1, 0.75, 1), b = new_patch(kind, 4, 3, 0, 0, 1, 0.75, 0);
+  const double tilt = 1e-6, delta = 0.01;
+  double off = 0.0;
+  int inner = 0;
+  for (int n = 0; n < b.surface.node_count; n++)
+    b.x[3 * n + 2] = -delta - tilt * (b.x[3 * n] + 2.0 * b.x[3 * n + 1]);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  for (int n = 0; n < a.surface.node_count; n++) {
+    double x = a.x[3 * n], y = a.x[3 * n + 1];
+    if (isnan(r.area[0][n]) || !(fabs(x - 0.5) < 0.49 && fabs(y - 0.375) < 0.365)) continue;
+    inner++;
+    off = worst(off, (-r.traction[0][3 * n + 2] / EPSILON - delta) / tilt - (x + 2.0 * y));
+  }
+  tap_ok(off < 1e-6 && inner >= 6, "%s: a linear pressure at %d nodes within, off by %.2g",
+         KIND[kind], inner, off);
+  free_recovered(&r);
+  close_pair(contact, &a, &b);
+}
+
 /* Warped patches that do not match, with straight edges if so wished. */
 static void warped_pair(ct_face_kind ka, ct_face_kind kb, int straight, patch *a, patch *b)
 {
@@ -210,13 +235,14 @@ static void bend(double angle)
   close_pair(contact, &a, &b);
 }
 
-/* A round surface in a flat one, whose nodes with a force all have the area of their faces, also
- * where a face around them has no point in contact: so the tractions, interpolated between the
- * nodes, have the force as their integral. (eq:recovered-traction) */
+/* A round surface in a flat one, whose nodes with a force all have the area under their weights in
+ * all faces around them, also in those without a point in contact. In cells of area 1 this is 1 for
+ * a corner of linear faces; with mid-sides, 2/3 or 1/2 for a corner of quadrilaterals or triangles,
+ * and 1/6 for a mid-side. (eq:recovered-traction, eq:recovered-weights) */
 static void round_on_flat(ct_face_kind kind)
 {
   int rim = 0, corners = kind == CT_Q4 || kind == CT_Q8 ? 4 : 3, per = ct_face_node_count(kind);
-  double off = 0.0;
+  double off = 0.0, corner = per == corners ? 1.0 : corners == 4 ? 2.0 / 3.0 : 0.5;
   for (int scene = 0; scene < 8; scene++) {
     patch a = new_patch(kind, 12, 12, -1, -1, 2, 2, 1), b = new_patch(kind, 7, 9, -1, -1, 2, 2, 0);
     const double centre[2] = {uniform(0.2), uniform(0.2)}, depth = 0.03 + uniform(0.02);
@@ -229,13 +255,13 @@ static void round_on_flat(ct_face_kind kind)
     recovered r = recover(contact, &a, &b);
     for (int f = 0; f < a.surface.face_count; f++) {
       int with = 0;
-      for (int k = 0; k < corners; k++) {
+      for (int k = 0; k < per; k++) {
         int n = a.faces[f * per + k];
         if (r.traction[0][3 * n + 2] == 0.0) continue;
         with++;
-        off = worst(off, r.area[0][n] * 36.0 - 1.0);
+        off = worst(off, r.area[0][n] * 36.0 / (k < corners ? corner : 1.0 / 6.0) - 1.0);
       }
-      rim += with > 0 && with < corners;
+      rim += with > 0 && with < per;
     }
     free_recovered(&r);
     close_pair(contact, &a, &b);
@@ -339,6 +365,7 @@ int main(void)
 {
   for (int k = 0; k < 4; k++) {
     uniform_overlap((ct_face_kind)k);
+    linear_overlap((ct_face_kind)k);
     for (int other = 0; other < 4; other++) resultants((ct_face_kind)k, (ct_face_kind)other, 1);
     resultants((ct_face_kind)k, (ct_face_kind)k, 0);
     round_on_flat((ct_face_kind)k);

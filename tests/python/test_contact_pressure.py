@@ -26,9 +26,9 @@ def blocks(n, m, element="hex8", **contact):
 
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
-@pytest.mark.parametrize("n, m, most", [(8, 11, 0.02), (2, 14, 0.09)])
+@pytest.mark.parametrize("n, m, most", [(8, 11, 0.03), (2, 14, 0.09)])
 def test_patch_test_on_unlike_meshes(n, m, most, element):
-    """Within 2 % (9 % where 2 elements meet 14), on both surfaces; the errors at Gauss points are ten times larger."""
+    """Within 3 % (9 % where 2 elements meet 14), on both surfaces; the errors at Gauss points are ten times larger."""
     run = blocks(n, m, element)
     (nodes,) = run.pressure["contact"]
     for side in (0, 1):
@@ -53,29 +53,52 @@ def test_force_and_moment_are_those_of_the_points():
         assert np.abs(moment - of_points).max() < 1e-12
 
 
-@pytest.mark.parametrize("element", ["hex8", "hex20"])
-def test_hertz_is_smooth(element):
-    """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 3 % rms of
-    the peak; the force is Hertz's."""
+def hertz_at_rest(element, **obstacle):
+    """hertz.toml on a block of half the size, relaxed, without a penalty the default one: the nodes of the surface and
+    their reference coordinates."""
     data = ct.Scene.load(ct.example("hertz")).data
     box = box_of([0, 0, -2], [2, 2, 2], [10, 10, 10])
     data["body"][0] |= {"element": element, "box": box}
     data["time"] |= {"end": 4e-3, "until_static": 1e-5}
     data |= {"damping": {"relaxation": True}, "output": {"every": 10**6}}
+    del data["obstacle"][0]["beta"]
+    data["obstacle"][0] |= obstacle
     run = ct.Scene(data).run(progress=False)
     (nodes,) = run.pressure["obstacle"]
+    return nodes, run.state["block"].nodes[nodes["node"]]
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex20"])
+def test_hertz_with_the_default_penalty(element):
+    """Hertz's profile for the computed force, to 2 % rms of its peak within 0.85 of the radius, mid-sides included;
+    :eq:`recovered-weights`."""
+    nodes, reference = hertz_at_rest(element)
+    force = 4 * abs((nodes["area"] * nodes["traction"][:, 2]).sum())
+    radius = (3 * force * 4 / (4 * 1000 / 0.91)) ** (1 / 3)
+    r, peak = np.hypot(*reference[:, :2].T), 1.5 * force / (np.pi * radius**2)
+    within = r < 0.85 * radius
+    error = nodes["pressure"][within] - peak * np.sqrt(1 - (r[within] / radius) ** 2)
+    assert np.sqrt(np.mean(error**2)) < 0.02 * peak
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex20"])
+def test_hertz_is_smooth(element):
+    """Within 0.85 of the radius p² is a straight line over r², from which the pressure differs by less than 1 % rms of
+    the peak; the force is Hertz's."""
+    nodes, _ = hertz_at_rest(element, beta=2)
     r, radius = np.hypot(*nodes["position"][:, :2].T), np.sqrt(4 * 0.1)
     within = r < 0.85 * radius
     slope, peak = np.polyfit(r[within] ** 2, nodes["pressure"][within] ** 2, 1)
     error = nodes["pressure"][within] - np.sqrt(peak + slope * r[within] ** 2)
-    assert np.sqrt(np.mean(error**2) / peak) < 0.03
+    assert np.sqrt(np.mean(error**2) / peak) < 0.01
     assert np.sqrt(-peak / slope) == pytest.approx(radius, rel=0.05)
     exact = 4 / 3 * 1000 / 0.91 * 2.0 * 0.1**1.5
     assert 4 * (nodes["area"] * nodes["traction"][:, 2]).sum() == pytest.approx(-exact, rel=0.2)
 
 
 def test_rows_name_body_and_node():
-    """Nodes of the two faces at their current places; mid-sides have no area and the mean of their corners."""
+    """Nodes of the two faces at their current places, with areas that add up to the face's; those of mid-sides within
+    are a quarter of those of corners."""
     run = blocks(2, 3, "hex20")
     (nodes,) = run.pressure["contact"]
     assert run.pressure["obstacle"] == []
@@ -85,13 +108,12 @@ def test_rows_name_body_and_node():
         assert set(rows["body"]) == {run.bodies.index(name)}
         assert np.array_equal(rows["position"], body.positions[rows["node"]])
         assert rows["area"].sum() == pytest.approx(1.0, rel=1e-14)
-        pressure = dict(zip(rows["node"], rows["pressure"]))
-        area = dict(zip(rows["node"], rows["area"]))
-        for corners in body.mesh.faces(face)[0]:
-            for k in range(4):
-                a, b, middle = corners[k], corners[(k + 1) % 4], corners[4 + k]
-                assert area[middle] == 0.0 < area[a]
-                assert pressure[middle] == pytest.approx(0.5 * (pressure[a] + pressure[b]))
+        area, cells = dict(zip(rows["node"], rows["area"])), (2, 3)[side]
+        around = np.unique(body.mesh.faces(face)[0], return_counts=True)
+        middle = np.unique(body.mesh.faces(face)[0][:, 4:])
+        for node, faces in zip(*around):
+            own = 1 / 12 if node in middle else 1 / 6
+            assert area[node] == pytest.approx(own * faces / cells**2)
 
 
 def test_nothing_where_nothing_touches():

@@ -59,11 +59,10 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
  * is the force on the surface; the sum of their moments is the moment of this force if edges are
  * straight. Entries of nodes that are not on the surface do not change.
  *
- * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
- * mid-side node the mean of the two corners, and 0 where no face has contact forces. `area` [area],
- * shape (node_count): the part of the faces around a corner that takes its force,
- * :eq:`recovered-fraction`; 0 at mid-sides and where no force is near. ``CT_ERROR_ARGUMENT``: null
- * argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
+ * `traction` [stress], shape (node_count, 3): force on the surface per reference area; 0 where no
+ * face has contact forces. `area` [area], shape (node_count): the part of the faces around a node
+ * that takes its force, :eq:`recovered-fraction`; 0 where no force is near.
+ * ``CT_ERROR_ARGUMENT``: null argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
  */
 CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
                                      double *area, ct_error *error);

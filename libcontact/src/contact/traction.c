@@ -14,7 +14,8 @@
 typedef struct recovery {
   const ct_side *side;
   double *is_loaded; /* 1: a face carries forces, else 0, shape (face_count) */
-  double N[27][8];   /* at the points: shape functions of the linear face with the same corners */
+  double part;       /* of a mid-side's force that each end of its edge takes */
+  double chi[27][8]; /* at the points: the weights of the nodes, nowhere negative */
 } recovery;
 
 /* Mark the faces with forces of their own points, and those on which points of the other side,
@@ -39,22 +40,37 @@ static void add_force(const ct_side *side, int32_t node, double share, ct_stream
   }
 }
 
-/* Force of a corner: its own and half of that of each mid-side beside it, of which every face
- * around the mid-side adds an equal part. */
+/* Weights of the nodes at a point of a face (eq:recovered-weights). */
+static void weigh(const recovery *r, const double xi[2], double chi[8])
+{
+  const int edges = r->side->search->edges, per = r->side->search->per;
+  double N[8];
+  ct_segment_shape(per == edges ? (edges == 4 ? CT_Q4 : CT_T3) : (edges == 4 ? CT_Q8 : CT_T6), xi,
+                   N);
+  for (int a = 0; a < per; a++) chi[a] = a < edges ? N[a] : (1.0 - 2.0 * r->part) * N[a];
+  for (int a = 0; a < edges && per > edges; a++)
+    chi[a] += r->part * (N[edges + a] + N[edges + (a + edges - 1) % edges]);
+}
+
+/* Force of a node (eq:recovered-traction): a mid-side keeps what the ends of its edge do not take.
+ * Of the part that a corner takes every face around the mid-side adds an equal share. */
 static void force_of(const recovery *r, int32_t node, double force[3])
 {
   const ct_search *search = r->side->search;
   const ct_incidence *around = &search->incidence;
+  const int edges = search->edges,
+            corner = around->place[around->first[node]] % search->per < edges;
   ct_stream sum[3] = {{0}};
   while (ct_stream_again(sum, 3)) {
-    add_force(r->side, node, 1.0, sum);
-    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
+    add_force(r->side, node, corner ? 1.0 : 1.0 - 2.0 * r->part, sum);
+    for (int32_t i = around->first[node]; corner && i < around->first[node + 1]; i++) {
       const int32_t *face = &search->faces[around->place[i] / search->per * search->per];
-      int a = around->place[i] % search->per, edges = search->edges;
+      int a = around->place[i] % search->per;
       const int beside[2] = {a, (a + edges - 1) % edges};
       for (int k = 0; k < 2 && search->per > edges; k++) {
         int32_t middle = face[edges + beside[k]];
-        add_force(r->side, middle, 0.5 / (around->first[middle + 1] - around->first[middle]), sum);
+        add_force(r->side, middle, r->part / (around->first[middle + 1] - around->first[middle]),
+                  sum);
       }
     }
   }
@@ -73,7 +89,7 @@ static double fraction_of(const recovery *r, int64_t i, const double force[3])
   return fmax(-ct_vector_dot(n, force) / sqrt(ct_vector_dot(n, n) * square), 0.0);
 }
 
-/* Area of a corner with a force. */
+/* Area of a node with a force. */
 static double area_of(const recovery *r, int32_t node, const double force[3])
 {
   const ct_incidence *around = &r->side->search->incidence;
@@ -83,18 +99,18 @@ static double area_of(const recovery *r, int32_t node, const double force[3])
     for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
       const int64_t first = (int64_t)(around->place[i] / per) * points;
       double term[27];
-      // -- Area under the corner's hat function that takes its force (eq:recovered-traction)
+      // -- Area under the node's weight that takes its force (eq:recovered-traction)
       for (int q = 0; q < points; q++)
-        term[q] = r->N[q][around->place[i] % per] * r->side->fixed->weight[first + q] *
+        term[q] = r->chi[q][around->place[i] % per] * r->side->fixed->weight[first + q] *
                   fraction_of(r, first + q, force);
       ct_stream_add(&sum, term, points);
     }
   return ct_stream_sum(&sum);
 }
 
-/* Area and traction of a corner, in sums that do not depend on their order
- * (eq:recovered-traction). */
-static double recover_corner(const recovery *r, int32_t node, double traction[3])
+/* Area and traction of a node, in sums that do not depend on their order (eq:recovered-traction).
+ */
+static double recover(const recovery *r, int32_t node, double traction[3])
 {
   double force[3];
   force_of(r, node, force);
@@ -104,26 +120,6 @@ static double recover_corner(const recovery *r, int32_t node, double traction[3]
   return area;
 }
 
-/* All corners first, then the mid-sides, whose tractions are the means of their corners. */
-static void recover(const recovery *r, double *traction, double *area)
-{
-  const ct_search *search = r->side->search;
-  const int32_t *nodes = search->nodes;
-  for (int32_t n = 0; n < search->node_count; n++)
-    if (search->incidence.place[search->incidence.first[n]] % search->per < search->edges)
-      area[nodes[n]] = recover_corner(r, n, &traction[3 * (int64_t)nodes[n]]);
-  for (int64_t f = 0; search->per > search->edges && f < search->face_count; f++)
-    for (int k = 0; k < search->edges; k++) {
-      const int32_t *face = &search->faces[f * search->per];
-      int32_t middle = nodes[face[search->edges + k]], a = nodes[face[k]],
-              b = nodes[face[(k + 1) % search->edges]];
-      area[middle] = 0.0;
-      for (int64_t c = 0; c < 3; c++)
-        traction[3 * (int64_t)middle + c] =
-            0.5 * (traction[3 * (int64_t)a + c] + traction[3 * (int64_t)b + c]);
-    }
-}
-
 ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
                            double *area, ct_error *error)
 {
@@ -131,10 +127,14 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
   recovery r = {.side = side,
                 .is_loaded = ct_allocate((size_t)side->search->face_count, sizeof *r.is_loaded)};
   if (r.is_loaded == NULL) return CT_NO_MEMORY(error, "tractions");
-  for (int q = 0; q < fixed->rule.count; q++)
-    ct_segment_shape(side->search->edges == 4 ? CT_Q4 : CT_T3, fixed->rule.xi[q], r.N[q]);
+  // -- The smallest part for which no weight is negative (eq:recovered-weights)
+  r.part = side->search->edges == 4 ? 3.0 / 8.0 : 1.0 / 4.0;
+  for (int q = 0; q < fixed->rule.count; q++) weigh(&r, fixed->rule.xi[q], r.chi[q]);
   mark_faces(&r, other);
-  recover(&r, traction, area);
+  for (int32_t n = 0; n < side->search->node_count; n++) {
+    const int64_t node = side->search->nodes[n];
+    area[node] = recover(&r, n, &traction[3 * node]);
+  }
   ct_release(r.is_loaded);
   return CT_OK;
 }
