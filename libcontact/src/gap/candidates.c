@@ -55,6 +55,20 @@ static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, i
   return kept;
 }
 
+/* Move the faces whose boxes meet a box to the front of a list; returns their number. */
+static int32_t put_first(const ct_search *search, const ct_bounds *box, int32_t *list,
+                         int32_t count)
+{
+  int32_t first = 0;
+  for (int32_t i = 0; i < count; i++) {
+    const int32_t face = list[i];
+    if (ct_bounds_apart(&search->boxes[face], box)) continue;
+    list[i] = list[first];
+    list[first++] = face;
+  }
+  return first;
+}
+
 /* List for each face of `side` the faces of `other` within the distance to which its list must be
  * complete, and the skin. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
@@ -77,7 +91,11 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
       f--; // once more, with more memory
       continue;
     }
-    count += side == other ? drop_adjacent(side, f, side->candidates + count, found) : found;
+    int32_t *list = side->candidates + count;
+    if (side == other) found = drop_adjacent(side, f, list, found);
+    box = ct_bounds_grown(&side->search->boxes[f], skin);
+    side->near_end[f] = count + put_first(other->search, &box, list, found);
+    count += found;
   }
   side->candidate_first[side->search->face_count] = count;
   return CT_OK;

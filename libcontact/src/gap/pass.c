@@ -447,6 +447,7 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
                .other = &gaps->side[gaps->fixed->sides - 1 - s],
                .project = gaps->fixed->project,
                .depth = ct_gaps_reach(gaps),
+               .skin = gaps->fixed->skin,
                .deep = gaps->fixed->depth,
                .self = gaps->fixed->sides == 1,
                .first = !gaps->begun};

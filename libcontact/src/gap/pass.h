@@ -11,6 +11,7 @@ typedef struct ct_pass {
   const ct_side *other;
   ct_project_options project;
   double depth; /* search distance of points */
+  double skin;  /* additional distance to which candidates are listed */
   double deep;  /* largest depth of a point in contact on a surface with itself */
   int self;     /* whether the other side is the same surface */
   int first;    /* whether no point has a status yet */

@@ -63,8 +63,9 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->listed,          side->x_built,    side->moved, side->points,
-                    side->candidate_first, side->candidates, side->force, side->force_fine};
+  void *blocks[] = {side->listed, side->x_built,         side->moved,
+                    side->points, side->candidate_first, side->candidates,
+                    side->force,  side->force_fine,      side->near_end};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -111,7 +112,9 @@ ct_status ct_side_equip(ct_side *side)
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
-  int whole = side->listed && side->candidate_first && side->candidates && side->x_built;
+  side->near_end = ct_allocate(faces, sizeof *side->near_end);
+  int whole =
+      side->listed && side->candidate_first && side->candidates && side->near_end && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 

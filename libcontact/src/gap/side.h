@@ -95,7 +95,8 @@ typedef struct ct_side {
                       (eq:skin) */
   double *x_built; /* coordinates at the last listing of candidates, shape (node_count, 3) */
   int32_t *candidate_first,
-      *candidates; /* candidate faces of the other side for each face, until the next listing */
+      *candidates; /* candidate faces of the other side for each face, until the next listing ... */
+  int32_t *near_end; /* ... those within the skin of its box first: their end, shape (face_count) */
   int32_t candidate_capacity;
 } ct_side;
 

@@ -107,27 +107,21 @@ CT_INLINE double twice_outside(double low, double high, double x)
   return (under + fabs(under)) + (over + fabs(over));
 }
 
-/* Some consecutive lanes with one face and one target: their number, and the box of the places that
- * are as near to one of them as its closest point. */
+/* Some consecutive lanes with one face and one target; the largest distance to a closest point; and
+ * the box of the places within it. */
 typedef struct lane_group {
   int first, end;
+  double most;
   ct_bounds reach;
 } lane_group;
-
-/* Whether two boxes have no point in common, without a branch per side. */
-CT_INLINE int are_apart(const ct_bounds *a, const ct_bounds *b)
-{
-  int apart = 0;
-  for (int c = 0; c < 3; c++) apart |= (a->low[c] > b->high[c]) | (b->low[c] > a->high[c]);
-  return apart;
-}
 
 /* The group that begins with a lane; the points are `at`, and four times the square of the distance
  * to which each searches is at most `most`. */
 CT_INLINE lane_group group_from(const block *b, int first, const double *at, const double *most)
 {
-  lane_group g = {
-      first, first, {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}}};
+  lane_group g = {.first = first,
+                  .end = first,
+                  .reach = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}}};
   double reach = 0.0;
   for (;
        g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
@@ -140,8 +134,8 @@ CT_INLINE lane_group group_from(const block *b, int first, const double *at, con
     }
   }
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
-  reach = (0.5 + 1e-12) * sqrt(reach);
-  g.reach = ct_bounds_grown(&g.reach, reach);
+  g.most = (0.5 + 1e-12) * sqrt(reach);
+  g.reach = ct_bounds_grown(&g.reach, g.most);
   return g;
 }
 
@@ -178,11 +172,14 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
   for (lane_group g = {0}; g.end < CT_WARM;) {
     g = group_from(b, g.end, at, most);
     const int32_t face = b->face[g.first], met = b->target[g.first];
-    for (int32_t i = p->side->candidate_first[face]; i < p->side->candidate_first[face + 1]; i++) {
+    // A face within a quarter of the skin was within the skin when the lists were made (eq:skin).
+    const int32_t end =
+        g.most <= 0.25 * p->skin ? p->side->near_end[face] : p->side->candidate_first[face + 1];
+    for (int32_t i = p->side->candidate_first[face]; i < end; i++) {
       const int32_t rival = p->side->candidates[i];
       const ct_bounds *box = &p->other->search->boxes[rival];
       // Most candidates are beyond the reach of the whole group.
-      if (rival == met || are_apart(box, &g.reach)) continue;
+      if (rival == met || ct_bounds_apart(box, &g.reach)) continue;
       mark_rivals(&g, box, at, most, b->rival);
     }
   }

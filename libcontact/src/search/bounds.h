@@ -41,6 +41,14 @@ static inline ct_bounds ct_bounds_grown(const ct_bounds *box, double reach)
   return larger;
 }
 
+/* Whether two boxes have no point in common. */
+static inline int ct_bounds_apart(const ct_bounds *a, const ct_bounds *b)
+{
+  int apart = 0;
+  for (int c = 0; c < 3; c++) apart |= (a->low[c] > b->high[c]) | (b->low[c] > a->high[c]);
+  return apart;
+}
+
 /* The box that contains both. */
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other);
 
