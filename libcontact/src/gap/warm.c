@@ -41,15 +41,35 @@ CT_INLINE void sum_lanes(int per, const double *N, const double *x, double *out)
   }
 }
 
+/* Whether four lanes from a multiple of four on have one face: then its numbers are loaded once. */
+CT_INLINE int are_one(const int32_t face[CT_WARM], int l)
+{
+  return l % 4 == 0 && face[l] == face[l + 1] && face[l] == face[l + 2] && face[l] == face[l + 3];
+}
+
+/* Write a number to the first `count` lanes from `row` on. */
+CT_INLINE void put(int count, double x, double *row)
+{
+  for (int l = 0; l < count; l++) row[l] = x;
+}
+
+/* Numbers of the nodes of a face, to the first `count` lanes from `nodes` on. */
+CT_INLINE void load_face(const ct_search *search, int per, int count, int32_t face, double *nodes)
+{
+  const int32_t *node = &search->faces[(int64_t)face * per];
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++)
+      put(count, search->x[3 * (int64_t)node[a] + c], &nodes[CT_WARM * (3 * a + c)]);
+}
+
 /* Nodes of eight faces, relative to eight origins. */
 CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM],
                           const double *origin, double *nodes)
 {
-  for (int l = 0; l < CT_WARM; l++) {
-    const int32_t *node = &search->faces[(int64_t)face[l] * per];
-    for (int a = 0; a < per; a++)
-      for (int c = 0; c < 3; c++)
-        nodes[CT_WARM * (3 * a + c) + l] = search->x[3 * (int64_t)node[a] + c];
+  for (int l = 0, next; l < CT_WARM; l = next) {
+    next = are_one(face, l) ? l + 4 : l + 1;
+    if (next == l + 4) load_face(search, per, 4, face[l], &nodes[l]);
+    else load_face(search, per, 1, face[l], &nodes[l]);
   }
   for (int i = 0; i < 3 * per; i++)
 #pragma omp simd
@@ -61,11 +81,17 @@ CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[C
 CT_INLINE void load(const ct_pass *p, int per, block *b)
 {
   double own[24 * CT_WARM], N[8 * CT_WARM];
-  for (int l = 0; l < CT_WARM; l++) {
+  for (int l = 0, next; l < CT_WARM; l = next) {
     const ct_bounds *box = &p->other->search->boxes[b->target[l]];
-    for (int c = 0; c < 3; c++) b->origin[CT_WARM * c + l] = 0.5 * (box->low[c] + box->high[c]);
-    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->fixed->N[b->q[l]][a];
+    next = are_one(b->target, l) ? l + 4 : l + 1;
+    for (int c = 0; c < 3; c++) {
+      const double middle = 0.5 * (box->low[c] + box->high[c]);
+      if (next == l + 4) put(4, middle, &b->origin[CT_WARM * c + l]);
+      else put(1, middle, &b->origin[CT_WARM * c + l]);
+    }
   }
+  for (int l = 0; l < CT_WARM; l++)
+    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->fixed->N[b->q[l]][a];
   load_faces(p->other->search, per, b->target, b->origin, b->nodes);
   load_faces(p->side->search, per, b->face, b->origin, own);
   sum_lanes(per, N, own, b->points);
