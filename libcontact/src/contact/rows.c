@@ -19,12 +19,15 @@ static int list_point(const ct_contact *contact, const ct_side *other, ct_point 
   ct_constraint *row = &point->row;
   if ((other != NULL && point->other < 0) || !(row->gap <= contact->reach) || isnan(row->normal[0]))
     return 0;
+  row->came = -point->closed;
+  row->moved = -point->closing;
   if (other != NULL) {
     row->other_count = other->search->per;
     row->other = ct_side_row_nodes(other->fixed, point->other);
+  } else {
+    row->came -= ct_vector_dot(row->normal, contact->came);
+    row->moved -= ct_vector_dot(row->normal, contact->coming);
   }
-  row->came = -ct_vector_dot(row->normal, contact->came) - point->closed;
-  row->moved = -ct_vector_dot(row->normal, contact->coming) - point->closing;
   return 1;
 }
 

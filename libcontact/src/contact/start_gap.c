@@ -122,6 +122,20 @@ void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
     }
 }
 
+/* The present start gap of a point, and its growth in the last step and the next one, of which the
+ * shares `at`, `last` and `next` are left. */
+static void shift_point(const ct_start_rule *rule, const ct_side *side, int first, double at,
+                        double last, double next, ct_point *p)
+{
+  if (p->other < 0 || !(at > 0.0)) p->start = 0.0;
+  else if (!first) p->start = later_gap(rule, side, p->start, p->last_known, p->row.gap, at);
+  p->shift = p->start * at;
+  p->closed = p->start * (at - last);
+  p->closing = p->start * (next - at);
+  // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
+  p->row.gap -= p->shift;
+}
+
 void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
                         const ct_surface_motion *now, double last)
 {
@@ -130,14 +144,9 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
   for (const ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       p->last_start = p->start;
-      if (p->other < 0 || !(share > 0.0)) p->start = 0.0;
-      else if (!now->first)
-        p->start = later_gap(rule, side, p->start, p->last_known, p->row.gap, share);
-      p->shift = p->start * share;
-      p->closed = p->start * (share - last_share);
-      p->closing = p->start * (next_share - share);
-      // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
-      p->row.gap -= p->shift;
+      // Most points have none, and keep none.
+      if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
+      else p->shift = p->closed = p->closing = 0.0;
       if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
     }
 }
