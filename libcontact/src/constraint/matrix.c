@@ -134,7 +134,10 @@ static void times_G(int sizes, const ct_entries *rows, int64_t count, const int3
   for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
     const int32_t *place = &places[e->place], alike = e->alike;
     const double *g = &G[WIDE * e->first];
-    if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, alike, place, g, x, out);
+    if (e->own == 4 && e->other == 4 && alike == 4) times_rows(sizes, 4, 4, 4, place, g, x, out);
+    else if (e->own == 4 && e->other == 0 && alike == 4)
+      times_rows(sizes, 4, 0, 4, place, g, x, out);
+    else if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, alike, place, g, x, out);
     else if (e->own == 4 && e->other == 0) times_rows(sizes, 4, 0, alike, place, g, x, out);
     else if (e->own == 8 && e->other == 8) times_rows(sizes, 8, 8, alike, place, g, x, out);
     else if (e->own == 8 && e->other == 0) times_rows(sizes, 8, 0, alike, place, g, x, out);
