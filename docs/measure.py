@@ -399,7 +399,7 @@ def pressed(n: int, m: int, beta: float) -> tuple[float, float, float]:
         .set_output(every=10**6)
         .run(progress=False)
     )
-    pressure = run.contact[0]["pressure"]
+    pressure = run.contact[0]["raw_pressure"]
     stress = np.concatenate([run.state[name].stress[:, 2] for name in ("lower", "upper")])
     return pressure.max(), pressure.min(), np.abs(stress + 1).max()
 
@@ -459,7 +459,7 @@ def by_points(run: ct.Run, side: int, n: int) -> np.ndarray:
     i, j = np.rint(n * nodes["position"][:, :2]).astype(int).T
     force[i, j] = nodes["area"] * np.abs(nodes["traction"][:, 2])
     place = np.where((points["side"] == side)[:, None], points["position"], points["closest"])
-    weight = 0.5 * points["weight"] * (points["pressure"] > 0)
+    weight = 0.5 * points["weight"] * (points["raw_pressure"] > 0)
     return force / ((hat(place[:, 0], n) * weight) @ hat(place[:, 1], n).T)
 
 
@@ -474,7 +474,7 @@ def recovered_blocks() -> Numbers:
             nodes = run.pressure["contact"][0]
             stress = np.concatenate([run.state[body].stress[:, 2] for body in run.bodies])
             found |= {
-                f"{name}_point": np.abs(run.contact[0]["pressure"] - 1).max(),
+                f"{name}_point": np.abs(run.contact[0]["raw_pressure"] - 1).max(),
                 f"{name}_node": np.abs(nodes["pressure"] - 1).max(),
                 f"{name}_stress": np.abs(stress + 1).max(),
             }

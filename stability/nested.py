@@ -72,7 +72,8 @@ def mean_pressure(run: ct.Run) -> float:
         < 0.3 * THICK
     )
     return float(
-        (points["pressure"] * points["weight"])[middle].sum() / (np.pi * (RADIUS + THICK) * WIDTH)
+        (points["raw_pressure"] * points["weight"])[middle].sum()
+        / (np.pi * (RADIUS + THICK) * WIDTH)
     )
 
 

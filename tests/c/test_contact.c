@@ -39,7 +39,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   ct_contact_point *point = room(points, sizeof *point);
   int pressed[2] = {0, 0};
   ct_contact_points(contact, point, NULL);
-  for (int i = 0; i < points; i++) pressed[point[i].side] += point[i].pressure > 0.0;
+  for (int i = 0; i < points; i++) pressed[point[i].side] += point[i].raw_pressure > 0.0;
   top = worst(largest(fa, 3 * a.surface.node_count), largest(fb, 3 * b.surface.node_count));
   for (int s = 0; s < 2; s++) {
     patch *p = s == 0 ? &a : &b;
@@ -304,7 +304,7 @@ static void far_side(double inside)
   int same_way = 0;
   ct_contact_points(below, point, NULL);
   for (int i = 0; i < ct_contact_point_count(below); i++)
-    same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
+    same_way += point[i].raw_pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
   tap_ok(same_way == 0,
          "a patch that points in the same direction as the top has no contact force");
   free(point);
@@ -333,7 +333,7 @@ static void border(void)
     int over = point[i].side == 1 ? x < 1.0 && y > 0.0 : x > 0.37 && y < 0.59;
     in += over;
     wrong += over ? !(fabs(point[i].gap + 0.01) < 1e-15)
-                  : point[i].other != -1 || point[i].pressure != 0.0;
+                  : point[i].other != -1 || point[i].raw_pressure != 0.0;
   }
   tap_ok(wrong == 0 && in > 20 && in < count,
          "%d of %d points lie over the other surface: they are in contact, the others are not (%d "
@@ -400,7 +400,7 @@ static void fold(double c, double C, double z0, double q, const char *what)
     if (fabs(closest[0]) > edge - 1e-9 || fabs(closest[1]) > edge - 1e-9)
       in = 0; // beyond the border
     if (!in) {
-      invented += point[i].pressure != 0.0;
+      invented += point[i].raw_pressure != 0.0;
       continue;
     }
     inside++;
@@ -723,7 +723,7 @@ static void methods(ct_face_kind kind)
                                                   : r < 1e-6 || s < 1e-6 || r + s > 1 - 1e-6);
       edge += on_edge;
       if (on_edge || want[i].other < 0) continue;
-      pressed += want[i].pressure > 0.0;
+      pressed += want[i].raw_pressure > 0.0;
       differ += got[i].other != want[i].other;
       off = worst(off, got[i].gap - want[i].gap);
     }

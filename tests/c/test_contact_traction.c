@@ -136,10 +136,10 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
   for (int64_t i = 0; i < count; i++) {
     const ct_contact_point *p = &point[i];
     double f[3], back[3];
-    if (!(p->pressure > 0.0)) continue;
+    if (!(p->raw_pressure > 0.0)) continue;
     // -- A point presses with half its weight, along its gap
     for (int c = 0; c < 3; c++) {
-      f[c] = 0.5 * p->pressure * p->weight * (p->closest[c] - p->position[c]) / -p->gap;
+      f[c] = 0.5 * p->raw_pressure * p->weight * (p->closest[c] - p->position[c]) / -p->gap;
       back[c] = -f[c];
       size += fabs(f[c]);
     }

@@ -114,7 +114,7 @@ static void folded(ct_face_kind kind)
   ct_contact_point *point = room(count, sizeof *point);
   ct_contact_points(contact, point, NULL);
   for (int i = 0; i < count; i++) {
-    if (!(point[i].pressure > 0.0)) continue;
+    if (!(point[i].raw_pressure > 0.0)) continue;
     int cells = kind == CT_T3 || kind == CT_T6 ? 2 : 1,
         mine = point[i].face / cells % ALONG < ALONG / 2,
         theirs = point[i].other / cells % ALONG < ALONG / 2;

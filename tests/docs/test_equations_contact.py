@@ -50,7 +50,7 @@ def test_gaps_potential_and_forces():
         d, n = closest - y, np.cross(a @ x[1 - side], b @ x[1 - side])
         g = -np.linalg.norm(d) if d @ n > 0 else np.linalg.norm(d)
         close(point["gap"], g, 1e-9)
-        close(point["pressure"], EPSILON * max(-g, 0), 1e-9)
+        close(point["raw_pressure"], EPSILON * max(-g, 0), 1e-9)
         potential += 1 / 2 * 1 / 2 * EPSILON * max(-g, 0) ** 2 * point["weight"]
         if g < 0:
             F = EPSILON * point["weight"] * d / 2

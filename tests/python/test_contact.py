@@ -42,7 +42,7 @@ def test_first_step_by_hand():
     assert contact.resultant[:, 0, 2] == pytest.approx([want, -want], rel=1e-12)
     points = contact.points
     assert len(points) == 8 and (points["gap"] == pytest.approx(-0.02))
-    assert (points["pressure"] * points["weight"]).sum() / 2 == pytest.approx(want, rel=1e-12)
+    assert (points["raw_pressure"] * points["weight"]).sum() / 2 == pytest.approx(want, rel=1e-12)
     # There is no work yet, and an overlap stores ½ K g².
     held = pytest.approx(0.5 * K * 0.02**2, rel=1e-12)
     assert contact.balance == ct.Balance(held, 0.0, 0.0, 0, 0.0, 0.0)

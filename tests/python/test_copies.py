@@ -127,7 +127,7 @@ def test_a_copy_of_a_run_has_its_tables_and_its_state(way):
     assert same(other, run) and repr(other) == repr(run)
     assert (
         len(other.contact) == 1
-        and np.array_equal(other.contact[0]["pressure"], run.contact[0]["pressure"])
+        and np.array_equal(other.contact[0]["raw_pressure"], run.contact[0]["raw_pressure"])
         and other.penetration == run.penetration
     )
     assert (

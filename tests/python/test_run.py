@@ -511,13 +511,13 @@ def test_contact_points_are_seen():
         assert len(points) == 2 * 4 * 4 and set(points["side"]) == {0, 1}
         assert np.all(points["gap"] < 0)
         epsilon = scene.explain().data["contacts"][0]["epsilon"]
-        np.testing.assert_allclose(points["pressure"], -epsilon * points["gap"], rtol=1e-14)
+        np.testing.assert_allclose(points["raw_pressure"], -epsilon * points["gap"], rtol=1e-14)
         np.testing.assert_allclose(
             np.linalg.norm(points["closest"] - points["position"], axis=1),
             -points["gap"],
             rtol=1e-9,
         )
-        pressures.append(np.average(points["pressure"], weights=points["weight"]))
+        pressures.append(np.average(points["raw_pressure"], weights=points["weight"]))
     # Two equal bars have the pressure rho c v = 0.1 until the waves return at t = 4; the penalty oscillates about it.
     assert abs(np.mean(pressures) - 0.1) < 0.01
 

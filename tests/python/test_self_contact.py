@@ -95,7 +95,7 @@ def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
     assert overlap(without) > 0.4 * GAP, "the block is to drive one leg into the other"
     assert overlap(with_contact) < 0.1 * GAP
     points = with_contact.contact[1]
-    pushed = points[points["pressure"] > 0.0]
+    pushed = points[points["raw_pressure"] > 0.0]
     assert len(pushed) > 6 and set(points["side"]) == {0}
     assert np.all(np.abs(pushed["position"][:, 2] - pushed["closest"][:, 2]) < 0.1 * GAP)
 

@@ -89,6 +89,24 @@ def row(struct: str) -> np.dtype[Any]:
     return np.dtype(members(struct), align=True)
 
 
+class Points(np.ndarray[Any, np.dtype[Any]]):
+    """Rows of ``ct_contact_point``. Their pressures had a name that did not say that they are uneven."""
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str) and key == "pressure":
+            raise KeyError(
+                'single points have "raw_pressure"; the contact pressure is that of the nodes: run.pressure, '
+                "BodyState.contact_pressure, Contact.traction"
+            )
+        return super().__getitem__(key)
+
+
+def point_rows(count: int) -> tuple[Points, Any]:
+    """An array for C to fill with contact points, and a C pointer to it."""
+    rows, pointer = table("ct_contact_point", count)
+    return rows.view(Points), pointer
+
+
 def table(struct: str, count: int) -> tuple[Rows, Any]:
     """An array for C to fill with structs, and a C pointer to it."""
     rows = np.zeros(count, row(struct))

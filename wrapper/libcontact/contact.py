@@ -19,9 +19,9 @@ from .bridge import (
     finite,
     index,
     names,
+    point_rows,
     positive,
     real,
-    row,
 )
 from .errors import SceneWarning, came_in_late, held, issue, renamed
 from .search import Surface
@@ -622,7 +622,7 @@ class Contact:
         traction : ndarray, shape (n, 3)
             Force on the surface per reference area [stress]; its magnitude is the pressure.
         area : ndarray, shape (n,)
-            The part of the faces around each corner that takes its force [area].
+            The part of the faces around each node that takes its force [area].
 
         Raises
         ------
@@ -642,10 +642,9 @@ class Contact:
     @property
     def points(self) -> Rows:
         """All contact points of the last step, one per row, with the members of
-        ``ct_contact_point``."""
-        count = lib.ct_contact_point_count(self._contact)
-        rows = np.empty(count, row("ct_contact_point"))
-        call(lib.ct_contact_points, self._contact, ffi.from_buffer("ct_contact_point[]", rows))
+        ``ct_contact_point``. Their ``raw_pressure`` is uneven; ``traction`` has the pressure."""
+        rows, pointer = point_rows(lib.ct_contact_point_count(self._contact))
+        call(lib.ct_contact_points, self._contact, pointer)
         return rows
 
     @property

@@ -209,7 +209,7 @@ class Loop:
         text, output = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output
         options = ffi.new("ct_output_options *", lib.ct_output_options_default())
         for name in FIELDS:
-            setattr(options, name, name in output.fields)
+            setattr(options, name, name in self.problem.parts.fields)
         options.scene, options.probes, options.filter = text, self.probes.pointer, output.filter
         pointer = self.first.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
@@ -640,7 +640,7 @@ class Loop:
         u = u.copy() if at_once else u
         made = {"velocity": cache(partial(_made, u.shape, lib.ct_state_velocity, problem, state))}
         touched = pressure and next(contact_tables(problem.parts), None) is not None
-        if touched or "contact_pressure" in problem.parts.output.fields:
+        if touched or "contact_pressure" in problem.parts.fields:
             recovered = partial(_made, len(u), lib.ct_state_pressure, problem, state)
             made["contact_pressure"] = cache(recovered)
         if self.filter is not None:

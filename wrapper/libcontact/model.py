@@ -663,8 +663,9 @@ class Output(Table):
         and two runs of one scene in two folders write different files. Without this key the results
         stay in memory.
     fields
-        Fields that are written for each node and element; ``contact_pressure`` is recovered at the
-        nodes of all surfaces in contact, :eq:`recovered-traction`, and 0 elsewhere.
+        Fields that are written for each node and element. ``contact_pressure``, which scenes without
+        contacts and obstacles leave out by default, is recovered at the nodes of all surfaces in
+        contact, :eq:`recovered-traction`, and 0 elsewhere.
     every
         Number of steps between two records.
     times
@@ -678,7 +679,7 @@ class Output(Table):
     rivals = (("every", "times"),)
 
     file: Any = key(FileName(), default=None, says="none", kw_only=False)
-    fields: Sequence[str] = key(Many(Choice(FIELDS)), default=FIELDS[:3])
+    fields: Sequence[str] | None = key(Many(Choice(FIELDS)), default=None, says="all fields")
     every: int | None = key(
         Whole(most=2**53),
         default=None,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
 from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
 from .mesh import FACTS
-from .model import Body, Contact, History, Material, Output, Probe, Run, Support, Time
+from .model import FIELDS, Body, Contact, History, Material, Output, Probe, Run, Support, Time
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
@@ -56,6 +56,13 @@ class Parts(Table):
         """The effects, each with its key."""
         found = walk(self, Place())
         return tuple(Added(at.key, table) for at, table in found if isinstance(table, Effect))
+
+    @property
+    def fields(self) -> Sequence[str]:
+        """The fields that are written: those of the output, or by default all that the scene has."""
+        if self.output.fields is not None:
+            return self.output.fields
+        return FIELDS if self.contact or self.obstacle else FIELDS[:3]
 
     def histories(self) -> list[History]:
         """The histories of loads, obstacles and supports."""

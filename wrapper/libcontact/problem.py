@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, ask, call, doubles, names, row
+from .bridge import Floats, Ints, ask, call, doubles, names, point_rows
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
 from .mesh import (
@@ -39,7 +39,6 @@ MOST_STEPS = 10**12
 SHORTEST_ROW = 32
 # The library treats bodies with shorter rows as general ones (ct_force_ring_create).
 SHORTEST_LATTICE = 8
-POINT = row("ct_contact_point")
 NODE = np.dtype(
     [
         ("side", "i4"),
@@ -586,10 +585,10 @@ def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
 
 def contact_points(problem: Problem, state: Any) -> list[NDArray[Any]]:
     """The points of each contact of the problem in a state (``ct_state *``)."""
-    out = []
+    out: list[NDArray[Any]] = []
     for contact in _contacts(problem, state):
-        points = np.zeros(lib.ct_contact_point_count(contact), POINT)
-        call(lib.ct_contact_points, contact, ffi.cast("ct_contact_point *", points.ctypes.data))
+        points, pointer = point_rows(lib.ct_contact_point_count(contact))
+        call(lib.ct_contact_points, contact, pointer)
         out.append(points)
     return out
 

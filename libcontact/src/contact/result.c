@@ -50,7 +50,7 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points,
                                    .start_gap = met ? from->shift : 0.0};
       ct_side_position(side, i, NULL, points->position);
       // No law has tension, so the pressure is the size of the force.
-      points->pressure =
+      points->raw_pressure =
           sqrt(ct_vector_dot(from->force, from->force)) / (0.5 * side->fixed->weight[i]);
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;
       for (int c = 0; c < 2; c++) points->xi[c] = met ? from->xi[c] : NAN;

@@ -45,8 +45,7 @@ static void weigh(const recovery *r, const double xi[2], double chi[8])
 {
   const int edges = r->side->search->edges, per = r->side->search->per;
   double N[8];
-  ct_segment_shape(per == edges ? (edges == 4 ? CT_Q4 : CT_T3) : (edges == 4 ? CT_Q8 : CT_T6), xi,
-                   N);
+  ct_segment_shape(r->side->search->kind, xi, N);
   for (int a = 0; a < per; a++) chi[a] = a < edges ? N[a] : (1.0 - 2.0 * r->part) * N[a];
   for (int a = 0; a < edges && per > edges; a++)
     chi[a] += r->part * (N[edges + a] + N[edges + (a + edges - 1) % edges]);

@@ -110,7 +110,12 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
         "cost": cost,
         "warnings": [str(warning) for warning in warnings],
         "plan": list(plan.costs),
-        "output": {**values_of(output), "every": every, "records": records},
+        "output": {
+            **values_of(output),
+            "fields": list(parts.fields),
+            "every": every,
+            "records": records,
+        },
     }
     text = Explanation(_text(data, units))
     text.data, text.warnings = data, warnings
