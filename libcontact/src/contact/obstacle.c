@@ -2,6 +2,7 @@
 #include "../constraint/law.h"
 #include "../base/amplitude.h"
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
 #include "obstacle.h"
@@ -38,8 +39,22 @@ static void place_at(const ct_obstacle_def *o, double time, double place[3])
   for (int c = 0; c < 3; c++) place[c] += o->point[c];
 }
 
+/* Whether the obstacle is a plane: the direction of all points is its axis. */
+static int is_plane(const ct_contact *contact)
+{
+  return ct_obstacle_of(contact)->given.shape == CT_OBSTACLE_PLANE;
+}
+
+static void set_directions(ct_side *side, const double axis[3])
+{
+  for (int64_t i = 0; i < side->fixed->point_count; i++)
+    for (int c = 0; c < 3; c++)
+      side->points[i].outward[c] = side->points[i].row.normal[c] = axis[c];
+}
+
 static ct_status open_state(ct_contact *contact)
 {
+  if (is_plane(contact)) set_directions(contact->gaps.side, ct_obstacle_of(contact)->given.axis);
   place_at(&ct_obstacle_of(contact)->given, 0.0, contact->place);
   return ct_stations_open(contact);
 }
@@ -102,12 +117,58 @@ static int meet(const ct_contact *contact, int64_t i, int first)
   return 1;
 }
 
+/* Gaps of the points of a face over a plane from the heights of its nodes. Inlined with a known
+ * `per`. */
+CT_INLINE void meet_face(int per, const ct_side *side, int32_t face, const double *height,
+                         const double axis[3], int first)
+{
+  const int32_t *node = &side->search->faces[(int64_t)face * per];
+  const int points = side->fixed->rule.count;
+  double h[8], t[8];
+  for (int a = 0; a < per; a++) h[a] = height[node[a]];
+  for (int q = 0; q < points; q++) {
+    ct_point *point = &side->points[(int64_t)face * points + q];
+    const int was = point->other >= 0;
+    // -- g = Σ_a N_a a · r_a (eq:obstacle-gap)
+    for (int a = 0; a < per; a++) t[a] = side->fixed->N[q][a] * h[a];
+    for (int a = per; a < 8; a++) t[a] = 0.0;
+    const double gap = ct_side_sum(per, t);
+    point->row.gap = point->known = gap;
+    point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+    point->other = 0;
+    point->jumped = !first && !was && gap < 0.0;
+    for (int c = 0; c < 3; c++) point->d[c] = -gap * axis[c];
+  }
+}
+
+/* Gaps of all points over a plane: they are linear in the positions of the nodes. */
+static void meet_plane(ct_contact *contact, int first)
+{
+  const ct_side *side = &contact->gaps.side[0];
+  const ct_search *search = side->search;
+  const double *axis = ct_obstacle_of(contact)->given.axis;
+  for (int64_t n = 0; n < search->node_count; n++) {
+    double r[3];
+    for (int c = 0; c < 3; c++) r[c] = search->x[3 * n + c] - contact->place[c];
+    contact->terms[n] = ct_vector_dot(r, axis);
+  }
+  for (int32_t f = 0; f < search->face_count; f++) {
+    if (!ct_side_owns(side, (int64_t)f * side->fixed->rule.count)) continue;
+    if (search->per == 4) meet_face(4, side, f, contact->terms, axis, first);
+    else meet_face(search->per, side, f, contact->terms, axis, first);
+  }
+}
+
 static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   const ct_side *surface = &contact->gaps.side[0];
   ct_status status = ct_gaps_place(&contact->gaps, error);
   if (status != CT_OK) return status;
   move(contact, now);
+  if (is_plane(contact)) {
+    meet_plane(contact, now->first);
+    return CT_OK;
+  }
   for (int64_t i = 0; i < surface->fixed->point_count; i++)
     if (ct_side_owns(surface, i) && !meet(contact, i, now->first))
       return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
