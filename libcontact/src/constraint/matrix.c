@@ -57,37 +57,46 @@ CT_CLONES
 static void fill_entries(ct_solver *s)
 {
   int64_t next = 0, places = 0;
+  ct_entries *head = s->entries; // of the first of the rows with the same nodes
   for (int32_t k = 0; k < s->set_count; k++)
     for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
       const ct_constraint *c = s->rows[j];
       ct_entries e = {next, places, c->own_count, c->other_count, 1};
       int32_t nodes = e.own + e.other;
-      if (j > s->first[k] && has_nodes_of(c, s->rows[j - 1])) e.place -= nodes;
-      else find_places(s, k, c, places), places += nodes;
+      if (j > s->first[k] && has_nodes_of(c, s->rows[j - 1])) {
+        e.place -= nodes;
+        head->alike++;
+      } else {
+        head = &s->entries[j];
+        find_places(s, k, c, places), places += nodes;
+      }
       s->entries[j] = e;
       fill_row(c, &s->G[WIDE * next]);
       next += nodes;
     }
 }
 
-/* Find for each of some rows how many from it on have the same nodes, with consecutive entries. */
+/* Whether row `later` has the same nodes as row `r`, and its entries are those that follow on the
+ * entries of all rows between them. */
+static int follows(const ct_entries *entries, int64_t r, int64_t later)
+{
+  const ct_entries e = entries[r], l = entries[later];
+  return l.place == e.place && l.first == e.first + (later - r) * (e.own + e.other);
+}
+
+/* Find for each of some rows how many from it on have the same nodes, with consecutive entries. Of
+ * most rows all that were listed with the same nodes are there. */
 static void find_alike(int64_t count, ct_entries *entries)
 {
   for (int64_t r = 0, end; r < count; r = end) {
-    ct_entries e = entries[r];
-    for (end = r + 1; end < count; end++)
-      if (entries[end].place != e.place ||
-          entries[end].first != e.first + (end - r) * (e.own + e.other))
-        break;
+    end = r + entries[r].alike;
+    if (end > count || !follows(entries, r, end - 1)) end = r + 1;
+    while (end < count && follows(entries, r, end)) end++;
     entries[r].alike = (int32_t)(end - r);
   }
 }
 
-void ct_matrix_fill(ct_solver *s)
-{
-  fill_entries(s);
-  find_alike(s->first[s->set_count], s->entries);
-}
+void ct_matrix_fill(ct_solver *s) { fill_entries(s); }
 
 /* One quad for each of some nodes. */
 CT_INLINE void load_nodes(int32_t count, const int32_t *place, const double *x, ct_quad *at)
@@ -239,17 +248,23 @@ static int move_nodes(ct_solver *s, const double *force)
 /* List the nodes on which active rows act, and count the rows at each. */
 static void list_active_nodes(ct_solver *s)
 {
-  for (int32_t k = 0; k < s->active_node_count; k++) s->row_counts[s->active_nodes[k] / WIDE] = 0;
-  s->active_node_count = s->most_row_count = 0;
+  int32_t *counts = s->row_counts, *nodes = s->active_nodes, count = 0, most = 0;
+  for (int32_t k = 0; k < s->active_node_count; k++) counts[nodes[k] / WIDE] = 0;
   for (int64_t r = 0; r < s->count; r += s->entries[r].alike) {
-    ct_entries e = s->entries[r];
-    for (int64_t i = e.place; i < e.place + e.own + e.other; i++) {
-      int32_t place = s->entry_place[i], *row_counts = &s->row_counts[place / WIDE];
-      if (*row_counts == 0) s->active_nodes[s->active_node_count++] = place;
-      *row_counts += e.alike;
-      s->most_row_count = *row_counts > s->most_row_count ? *row_counts : s->most_row_count;
+    const ct_entries *e = &s->entries[r];
+    const int32_t *place = &s->entry_place[e->place], *end = place + (e->own + e->other);
+    for (; place < end; place++) {
+      int32_t *own = &counts[(uint32_t)*place / WIDE];
+      if (*own == 0) nodes[count++] = *place;
+      *own += e->alike;
     }
   }
+  for (int32_t k = 0; k < count; k++) {
+    const int32_t own = counts[nodes[k] / WIDE];
+    most = own > most ? own : most;
+  }
+  s->active_node_count = count;
+  s->most_row_count = most;
 }
 
 /* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. */
