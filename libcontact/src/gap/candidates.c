@@ -171,11 +171,12 @@ static int reaches_deepest(const ct_side *side, double near)
   return 1;
 }
 
-/* Distance to which the list of each face must be complete: the search distance of points, and more
- * if its own points in contact may become deeper. */
+/* Distance to which the list of each face is complete (eq:skin-mean): a little more than the search
+ * distance of points, so that a face that comes into contact keeps its list, and more if its own
+ * points in contact may become deeper. */
 static void set_reach(ct_side *side, double depth, double near)
 {
-  for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = depth;
+  for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = 1.1 * depth;
   for (int64_t i = 0; i < side->fixed->point_count; i++) {
     double *listed = &side->listed[i / side->fixed->rule.count], deep = depth_of(&side->points[i]);
     if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
