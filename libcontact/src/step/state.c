@@ -192,7 +192,7 @@ ct_status ct_state_equip(ct_state *state, ct_error *error)
   if (state->workspace != NULL) return CT_OK;
   ct_workspace *w = ct_allocate(1, sizeof *w);
   ct_status status = w == NULL ? CT_ERROR_MEMORY : workspace_create(state->problem, w, error);
-  if (status == CT_OK) state->workspace = w;
+  if (status == CT_OK) state->workspace = w, w->memory = state->memory;
   else workspace_free(state->problem, w);
   return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }

@@ -139,6 +139,32 @@ static void sample(const ct_observers *samplers, const ct_state *state)
   }
 }
 
+/* What the effects have written is what they read next. An effect of the user may write a part of
+ * its memory only, so the other block gets the rest. */
+static void turn_memory(const ct_problem *problem, ct_workspace *w)
+{
+  double *read = w->memory;
+  w->memory = w->next_memory;
+  w->next_memory = read;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const int64_t begin = ct_state_starts(problem, k).memory;
+    if (problem->effects[k]->kind == CT_EFFECT_USER)
+      memcpy(w->next_memory + begin, w->memory + begin,
+             (size_t)problem->effects[k]->memory_count * sizeof *w->memory);
+  }
+}
+
+/* At the end of a series of steps the state holds what the effects read next. */
+static void return_memory(const ct_problem *problem, ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  if (w->memory == state->memory) return;
+  memcpy(state->memory, w->memory,
+         (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof *w->memory);
+  w->next_memory = w->memory;
+  w->memory = state->memory;
+}
+
 /* Take one stage of a step. Known forces, and the set of sleeping elements, may be older than the
  * last change of the state by its host. If `samplers` is null the inlined code has no sampling,
  * so that steps without probes do not pay for it. */
@@ -151,8 +177,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   if (samplers != NULL && w->stage == 0) sample(samplers, state);
   double begin = ct_run_seconds(problem);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
-  memcpy(state->memory, w->next_memory,
-         (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
+  turn_memory(problem, w);
   w->forces_at = -1;
   w->followed = w->known;
   state->effect_seconds[problem->effect_count] += ct_run_seconds(problem) - begin;
@@ -201,6 +226,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   if (problem == NULL || state == NULL) return CT_REFUSE_NULL(error);
   ct_series_begin(state, 0);
   ct_status status = take_step(problem, state, NULL, error);
+  return_memory(problem, state);
   ct_series_end(state);
   return status;
 }
@@ -226,6 +252,8 @@ CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64
 ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
                           const ct_observers *samplers, ct_error *error)
 {
-  return samplers == NULL ? take_steps(problem, state, count, NULL, error)
-                          : take_steps(problem, state, count, samplers, error);
+  ct_status status = samplers == NULL ? take_steps(problem, state, count, NULL, error)
+                                      : take_steps(problem, state, count, samplers, error);
+  return_memory(problem, state);
+  return status;
 }

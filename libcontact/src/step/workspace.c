@@ -77,7 +77,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .reference = problem->reference,
                    .displacement = state->displacement,
                    .velocity = state->velocity,
-                   .memory = state->memory + memory,
+                   .memory = state->workspace->memory + memory,
                    .next_memory = state->workspace->next_memory + memory,
                    .scratch = state->workspace->scratch[k],
                    .read = read < 0 ? NULL : state->workspace->scratch[read],
