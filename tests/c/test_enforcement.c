@@ -503,7 +503,52 @@ static int same(const pair *a, const pair *b)
          memcmp(a->state->displacement, b->state->displacement, size) == 0;
 }
 
-static void bits(void)
+/* Forces to a loose tolerance (eq:energy-stop). */
+static void loosen(const pair *p, double tolerance)
+{
+  ((ct_problem *)p->problem)->force_tolerance = tolerance;
+}
+
+/* With a loose tolerance the energy rises no more than with the tight one, and both results agree
+ * (eq:energy-stop). */
+static void loose(void)
+{
+  ct_error error;
+  ct_state *none = NULL;
+  pair refused = open_pair(CT_ENFORCE_ENERGY_CONTROLLED, CT_HEX8, 0, 0, 1, 40.0);
+  loosen(&refused, 0.2);
+  tap_ok(ct_state_create(refused.problem, &none, &error) == CT_ERROR_ARGUMENT && none == NULL &&
+             strstr(error.text, "force_tolerance") != NULL,
+         "refused: %s", error.text);
+  close_pair(&refused);
+  for (int kind = 0; kind < 2; kind++) {
+    ct_brick_kind brick = kind ? CT_HEX20 : CT_HEX8;
+    pair p[2];
+    double rise[2] = {0.0, 0.0}, last[2], start = 0.0;
+    for (int k = 0; k < 2; k++) {
+      p[k] = open_pair(CT_ENFORCE_ENERGY_CONTROLLED, brick, 0, 0, 1, 40.0);
+      if (k == 1) loosen(&p[k], 1e-3);
+      last[k] = start = energy_of(p[k].problem, p[k].state).total;
+      for (int step = 0; step < 150; step++) {
+        advance(p[k].problem, p[k].state, 1);
+        double now = energy_of(p[k].problem, p[k].state).total;
+        rise[k] = fmax(rise[k], (now - last[k]) / start);
+        last[k] = now;
+      }
+    }
+    double off = largest_difference(p[0].state->displacement, p[1].state->displacement,
+                                    3 * p[0].problem->node_count) /
+                 largest(p[0].state->displacement, 3 * p[0].problem->node_count);
+    tap_ok(rise[1] <= rise[0] + 1e-7 && off < 1e-3 && off > 0.0,
+           "%s, tolerance 0.001: energy rises by %.1e in a step (%.1e with the tight one), energy "
+           "off by %.1e, displacements by %.1e",
+           kind ? "hex20" : "hex8", rise[1], rise[0], last[1] / last[0] - 1.0, off);
+    close_pair(&p[0]);
+    close_pair(&p[1]);
+  }
+}
+
+static void bits(double tolerance)
 {
   for (int e = 0; e < IMPLICITS; e++)
     for (int kind = 0; kind < 2; kind++) {
@@ -512,8 +557,10 @@ static void bits(void)
            threads = open_pair(IMPLICIT[e], brick, 0, 0, 3, 4.0),
            swapped = open_pair(IMPLICIT[e], brick, 0, 1, 1, 4.0),
            again = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0),
-           mirror = open_pair(IMPLICIT[e], brick, 1, 0, 1, 4.0);
+           mirror = open_pair(IMPLICIT[e], brick, 1, 0, 1, 4.0),
+           *all[] = {&p, &threads, &swapped, &again, &mirror};
       ct_error error;
+      for (int i = 0; i < 5; i++) loosen(all[i], tolerance);
       advance(p.problem, p.state, 15);
       need(ct_state_copy(p.problem, p.state, again.state, &error), &error);
       advance(p.problem, p.state, 15);
@@ -523,12 +570,12 @@ static void bits(void)
       advance(mirror.problem, mirror.state, 30);
       int64_t faults =
           mirror_faults(p.state->velocity, mirror.state->velocity, p.problem->node_count, 1);
-      tap_ok(same(&p, &threads) && same(&p, &again) && same(&p, &swapped) && faults == 0,
-             "%s, %s: the same bits with three threads (%d), after a restart (%d), with the names "
-             "swapped (%d), mirrored (%d faults)",
-             ENFORCEMENT[IMPLICIT[e]], kind ? "hex20" : "hex8", same(&p, &threads),
-             same(&p, &again), same(&p, &swapped), (int)faults);
-      pair *all[] = {&p, &threads, &swapped, &again, &mirror};
+      tap_ok(
+          same(&p, &threads) && same(&p, &again) && same(&p, &swapped) && faults == 0,
+          "%s, %s, tolerance %g: the same bits with three threads (%d), after a restart (%d), with "
+          "the names swapped (%d), mirrored (%d faults)",
+          ENFORCEMENT[IMPLICIT[e]], kind ? "hex20" : "hex8", tolerance, same(&p, &threads),
+          same(&p, &again), same(&p, &swapped), (int)faults);
       for (int i = 0; i < 5; i++) close_pair(all[i]);
     }
 }
@@ -846,7 +893,9 @@ int main(void)
   conservation();
   many_points();
   shared_nodes();
-  bits();
+  bits(0.0);
+  bits(1e-3);
+  loose();
   a_twin_is_a_wall();
   partners_change();
   driven();

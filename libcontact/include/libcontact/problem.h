@@ -379,6 +379,12 @@ typedef struct ct_problem {
    * :eq:`assembled-bound`, where it is larger. This costs about 70 force evaluations, once.
    */
   int assembled;
+  /**
+   * Tolerance of the contact forces: the largest change by a further step of the solver, as a
+   * fraction of the largest force, :eq:`energy-stop`; 0: 1e-10. From 1e-4 on the solver uses
+   * :eq:`chebyshev`.
+   */
+  double force_tolerance;
 } ct_problem;
 
 CT_END_DECLS
