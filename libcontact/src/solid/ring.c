@@ -21,6 +21,9 @@ enum { SHORTEST_RUN = 3 };
 /* Nodes of a piece if corners are listed. */
 enum { PIECE = 64 };
 
+/* Distance of a run from the expected one in most lattices. */
+enum { NEAR = 4 };
+
 void ct_force_ring_free(ct_force_ring *ring)
 {
   if (ring == NULL) return;
@@ -231,21 +234,28 @@ ct_status ct_force_ring_create_listed(const ct_mesh *mesh, const int32_t *sequen
 
 const ct_ring_run *ct_force_ring_run(const ct_force_ring *ring, int32_t node)
 {
+  const ct_ring_run *runs = ring->runs;
   int32_t first = 0, last = ring->run_count - 1;
+  // Rows of a lattice follow one another regularly: search near the expected run.
+  int32_t guess = (int32_t)((int64_t)node * last / (runs[last].low + runs[last].count));
+  if (guess >= NEAR && guess <= last && runs[guess - NEAR].low <= node) first = guess - NEAR;
+  if (guess <= last - NEAR && runs[guess + NEAR].low > node) last = guess + NEAR;
   while (first < last) {
     int32_t middle = first + (last - first + 1) / 2;
-    if (ring->runs[middle].low <= node) first = middle;
+    if (runs[middle].low <= node) first = middle;
     else last = middle - 1;
   }
-  return &ring->runs[first];
+  return &runs[first];
 }
 
 /* Sum eight runs of element forces that lie side by side; `step`: the stride between components. */
 CT_CLONES
 static void gather_bricks(const double *const v[8], const int64_t step[8], int32_t count, double *f)
 {
-  int32_t rows = CT_ROWS ? count / 8 * 8 : 0;
-  for (int32_t n = 0; n < rows; n += 8) {
+  int32_t rows = CT_ROWS && count >= 8 ? count : 0;
+  for (int32_t begin = 0; begin < rows; begin += 8) {
+    // The last eight may overlap those before.
+    int32_t n = begin + 8 <= count ? begin : count - 8;
     ct_lanes sum[3];
     for (int c = 0; c < 3; c++) {
       ct_lanes t[8];
