@@ -311,8 +311,9 @@ static int iterate(ct_solver *s, double least)
  * does not grow, whatever the forces are (eq:energy-stop). */
 static int loses_energy(ct_solver *s)
 {
-  double sum[2];
-  for (int sizes = 0; sizes < 2; sizes++) {
+  double sum[2] = {-1.0, 0.0};
+  // Round-off counts only where the losses are not positive.
+  for (int sizes = 0; sizes < 2 && sum[0] < 0.0; sizes++) {
     for (int64_t r = 0; r < s->count; r++) {
       // -- g_{n+1}, of the slope g_{n+1} + b + C λ
       const double force = s->force[r], after = s->gradient[r] - s->b[r] - s->C[r] * force;

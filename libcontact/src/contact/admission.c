@@ -85,13 +85,16 @@ CT_INLINE double motion_along(int per, const ct_side *side, int32_t face, const 
                               const double n[3], face_motion *of)
 {
   const int32_t *node = &side->search->faces[(int64_t)face * per];
-  double t[8];
+  double t[8] = {0.0};
   for (int a = 0; of->face != face && a < per; a++)
     for (int c = 0; c < 3; c++) of->u[c][a] = side->moved[3 * (int64_t)node[a] + c];
   of->face = face;
-  for (int a = 0; a < per; a++)
-    t[a] = N[a] * ((n[0] * of->u[0][a] + n[1] * of->u[1][a]) + n[2] * of->u[2][a]);
-  for (int a = per; a < 8; a++) t[a] = 0.0;
+  for (int a = 0; a < per; a += 4 / CT_QUAD_PARTS) {
+    const ct_quad x = *(const ct_quad *)&of->u[0][a], y = *(const ct_quad *)&of->u[1][a],
+                  z = *(const ct_quad *)&of->u[2][a];
+    // -- N_a n·u_a
+    *(ct_quad *)&t[a] = *(const ct_quad *)&N[a] * ((n[0] * x + n[1] * y) + n[2] * z);
+  }
   return ct_side_sum(per, t);
 }
 
