@@ -311,11 +311,33 @@ static void gather_lists(const ct_force_ring *ring, const double *values, int32_
   }
 }
 
+/* Forces from the i-th node of a run on, of its corners in a row: for each where they begin, and
+ * the stride between components; a missing element has zeros. Returns how many nodes follow without
+ * a gap in the ring. */
+CT_INLINE int64_t find_rows(const ct_force_ring *ring, int corners, const double *values,
+                            const int32_t element[8], int32_t i, const double *v[8],
+                            int64_t step[8])
+{
+  static const double zeros[ZEROS] = {0.0};
+  const int64_t size = ring->size, stride = ring->stride;
+  int64_t top = 0;
+  for (int k = 0; k < corners; k++) {
+    v[k] = zeros;
+    step[k] = 0;
+    if (element[k] < 0) continue;
+    int64_t place = (element[k] + i) & (size - 1),
+            corner = corners == 4 ? 3 - k : ring->local[7 - k];
+    v[k] = values + 3 * corner * stride + place;
+    step[k] = stride;
+    top = place > top ? place : top;
+  }
+  return size - top;
+}
+
 /* In pieces that are contiguous in the ring. */
 void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_ring_run *run,
                           int32_t first, int32_t last, double *low, double *high)
 {
-  static const double zeros[ZEROS] = {0.0};
   if (ring->list != NULL) {
     gather_lists(ring, values, run->low + first, run->low + last, low);
     return;
@@ -325,17 +347,11 @@ void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const
   // -- The upper layer has equal forces in the plane, and opposite ones across (eq:plane-force)
   apart[ring->axis] = -1.0;
   for (int32_t i = first, piece; i < last; i += piece) {
-    const double *v[8] = {NULL};
-    int64_t step[8] = {0};
-    piece = last - i;
-    for (int k = 0; k < ring->corners; k++) {
-      int there = run->element[k] >= 0, corner = plane ? 3 - k : ring->local[7 - k];
-      int64_t place = there ? (run->element[k] + i) & (ring->size - 1) : 0;
-      v[k] = there ? values + 3 * corner * ring->stride + place : zeros;
-      step[k] = there ? ring->stride : 0;
-      if (piece > ring->size - place) piece = (int32_t)(ring->size - place);
-    }
-    int64_t at = 3 * (int64_t)(i - first);
+    const double *v[8];
+    int64_t step[8], at = 3 * (int64_t)(i - first),
+                     most = plane ? find_rows(ring, 4, values, run->element, i, v, step)
+                                  : find_rows(ring, 8, values, run->element, i, v, step);
+    piece = last - i < most ? last - i : (int32_t)most;
     if (plane) gather_plane(v, step, apart, piece, &low[at], &high[at]);
     else gather_bricks(v, step, piece, &low[at]);
   }
