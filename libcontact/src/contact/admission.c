@@ -99,8 +99,9 @@ CT_INLINE double motion_along(int per, const ct_side *side, int32_t face, const 
 }
 
 /* Gaps of the points of side `s` in the last step at their present places, as the solver computes
- * them, where a point is near enough to store energy: these points claim it. */
-CT_INLINE void find_before(int per, ct_contact *contact, int s, double reach)
+ * them, where a point is near enough to store energy: these points claim it. Inlined with known
+ * numbers of nodes of their own faces and those of the other side. */
+CT_INLINE void find_before(int per, int theirs, ct_contact *contact, int s, double reach)
 {
   const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s),
                 *surface = &contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)];
@@ -113,9 +114,7 @@ CT_INLINE void find_before(int per, ct_contact *contact, int s, double reach)
     if (!p->claims) continue;
     double motion = motion_along(per, surface, ct_side_face(side, i), row->own_shape, n, &on_own);
     if (other == NULL) motion -= ct_vector_dot(n, contact->came);
-    else
-      motion -=
-          motion_along(per == 4 ? 4 : other->search->per, other, p->other, p->N, n, &on_other);
+    else motion -= motion_along(theirs, other, p->other, p->N, n, &on_other);
     // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
     row->before = row->gap + p->closed - motion;
   }
@@ -126,8 +125,9 @@ static void find_all_before(ct_contact *contact, int s, double reach)
 {
   const ct_side *other = ct_contact_other(contact, s);
   const int per = contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)].search->per;
-  if (per == 4 && (other == NULL || other->search->per == 4)) find_before(4, contact, s, reach);
-  else find_before(per, contact, s, reach);
+  const int theirs = other == NULL ? per : other->search->per;
+  if (per == 4 && theirs == 4) find_before(4, 4, contact, s, reach);
+  else find_before(per, theirs, contact, s, reach);
 }
 
 /* Distance from which a point may store energy: four times the largest motion of both sides. */
