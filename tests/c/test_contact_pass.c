@@ -1,5 +1,7 @@
-/* Two inner rules of a pass: which points the face of the last step settles alone, and how far a
- * motion can change a gap. */
+/* Inner rules of a pass: which points the face of the last step settles alone, and how far a motion
+ * can change a gap; and the gaps before a step, from which the account of admitted points follows.
+ */
+#include "../../libcontact/src/contact/admission.c"
 #include "../../libcontact/src/gap/pass.c"
 #include "../../libcontact/src/gap/warm.c"
 
@@ -89,8 +91,83 @@ static void directions(void)
   tap_ok(far == 0, "places on the far side");
 }
 
+/* Eight points of one face and many boxes, those within the skin listed first: the rivals are those
+ * of a loop over all boxes (eq:warm-lanes, eq:skin). */
+static void rivals(void)
+{
+  enum { FACES = 30 };
+  int wrong = 0, found = 0, trials = 300;
+  for (int trial = 0; trial < trials; trial++) {
+    ct_bounds boxes[FACES], grown = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 0.3}};
+    int32_t list[FACES], ends[2] = {0, FACES}, near_end = 0;
+    for (int f = 0; f < FACES; f++)
+      for (int c = 0; c < 3; c++) {
+        const double random = 0.5 + 0.5 * sin(1e4 * sin(90.0 * trial + 3.0 * f + c));
+        boxes[f].low[c] = c < 2 ? 2.0 * random - 0.6 : 0.6 * random - 0.4;
+        boxes[f].high[c] = boxes[f].low[c] + 0.3;
+      }
+    for (int pass = 0; pass < 2; pass++)
+      for (int f = 0, next = pass * near_end; f < FACES; f++)
+        if (ct_bounds_apart(&boxes[f], &grown) == pass) list[next++] = f, near_end += !pass;
+    ct_search search = {.boxes = boxes};
+    ct_side side = {.candidate_first = ends, .candidates = list, .near_end = &near_end},
+            other = {.search = &search};
+    const ct_pass p = {.side = &side, .other = &other, .depth = 10.0, .skin = 0.2};
+    block b = {.target = {0}};
+    const double most = 0.8 * pow(0.5, trial % 6);
+    for (int l = 0; l < CT_WARM; l++) {
+      b.distance[l] = most * (1 + l) / CT_WARM;
+      for (int c = 0; c < 3; c++)
+        b.points[CT_WARM * c + l] = (c < 2 ? 0.5 : 0.05) * (1.0 + sin(7.0 * trial + 5.0 * l + c));
+    }
+    find_rivals(&p, &b);
+    for (int l = 0; l < CT_WARM; l++) {
+      int near = 0;
+      for (int f = 1; f < FACES; f++)
+        near |= ct_bounds_distance(&boxes[f], (double[3]){b.points[l], b.points[8 + l],
+                                                          b.points[16 + l]}) <= b.distance[l];
+      wrong += (b.rival[l] != 0) != near;
+      found += near;
+    }
+  }
+  tap_ok(wrong == 0 && found > 100 && found < 8 * trials - 100,
+         "rivals are those among all boxes: %d of %d, %d wrong", found, 8 * trials, wrong);
+}
+
+/* Last gap of a point of a face with `per` nodes over one with `theirs` nodes, against the sums
+ * over both faces (eq:admitted-store). */
+static void last_gap(int per, int theirs)
+{
+  static const ct_partner_calls surfaces = {.label = "contact"};
+  int32_t nodes[8] = {3, 7, 1, 0, 6, 2, 5, 4};
+  double u[2][24], N[2][8] = {{0.0}}, motion = 0.0;
+  for (int i = 0; i < 48; i++) u[i / 24][i % 24] = sin(1.0 + i * i);
+  for (int i = 0; i < 16; i++)
+    N[i / 8][i % 8] = i % 8 < (i < 8 ? per : theirs) ? cos(3.0 * i) : 0.0;
+  ct_search search[2] = {{.per = per, .faces = nodes}, {.per = theirs, .faces = nodes}};
+  ct_side_fixed side = {.rule.count = 1, .point_count = 1};
+  ct_point point = {.other = 0, .closed = 0.3, .row = {.gap = -0.1, .normal = {0.6, 0.0, 0.8}}};
+  memcpy(point.N, N[1], sizeof point.N);
+  point.row.own_shape = N[0];
+  ct_contact_fixed fixed = {.partner = &surfaces, .gaps = {.sides = 2}};
+  ct_contact contact = {.fixed = &fixed, .gaps = {.fixed = &fixed.gaps}};
+  for (int s = 0; s < 2; s++)
+    contact.gaps.side[s] =
+        (ct_side){.fixed = &side, .search = &search[s], .points = &point, .moved = u[s]};
+  find_all_before(&contact, 0, 1.0);
+  for (int a = 0; a < 8; a++)
+    for (int s = 0; s < 2; s++)
+      motion +=
+          (s ? -1.0 : 1.0) * N[s][a] * (0.6 * u[s][3 * nodes[a]] + 0.8 * u[s][3 * nodes[a] + 2]);
+  tap_close(point.row.before, -0.1 + 0.3 - motion, 1e-14,
+            "the last gap of a point of %d nodes over %d", per, theirs);
+}
+
 int main(void)
 {
+  static const int PER[4] = {3, 4, 6, 8};
+  rivals();
+  for (int i = 0; i < 16; i++) last_gap(PER[i / 4], PER[i % 4]);
   directions();
   settled();
   motion(4);
