@@ -23,6 +23,8 @@ typedef enum ct_enforcement {
   CT_ENFORCE_COUNT
 } ct_enforcement;
 
+struct ct_slip;
+
 /**
  * One row of the constraint problem: a point that may have a contact force in the next step. Its
  * gap is g = Σ_a N_a n·x_a - Σ_b N̄_b n·x_b + terms that do not depend on the nodes. A force λ of
@@ -66,6 +68,8 @@ typedef struct ct_constraint {
   /** Force λ [force]. The effect that lists the row writes the force of the last step; the solver
    * replaces it with the new one. */
   double force;
+  /** Friction of the point, which only the library's own effects can add; null: none. */
+  struct ct_slip *slip;
 } ct_constraint;
 
 CT_END_DECLS

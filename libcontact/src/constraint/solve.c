@@ -2,6 +2,7 @@
 #include "solve.h"
 #include "law.h"
 #include "matrix.h"
+#include "tangent.h"
 
 #include <libcontact/base.h>
 
@@ -42,9 +43,9 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   ct_solver *s = *out = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_ERROR_MEMORY;
   ct_pool *pool = &s->pool;
-  int64_t places = 0, most_entries = 0;
+  int64_t places = 0, most_entries = 0, slips = 0;
   for (int32_t k = 0; k < count; k++) {
-    places += sets[k].node_count, s->most += sets[k].most;
+    places += sets[k].node_count, s->most += sets[k].most, slips += sets[k].slips;
     most_entries += sets[k].row_nodes * sets[k].most;
   }
   size_t nodes = (size_t)places, rows = (size_t)s->most, entries = (size_t)most_entries;
@@ -72,7 +73,8 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   if (pool->failed) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < count; k++) s->first_node[k + 1] = s->first_node[k] + sets[k].node_count;
   number_nodes(s, sets, problem_nodes, place);
-  return CT_OK;
+  if (slips > 0) ct_tangent_create(s, slips);
+  return pool->failed ? CT_ERROR_MEMORY : CT_OK;
 }
 
 /* terms = x y, row by row. */
@@ -128,6 +130,7 @@ static void choose_active(ct_solver *s)
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
     double force = c->force;
+    if (!ct_law_has_rows(c->enforcement)) continue; // its force is given
     c->force = 0.0;
     // -- Neither touched now nor without the force of the step (eq:near-constraints)
     if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most)) continue;
@@ -399,7 +402,13 @@ int ct_solver_solve(ct_solver *s)
   ct_matrix_choose(s);
   s->iterations = 0;
   s->converged = 1;
-  if (!fix_laws(s) || !find_forces(s)) return 0;
-  store_solution(s);
-  return 1;
+  if (!fix_laws(s)) return 0;
+  ct_tangent_begin(s);
+  int again = 1;
+  while (again > 0) {
+    if (!find_forces(s)) return 0;
+    store_solution(s);
+    again = ct_tangent_solve(s);
+  }
+  return again == 0;
 }

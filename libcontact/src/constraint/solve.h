@@ -12,6 +12,7 @@ typedef struct ct_row_set {
   int32_t node_count;   /* nodes of the effect ... */
   const int32_t *nodes; /* ... in the problem; null: all */
   int32_t row_nodes;    /* largest number of nodes of a row, both faces together */
+  int64_t slips;        /* most rows, of any set, to which this effect adds friction */
 } ct_row_set;
 
 /* Vectors at nodes have a fourth component, 0, so that they fill a register; a row has at most 16
@@ -29,6 +30,8 @@ typedef struct ct_entries {
   int32_t own, other;
   int32_t alike; /* number of rows from this one on with the same nodes, at least 1 */
 } ct_entries;
+
+struct ct_tangent;
 
 /* Memory to solve for the forces of all constraints of a problem together. Its nodes are those of
  * all effects, each once. */
@@ -55,25 +58,26 @@ typedef struct ct_solver {
   int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
-  int32_t *shared_nodes;  /* the nodes on which active rows of several pieces act, likewise */
-  ct_entries *entries;    /* of the listed rows, and then of those that may be active */
-  double *G;              /* the entries, shape (any number, 4) */
-  int32_t *entry_place;   /* begin of the places of their nodes in vectors at nodes */
-  int64_t count;          /* active rows */
-  ct_constraint **active; /* these rows */
-  double *C, *b;          /* their laws: compliance, and offset of the next gap (eq:ramp) */
-  double *free;           /* gaps at t_{n+1} without the constraints */
-  double *force;          /* λ */
-  double *gradient;       /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
-  double *scale;          /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
-  double *guide;          /* gradient over D in rows with a force */
-  double *direction;      /* direction of the search */
-  double *image;          /* (W + C) times it */
-  double *terms;          /* of a sum */
-  double tolerance;       /* largest change of a force by a further step, as a fraction of the
-                             largest force; see CT_SOLVER_TIGHT */
-  int iterations;         /* of the last solution */
-  int converged;          /* whether it met the tolerance */
+  int32_t *shared_nodes;      /* the nodes on which active rows of several pieces act, likewise */
+  ct_entries *entries;        /* of the listed rows, and then of those that may be active */
+  double *G;                  /* the entries, shape (any number, 4) */
+  int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
+  int64_t count;              /* active rows */
+  ct_constraint **active;     /* these rows */
+  double *C, *b;              /* their laws: compliance, and offset of the next gap (eq:ramp) */
+  double *free;               /* gaps at t_{n+1} without the constraints */
+  double *force;              /* λ */
+  double *gradient;           /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
+  double *scale;              /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
+  double *guide;              /* gradient over D in rows with a force */
+  double *direction;          /* direction of the search */
+  double *image;              /* (W + C) times it */
+  double *terms;              /* of a sum */
+  double tolerance;           /* largest change of a force by a further step, as a fraction of the
+                                 largest force; see CT_SOLVER_TIGHT */
+  struct ct_tangent *tangent; /* null: no friction */
+  int iterations;             /* of the last solution */
+  int converged;              /* whether it met the tolerance */
 } ct_solver;
 
 /* Allocate for some sets of rows. `place`, one number per node of the problem, becomes the place of

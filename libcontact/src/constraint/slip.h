@@ -1,0 +1,54 @@
+#ifndef CT_SRC_CONSTRAINT_SLIP_H
+#define CT_SRC_CONSTRAINT_SLIP_H
+
+/* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
+ * a disc, and a reserve of energy that bounds what friction may give back (eq:slip-law). */
+
+/* A vector at a point has a fourth component, 0, so that it fills a register. */
+typedef struct ct_slip {
+  /* Written by the effect that lists the row. */
+  double mu;           /* coefficient of friction */
+  double k;            /* stiffness of the tangential spring [force / length] */
+  double lever[4];     /* d = ȳ - y, from the point to its partner */
+  double weight[8][4]; /* w_b: the force T adds -(w_b · T) d on node b of the partner
+                          (eq:slip-row) */
+  double came[3];      /* motion of an obstacle since the last step */
+  double coming[3];    /* and until the next one */
+  int stuck;           /* whether the point stuck in the last step; the solver replaces it */
+  double e[3];         /* elastic slip e_n; the solver replaces it with e_{n+1} */
+  double before[3];    /* e_{n-1}; the solver replaces it with e_n */
+  double reserve;      /* R of the last step; the solver replaces it with that of this one */
+  double force[4];     /* where the iteration begins; the solver replaces it with T, the force on
+                          the point's own face */
+  /* Written by the solver; all 0 if the point has no normal force. */
+  double work; /* of T between the middles of two steps (eq:slip-work) */
+  double lag;  /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
+} ct_slip;
+
+/* A point without a normal force: its spring is empty, as that of a new point. */
+void ct_slip_open(ct_slip *slip);
+
+/* The law of a step: C T + e_n + κ e_{n-1} + D = slip of the step (eq:slip-residual). */
+typedef struct ct_slip_law {
+  double C, kappa;
+} ct_slip_law;
+
+/* `a` is the coefficient of the dashpot (eq:surface-damping). */
+ct_slip_law ct_slip_law_of(const ct_slip *slip, double a);
+
+/* The allowed forces of a step: |T| <= limit and T · c <= most (eq:slip-set). */
+typedef struct ct_slip_set {
+  double limit, most, c[3];
+} ct_slip_set;
+
+/* The set of a point with the normal force `normal_force`, whose motion in the last step was
+ * `last`. */
+ct_slip_set ct_slip_set_of(const ct_slip *slip, double normal_force, const double last[3]);
+
+/* The force of a set that is closest to `T`. */
+void ct_slip_project(const ct_slip_set *set, double T[3]);
+
+/* Energy S of the spring and the reserve at the middle of a step (eq:slip-store). */
+double ct_slip_stored(const ct_slip *slip);
+
+#endif

@@ -1,0 +1,428 @@
+/* Friction at a point and in the constraint problem: the projection, a mass, random linear scenes,
+ * a dense reference. The sources are included, so that each part can be called alone. */
+#include "../../libcontact/src/constraint/law.h"
+#include "../../libcontact/src/constraint/tangent.c"
+#include "bodies.h"
+
+/* The closest point of a disc cut by a half-plane, among many. (eq:slip-projection) */
+static void projection(void)
+{
+  double off = 0.0, out = 0.0;
+  for (int k = 0; k < 300; k++) {
+    const double a = 3.14159265358979 * uniform(1.0), size = pow(10.0, uniform(1.0));
+    ct_slip_set set = {.limit = pow(10.0, uniform(1.0)),
+                       .most = k % 5 == 0 ? 0.0 : fabs(uniform(1.0))};
+    if (k % 7 != 0) set.c[0] = cos(a), set.c[1] = sin(a);
+    double T[3] = {size * uniform(3.0), size * uniform(3.0), 0.0}, P[3] = {T[0], T[1], 0.0};
+    ct_slip_project(&set, P);
+    const double own = hypot(P[0] - T[0], P[1] - T[1]);
+    out = fmax(out, hypot(P[0], P[1]) / set.limit - 1.0);
+    out = fmax(out, (ct_vector_dot(P, set.c) - set.most) / set.limit);
+    for (int i = 0; i < 20000; i++) {
+      const double r = set.limit * (i % 2 ? 1.0 : sqrt(fabs(uniform(1.0)))),
+                   b = 3.14159265358979 * uniform(1.0);
+      const double x[3] = {r * cos(b), r * sin(b), 0.0};
+      if (ct_vector_dot(x, set.c) > set.most) continue;
+      off = fmax(off, (own - hypot(x[0] - T[0], x[1] - T[1])) / (own + set.limit));
+    }
+  }
+  tap_ok(off < 1e-14 && out < 1e-14, "a force is projected on the disc and its chord (%.1e, %.1e)",
+         off, out);
+}
+
+enum { NODES = 9, ROWS = 6, DOFS = 3 * NODES };
+
+/* A linear scene: masses and springs, and rows with fixed entries. */
+typedef struct linear {
+  int rows;
+  double mass[NODES], K[DOFS][DOFS], dt, load[DOFS];
+  double own_shape[ROWS][4], other_shape[ROWS][4];
+  int32_t own[ROWS][4], other[ROWS][4];
+  ct_constraint row[ROWS];
+  ct_slip slip[ROWS];
+  ct_solver *s;
+  double u[DOFS], last[DOFS], v[DOFS];
+} linear;
+
+static void random_unit(double n[3])
+{
+  double length = 0.0;
+  for (int c = 0; c < 3; c++) n[c] = uniform(1.0);
+  length = sqrt(ct_vector_dot(n, n));
+  for (int c = 0; c < 3; c++) n[c] /= length;
+}
+
+static void open_solver(linear *t)
+{
+  const ct_row_set set = {t->rows, NODES, NULL, 8, t->rows};
+  int32_t place[NODES];
+  ct_error e;
+  need(ct_solver_create(&set, 1, NODES, place, &t->s), &e);
+  t->s->fraction = 1.0;
+  for (int j = 0; j < t->rows; j++) t->s->rows[j] = &t->row[j];
+  t->s->first[1] = t->rows;
+  for (int i = 0; i < NODES; i++)
+    for (int c = 0; c < 3; c++) t->s->mobility[4 * i + c] = t->dt * t->dt / t->mass[i];
+}
+
+/* Entries and springs with the stable step 2 / sqrt of the largest eigenvalue by its row sums. */
+static void new_linear(linear *t, double spread, double fraction, double mu)
+{
+  *t = (linear){.rows = 1 + pick(ROWS)};
+  double top = 0.0, scale[ROWS];
+  for (int i = 0; i < NODES; i++) t->mass[i] = pow(10.0, 0.5 * uniform(1.0));
+  for (int i = 0; i < NODES; i++)
+    for (int j = 0; j < i; j++) {
+      double d[3], k = pow(10.0, uniform(1.0));
+      random_unit(d);
+      if (pick(2)) continue;
+      for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+          t->K[3 * i + a][3 * i + b] += k * d[a] * d[b],
+              t->K[3 * j + a][3 * j + b] += k * d[a] * d[b];
+          t->K[3 * i + a][3 * j + b] -= k * d[a] * d[b],
+              t->K[3 * j + a][3 * i + b] -= k * d[a] * d[b];
+        }
+    }
+  for (int i = 0; i < DOFS; i++) {
+    double sum = 0.0;
+    for (int j = 0; j < DOFS; j++) sum += fabs(t->K[i][j]) / sqrt(t->mass[i / 3] * t->mass[j / 3]);
+    top = fmax(top, sum);
+  }
+  t->dt = fraction * 2.0 / sqrt(top);
+  for (int j = 0; j < t->rows; j++) {
+    ct_constraint *c = &t->row[j];
+    ct_slip *p = &t->slip[j];
+    int perm[NODES];
+    for (int i = 0; i < NODES; i++) perm[i] = i;
+    for (int i = 0; i < NODES; i++) {
+      int k = pick(NODES), m = perm[i];
+      perm[i] = perm[k], perm[k] = m;
+    }
+    for (int a = 0; a < 4; a++) {
+      t->own[j][a] = perm[a], t->other[j][a] = perm[4 + a];
+      t->own_shape[j][a] = t->other_shape[j][a] = 0.25 + 0.2 * uniform(1.0);
+    }
+    *c = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                         .own_count = 4,
+                         .other_count = pick(10) < 7 ? 4 : 0,
+                         .own = t->own[j],
+                         .other = t->other[j],
+                         .own_shape = t->own_shape[j],
+                         .other_shape = t->other_shape[j],
+                         .dissipation = 0.15,
+                         .gap = pick(3) ? fabs(uniform(0.2)) : 0.0,
+                         .slip = p};
+    double n[3] = {spread * uniform(1.0), spread * uniform(1.0), 1.0 + spread * uniform(1.0)};
+    double length = sqrt(ct_vector_dot(n, n));
+    for (int k = 0; k < 3; k++) c->normal[k] = n[k] / length;
+    *p = (ct_slip){.mu = mu};
+    for (int k = 0; k < 3; k++) p->lever[k] = 0.1 * c->normal[k];
+    for (int b = 0; b < 4; b++)
+      for (int k = 0; k < 3; k++) p->weight[b][k] = spread > 0.0 ? uniform(1.0) : 0.0;
+  }
+  open_solver(t);
+  // -- Stiffnesses relative to the inertia of the points
+  ct_matrix_fill(t->s);
+  for (int j = 0; j < t->rows; j++) t->row[j].stiffness = 1.0, t->row[j].gap = t->row[j].gap;
+  const double stiff = pow(10.0, 1.5 + 1.5 * uniform(1.0));
+  for (int j = 0; j < t->rows; j++) {
+    double own = 0.0;
+    for (int a = 0; a < 4; a++) own = fmax(own, t->dt * t->dt / t->mass[t->own[j][a]]);
+    scale[j] = stiff * pow(10.0, 0.3 * uniform(1.0)) / own;
+    t->row[j].stiffness = scale[j];
+    t->slip[j].k = scale[j] * (pick(2) ? 1.0 : 0.1);
+  }
+  for (int d = 0; d < DOFS; d++) t->v[d] = 0.3 * uniform(1.0), t->last[d] = -t->dt * t->v[d];
+  for (int j = 0; j < t->rows; j++) {
+    double press = 3.0 * fabs(uniform(1.0)), shear[3];
+    for (int k = 0; k < 3; k++) shear[k] = uniform(1.5);
+    for (int a = 0; a < 8; a++)
+      for (int k = 0; k < 3; k++) {
+        double N = a < 4                   ? t->own_shape[j][a]
+                   : t->row[j].other_count ? -t->other_shape[j][a - 4]
+                                           : 0.0;
+        t->load[3 * (a < 4 ? t->own[j][a] : t->other[j][a - 4]) + k] -=
+            N * (press * t->row[j].normal[k] + shear[k]);
+      }
+  }
+}
+
+/* Row j times increments of all nodes: along the normal, or in the plane. */
+static void relative_motion(const linear *t, int j, const double *du, double out[3])
+{
+  const ct_constraint *c = &t->row[j];
+  for (int k = 0; k < 3; k++) {
+    out[k] = 0.0;
+    for (int a = 0; a < 4; a++) out[k] += t->own_shape[j][a] * du[3 * t->own[j][a] + k];
+    for (int b = 0; b < c->other_count; b++)
+      out[k] -= t->other_shape[j][b] * du[3 * t->other[j][b] + k];
+  }
+}
+
+static void tangential_motion(const linear *t, int j, const double *du, double out[3])
+{
+  const ct_constraint *c = &t->row[j];
+  relative_motion(t, j, du, out);
+  for (int b = 0; b < c->other_count; b++)
+    for (int k = 0; k < 3; k++)
+      out[k] -= t->slip[j].weight[b][k] * ct_vector_dot(t->slip[j].lever, &du[3 * t->other[j][b]]);
+  make_tangential(c->normal, out);
+}
+
+/* Forces of row j on the nodes. */
+static void push(const linear *t, int j, double *f)
+{
+  const ct_constraint *c = &t->row[j];
+  const ct_slip *p = &t->slip[j];
+  for (int k = 0; k < 3; k++) {
+    for (int a = 0; a < 4; a++)
+      f[3 * t->own[j][a] + k] += t->own_shape[j][a] * (c->force * c->normal[k] + p->force[k]);
+    for (int b = 0; b < c->other_count; b++)
+      f[3 * t->other[j][b] + k] -= t->other_shape[j][b] * (c->force * c->normal[k] + p->force[k]) +
+                                   ct_vector_dot(p->weight[b], p->force) * p->lever[k];
+  }
+}
+
+/* What the steps of linear scenes show. */
+typedef struct account {
+  double growth, friction, rounds, deepest;
+  int steps, bad;
+} account;
+
+/* Take steps, and count the energy; `randomly`: the coefficient of friction is another one in each;
+ * `rounds`: most of the iteration, which then stops early. (eq:slip-work, eq:slip-store,
+ * eq:slip-guard, eq:slip-stick) */
+static void run_linear(linear *t, int steps, int rounds, int randomly, account *sum)
+{
+  double energy = 0.0, start = 0.0;
+  if (rounds > 0) t->s->tangent->most_rounds = rounds;
+  for (int d = 0; d < DOFS; d++)
+    start += 0.5 * t->mass[d / 3] * t->v[d] * t->v[d] + 0.1 * fabs(t->load[d]);
+  double moving[3] = {0.1 * t->dt * uniform(1.0), 0.1 * t->dt * uniform(1.0), 0.0};
+  for (int step = 0; step < steps; step++) {
+    double f[DOFS], fc[DOFS] = {0.0}, du[DOFS], dl[DOFS], held = 0.0, before = 0.0, next[DOFS];
+    double normals = 0.0, obstacle = 0.0, rub = 0.0, stored = 0.0;
+    int lost[ROWS];
+    ct_solver *s = t->s;
+    s->first[1] = 0;
+    for (int j = 0; j < t->rows; j++) {
+      ct_constraint *c = &t->row[j];
+      ct_slip *p = &t->slip[j];
+      lost[j] = step % 17 == 16 && pick(10) == 0;
+      if (randomly) p->mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
+      for (int k = 0; k < 3; k++) p->force[k] = -p->k * p->e[k];
+      p->work = 0.0;
+      if (c->other_count == 0)
+        for (int k = 0; k < 3; k++)
+          p->came[k] = p->coming[k], p->coming[k] = moving[k] * cos(0.3 * step);
+      c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->came);
+      c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->coming);
+      if (lost[j]) ct_slip_open(p), c->force = 0.0;
+      else s->rows[s->first[1]++] = c;
+      before += ct_slip_stored(p);
+    }
+    for (int d = 0; d < DOFS; d++) {
+      f[d] = t->load[d];
+      for (int i = 0; i < DOFS; i++) f[d] -= t->K[d][i] * t->u[i];
+      du[d] = t->dt * (t->v[d] + t->dt * f[d] / t->mass[d / 3]);
+      dl[d] = t->u[d] - t->last[d];
+      s->increment[4 * (d / 3) + d % 3] = du[d], s->last_increment[4 * (d / 3) + d % 3] = dl[d];
+    }
+    if (!ct_solver_solve(s)) {
+      sum->bad += 1000;
+      return;
+    }
+    sum->rounds += s->iterations, sum->steps++, sum->bad += !s->converged;
+    for (int j = 0; j < t->rows; j++)
+      if (!lost[j]) push(t, j, fc);
+    for (int d = 0; d < DOFS; d++) {
+      t->v[d] += t->dt * (f[d] + fc[d]) / t->mass[d / 3];
+      next[d] = t->u[d] + t->dt * t->v[d], du[d] = next[d] - t->u[d];
+    }
+    for (int j = 0; j < t->rows; j++) {
+      ct_constraint *c = &t->row[j];
+      ct_slip *p = &t->slip[j];
+      double a[3], b[3];
+      relative_motion(t, j, dl, a), relative_motion(t, j, du, b);
+      const double last = c->gap - (ct_vector_dot(a, c->normal) + c->came), gap = c->gap,
+                   g = gap + (ct_vector_dot(b, c->normal) + c->moved);
+      if (!lost[j]) {
+        normals += 0.25 * c->stiffness * (pow(fmin(g, 0.0), 2) - pow(fmin(last, 0.0), 2));
+        obstacle += 0.5 * c->force * (c->moved + c->came);
+        tangential_motion(t, j, dl, a), tangential_motion(t, j, du, b);
+        for (int k = 0; k < 3 && !c->other_count; k++) {
+          obstacle -= 0.5 * p->force[k] * (p->came[k] + p->coming[k]);
+          a[k] -= p->came[k], b[k] -= p->coming[k];
+        }
+        rub += 0.5 * (ct_vector_dot(p->force, a) + ct_vector_dot(p->force, b));
+      }
+      held += ct_slip_stored(p);
+      c->gap = g;
+      if (lost[j]) c->force = 0.0;
+    }
+    stored = held;
+    double E = 0.0;
+    for (int d = 0; d < DOFS; d++) {
+      E += 0.5 * t->mass[d / 3] * t->v[d] * t->v[d] - 0.5 * t->load[d] * (t->u[d] + next[d]);
+      for (int i = 0; i < DOFS; i++) E += 0.5 * t->u[d] * t->K[d][i] * next[i];
+    }
+    if (step > 0) {
+      sum->growth = worst(sum->growth,
+                          fmax((E + obstacle - energy) + normals + stored - before, 0.0) / start);
+      sum->friction = worst(sum->friction, fmax(rub + stored - before, 0.0) / start);
+    }
+    energy = E;
+    memcpy(t->last, t->u, sizeof next), memcpy(t->u, next, sizeof next);
+  }
+}
+
+static void scenes(double spread, int rounds, int randomly, double most, const char *name)
+{
+  account sum = {.steps = 0};
+  for (int k = 0; k < 40; k++) {
+    linear t;
+    new_linear(&t, spread, 0.1 + 0.88 * fabs(uniform(1.0)), pow(10.0, 0.65 * uniform(1.0) - 0.35));
+    run_linear(&t, 60, rounds, randomly, &sum);
+    ct_pool_free(t.s);
+  }
+  tap_ok(
+      sum.growth < most && sum.friction < most,
+      "%s, normals %.1f apart: no step adds energy (%.1e, friction alone %.1e); %.1f rounds, %d of "
+      "%d steps not converged",
+      name, spread, sum.growth, sum.friction, sum.rounds / sum.steps, sum.bad, sum.steps);
+}
+
+/* The size of the entry of node `i` of the scene in row `j`. */
+static double entry(const linear *t, int j, int i)
+{
+  const ct_slip *p = &t->slip[j];
+  for (int a = 0; a < 4; a++) {
+    const double *w = p->weight[a],
+                 couple = sqrt(ct_vector_dot(w, w) * ct_vector_dot(p->lever, p->lever));
+    if (t->own[j][a] == i) return fabs(t->own_shape[j][a]);
+    if (t->row[j].other_count > 0 && t->other[j][a] == i)
+      return fabs(t->other_shape[j][a]) + couple;
+  }
+  return 0.0;
+}
+
+/* Forces and slips of one step satisfy the conditions of the minimum. (eq:slip-bound,
+ * eq:slip-iteration, eq:slip-residual, eq:slip-set, eq:slip-row) */
+static void solution(double spread)
+{
+  double off = 0.0, bound = 0.0, slope = 0.0;
+  int slips = 0, sticks = 0;
+  for (int k = 0; k < 60; k++) {
+    linear t;
+    account sum = {.steps = 0};
+    new_linear(&t, spread, 0.5, 0.3);
+    run_linear(&t, 10 + k % 7, 0, 0, &sum);
+    ct_tangent *of = t.s->tangent;
+    for (int64_t r = 0; r < of->count && of->top > 0.0; r++) {
+      const tangent_row *row = &of->rows[r];
+      const ct_slip *p = row->slip;
+      const int j = (int)(row->row - t.row);
+      double D = 0.0, du[DOFS], motion[3], slip[3], T[3], size = 0.0;
+      if (row->row->force == 0.0) continue;
+      for (int i = 0; i < NODES; i++) {
+        double all = 0.0;
+        for (int64_t q = 0; q < of->count; q++) all += entry(&t, (int)(of->rows[q].row - t.row), i);
+        D += entry(&t, j, i) * t.dt * t.dt / t.mass[i] * all;
+      }
+      const double a = row->row->dissipation * sqrt(1.0 + 4.0 / (p->k * D)),
+                   C = 2.0 / (p->k * (1.0 + a));
+      bound = worst(bound, (D + C) * row->scale - 1.0);
+      // The last step has led from t.last to t.u, and e is that of its end.
+      for (int d = 0; d < DOFS; d++) du[d] = t.u[d] - t.last[d];
+      tangential_motion(&t, j, du, motion);
+      for (int i = 0; i < 3 && row->row->other_count == 0; i++) motion[i] -= p->coming[i];
+      make_tangential(row->row->normal, motion);
+      for (int i = 0; i < 3; i++) {
+        slip[i] = motion[i] - (p->e[i] - p->before[i]);
+        T[i] = p->force[i] - slip[i] / (D + C);
+        size = fmax(size, fabs(p->force[i]));
+      }
+      ct_slip_project(&row->set, T);
+      for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size);
+      slips += !p->stuck, sticks += p->stuck;
+      slope = worst(slope, fmax(ct_vector_dot(p->force, slip), 0.0) / (of->size * of->size * D));
+    }
+    ct_pool_free(t.s);
+  }
+  tap_ok(off < 2e-3 && slips > 10 && sticks > 10,
+         "normals %.1f apart: forces of %d sliding points and %d sticking ones are minimal (%.1e)",
+         spread, slips, sticks, off);
+  tap_ok(bound < 1e-12, "and the bound of each row is that of a dense matrix (%.1e)", bound);
+  tap_ok(slope < 1e-3, "no slip is along its force (%.1e)", slope);
+}
+
+/* Two warped faces turn together: no point slips. Without the couple it would. (eq:slip-row,
+ * eq:friction-components) */
+static void rotation(void)
+{
+  double off = 0.0, plain = 0.0;
+  for (int k = 0; k < 20; k++) {
+    double x[CT_SOLVER_WIDE * 8] = {0.0}, u[CT_SOLVER_WIDE * 8] = {0.0}, dN[8][2], t[2][3], n[3],
+                              y[3] = {0.0}, closest[3] = {0.0}, omega[3], out[CT_SOLVER_WIDE];
+    double own[8] = {0.0}, other[8] = {0.0}, size = 0.0;
+    static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    const double xi[2] = {uniform(0.9), uniform(0.9)}, depth = 0.1;
+    ct_slip p = {.mu = 1.0};
+    ct_face face = {.kind = CT_Q4};
+    for (int a = 0; a < 4; a++) {
+      for (int c = 0; c < 2; c++) x[4 * (4 + a) + c] = CORNER[a][c] + uniform(0.2);
+      x[4 * (4 + a) + 2] = uniform(0.2);
+      for (int c = 0; c < 3; c++) face.node[a][c] = x[4 * (4 + a) + c];
+    }
+    ct_segment_shape(CT_Q4, xi, other);
+    ct_segment_gradient(CT_Q4, xi, dN);
+    ct_segment_tangents(&face, xi, t[0], t[1]);
+    ct_vector_unit_normal(t[0], t[1], n);
+    const double m11 = ct_vector_dot(t[0], t[0]), m22 = ct_vector_dot(t[1], t[1]),
+                 m12 = ct_vector_dot(t[0], t[1]), det = m11 * m22 - m12 * m12;
+    for (int a = 0; a < 4; a++)
+      for (int c = 0; c < 3; c++) {
+        closest[c] += other[a] * face.node[a][c];
+        p.weight[a][c] = (dN[a][0] * (m22 * t[0][c] - m12 * t[1][c]) +
+                          dN[a][1] * (m11 * t[1][c] - m12 * t[0][c])) /
+                         det;
+      }
+    // The point lies below, on a face whose corners are anywhere.
+    for (int a = 0; a < 4; a++) own[a] = 0.25;
+    for (int c = 0; c < 3; c++) {
+      double sum = 0.0;
+      p.lever[c] = depth * n[c], y[c] = closest[c] - p.lever[c];
+      for (int a = 0; a < 3; a++) x[4 * a + c] = y[c] + uniform(1.0), sum += x[4 * a + c];
+      x[4 * 3 + c] = 4.0 * y[c] - sum;
+      omega[c] = uniform(1.0);
+    }
+    for (int i = 0; i < 8; i++) ct_vector_cross(omega, &x[4 * i], &u[4 * i]);
+    ct_constraint row = {.own_count = 4, .other_count = 4, .own_shape = own, .other_shape = other};
+    memcpy(row.normal, n, sizeof n);
+    tangent_row r = {.row = &row, .slip = &p};
+    for (int i = 0; i < 8; i++) r.place[i] = 4 * i;
+    relative(4, 4, &r, u, out);
+    for (int c = 0; c < 3; c++) off = worst(off, out[c]);
+    memset(p.weight, 0, sizeof p.weight);
+    relative(4, 4, &r, u, out);
+    for (int c = 0; c < 3; c++) size = worst(size, out[c]);
+    plain = fmax(plain, size);
+  }
+  tap_ok(off < 1e-14 && plain > 0.01,
+         "faces that turn together do not slip (%.1e; without the couple %.2g)", off, plain);
+}
+
+int main(void)
+{
+  projection();
+  rotation();
+  solution(0.0);
+  solution(0.5);
+  for (int k = 0; k < 3; k++) {
+    scenes(0.5 * k, 0, 0, 1e-11, "friction");
+    scenes(0.5 * k, 0, 1, 1e-11, "any coefficient");
+    scenes(0.5 * k, 12, 1, 1e-11, "twelve rounds");
+  }
+  return tap_done();
+}
