@@ -15,7 +15,7 @@ HOST = {
 CONTACT = {
     1: "closest points, normals,\ngaps $g_n$",
     2: "motion without contact,\nmotion by a unit force",
-    3: "forces λ of all points\ntogether, then friction",
+    3: "forces λ and friction of\nall points together",
     4: "sum over the points\nof each node",
     5: "",
 }

@@ -34,31 +34,34 @@ def rubbed():
 
 
 def return_map():
-    """The slip before and after the return, in the plane; and the force over the slip."""
+    """Forces before and after the return, in the plane; and the force over the motion."""
     figure = Figure(figsize=(7.5, 3.2))
     plane, loop = figure.subplots(1, 2)
     angle = np.linspace(0, 2 * np.pi, 200)
     plane.fill(np.cos(angle), np.sin(angle), color=BLUE, alpha=0.15, lw=0)
     plane.plot(np.cos(angle), np.sin(angle), color=BLUE, lw=1.4)
-    for trial, colour in (((1.25, 0.9), ORANGE), ((-0.5, 0.45), GREEN), ((-0.9, -1.1), ORANGE)):
-        trial = np.array(trial)
-        back = trial * min(1.0, 1.0 / np.hypot(*trial))
-        plane.plot(*trial, "o", color=colour, ms=7)
+    plane.plot([0.55, 0.55], [-1.25, 1.25], color=RED, lw=1.2, ls="--")
+    for given, back, colour in (
+        ((-0.95, 1.0), (-0.69, 0.725), ORANGE),
+        ((-0.5, -0.45), (-0.5, -0.45), GREEN),
+        ((1.3, 0.3), (0.55, 0.3), ORANGE),
+        ((1.0, 1.25), (0.55, 0.835), ORANGE),
+    ):
+        plane.plot(*given, "o", color=colour, ms=7)
         plane.plot(*back, "s", color=colour, ms=6)
-        if np.hypot(*trial) > 1:
+        if given != back:
             style = {"arrowstyle": "-|>", "color": colour, "lw": 1.4}
-            plane.annotate("", back, trial, arrowprops=style)
-    plane.text(1.25, 1.02, r"$\mathbf{s}^*$", color=ORANGE)
-    plane.text(0.6, 0.33, r"$\mathbf{s}$", color=ORANGE)
-    plane.text(-0.5, 0.58, r"$\mathbf{s} = \mathbf{s}^*$", color=GREEN, ha="center")
-    plane.text(0, -0.25, r"$|\mathbf{s}| \leq \mu |\mathbf{d}| / \varrho$", color=BLUE, ha="center")
+            plane.annotate("", back, given, arrowprops=style)
+    plane.text(-0.5, -0.33, r"$\mathbf{T}$", color=GREEN, ha="center")
+    plane.text(-0.05, -0.78, r"$|\mathbf{T}| \leq \mu \lambda$", color=BLUE, ha="center")
+    plane.text(0.62, -1.2, r"$\mathbf{T}\cdot\mathbf{c} = 2R$", color=RED)
     bare(plane, (-1.6, 1.75), (-1.4, 1.4))
     motion, force = rubbed()
     loop.plot(motion, force, color=ORANGE)
     loop.axhline(1, color=BLUE, lw=1, ls="--")
     loop.axhline(-1, color=BLUE, lw=1, ls="--")
     loop.text(0.02, 1.06, "μ N", color=BLUE)
-    loop.set(xlabel="motion / (μ d / ϱ)", ylabel="force / (μ N)", ylim=(-1.3, 1.3))
+    loop.set(xlabel="motion / (μ N / k)", ylabel="force / (μ N)", ylim=(-1.3, 1.3))
     return figure
 
 

@@ -69,43 +69,33 @@ static double sole(const incline *t, int c)
   return sum / area;
 }
 
-/* eq:friction-return. */
-static void the_return(void)
-{
-  double s[3] = {3.0, 0.0, 4.0}, small[3] = {0.3, 0.0, 0.4};
-  tap_close(ct_friction_return(2.0, s), 3.0, 1e-15,
-            "a slip of 5 returns to the limit 2 and slides 3");
-  tap_ok(fabs(s[0] - 1.2) < 1e-15 && s[1] == 0.0 && fabs(s[2] - 1.6) < 1e-15,
-         "its direction stays");
-  tap_ok(ct_friction_return(2.0, small) == 0.0 && small[0] == 0.3 && small[2] == 0.4,
-         "a slip below the limit sticks and keeps its bits");
-}
-
 /* Below the angle of friction: a pull that grows and decays moves the lower face by the elastic
- * slip and no further, and it returns. (eq:friction-law) */
+ * slip and no further, and it returns. (eq:slip-residual) */
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
   incline t = new_incline(kind, g, 0.6, rho, beta, 0.0, 0.6, 3.0, 1);
-  double slip = 0.0, overlap = 0.0, held, lost;
+  double slip = 0.0, overlap = 0.0, held, lost, most = 0.0;
   ct_error error;
   while (t.state->time < 3.0) {
     advance(t.problem, t.state, 20);
+    need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
+    most = fmax(most, held);
     if (sole(&t, 0) > slip) slip = sole(&t, 0), overlap = -t.block->nodes[2] - sole(&t, 2);
   }
-  need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
   // Tangential force over normal force is rho times slip over overlap. Lightly damped, so that only
   // the pull moves the block.
   tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06,
             "%s, stick: the lower face moves by the elastic slip at the maximum of the pull", name);
-  tap_ok(fabs(sole(&t, 0)) < 0.02 * slip && lost == 0.0,
-         "%s, stick: it returns to %.2g of the slip, and no energy is dissipated (%.2g)", name,
-         sole(&t, 0) / slip, lost);
+  tap_ok(
+      fabs(sole(&t, 0)) < 0.02 * slip && lost >= 0.0 && lost < 3.0 * most,
+      "%s, stick: it returns to %.2g of the slip; the dashpot takes %.2g of what friction stores",
+      name, sole(&t, 0) / slip, lost / most);
   free_incline(&t);
 }
 
 /* Above it: a uniform acceleration g (sin a - mu cos a), over many borders of the slab's faces.
- * (eq:friction-law, eq:friction-components) */
+ * (eq:slip-set, eq:friction-turn) */
 static void slides(ct_brick_kind kind, double tolerance, const char *name)
 {
   const double mu = 0.3, g[3] = {6.0, 0.0, -8.0}; // tan a = 0.75
@@ -138,7 +128,8 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
   free_incline(&t);
 }
 
-/* The ledger of a block that is thrown along the slab and comes to rest. (eq:friction-dissipation)
+/* The ledger of a block that is thrown along the slab and comes to rest. (eq:friction-dissipation,
+ * eq:slip-held)
  */
 static void ledger(void)
 {
@@ -170,7 +161,7 @@ static void ledger(void)
 }
 
 /* Two free bodies, one turning and sliding on the other: momentum and moment of momentum of the
- * friction forces. (eq:friction-couple, eq:friction-components, eq:friction-force) */
+ * friction forces. (eq:slip-row, eq:friction-components) */
 static void momentum(ct_brick_kind kind, const char *name)
 {
   ct_mesh *a = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1),
@@ -224,18 +215,16 @@ static void momentum(ct_brick_kind kind, const char *name)
   close_run(state, scene, a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
-/* Two blocks that are pressed together, as a problem whose forces can be computed at any
- * displacement, with memory. */
+/* Two blocks that are pressed together: the upper one is driven, the lower one is free or stands on
+ * a support. */
 typedef struct pressed {
   ct_mesh *a, *b;
   ct_scene *scene;
   const ct_problem *problem;
-  probe p;
-  double *u, *f;
-  int64_t memory;
+  ct_state *state;
 } pressed;
 
-static pressed new_pressed(double mu, double rho, double skew, int axis)
+static pressed new_pressed(double mu, double skew, int axis, ct_enforcement law)
 {
   pressed t = {.a = box_mesh(CT_HEX8, -1, -1, -1, 2, 2, 1, 2, 2, 1),
                .b = box_mesh(CT_HEX8, -0.9, -0.8, -0.01, 1.5, 1.6, 1, 2, 3, 1)};
@@ -253,243 +242,49 @@ static pressed new_pressed(double mu, double rho, double skew, int axis)
   }
   t.scene = new_scene();
   add_body(t.scene, "a", t.a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  add_body(t.scene, "b", t.b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  add_rough_contact(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, mu, rho);
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3}, NULL, NULL);
-  t.p = probe_open(t.problem);
-  t.u = numbers(3 * (int64_t)t.problem->node_count);
-  t.f = numbers(3 * (int64_t)t.problem->node_count);
-  for (int k = 0; k < t.problem->effect_count; k++) t.memory += t.problem->effects[k]->memory_count;
+  add_body(t.scene, "b", t.b, &SOFT, CT_KERNEL_AUTO, axis == 0 ? -2.0 : 2.0, axis == 1 ? 1.0 : -1.0,
+           -0.5);
+  ct_contact_options options = ct_contact_options_default();
+  options.enforcement = law;
+  options.initial_penetration = CT_INITIAL_FORCE;
+  add_contact_with(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, options, mu, 1.0);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7}, NULL, NULL);
+  t.state = new_state(t.problem);
   return t;
-}
-
-/* Forces at t.u; their memory is kept. */
-static void go(pressed *t)
-{
-  probe_force(&t->p, t->u, t->f);
-  memcpy(t->p.memory, t->p.next, (size_t)t->memory * sizeof(double));
 }
 
 static void free_pressed(pressed *t)
 {
-  probe_close(&t->p);
-  ct_scene_free(t->scene);
-  ct_mesh_free(t->a), ct_mesh_free(t->b);
-  free(t->u), free(t->f);
+  close_run(t->state, t->scene, t->a);
+  ct_mesh_free(t->b);
 }
 
-/* Move the nodes of b by (x, y, 0). */
-static void shift(pressed *t, double x, double y)
-{
-  for (int n = t->a->node_count; n < t->problem->node_count; n++)
-    t->u[3 * n] += x, t->u[3 * n + 1] += y;
-}
-
-static void pull_of(const pressed *t, double sum[3])
-{
-  sum[0] = sum[1] = sum[2] = 0.0;
-  for (int n = t->a->node_count; n < t->problem->node_count; n++)
-    for (int c = 0; c < 3; c++) sum[c] += t->f[3 * n + c];
-}
-
-/* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border
- * near; of the points of a some see b, the rest nothing. (eq:friction-law, eq:friction-trial,
- * eq:friction-force) */
-static void patch_law(void)
-{
-  pressed t = new_pressed(0.5, 0.8, 0.0, -1);
-  double before[3], stuck[3], slip[3], turned[3];
-  go(&t);
-  pull_of(&t, before);
-  double normal = before[2], k = normal / 0.01;
-  shift(&t, 0.003, 0.0);
-  go(&t);
-  pull_of(&t, stuck);
-  tap_close(stuck[0], -0.8 * k * 0.003, 1e-12 * normal, "stick: the force is rho k times the slip");
-  shift(&t, -0.003, 0.0);
-  go(&t);
-  pull_of(&t, stuck);
-  tap_ok(fabs(stuck[0]) < 1e-12 * normal, "stick: back at the start the force is zero again");
-  for (int i = 0; i < 10; i++) shift(&t, 0.002, 0.0), go(&t);
-  pull_of(&t, slip);
-  tap_close(slip[0], -0.5 * normal, 1e-12 * normal,
-            "slip: the force stays at mu times the normal force");
-  for (int i = 0; i < 60; i++) shift(&t, 0.0, 0.001), go(&t);
-  pull_of(&t, turned);
-  tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-6 * turned[2] && fabs(turned[0]) < 0.01 * turned[2],
-         "slip: the force turns with the motion");
-  free_pressed(&t);
-}
-
-/* The stored slip rotates with the bodies: forces after a rigid rotation in steps are the rotated
- * forces. (eq:friction-trial) */
-static void rotation(void)
-{
-  pressed t = new_pressed(0.5, 0.8, 0.0, -1);
-  int count = t.problem->node_count;
-  double *x0 = numbers(3 * count), *f0 = numbers(3 * count), off = 0.0, size = 0.0;
-  go(&t);
-  shift(&t, 0.004, -0.002);
-  go(&t);
-  // Without the solid, whose small strains feel a rotation.
-  double *solid = numbers(3 * count);
-  ct_error error;
-  memcpy(x0, t.u, 3 * (size_t)count * sizeof *x0);
-  for (int i = 0; i < 3 * count; i++) x0[i] += t.problem->reference[i];
-  memcpy(f0, t.f, 3 * (size_t)count * sizeof *f0);
-  ct_view view = {.reference = t.problem->reference,
-                  .displacement = t.u,
-                  .velocity = t.u,
-                  .scratch = t.p.scratch[0]};
-  need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
-  for (int i = 0; i < 3 * count; i++) f0[i] -= solid[i], size = fmax(size, fabs(f0[i]));
-  for (int step = 1; step <= 5; step++) {
-    double a = 0.4 * step, c = cos(a), s = sin(a);
-    for (int n = 0; n < count; n++) {
-      const double *x = &x0[3 * n];
-      double y[3] = {c * x[0] - s * x[2], x[1], s * x[0] + c * x[2]};
-      for (int k = 0; k < 3; k++) t.u[3 * n + k] = y[k] - t.problem->reference[3 * n + k];
-    }
-    go(&t);
-    need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
-    for (int n = 0; n < count; n++) {
-      const double *f = &f0[3 * n];
-      double want[3] = {c * f[0] - s * f[2], f[1], s * f[0] + c * f[2]};
-      for (int k = 0; k < 3; k++) off = worst(off, t.f[3 * n + k] - solid[3 * n + k] - want[k]);
-    }
-  }
-  tap_ok(off < 1e-12 * size,
-         "after rotations of 0.4 rad each the stored friction has rotated with the bodies (%.2g)",
-         off / size);
-  free(x0), free(f0), free(solid);
-  free_pressed(&t);
-}
-
-static void mirrored(void)
+/* Mirrored scenes have mirrored bits. */
+static void mirrored(ct_enforcement law)
 {
   for (int axis = 0; axis < 2; axis++) {
-    pressed t = new_pressed(0.5, 0.8, 0.1, -1), m = new_pressed(0.5, 0.8, 0.1, axis);
+    pressed t = new_pressed(0.5, 0.1, -1, law), m = new_pressed(0.5, 0.1, axis, law);
     int64_t faults = 0;
-    for (int i = 0; i < 12; i++) {
-      double x = 0.004 * cos(0.7 * i), y = 0.003 * sin(0.9 * i);
-      shift(&t, x, y);
-      shift(&m, axis == 0 ? -x : x, axis == 1 ? -y : y);
-      go(&t);
-      go(&m);
-      faults += mirror_faults(t.f, m.f, t.problem->node_count, axis);
+    for (int i = 0; i < 30; i++) {
+      advance(t.problem, t.state, 1);
+      advance(m.problem, m.state, 1);
+      faults += mirror_faults(t.state->velocity, m.state->velocity, t.problem->node_count, axis);
     }
-    tap_ok(faults == 0 && largest(t.f, 3 * t.problem->node_count) > 0.0,
-           "mirrored along %c: mirrored bits (%d off)", "xy"[axis], (int)faults);
+    tap_ok(faults == 0, "mirrored along %c: mirrored bits (%d off)", "xy"[axis], (int)faults);
     free_pressed(&t);
     free_pressed(&m);
   }
 }
 
-/* The bound lies above the largest eigenvalue of M⁻¹K of contact and friction in stick, by power
- * iteration. (eq:friction-bound) */
-static void bound(double rho)
+/* The step is that of the scene without friction. */
+static void step_of_friction(void)
 {
-  pressed t = new_pressed(0.5, rho, 0.0, -1);
-  int64_t n = 3 * (int64_t)t.problem->node_count;
-  double *v = numbers(n), *f0 = numbers(n), quotient = 0.0, shares[2], rate;
-  go(&t);
-  probe_force(&t.p, t.u, f0);
-  for (int64_t i = 0; i < n; i++) v[i] = i % 3 == 2 ? 0.0 : uniform(1.0);
-  double *u0 = numbers(n), *solid = numbers(n), *solid0 = numbers(n);
-  ct_error error;
-  memcpy(u0, t.u, (size_t)n * sizeof *u0);
-  ct_view view = {.reference = t.problem->reference,
-                  .displacement = t.u,
-                  .velocity = t.u,
-                  .scratch = t.p.scratch[0]};
-  need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid0, &error), &error);
-  for (int k = 0; k < 60; k++) {
-    double top = largest(v, n), work = 0.0, mass = 0.0;
-    for (int64_t i = 0; i < n; i++) t.u[i] = u0[i] + (v[i] *= 1.0 / top) * 1e-6;
-    probe_force(&t.p, t.u, t.f);
-    need(t.problem->effects[0]->calls->force(t.problem->effects[0], &view, solid, &error), &error);
-    for (int64_t i = 0; i < n; i++) {
-      double Kv = i % 3 == 2 ? 0.0 : -((t.f[i] - solid[i]) - (f0[i] - solid0[i])) / 1e-6;
-      work += v[i] * Kv;
-      mass += v[i] * v[i] * t.problem->mass[i / 3];
-      v[i] = Kv / t.problem->mass[i / 3];
-    }
-    quotient = work / mass;
-  }
-  ct_state *state = new_state(t.problem);
-  for (int k = 0; k < 2; k++)
-    need(ct_stable_contribution(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
-  double facing = 0.0;
-  const ct_contact *contact = ct_state_contact(t.problem, state, 1, &error);
-  const ct_masses mass = {t.problem->mass, contact->fixed->nodes};
-  need(ct_contact_find_springs(contact, 1, mass, &facing), &error);
-  tap_close(shares[1] / facing, fmax(rho, 0.5), 1e-14,
-            "rho = %g: its bound is the larger of rho and mu, times that of the facing points",
-            rho);
-  tap_ok(shares[1] <= fmax(rho, 0.5) * shares[0] * (1.0 + 1e-14),
-         "rho = %g: and not above that of all points", rho);
-  tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1],
-         "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient,
-         shares[1]);
-  ct_state_free(state);
-  free(v), free(f0), free(u0), free(solid), free(solid0);
-  free_pressed(&t);
-}
-
-/* Two equal cubes of n³ bricks, all outer faces in contact, touching or apart: points of sides and
- * backs do not count, so the bound is that of two flat faces, 2 ε A / m at every node, with m = ρ h
- * A / 2. (eq:friction-facing) */
-static void closed_skins(int n, double apart)
-{
-  ct_mesh *low = box_mesh(CT_HEX8, 0, 0, -1, 1, 1, 1, n, n, n),
-          *high = box_mesh(CT_HEX8, 0, 0, apart, 1, 1, 1, n, n, n);
-  ct_scene *scene = new_scene_with("low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  add_body(scene, "high", high, &SOFT, CT_KERNEL_AUTO, 0, 0, -1);
-  int32_t outer[2][4 * 6 * 64];
-  ct_scene_contact skins = {.body_a = 0,
-                            .body_b = 1,
-                            .faces_a = outer[0],
-                            .faces_b = outer[1],
-                            .beta = 1.0,
-                            .friction = 0.3,
-                            .tangent = 0.1,
-                            .options = ct_contact_options_default()};
-  skins.face_count_a = ct_mesh_outer_faces(low, outer[0], NULL);
-  skins.face_count_b = ct_mesh_outer_faces(high, outer[1], NULL);
-  ct_error error;
-  need(ct_scene_add_contact(scene, &skins, &error), &error);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
-  ct_state *state = new_state(problem);
-  double omega2, rate;
-  need(ct_stable_contribution(problem, state, 2, &omega2, &rate, &error), &error);
-  // ε = E / h, and 2 ε A / m = 4 E / (ρ h²)
-  tap_close(omega2 / (0.3 * 4.0 * SOFT.young * n * n), 1.0, 1e-12,
-            "two closed cubes of %d bricks a side, %g apart: the bound of their flat faces", n,
-            apart);
-  close_run(state, scene, low);
-  ct_mesh_free(high);
-}
-
-/* In stick all points of a block on a slab have ρ times the bound of the contact: a step for which
- * this is too much is refused at the first evaluation, with the node. (eq:friction-room) */
-static void too_stiff_for_the_step(void)
-{
-  const double g[3] = {0.0, 0.0, -10.0}, rho = 0.5;
-  for (int k = 0; k < 2; k++) {
-    incline t = new_incline(CT_HEX8, g, 0.6, rho, 1.0, 0.0, 0.0, 0.0, 1);
-    ct_error error = {0};
-    double rate, omega2, part = k == 0 ? 0.999 : 1.001;
-    need(ct_stable_contribution(t.problem, t.state, t.friction, &omega2, &rate, &error), &error);
-    ct_friction_set_room((ct_effect *)t.problem->effects[t.friction],
-                         (ct_friction_room){.bound = part * rho / 0.6 * omega2});
-    ct_status status = ct_run(t.problem, t.state, 100, NULL, 0, &error);
-    if (k == 0)
-      tap_ok(status == CT_ERROR_STEP && error.point >= 0 && strstr(error.text, "at most"),
-             "points that are too stiff for the step: %s", error.text);
-    else tap_ok(status == CT_OK, "a little less stiff: the step is taken");
-    free_incline(&t);
-  }
+  pressed rough = new_pressed(0.5, 0.0, -1, CT_ENFORCE_ENERGY_CONTROLLED),
+          smooth = new_pressed(0.0, 0.0, -1, CT_ENFORCE_ENERGY_CONTROLLED);
+  tap_ok(rough.problem->dt == smooth.problem->dt,
+         "friction leaves the stable step as it is (%g, %g)", rough.problem->dt,
+         smooth.problem->dt);
+  free_pressed(&rough), free_pressed(&smooth);
 }
 
 /* A restart in the middle of a slide, and two threads, give the same bits. */
@@ -519,7 +314,7 @@ static void same_bits(void)
 
 static void refusals(void)
 {
-  pressed t = new_pressed(0.5, 1.0, 0.0, -1);
+  pressed t = new_pressed(0.5, 0.0, -1, CT_ENFORCE_PENALTY);
   ct_effect *effect = NULL;
   ct_error error;
   ct_friction_def none = {COOKIE, .tangent = 1.0, .coefficient = 0.3},
@@ -541,28 +336,22 @@ static void refusals(void)
   tap_ok(ct_state_create(&wrong, &state, &error) == CT_ERROR_ARGUMENT,
          "friction before its contact: %s", error.text);
   free_pressed(&t);
-  pressed smooth = new_pressed(0.0, 0.0, 0.0, -1);
+  pressed smooth = new_pressed(0.0, 0.0, -1, CT_ENFORCE_PENALTY);
   tap_ok(smooth.problem->effect_count == 2, "without a coefficient there is no effect of friction");
   free_pressed(&smooth);
 }
 
 int main(void)
 {
-  the_return();
-  patch_law();
   sticks(CT_HEX8, "hex8");
   slides(CT_HEX8, 1e-3, "hex8");
   slides(CT_HEX20, 0.1, "hex20");
   ledger();
   momentum(CT_HEX8, "Q4");
   momentum(CT_HEX20, "Q8");
-  rotation();
-  mirrored();
-  bound(1.0);
-  bound(0.5);
-  for (int n = 2; n <= 8; n += 3) closed_skins(n, 0.0);
-  closed_skins(4, 7.0);
-  too_stiff_for_the_step();
+  mirrored(CT_ENFORCE_ENERGY_CONTROLLED);
+  mirrored(CT_ENFORCE_PENALTY);
+  step_of_friction();
   same_bits();
   refusals();
   return tap_done();

@@ -28,8 +28,8 @@ static void close_touch(touch *t)
   free(t->x), free(t->velocity), free(t->force), free(t->memory), free(t->next);
 }
 
-/* One evaluation at the coordinates `x` of all nodes; friction reads the state `on`. */
-static void evaluate(touch *t, const double *x, const double *velocity, int step, const void *on)
+/* One evaluation at the coordinates `x` of all nodes. */
+static void evaluate(touch *t, const double *x, const double *velocity, int step)
 {
   ct_error e;
   for (int i = 0; i < 3 * t->is->node_count; i++) {
@@ -42,18 +42,17 @@ static void evaluate(touch *t, const double *x, const double *velocity, int step
                                  .x = t->x,
                                  .velocity = t->velocity,
                                  .memory = t->memory,
-                                 .next_memory = t->next,
-                                 .on = on};
-  if (t->is->on == NULL) need(t->is->calls->place(t->state, &now, &e), &e);
+                                 .next_memory = t->next};
+  need(t->is->calls->place(t->state, &now, &e), &e);
   need(t->is->calls->find_forces(t->state, &now, t->force, &e), &e);
   double *keep = t->memory;
   t->memory = t->next, t->next = keep;
 }
 
 /* The effect of the same, whose view has all nodes. */
-static void evaluate_effect(const ct_effect *effect, void *scratch, const void *read,
-                            const double *X, const double *u, const double *velocity, int step,
-                            double *memory[2], double *force)
+static void evaluate_effect(const ct_effect *effect, void *scratch, const double *X,
+                            const double *u, const double *velocity, int step, double *memory[2],
+                            double *force)
 {
   ct_error e;
   const ct_view view = {.time = 0.1 * step,
@@ -63,12 +62,11 @@ static void evaluate_effect(const ct_effect *effect, void *scratch, const void *
                         .velocity = velocity,
                         .memory = memory[step % 2],
                         .next_memory = memory[(step + 1) % 2],
-                        .scratch = scratch,
-                        .read = read};
+                        .scratch = scratch};
   need(effect->calls->force(effect, &view, force, &e), &e);
 }
 
-/* A square slides under a plane with friction. In the problem its nodes come after seven others. */
+/* A square slides under a plane. In the problem its nodes come after seven others. */
 static void same_as_an_effect(void)
 {
   enum { BEFORE = 7, STEPS = 6 };
@@ -85,58 +83,38 @@ static void same_as_an_effect(void)
   def.kind = CT_Q8, def.face_count = p.surface.face_count, def.faces = faces;
   const ct_problem problem = {.node_count = all, .reference = X, .mass = mass};
   const ct_surface surface = {CT_Q8, own, p.surface.face_count, p.faces, p.x};
-  ct_interaction *is[2];
-  ct_effect *effect[2];
+  ct_interaction *is;
+  ct_effect *effect;
   ct_error e;
-  need(ct_obstacle_create(&def, &surface, &is[0], &e), &e);
-  need(ct_friction_create(0.4, 0.8, is[0], &is[1], &e), &e);
-  need(ct_obstacle_create_effect(&def, &problem, &effect[0], &e), &e);
-  ct_friction_def rub = ct_friction_def_default();
-  rub.on = effect[0], rub.coefficient = 0.4, rub.tangent = 0.8;
-  need(ct_friction_create_effect(&rub, &problem, &effect[1], &e), &e);
-  touch t[2] = {open_touch(is[0]), open_touch(is[1])};
-  void *scratch[2];
-  double *memory[2][2], *force = numbers(3 * all), *moved = numbers(3 * all), top = 0.0;
+  need(ct_obstacle_create(&def, &surface, &is, &e), &e);
+  need(ct_obstacle_create_effect(&def, &problem, &effect, &e), &e);
+  touch t = open_touch(is);
+  void *scratch;
+  double *memory[2], *force = numbers(3 * all), *moved = numbers(3 * all), top = 0.0;
   int off = 0;
-  for (int k = 0; k < 2; k++) {
-    need(effect[k]->calls->create_scratch(effect[k], &scratch[k], &e), &e);
-    for (int i = 0; i < 2; i++) memory[k][i] = numbers(effect[k]->memory_count);
-  }
+  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  for (int i = 0; i < 2; i++) memory[i] = numbers(effect->memory_count);
   for (int step = 0; step < STEPS; step++) {
     for (int n = BEFORE; n < all; n++) {
       u[3 * n] = 0.01 * step, u[3 * n + 2] = 0.003 * step, v[3 * n] = 0.1;
       for (int c = 0; c < 3; c++) x[3 * n + c] = X[3 * n + c] + u[3 * n + c];
     }
     memcpy(moved, &x[3 * BEFORE], 3 * (size_t)own * sizeof *x);
-    for (int k = 0; k < 2; k++) {
-      evaluate(&t[k], moved, &v[3 * BEFORE], step, k == 0 ? NULL : t[0].state);
-      evaluate_effect(effect[k], scratch[k], k == 0 ? NULL : scratch[0], X, u, v, step, memory[k],
-                      force);
-      off += memcmp(force, t[k].force, 3 * (size_t)is[k]->node_count * sizeof *force) != 0;
-      top = fmax(top, largest(t[k].force, 3 * is[k]->node_count));
-    }
+    evaluate(&t, moved, &v[3 * BEFORE], step);
+    evaluate_effect(effect, scratch, X, u, v, step, memory, force);
+    off += memcmp(force, t.force, 3 * (size_t)is->node_count * sizeof *force) != 0;
+    top = fmax(top, largest(t.force, 3 * is->node_count));
   }
-  tap_ok(off == 0 && top > 0.0, "an obstacle and its friction have the bits of their effects");
-  ct_interaction_energy energy;
-  is[1]->calls->find_energy(t[1].state, &energy);
-  tap_ok(energy.stored > 0.0 && energy.dissipated > 0.0 && energy.motion == 0.0,
-         "friction has stored %.3g and dissipated %.3g", energy.stored, energy.dissipated);
-  double omega2[2], want = 0.0;
-  const ct_view view = {.scratch = scratch[1], .read = scratch[0]};
-  need(
-      ct_interaction_bound(is[1], t[0].state, (ct_masses){&mass[BEFORE], is[1]->nodes}, &omega2[0]),
-      &e);
-  need(effect[1]->calls->bounds.omega2(effect[1], &view, &omega2[1], &e), &e);
-  need(ct_interaction_bound(is[0], t[0].state, (ct_masses){&mass[BEFORE], is[0]->nodes}, &want),
-       &e);
-  tap_ok(omega2[0] == omega2[1] && omega2[0] == 0.8 * want && want > 0.0,
-         "and its bound is rho times that of the obstacle, in both numberings");
-  for (int k = 1; k >= 0; k--) {
-    effect[k]->calls->free_scratch(scratch[k]);
-    ct_effect_free(effect[k]);
-    close_touch(&t[k]);
-    free(memory[k][0]), free(memory[k][1]);
-  }
+  tap_ok(off == 0 && top > 0.0, "an obstacle has the bits of its effect");
+  double omega2[2];
+  const ct_view view = {.scratch = scratch};
+  need(ct_interaction_bound(is, t.state, (ct_masses){&mass[BEFORE], is->nodes}, &omega2[0]), &e);
+  need(effect->calls->bounds.omega2(effect, &view, &omega2[1], &e), &e);
+  tap_ok(omega2[0] == omega2[1] && omega2[0] > 0.0, "and its bound, in both numberings");
+  effect->calls->free_scratch(scratch);
+  ct_effect_free(effect);
+  close_touch(&t);
+  free(memory[0]), free(memory[1]);
   free(X), free(u), free(v), free(mass), free(x), free(faces), free(force), free(moved);
   free_patch(&p);
 }

@@ -245,11 +245,18 @@ def test_obstacles(shape):
 
 
 @executes(
-    "friction-law", "friction-return", "friction-trial", "friction-force", "friction-dissipation"
+    "slip-residual",
+    "slip-set",
+    "slip-projection",
+    "slip-store",
+    "slip-work",
+    "slip-stick",
+    "slip-row",
+    "friction-dissipation",
 )
 def test_friction_of_a_plate_that_is_moved():
-    """A plate is pressed on another by 0.01 and moved back and forth: trial slip, return, traction and dissipation."""
-    mu, rho, depth, dt = 0.3, 0.6, 0.01, 0.01
+    """A plate is pressed on another by 0.01 and moved back and forth, ever deeper: force, slips and dissipation."""
+    mu, rho, dt = 0.3, 0.6, 0.01
     wide = SQUARE * [20, 20, 1] - [20, 10, 0]
     contact = ct.Contact(
         ct.Surface("Q4", SQUARE + [0, 0, 0.1], [[0, 3, 2, 1]]),
@@ -260,28 +267,41 @@ def test_friction_of_a_plate_that_is_moved():
         tangent=rho,
         initial_penetration="force",
     )
-    x, held, s, moved, lost = SQUARE - [0, 0, depth], np.zeros((4, 3)), None, None, 0.0
-    slid = stuck = 0
+    x, held = SQUARE - [0, 0, 0.01], np.zeros((4, 3))
+    e, before, c, reserve, store, lost = np.zeros(2), np.zeros(2), np.zeros(2), 0.0, 0.0, 0.0
+    seen = {"slip": 0, "stick": 0, "cut": 0}
     for n in range(60):
         v = np.zeros((4, 3))
-        v[:, 0], v[:, 1] = (0.12, 0.05) if n < 30 else (-0.12, 0.02)
+        v[:, 0], v[:, 1], v[:, 2] = (0.12, 0.05, -0.05) if n < 30 else (-0.12, 0.02, -0.05)
         force = np.zeros((4, 3))
         contact.step(dt, (x, wide), (v, held), (held, held))
         contact.add_force((force, np.zeros((4, 3))))
         points = contact.points[contact.points["side"] == 0]
-        k = EPSILON * points["weight"].sum() / 2
-        active = contact.points[(contact.points["gap"] < 0)]
-        assert len(active) == len(points) == 4
+        k = rho * EPSILON * points["weight"].sum() / 2
+        limit = mu * force[:, 2].sum()
+        # Prescribed motion, without a mass: a = 0.
+        D = last = dt * v[0, :2]
+        C = 2.0 / k
+        c = np.zeros(2) if c is None else last - (e - before)
+        given = -(D + e + before) / C
+        T = given * min(1.0, limit / np.linalg.norm(given))
+        if c @ c > 0.0 and T @ c > 2.0 * reserve * (1 + 1e-12):
+            foot, along = 2.0 * reserve / (c @ c) * c, given - (given @ c) / (c @ c) * c
+            half = np.sqrt(limit**2 - foot @ foot)
+            T = foot + along * min(1.0, half / np.linalg.norm(along))
+            seen["cut"] += 1
         found = force[:, :2].sum(axis=0)
-        if s is None:
-            s = -found / (rho * k)  # of the first step alone
-        else:
-            trial = s + moved[0, :2]
-            s = trial * min(1, mu * depth / (rho * np.linalg.norm(trial)))
-            close(found, -rho * k * s, 1e-9)
-            lost += rho * k * np.linalg.norm(s) * (np.linalg.norm(trial) - np.linalg.norm(s))
-            slid, stuck = slid + (s @ s < trial @ trial), stuck + (s @ s == trial @ trial)
-        moved = dt * v
-        x = x + moved
-    assert slid > 10 and stuck > 3
-    close(contact.balance.friction, lost, 1e-9)
+        assert np.abs(found - T).max() < 5e-4 * limit  # the tolerance of the solver
+        T = found
+        slip = D + C * T + e + before
+        sticks = np.linalg.norm(slip) <= 1e-3 * C * np.abs(T).max()
+        seen["stick" if sticks else "slip"] += 1
+        e, before = (e + D if sticks else -C * T - before), e
+        reserve, c = (0.0, None) if sticks else (-0.5 * T @ slip, slip)
+        after = 0.25 * k * (e @ e + before @ before) + reserve
+        step = store - after - 0.5 * T @ (D + last)
+        assert step > -1e-3 * store
+        told, lost, store = lost + 0.5 * step, lost + step, after
+        x = x + dt * v
+    assert seen["slip"] > 10 and seen["stick"] > 3 and seen["cut"] > 0, seen
+    close(contact.balance.friction, told, 1e-9)

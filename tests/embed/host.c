@@ -157,7 +157,7 @@ static void slide(void)
 {
   static const int32_t face[4] = {0, 3, 2, 1};
   static const double start[12] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
-  double x[12], v[12], f[12], free_mass[12], force[3], motion, memory[200];
+  double x[12], v[12], f[12], free_mass[12], force[3], motion, memory[400];
   const double dt = 1e-3;
   ct_surface plate;
   ct_contact_options options = ct_contact_options_default();
@@ -192,7 +192,7 @@ static void slide(void)
     if (n != 100) continue;
     int64_t count = ct_contact_save(contact[0], NULL);
     now = 1;
-    bad += count > 200 || ct_contact_save(contact[0], memory) != count ||
+    bad += count > 400 || ct_contact_save(contact[0], memory) != count ||
            ct_contact_restore(contact[1], memory, count, &error) != CT_OK;
   }
   bad += ct_contact_balance_of(contact[now], &balance, NULL) != CT_OK ||

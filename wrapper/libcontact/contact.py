@@ -34,7 +34,7 @@ class Balance:
     """
     Energy balance of the steps of a contact.
 
-    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear
+    ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear
     in the motion. Where they are not, it may grow again after a loss; without obstacles it stays below its value at the
     start.
     """
@@ -145,7 +145,7 @@ class Contact:
     friction : float
         Coefficient of Coulomb friction between the surfaces; 0: none.
     tangent : float
-        Ratio of the tangential penalty of this friction to the normal one.
+        Stiffness of the tangential spring of this friction over that of the penalty; it does not limit the step.
     itself : bool
         Whether a single surface is in contact with itself.
 
@@ -313,7 +313,7 @@ class Contact:
         friction : float
             Coefficient of Coulomb friction; 0: none.
         tangent : float
-            Ratio of the tangential penalty to the normal one.
+            Stiffness of the tangential spring over that of the penalty; it does not limit the step.
         surface : int
             The surface in contact with it, 0 or 1.
 
@@ -657,12 +657,7 @@ class Contact:
 
     def stable_step(self, mass: Any) -> float:
         """
-        Largest stable step of :meth:`step` for the contact alone. Only ``"penalty"`` and friction limit it.
-
-        Friction counts the points that face the other surface where the two touch, or, while they are
-        apart, would touch first, at the coordinates of the last call. Call it again when other parts
-        of the surfaces come into contact: at the latest when they have slid or rolled over each other
-        by the size of a face.
+        Largest stable step of :meth:`step` for the contact alone. Only ``"penalty"`` limits it.
 
         Parameters
         ----------
@@ -672,7 +667,7 @@ class Contact:
         Returns
         -------
         float
-            2 / ω [time], infinite without friction and ``"penalty"``; with the host's own limit it gives
+            2 / ω [time], infinite without ``"penalty"``; with the host's own limit it gives
             1 / sqrt(1 / dt² + 1 / dt_host²).
 
         Raises

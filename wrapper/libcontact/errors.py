@@ -105,7 +105,6 @@ KINDS = {
     "thin": "an impact on a body that is about one element thick loses a large part of its energy",
     "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "
     "to the bodies",
-    "short_step": "the friction of a contact or an obstacle shortens the stable step four times or more",
     "long_run": "a run takes ten million steps or more, or about an hour or more",
     "energy_growth": "more than 1 % of spurious energy was detected; an :class:`EnergyGrowth`",
     "penetration": "surfaces overlap by more than half an element: the penalty is too soft for the load",

@@ -346,9 +346,10 @@ class ContactLaw(Table):
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
-        Ratio of the tangential to the normal penalty; only with ``friction``. Without it the
-        tangential penalty is the normal one, but at most 4 :math:`\rho c_1^2 / h`, as it limits
-        the step.
+        Stiffness of the tangential spring over that of the penalty, :eq:`slip-law`; only with ``friction``.
+        Without it the spring is as stiff as the penalty, but at most 4 :math:`\rho c_1^2 / h`, with which
+        the forces converge in fewer rounds. A point that sticks shifts by at most :math:`\mu` times its
+        normal force over the stiffness of this spring. It does not limit the step.
     adjust
         Distance within which gaps and overlaps at the start count as touching,
         :eq:`initial-adjust`; at most the ``depth`` of a contact. For meshes of fitting parts, such as a shaft in

@@ -151,8 +151,7 @@ CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, dou
 /**
  * Energy stored by the contact after the last update or step [energy]: the potential Π of
  * :eq:`contact-potential`, or the energy of the solved forces, :eq:`controlled-energy`. After a
- * step it includes the energy of obstacles and the elastic energy of friction,
- * :eq:`friction-dissipation`.
+ * step it includes the energy of obstacles and what friction stores, :eq:`slip-held`.
  */
 CT_API double ct_contact_energy(const ct_contact *contact);
 
@@ -190,15 +189,15 @@ typedef struct ct_contact_prediction {
 
 /**
  * Contact in one step of a host's own time loop, as in a scene. The call finds the points in
- * contact at x_n and solves for the forces of all points, including those of obstacles, together,
- * :eq:`constraint-problem`, by the law in the options; then it computes friction. Call it once per
- * step; the contact stores what the next step needs. `ct_contact_add_force` then adds the forces to
- * f_n. The energy-controlled penalty does not change the stable step of the host. For steps of
- * equal length the bodies get back at most what they have given to the contact, and a thousandth of
- * it, :eq:`admitted-account`. A point that is found inside without having come in through the
- * surface counts from there, :eq:`admitted`.
- * With CT_ENFORCE_PENALTY the forces are those of `ct_contact_update`. Start gaps are measured in
- * the first call, which also allocates; later calls allocate only if lists of candidates grow.
+ * contact at x_n and solves for the forces of all points, including those of obstacles and of
+ * friction, together, :eq:`constraint-problem`, :eq:`slip-problem`. Call it once per step; the
+ * contact stores what the next step needs. `ct_contact_add_force` then adds the forces to f_n. The
+ * energy-controlled penalty does not change the stable step of the host. For steps of equal length
+ * the bodies get back at most what they have given to the contact, and a thousandth of it,
+ * :eq:`admitted-account`. A point that is found inside without having come in through the surface
+ * counts from there, :eq:`admitted`. With CT_ENFORCE_PENALTY the forces are those of
+ * `ct_contact_update`. Start gaps are measured in the first call, which also allocates; later calls
+ * allocate only if lists of candidates grow.
  * ``CT_ERROR_ARGUMENT``: a missing pointer, or an invalid time. ``CT_INVALID``: a number at a node
  * of a surface is not finite, or an inverse mass is negative (`error` names surface and node); the
  * contact then stays as the last successful call left it. ``CT_ERROR_GEOMETRY``: surfaces overlap
@@ -214,7 +213,7 @@ typedef struct ct_contact_balance {
   double energy;
   /**
    * Work of its forces, including obstacles and friction, on the bodies from t_0 to t_n [energy],
-   * :eq:`host-work`. Without friction the sum `energy` + `work` - `removal` - `motion` does not
+   * :eq:`host-work`. The sum `energy` + `work` - `removal` - `motion` does not
    * grow, for steps of equal length in which gaps are linear in the motion. Where they are not, it
    * may grow again after a loss; without obstacles it stays below its value at the start.
    */
@@ -264,15 +263,11 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
                                       ct_error *error);
 
 /**
- * Largest stable step of `ct_contact_step` for the contact alone [time], 2 / ω. Only friction,
- * :eq:`friction-bound`, and explicit penalties, :eq:`contact-bound`, limit it; without them it is
- * infinite, and a host keeps its own step. A host combines it with its own limit dt_host as 1 /
- * sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses, shapes
- * (node_count). Friction of the surfaces counts the points that face the other surface where the
- * two touch or, while they are apart, would touch first, at the coordinates of the last call. So
- * call it again when other parts of the surfaces come into contact: at the latest when they have
- * slid or rolled over each other by the size of a face. ``CT_ERROR_ARGUMENT``: null argument, or a
- * mass that is not positive.
+ * Largest stable step of `ct_contact_step` for the contact alone [time], 2 / ω. Only explicit
+ * penalties, :eq:`contact-bound`, limit it; without them it is infinite, and a host keeps its own
+ * step. A host combines it with its own limit dt_host as 1 / sqrt(1 / dt² + 1 / dt_host²),
+ * :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses, shapes (node_count). ``CT_ERROR_ARGUMENT``:
+ * null argument, or a mass that is not positive.
  */
 CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
                                         const double *mass_b, double *dt, ct_error *error);
@@ -366,10 +361,10 @@ CT_API ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
 
 /**
  * Add Coulomb friction to `ct_contact_step`: on obstacle `on`, or with `on` = -1 between the
- * surfaces. `coefficient` is μ > 0 and `tangent` the ratio ρ > 0 of the tangential penalty to the
- * normal one, as in :c:struct:`ct_friction_def`. The tangential penalty limits the step, see
- * `ct_contact_stable_step`. ``CT_ERROR_ARGUMENT``: unknown obstacle, friction was already added
- * there, a step was already taken, μ or ρ not positive.
+ * surfaces. `coefficient` is μ > 0 and `tangent` > 0 the stiffness of the tangential spring over
+ * that of the penalty, as in :c:struct:`ct_friction_def`; it does not limit the step.
+ * ``CT_ERROR_ARGUMENT``: unknown obstacle, friction was already added there, a step was already
+ * taken, μ or `tangent` not positive.
  */
 CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coefficient,
                                          double tangent, ct_error *error);

@@ -88,24 +88,27 @@ typedef struct ct_friction_def {
   const ct_effect *on;
   /** Coefficient μ of friction, > 0. */
   double coefficient;
-  /** Ratio ρ of the tangential penalty to the normal one, > 0. */
+  /** Stiffness of the tangential spring over that of the point's penalty, > 0, :eq:`slip-law`. It
+   * does not limit the step. */
   double tangent;
 } ct_friction_def;
 
-/** ρ = 1; the caller must set `on` and `coefficient`. */
+/** `tangent` is 1; the caller must set `on` and `coefficient`. */
 CT_API ct_friction_def ct_friction_def_default(void);
 
 /**
- * The effect of friction: tangential forces in stick and in slip. In the energy balance its stored
- * energy is 0, and its work counts as external: minus the sum of its elastic and its dissipated
- * energy. ``CT_ERROR_ARGUMENT``: `on` is not a contact or an obstacle, μ or ρ not positive.
+ * The effect of friction: tangential forces in stick and in slip, solved for together with the
+ * normal forces, :eq:`slip-problem`. It does not change the stable step. In the energy balance its
+ * stored energy is 0, and its work counts as external: minus the sum of its stored and its
+ * dissipated energy. ``CT_ERROR_ARGUMENT``: `on` is not a contact or an obstacle, μ or `tangent`
+ * not positive.
  */
 CT_API ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
                                            ct_effect **effect, ct_error *error);
 
 /**
- * Elastic energy of friction at the state's time, `stored`, and the energy that friction has
- * dissipated since t = 0 [energy], :eq:`friction-dissipation`.
+ * Energy that friction stores at the state's time, `stored`, :eq:`slip-held`, and the energy that
+ * it has dissipated since t = 0 [energy], :eq:`friction-dissipation`.
  */
 CT_API ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
                                     double *stored, double *dissipated, ct_error *error);

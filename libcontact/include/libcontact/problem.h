@@ -103,7 +103,7 @@ typedef enum ct_phase {
   CT_PHASE_STATE = 0,
   /** the force depends on the constraints of all effects, :eq:`constraint-problem` */
   CT_PHASE_CONSTRAINT = 1,
-  /** the force depends on constraint forces, as friction does on contact pressure */
+  /** the force depends on constraint forces */
   CT_PHASE_FOLLOWING = 2,
   /** the force depends on `total`, as in dynamic relaxation; one effect at most */
   CT_PHASE_TOTAL = 3,
@@ -226,7 +226,8 @@ typedef struct ct_effect {
   int32_t node_count;
   /** Largest number of nodes of one constraint, both faces together; 0: 16. */
   int32_t constraint_nodes;
-  /** Largest number of constraints that the effect can list. */
+  /** Largest number of constraints that the effect can list; of friction, to which it adds its law.
+   */
   int64_t constraint_count;
   /** Number of doubles that the effect stores from step to step; part of a restart. */
   int64_t memory_count;

@@ -82,9 +82,9 @@ typedef struct ct_scene_contact {
   /** Coefficient μ of friction [-]; 0: no friction, at no cost. */
   double friction;
   /**
-   * Ratio of the tangential to the normal penalty of friction [-]; 0: automatic. The automatic
-   * value is 1, or less if the normal penalty is stiffer than the usual explicit one, so that
-   * friction does not reduce the step further.
+   * Stiffness of friction's tangential spring over that of the penalty [-], :eq:`slip-law`; 0:
+   * automatic. The automatic value is 1, or less if the penalty is stiffer than the usual explicit
+   * one: then the forces converge in fewer rounds.
    */
   double tangent;
   /** Instead of `faces_a`: the outer faces in this side of the first body. */

@@ -30,7 +30,6 @@ void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes)
   fixed->is.calls = &ct_contact_calls;
   if (fixed->nodes == NULL) fixed->is.node_count = side[0].search->node_count;
   fixed->is.nodes = fixed->nodes == NULL ? side[0].search->nodes : fixed->nodes;
-  fixed->is.stiffness = 1.0;
   fixed->is.explicit = penalty;
   fixed->is.row_count = penalty ? 0 : fixed->gaps.point_count;
   fixed->is.row_nodes = side[0].search->per + (rigid ? 0 : side[surfaces - 1].search->per);
@@ -248,10 +247,10 @@ static void find_energy(const void *state, ct_interaction_energy *energy)
   memcpy(energy->reaction, contact->record.reaction, sizeof energy->reaction);
 }
 
-static ct_status find_springs(const void *state, int facing, ct_masses mass, double *omega2)
+static ct_status find_springs(const void *state, ct_masses mass, double *omega2)
 {
   const ct_contact *contact = state;
-  return contact->fixed->partner->find_springs(contact, facing, mass, omega2);
+  return contact->fixed->partner->find_springs(contact, mass, omega2);
 }
 
 static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)

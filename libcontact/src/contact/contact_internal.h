@@ -26,7 +26,7 @@ typedef struct ct_partner_calls {
    * null for surfaces. */
   double (*distance)(const struct ct_contact_fixed *fixed, const double r[3], double n[3]);
   /* As of ct_interaction_calls. */
-  ct_status (*find_springs)(const ct_contact *contact, int facing, ct_masses mass, double *omega2);
+  ct_status (*find_springs)(const ct_contact *contact, ct_masses mass, double *omega2);
 } ct_partner_calls;
 
 /* Treatment of gaps and overlaps at the start. */
@@ -221,52 +221,17 @@ double ct_side_motion(const ct_side *side);
 void ct_admission_count(ct_contact *contact, int starting);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
- * at its nearest face, whatever the enforcement (eq:contact-bound); `mass`: of its nodes. If
- * `facing`, that of friction: with the points that face the other surface where the two touch. If
- * they are apart, those where they would touch (eq:friction-facing); 0 if no parts of a surface
- * face each other. */
-ct_status ct_contact_find_springs(const ct_contact *contact, int facing, ct_masses mass,
-                                  double *omega2);
+ * at its nearest face, whatever the enforcement (eq:contact-bound); `mass`: of its nodes. */
+ct_status ct_contact_find_springs(const ct_contact *contact, ct_masses mass, double *omega2);
 
 /* A new obstacle at a surface, whose faces are not those of the definition; free it with its
  * call. */
 ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surface,
                              ct_interaction **out, ct_error *error);
 
-/* Friction on a contact or an obstacle, which must outlive it. Its state reads that of `on`. */
+/* Friction on a contact or an obstacle, which must outlive it. Its state adds to the rows of that
+ * of `on`. */
 ct_status ct_friction_create(double coefficient, double tangent, const ct_interaction *on,
                              ct_interaction **out, ct_error *error);
-
-/* ω² of the active points for which a step is stable: the bound at the start, and a fraction of
- * what a step shorter than the stable one leaves (eq:friction-room). */
-typedef struct ct_friction_room {
-  double bound;
-  double limit; /* Ω of the integrator; 0: nothing is left */
-  double rate;  /* Ω / Δt_s of the stable step */
-  double fraction;
-} ct_friction_room;
-
-/* Let friction refuse steps in which the ω² of its active points exceeds the room; `mass` has the
- * numbering of its surfaces and must outlive it. Without this call it refuses none
- * (eq:friction-room). */
-void ct_friction_limit(ct_interaction *friction, const double *mass, ct_friction_room room);
-
-/* Refuse a step in which the row sums of the active points over the masses exceed the room: more
- * points than the bound expected (eq:friction-room). */
-ct_status ct_friction_check_rows(const ct_interaction *friction, const ct_friction_room *room,
-                                 const double *mass, const double *rows, double dt,
-                                 ct_error *error);
-
-/* Whether the face of a point and the other surface face each other, for friction; normals of any
- * length, which is not 0. */
-static inline int ct_friction_facing(const double own[3], const double other[3])
-{
-  const double lengths = sqrt(ct_vector_dot(own, own) * ct_vector_dot(other, other));
-  return ct_vector_dot(own, other) / lengths < -0.25; // (eq:friction-facing)
-}
-
-/* Return a tangential elastic slip to Coulomb's limit (eq:friction-return): if it is longer than
- * `limit`, it is shortened to it. Returns the difference: the sliding of this step, 0 in stick. */
-double ct_friction_return(double limit, double slip[3]);
 
 #endif

@@ -15,7 +15,7 @@ typedef struct ct_surface_motion {
   const double *velocity; /* v_{n-1/2}, shape (node_count, 3) */
   const double *memory;   /* what the interaction stored in the last step, shape (memory_count) */
   double *next_memory;    /* where it stores what the next step needs */
-  const void *on;         /* of friction: the state of the interaction that it acts on */
+  void *on;               /* of friction: the state of the interaction that it acts on */
 } ct_surface_motion;
 
 /* Masses of the nodes of an interaction: node n has value[place[n]], or value[n] if `place` is
@@ -49,7 +49,8 @@ typedef struct ct_interaction_calls {
   void (*close)(void *state);
   /* Find the gaps of all points, from the memory of the last step; null for friction. */
   ct_status (*place)(void *state, const ct_surface_motion *now, ct_error *error);
-  /* List the rows that may be active, after `place`; returns their number. Null for friction. */
+  /* List the rows that may be active, after `place`; returns their number. Friction adds its law to
+   * the rows of `on`, which are listed before. */
   int64_t (*list_rows)(void *state, const ct_surface_motion *now, ct_constraint **rows);
   /* Write the forces on the nodes, shape (node_count, 3), after the rows are solved, or for the
    * explicit penalty after `place`; and the memory for the next step. */
@@ -57,10 +58,8 @@ typedef struct ct_interaction_calls {
                            ct_error *error);
   /* Energies, after `find_forces`. */
   void (*find_energy)(const void *state, ct_interaction_energy *energy);
-  /* Bound of ω² of all points as springs, or, if `facing`, of those that friction counts
-   * (eq:contact-bound, eq:friction-facing). Null for friction.
-   */
-  ct_status (*find_springs)(const void *state, int facing, ct_masses mass, double *omega2);
+  /* Bound of ω² of all points as springs (eq:contact-bound). Null for friction. */
+  ct_status (*find_springs)(const void *state, ct_masses mass, double *omega2);
 } ct_interaction_calls;
 
 /* Constant data of an interaction: the first member of those of its kind. */
@@ -69,17 +68,16 @@ typedef struct ct_interaction {
   const int32_t *nodes; /* numbers in the arrays of the surfaces, ascending */
   int32_t node_count;
   const struct ct_interaction *on; /* of friction: the contact or obstacle that it acts on */
-  double stiffness;                /* its share of the bound of `on`; else 1 (eq:friction-bound) */
   int explicit;         /* whether forces follow from the gaps of now, which limits the step */
-  int64_t row_count;    /* most rows; 0 if `explicit`, and for friction */
+  int64_t row_count;    /* most rows; 0 if `explicit`, and for friction unless `on` is explicit */
   int32_t row_nodes;    /* most nodes of a row */
+  int64_t slip_count;   /* of friction: most rows to which it adds its law */
   int64_t memory_count; /* doubles */
   int64_t end_record;   /* end of the records of points in it, whose distance may be NaN */
   double flops, bytes;  /* of a call with all points active, without the iterations of the solver */
 } ct_interaction;
 
-/* Bound of ω² of the forces of an interaction, of those that follow from gaps and slips of now;
- * `state`: its own, for friction that of `on`. */
+/* Bound of ω² of the forces of an interaction that follow from the gaps of now. */
 ct_status ct_interaction_bound(const ct_interaction *interaction, const void *state, ct_masses mass,
                                double *omega2);
 

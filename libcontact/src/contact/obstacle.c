@@ -232,36 +232,12 @@ static void add_spring(const ct_obstacle *data, int64_t i, double *rows)
     rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
 }
 
-/* Whether a point is inside, or its face faces the obstacle. */
-static int is_facing(const ct_contact *contact, int64_t i)
-{
-  double own[3], r[3], n[3];
-  ct_side_area(&contact->gaps.side[0], i, own);
-  ct_side_position(&contact->gaps.side[0], i, contact->place, r);
-  return distance(contact->fixed, r, n) < 0.0 || ct_friction_facing(own, n);
-}
-
-static double largest_omega2(const ct_obstacle *data, const double *rows, ct_masses mass)
-{
-  double omega2 = 0.0;
-  for (int32_t n = 0; n < data->contact.is.node_count; n++)
-    omega2 = fmax(omega2, rows[n] / ct_mass_at(mass, n));
-  return omega2;
-}
-
-/* Stations have no friction. If no point faces the obstacle, all points count. */
-static ct_status find_springs(const ct_contact *contact, int facing, ct_masses mass, double *omega2)
+static ct_status find_springs(const ct_contact *contact, ct_masses mass, double *omega2)
 {
   const ct_obstacle *data = ct_obstacle_of(contact);
-  int found = 0;
-  *omega2 = largest_omega2(data, data->springs, mass);
-  if (!facing) return CT_OK;
-  double *rows = ct_allocate((size_t)data->contact.is.node_count, sizeof *rows);
-  if (rows == NULL) return CT_ERROR_MEMORY;
-  for (int64_t i = 0; i < data->contact.gaps.side[0].point_count; i++)
-    if (is_facing(contact, i)) found = 1, add_spring(data, i, rows);
-  if (found) *omega2 = largest_omega2(data, rows, mass);
-  ct_release(rows);
+  *omega2 = 0.0;
+  for (int32_t n = 0; n < data->contact.is.node_count; n++)
+    *omega2 = fmax(*omega2, data->springs[n] / ct_mass_at(mass, n));
   return CT_OK;
 }
 

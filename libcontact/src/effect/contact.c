@@ -44,7 +44,11 @@ static ct_status touch_constrain(const ct_effect *effect, const ct_view *view, c
   void *state = ct_touch_state(view->scratch);
   gather(effect, view);
   const ct_surface_motion now = motion_of(view);
-  ct_status status = is->calls->place(state, &now, error);
+  if (is->on != NULL && now.on == NULL)
+    return CT_REFUSE(
+        error,
+        "friction: the contact or obstacle that it acts on must be an effect of the problem, too");
+  ct_status status = is->on == NULL ? is->calls->place(state, &now, error) : CT_OK;
   if (status == CT_OK) *count = is->calls->list_rows(state, &now, rows);
   return status;
 }
@@ -93,8 +97,7 @@ static ct_status touch_bound(const ct_effect *effect, const ct_view *view, doubl
   const ct_touch *touch = effect->data;
   const ct_touch_scratch *s = view->scratch;
   ct_status status =
-      ct_interaction_bound(touch->is, touch->is->on == NULL ? s->state : ct_touch_state(view->read),
-                           (ct_masses){touch->mass, effect->nodes}, omega2);
+      ct_interaction_bound(touch->is, s->state, (ct_masses){touch->mass, effect->nodes}, omega2);
   return status == CT_OK
              ? CT_OK
              : ct_fail(error, status, CT_NOWHERE, "%s: no bound on the time step", effect->label);
@@ -143,7 +146,7 @@ static const ct_effect_calls FRICTION = {.force = touch_force,
                                          .create_scratch = create_scratch,
                                          .free_scratch = free_scratch,
                                          .free_data = free_data,
-                                         .bounds = {.omega2 = touch_bound}};
+                                         .constraints = {.list = touch_constrain}};
 
 /* The effect of a new interaction, which it takes over; `filled` has what differs by its kind. */
 static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect filled,
@@ -160,9 +163,9 @@ static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect
   filled.node_count = is->node_count;
   filled.memory_count = is->memory_count;
   filled.cost = (ct_effect_cost){is->flops, is->bytes};
-  if (is->row_count > 0) {
+  if (is->row_count > 0 || is->on != NULL) {
     filled.phase = CT_PHASE_CONSTRAINT;
-    filled.constraint_count = is->row_count;
+    filled.constraint_count = is->on == NULL ? is->row_count : is->slip_count;
     filled.constraint_nodes = is->row_nodes;
   }
   return ct_effect_finish(CT_OK, &filled, out, error);
@@ -228,17 +231,7 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
         error,
         "friction: add a contact or an obstacle first; friction acts where there is a pressure");
   status = ct_friction_create(def->coefficient, def->tangent, interaction_of(on), &is, error);
-  const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
-                            .label = "friction",
-                            .calls = &FRICTION,
-                            .phase = on->phase == CT_PHASE_CONSTRAINT ? CT_PHASE_FOLLOWING
-                                                                      : CT_PHASE_STATE,
-                            .reads = on};
+  const ct_effect filled = {
+      .kind = CT_EFFECT_FRICTION, .label = "friction", .calls = &FRICTION, .reads = on};
   return status == CT_OK ? create(is, problem, filled, out, error) : status;
-}
-
-void ct_friction_set_room(ct_effect *effect, ct_friction_room room)
-{
-  const ct_touch *touch = effect->data;
-  ct_friction_limit(touch->is, touch->mass, room);
 }

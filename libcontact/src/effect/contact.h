@@ -26,8 +26,4 @@ static inline void *ct_touch_state(const void *scratch)
   return ((const ct_touch_scratch *)scratch)->state;
 }
 
-/* Let an effect of friction refuse steps in which the ω² of its active points exceeds the room
- * (eq:friction-room). */
-void ct_friction_set_room(ct_effect *effect, ct_friction_room room);
-
 #endif

@@ -85,10 +85,11 @@ void ct_contact_free(ct_contact *contact)
   ct_contact_fixed_free(fixed);
 }
 
-/* Whether a part has a set of rows; that of the contact holds all nodes, also without rows. */
+/* Whether a part has a set of rows, or adds to those of another; that of the contact holds all
+ * nodes, also without rows. */
 static int has_set(const ct_host *h, const ct_host_part *part)
 {
-  return part == &h->contact || part->is->row_count > 0;
+  return part == &h->contact || part->is->row_count > 0 || part->on != NULL;
 }
 
 /* The solver of the rows of all parts together. */
@@ -106,8 +107,8 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
   for (const ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
     if (!has_set(h, part)) continue;
     h->lists[next] = part;
-    sets[next++] =
-        (ct_row_set){part->is->row_count, part->is->node_count, part->nodes, part->is->row_nodes};
+    sets[next++] = (ct_row_set){part->is->row_count, part->is->node_count, part->nodes,
+                                part->is->row_nodes, part->is->slip_count};
   }
   if (status == CT_OK)
     status = ct_solver_create(sets, count, fixed->is.node_count, number, &h->solver);
@@ -198,10 +199,34 @@ static ct_status list_rows(void *user, int32_t set, ct_constraint **rows, int64_
   const lister *from = user;
   const ct_host_part *part = from->contact->host->lists[set];
   (void)error;
-  if (part->is->row_count == 0) return CT_OK;
+  if (part->is->row_count == 0 && part->on == NULL) return CT_OK;
   const ct_surface_motion motion = ct_host_motion(from->contact->host, part, from->now);
   *count = part->is->calls->list_rows(part->state, &motion, rows);
   return CT_OK;
+}
+
+/* Forces of the parts whose forces are explicit, or of the others. */
+static ct_status find_forces(ct_host *h, const ct_surface_motion *now, int explicit,
+                             ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
+    const ct_surface_motion motion = ct_host_motion(h, part, now);
+    if (part->is->explicit == explicit)
+      status = part->is->calls->find_forces(part->state, &motion, part->force, error);
+  }
+  return status;
+}
+
+/* The explicit forces move the nodes of the solver, too. */
+static void add_explicit(ct_host *h)
+{
+  ct_solver *s = h->solver;
+  for (const ct_host_part *part = &h->contact; part != NULL; part = part->next)
+    for (int32_t n = 0; part->is->explicit && n < part->is->node_count; n++)
+      for (int64_t c = 0, at = CT_SOLVER_WIDE * (int64_t)s->place[ct_host_place(part, n)]; c < 3;
+           c++)
+        s->increment[at + c] += s->mobility[at + c] * part->force[3 * (int64_t)n + c];
 }
 
 /* Solve for the forces of all points together, if the status of `place` is CT_OK in all pieces. */
@@ -219,6 +244,7 @@ static ct_status solve(ct_contact *contact, ct_status status, ct_prediction *p,
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   p->before = !now->first ? now->before : p->force_time < p->tau ? 0.0 : p->tau;
   ct_rows_predict(h->solver, p);
+  add_explicit(h);
   status = ct_rows_solve(h->solver, now->time, error);
   if (status == CT_OK) h->now.unconverged += !h->solver->converged;
   return status;
@@ -289,17 +315,6 @@ static ct_status place(ct_contact *contact, const ct_surface_motion *now, ct_err
   return status;
 }
 
-/* Forces of all parts, after the rows are solved. */
-static ct_status find_forces(ct_host *h, const ct_surface_motion *now, ct_error *error)
-{
-  ct_status status = CT_OK;
-  for (ct_host_part *part = &h->contact; status == CT_OK && part != NULL; part = part->next) {
-    const ct_surface_motion motion = ct_host_motion(h, part, now);
-    status = part->is->calls->find_forces(part->state, &motion, part->force, error);
-  }
-  return status;
-}
-
 /* The next step begins with the memory of this one. */
 static void end_step(ct_contact *contact, const ct_contact_prediction *p)
 {
@@ -332,8 +347,9 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                                  .x = h->contact.x,
                                  .velocity = h->contact.velocity};
   ct_status status = place(contact, &now, error);
+  if (status == CT_OK) status = find_forces(h, &now, 1, error);
   status = solve(contact, status, &prediction, &now, error);
-  if (status == CT_OK) status = find_forces(h, &now, error);
+  if (status == CT_OK) status = find_forces(h, &now, 0, error);
   if (status != CT_OK) return status;
   count_work(contact, &prediction);
   end_step(contact, p);
@@ -475,7 +491,7 @@ ct_status ct_contact_update_stable_step(const ct_contact *contact, const double 
   ct_status status;
   double *mass = take_masses(contact, (const double *const[2]){mass_a, mass_b}, dt, &status, error);
   if (mass == NULL) return status;
-  status = ct_contact_find_springs(contact, 0, (ct_masses){mass, NULL}, &omega2);
+  status = ct_contact_find_springs(contact, (ct_masses){mass, NULL}, &omega2);
   return end_bound(mass, status, omega2, dt, error);
 }
 
@@ -490,8 +506,7 @@ ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a
   const ct_host_part *part = contact->host == NULL ? NULL : contact->host->contact.next;
   for (; status == CT_OK && part != NULL; part = part->next) {
     double bound;
-    const ct_host_part *on = part->on == NULL ? part : part->on;
-    status = ct_interaction_bound(part->is, on->state, (ct_masses){mass, part->nodes}, &bound);
+    status = ct_interaction_bound(part->is, part->state, (ct_masses){mass, part->nodes}, &bound);
     if (status == CT_OK) omega2 += bound;
   }
   return end_bound(mass, status, omega2, dt, error);

@@ -510,7 +510,7 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   ct_friction_def friction = ct_friction_def_default();
   friction.on = scene->effects[*next - 1];
   friction.coefficient = entry->given.friction;
-  // -- Tangential springs are explicit: no stiffer than such springs usually are
+  // -- A tenth of the normal stiffness by default: half the rounds of a stiffer spring
   friction.tangent =
       entry->given.tangent != 0.0
           ? entry->given.tangent
@@ -600,31 +600,6 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
                          : status;
 }
 
-/* What a step shorter than the stable one leaves for `count` frictions, without their bounds
- * (eq:friction-room). */
-static ct_friction_room spare_room(const ct_problem *p, double stable, int32_t count)
-{
-  double limit = ct_integrator_limit(&p->integrator);
-  return (ct_friction_room){.limit = limit, .rate = limit / stable, .fraction = 1.0 / count};
-}
-
-/* Tell each friction of a contact for which ω² of its points the step is stable. */
-static ct_status set_rooms(ct_scene *scene, ct_state *state, double stable, ct_error *error)
-{
-  const ct_problem *p = &scene->problem;
-  int32_t count = 0;
-  for (int32_t k = 0; k < p->effect_count; k++) count += p->effects[k]->kind == CT_EFFECT_FRICTION;
-  for (int32_t k = 0; k < p->effect_count; k++) {
-    double rate;
-    ct_friction_room room = spare_room(p, stable, count);
-    if (p->effects[k]->kind != CT_EFFECT_FRICTION) continue;
-    ct_status status = ct_stable_contribution(p, state, k, &room.bound, &rate, error);
-    if (status != CT_OK) return status;
-    ct_friction_set_room(scene->effects[k], room);
-  }
-  return CT_OK;
-}
-
 ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
                          int64_t *step_count, ct_stable_step *stable, ct_state **state,
                          ct_error *error)
@@ -643,8 +618,7 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
     // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
     count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
     p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)count;
-    status = set_rooms(scene, begun, stable->dt, error);
-    if (status == CT_OK && state != NULL) status = ct_state_finish(p, begun, error);
+    if (state != NULL) status = ct_state_finish(p, begun, error);
   }
   if (status == CT_OK && state != NULL) *state = begun;
   else ct_state_free(begun);

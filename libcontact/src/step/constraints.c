@@ -17,6 +17,19 @@ static int32_t row_nodes(const ct_effect *effect)
   return effect->constraint_nodes > 0 ? effect->constraint_nodes : CT_ROW_NODES;
 }
 
+/* The rows of an effect. Friction adds its law to rows that another effect lists, but for those of
+ * an explicit penalty, which it lists itself. */
+static ct_row_set set_of(const ct_effect *effect)
+{
+  const int rubs = effect->kind == CT_EFFECT_FRICTION,
+            added = rubs && effect->reads->phase == CT_PHASE_CONSTRAINT;
+  return (ct_row_set){.most = added ? 0 : effect->constraint_count,
+                      .node_count = effect->node_count,
+                      .nodes = effect->nodes,
+                      .row_nodes = row_nodes(effect),
+                      .slips = rubs ? effect->constraint_count : 0};
+}
+
 /* Places of the nodes of effects that prescribe motion among the solver's nodes. */
 static void find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c,
                         ct_pool *pool)
@@ -41,9 +54,7 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
   w->pool.failed |= sets == NULL || number == NULL;
   for (int32_t k = 0; sets != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->phase == CT_PHASE_CONSTRAINT)
-      sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes,
-                                   row_nodes(effect)};
+    if (effect->phase == CT_PHASE_CONSTRAINT) sets[count++] = set_of(effect);
   }
   if (count > 0 && !w->pool.failed) {
     ct_constraints *c = w->constraints = ct_pool_take(&w->pool, 1, sizeof *c);
@@ -80,7 +91,7 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
   int fine = count >= 0 && count <= effect->constraint_count;
   for (int64_t r = 0; fine && effect->kind == CT_EFFECT_USER && r < count; r++) {
     const ct_constraint *row = rows[r];
-    fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK &&
+    fine = row != NULL && row->slip == NULL && ct_law_check(row, effect->label, NULL) == CT_OK &&
            ct_law_has_rows(row->enforcement) &&
            has_places(effect, row->own_count, row->own, row->own_shape) &&
            has_places(effect, row->other_count, row->other, row->other_shape) &&

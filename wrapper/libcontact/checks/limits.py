@@ -1,25 +1,21 @@
-"""Warnings of limits that make a run slow or its result useless: friction that shortens the step, a
-run with very many steps, and a penalty that is too soft for its load (chapter "Warnings")."""
+"""Warnings of limits that make a run slow or its result useless: a run with very many steps, and a
+penalty that is too soft for its load (chapter "Warnings")."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from .._core import ffi, lib
-from ..bridge import call
+from .._core import lib
 from ..errors import SceneWarning
 from ..mesh import Mesh
 from ..model import ENFORCEMENTS
 from ..observers import Observer, spread
-from ..problem import Problem, new_state, penetrations, speeds
+from ..problem import Problem, penetrations, speeds
 from ..surfaces import contact_tables
 
-# Ratio of the stable steps without and with the friction of one contact (eq:friction-cost).
-SHORTENED = 4.0
 # Steps and time [s] of a long run, and operations per second of a slow core (eq:long-run).
 MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
 # Depth as a fraction of an element that is warned of, and that of the advised penalty (eq:too-soft).
@@ -30,30 +26,6 @@ CHECKS, LEAST_STEPS = 50, 64
 EDGES = np.array(
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
-
-
-def short_step(problem: Problem, state: Any = None) -> Iterator[SceneWarning]:
-    """Warn of each contact and obstacle whose friction shortens the stable step four times or more. ``state``
-    is the state at t = 0 (``ct_state *``), created if it is not given."""
-    rubbing = [each for each in contact_tables(problem.parts) if each[2].friction]
-    friction = lib.CT_EFFECT_FRICTION
-    numbers = [k for k, made in enumerate(problem.made) if made.kind == friction]
-    bounds = ffi.new("double[2]")
-    limit = lib.ct_integrator_limit(ffi.addressof(problem.pointer.integrator))
-    for (key, who, given), k in zip(rubbing, numbers):
-        state = new_state(problem) if state is None else state
-        call(lib.ct_stable_contribution, problem.pointer, state, k, bounds, bounds + 1)
-        # (eq:friction-cost)
-        rest = 1.0 - bounds[0] * (problem.stable.dt / limit) ** 2
-        factor = 1.0 / math.sqrt(rest) if rest > 0.0 else math.inf
-        if factor >= SHORTENED:
-            text = f"{who}: its friction shortens the stable step {factor:.3g} times, and "
-            text += "the run takes as many times the steps; choose a smaller beta, or larger "
-            text += "elements at the surfaces"
-            if (given.tangent or 0.0) > given.friction:
-                text += f", or a smaller tangent (down to {given.friction:g}, the "
-                text += "coefficient of friction)"
-            yield SceneWarning("short_step", text, key)
 
 
 def long_run(problem: Problem) -> Iterator[SceneWarning]:

@@ -22,7 +22,7 @@ from ..parts import acts_on
 from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
-from .limits import Depths, long_run, short_step
+from .limits import Depths, long_run
 from .touch import Touch, first_touch, gravity_on
 
 Points = dict[str, NDArray[np.int32]]
@@ -66,7 +66,6 @@ def known(
         *_twice(problem),
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
-        *short_step(problem, state),
         *long_run(problem),
     ]
 
