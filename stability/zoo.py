@@ -126,7 +126,7 @@ def play(stage: Stage, title: str) -> Answer:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         run = made.run(progress=False, output=False, watch=depth)
-    kinds = sorted({type(one.message).__name__ for one in told})
+    kinds = sorted({getattr(one.message, "kind", type(one.message).__name__) for one in told})
     fraction = problem.dt / problem.stable.dt_without_contact
     return Answer(run, problem.step_count, fraction, depth.deepest, depth.inside, ", ".join(kinds))
 
