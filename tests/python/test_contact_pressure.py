@@ -26,13 +26,15 @@ def blocks(n, m, element="hex8", **contact):
 
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
-@pytest.mark.parametrize("n, m, most", [(8, 11, 0.03), (2, 14, 0.09)])
+@pytest.mark.parametrize("n, m, most", [(8, 11, 0.02), (2, 14, 0.09)])
 def test_patch_test_on_unlike_meshes(n, m, most, element):
-    """Within 3 % (9 % where 2 elements meet 14), on both surfaces; the errors at Gauss points are ten times larger."""
+    """Within 2 % (hex20 3 %; 9 % where 2 elements meet 14), on both surfaces; the errors at Gauss points are ten times
+    larger."""
     run = blocks(n, m, element)
     (nodes,) = run.pressure["contact"]
     for side in (0, 1):
-        assert np.abs(nodes["pressure"][nodes["side"] == side] - 1).max() < most
+        error = np.abs(nodes["pressure"][nodes["side"] == side] - 1).max()
+        assert error < (max(most, 0.03) if element == "hex20" else most)
     assert np.abs(run.contact[0]["raw_pressure"] - 1).max() > 0.15
 
 
