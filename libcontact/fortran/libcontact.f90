@@ -74,7 +74,7 @@ module libcontact
     integer(c_int) :: method
     real(c_double) :: tolerance, depth
     integer(c_int) :: threads, enforcement
-    real(c_double) :: dissipation
+    real(c_double) :: dissipation, restitution, travel_time
     integer(c_int) :: points, initial_penetration
     real(c_double) :: removal_time, adjust
   end type
@@ -105,7 +105,7 @@ module libcontact
     integer(c_int) :: shape
     real(c_double) :: point(3), axis(3), radius, epsilon
     integer(c_int) :: enforcement
-    real(c_double) :: dissipation
+    real(c_double) :: dissipation, restitution, travel_time
     integer(c_int) :: points, initial_penetration
     real(c_double) :: removal_time, adjust, velocity(3), travel(3)
     type(ct_amplitude) :: amplitude

@@ -198,7 +198,10 @@ static inline double shortest_edge(const pair *p)
 static inline ct_contact_options options_of(const pair *p, double beta)
 {
   ct_contact_options options = ct_contact_options_default();
+  double c1, c2;
+  ct_material_speeds(&p->material, &c1, &c2);
   options.epsilon = ct_contact_penalty(beta, p->material.young, shortest_edge(p));
+  options.travel_time = shortest_edge(p) / c1, options.restitution = 1.0;
   return options;
 }
 
@@ -234,6 +237,7 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
   for (int k = 0; k < p->obstacles; k++) {
     ct_obstacle_def wall = p->wall[k];
     wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
+    wall.travel_time = options->travel_time, wall.restitution = options->restitution;
     need(ct_contact_add_obstacle(contact, p->side[k], &wall, &e), &e);
     if (p->rub[k] > 0.0) need(ct_contact_add_friction(contact, k, p->rub[k], tangent, &e), &e);
   }

@@ -87,6 +87,7 @@ static void comes_over_a_border(void)
       options.enforcement = LAWS[law];
       options.initial_penetration = INITIAL[i % 4];
       options.removal_time = 0.1;
+      options.restitution = 1.0, options.travel_time = 0.01;
       options.points = i < 4 ? CT_POINTS_GAUSS : CT_POINTS_LOBATTO;
       slide s;
       open_slide(&s, &options, 0.2);
@@ -108,7 +109,7 @@ static void comes_over_a_border(void)
 static void pressed_further(void)
 {
   ct_contact_options options = ct_contact_options_default();
-  options.epsilon = 4000.0;
+  options.epsilon = 4000.0, options.restitution = 1.0, options.travel_time = 0.01;
   slide s;
   open_slide(&s, &options, 0.1);
   take_steps(&s, 0, 80);

@@ -24,7 +24,7 @@ static void take_nodes(int32_t count, int32_t *nodes, double *shape)
 
 static void fill(rows *r)
 {
-  static const ct_row_set set = {ROWS, NODES, NULL, OWN + OTHER};
+  static const ct_row_set set = {ROWS, NODES, NULL, OWN + OTHER, 0};
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(&set, 1, NODES, place, &r->s), &e);
@@ -81,10 +81,7 @@ static void fill_dense(rows *r)
 static void prepare(rows *r)
 {
   fill(r);
-  ct_matrix_fill(r->s);
-  choose_active(r->s);
-  ct_matrix_choose(r->s);
-  (void)fix_laws(r->s);
+  (void)set_up(r->s);
   fill_dense(r);
 }
 

@@ -20,6 +20,7 @@ static void add_walls(ct_scene *scene, const pair *p, const ct_contact_options *
     const int s = p->side[k];
     ct_obstacle_def wall = p->wall[k];
     wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
+    wall.travel_time = options->travel_time, wall.restitution = options->restitution;
     wall.kind = ct_brick_face_kind(p->mesh[s]->kind), wall.face_count = p->face_count[s];
     const int entries = p->face_count[s] * ct_face_node_count(wall.kind);
     int32_t *faces = integers(entries);
@@ -210,10 +211,11 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
 static void never_grows(pair p, const char *name, double end, double allowed, double least)
 {
   static const double BETA[] = {1.0, 10.0, 40.0, 100.0};
-  double rise = -1.0, balance = 0.0, left = 1.0, most = 0.0;
+  double rise[2] = {-1.0, -1.0}, balance = 0.0, left = 1.0, most = 0.0;
   int64_t steps = 0, unconverged = 0;
-  for (int b = 0; b < 4; b++) {
-    ct_contact_options options = options_of(&p, BETA[b]);
+  for (int b = 0; b < 8; b++) {
+    ct_contact_options options = options_of(&p, BETA[b % 4]);
+    options.restitution = b / 4;
     host h = open_host(&p, &options, 0.9);
     ct_contact_balance now = {0};
     ct_error e = {0};
@@ -224,7 +226,7 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
       double total = bodies + now.energy - now.motion - now.removal;
       if (steps == 0) start = total;
       balance = worst(balance, (bodies - start - now.work) / start);
-      rise = fmax(rise, (total - fmin(lowest, start)) / start);
+      rise[b / 4] = fmax(rise[b / 4], (total - fmin(lowest, start)) / start);
       lowest = fmin(lowest, total);
       left = fmin(left, total / start);
       most = fmax(most, now.energy / start);
@@ -232,10 +234,12 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
     unconverged += now.unconverged;
     close_host(&h);
   }
-  tap_ok(rise <= allowed && left > least && most > 1e-3 && unconverged == 0,
+  // Faces that turn a little make gaps that are not linear; lost energy hides it, held does not.
+  tap_ok(rise[0] <= allowed && rise[1] <= fmax(allowed, 1e-9) && left > least && most > 1e-3 &&
+             unconverged == 0,
          "%s, %d steps of 0.9 of its own, beta 1 ... 100: the energy never grows by more than %.1e "
-         "(allowed %.0e), %.3f stays, the contact held up to %.3f",
-         name, (int)steps, rise, allowed, left, most);
+         "(allowed %.0e), with restitution 1 by %.1e; %.3f stays, the contact stored up to %.3f",
+         name, (int)steps, rise[0], allowed, rise[1], left, most);
   tap_ok(balance < 1e-11, "%s: bodies gain the work of the contact, off by %.1e", name, balance);
   free_pair(&p);
 }

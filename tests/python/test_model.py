@@ -109,6 +109,7 @@ initial_penetration = "remove"
 removal_time = 0.1
 enforcement = "energy_controlled"
 dissipation = 0.2
+restitution = 0.5
 [[support]]
 set = "a.x_min"
 fix = ["x", "y"]
@@ -161,7 +162,7 @@ def test_the_full_scene_is_one():
     # They replace other keys.
     assert missing == set(
         """
-        body.mesh contact.beta damping.bodies damping.relaxation obstacle.dissipation
+        body.mesh contact.beta damping.bodies damping.relaxation obstacle.dissipation obstacle.restitution
         obstacle.enforcement obstacle.epsilon obstacle.friction obstacle.tangent output.times
         time.courant time.dt time.end_c1t_over time.until_static
     """.split()

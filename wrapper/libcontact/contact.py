@@ -130,6 +130,12 @@ class Contact:
         Law by which forces follow from gaps.
     dissipation : float
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.
+    restitution : float
+        Share of the energy lost at closing that is held and given back at opening, 0 ... 1; for
+        ``"energy_controlled"``.
+    travel_time : float
+        Time h / c1 in which a wave crosses an element at the surface [time]; :meth:`step` needs it
+        if ``restitution`` is above 0.
     points : {"gauss", "lobatto"}
         Positions of the contact points on a face.
     initial_penetration : {"keep", "force", "refuse", "remove"}
@@ -188,6 +194,8 @@ class Contact:
         epsilon: float,
         enforcement: str = "energy_controlled",
         dissipation: float = 0.15,
+        restitution: float = 0.0,
+        travel_time: float = 0.0,
         points: str = "gauss",
         initial_penetration: str = "keep",
         removal_time: float = 0.0,
@@ -205,6 +213,8 @@ class Contact:
         numbers = {
             "epsilon": epsilon,
             "dissipation": dissipation,
+            "restitution": restitution,
+            "travel_time": travel_time,
             "removal_time": removal_time,
             "adjust": adjust,
             "depth": depth,
@@ -228,6 +238,7 @@ class Contact:
         self._faces = [surface.given.face_count for surface in surfaces]
         self._pair = second is not None and other.reference != first.given.reference
         self._enforcement, self._sides, self._told = enforcement, list[int](), False
+        self._restitution, self._travel_time = restitution, travel_time
         self._add_friction(-1, *self._rubbing(friction, tangent))
 
     @staticmethod
@@ -271,6 +282,8 @@ class Contact:
         travel: Any = (0.0, 0.0, 0.0),
         history: tuple[Any, Any] | None = None,
         dissipation: float = 0.15,
+        restitution: float | None = None,
+        travel_time: float | None = None,
         points: str = "gauss",
         initial_penetration: str = "keep",
         removal_time: float = 0.0,
@@ -302,6 +315,8 @@ class Contact:
             Times, from the first step on, and factors.
         dissipation : float
             Damping ratio of the surface mode, 0 ... 1.
+        restitution, travel_time : float, optional
+            As for :class:`Contact`, whose values they are without them.
         points : {"gauss", "lobatto"}
             Positions of its points on the faces of the surface.
         initial_penetration : {"keep", "force", "refuse", "remove"}
@@ -339,6 +354,8 @@ class Contact:
             "epsilon": epsilon,
             "radius": radius,
             "dissipation": dissipation,
+            "restitution": self._restitution if restitution is None else restitution,
+            "travel_time": self._travel_time if travel_time is None else travel_time,
             "removal_time": removal_time,
             "adjust": adjust,
         }.items():

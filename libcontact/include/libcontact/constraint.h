@@ -26,6 +26,23 @@ typedef enum ct_enforcement {
 struct ct_slip;
 
 /**
+ * What a row stores from step to step besides its force, zero for a new row. The solver writes it;
+ * the effect that lists the row keeps it, also in a restart file.
+ */
+typedef struct ct_impact {
+  /** Energy K that closing took from the bodies and opening gives back, :eq:`impact-reserve`. */
+  double reserve;
+  /** Time from closing to the last step with a force [time]. */
+  double pressed;
+  /** Time since then [time]; 0 if that was long ago. */
+  double idle;
+  /** Energy of the row at the middle of the last step [energy], :eq:`controlled-store`. */
+  double stored;
+  /** Part of the force that gives back the reserve [force], :eq:`release-ramp`. */
+  double release;
+} ct_impact;
+
+/**
  * One row of the constraint problem: a point that may have a contact force in the next step. Its
  * gap is g = Σ_a N_a n·x_a - Σ_b N̄_b n·x_b + terms that do not depend on the nodes. A force λ of
  * the point applies λ N_a n to node a of its own face and -λ N̄_b n to node b of the other,
@@ -51,6 +68,11 @@ typedef struct ct_constraint {
   /** Damping ratio ζ of the surface mode, 0 ... 1 (energy-controlled penalty),
    * :eq:`surface-damping`. */
   double dissipation;
+  /** Share of the energy lost at closing that comes back at opening, 0 ... 1,
+   * :eq:`impact-reserve`. */
+  double restitution;
+  /** Travel time h / c₁ through an element at the surface [time]; > 0 if `restitution` is. */
+  double travel_time;
   /** Unit vector n, the direction of the force on the point. */
   double normal[3];
   /** Gap g_n [length]. */
@@ -68,6 +90,8 @@ typedef struct ct_constraint {
   /** Force λ [force]. The effect that lists the row writes the force of the last step; the solver
    * replaces it with the new one. */
   double force;
+  /** Memory of the last step; the solver replaces it, too. */
+  ct_impact impact;
   /** Friction of the point, which only the library's own effects can add; null: none. */
   struct ct_slip *slip;
 } ct_constraint;

@@ -68,6 +68,15 @@ typedef struct ct_contact_options {
    * penalty. With 0, energy is conserved while contact lasts.
    */
   double dissipation;
+  /**
+   * Share of the energy lost at closing that a point holds and gives back when it opens, 0 ... 1,
+   * :eq:`impact-reserve`; for the energy-controlled penalty. With 1 an elastic impact loses nothing
+   * but the dashpot's part; default 0.
+   */
+  double restitution;
+  /** Time h / c₁ in which a wave crosses an element at the surface [time], the shorter one of the
+   * two bodies; > 0 where `restitution` is. Only steps need it. */
+  double travel_time;
   /** Positions of the points; default: Gauss points. */
   ct_contact_rule points;
   /**
@@ -316,6 +325,8 @@ typedef struct ct_obstacle_def {
    * penalty. With 0, energy is conserved while contact lasts.
    */
   double dissipation;
+  /** Restitution and travel time h / c₁, as in ct_contact_options. */
+  double restitution, travel_time;
   /** Positions of the points on the faces; default: Gauss points. */
   ct_contact_rule points;
   /** Treatment of points that penetrate at the start; default CT_INITIAL_KEEP. */

@@ -61,7 +61,20 @@ ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
     return CT_REFUSE(error, "%s: there is no enforcement %d", who, (int)c->enforcement);
   if (!(c->dissipation >= 0.0 && c->dissipation <= 1.0))
     return CT_REFUSE(error, "%s: dissipation must be 0 to 1, not %g", who, c->dissipation);
+  if (!(c->restitution >= 0.0 && c->restitution <= 1.0))
+    return CT_REFUSE(error, "%s: restitution must be 0 to 1, not %g", who, c->restitution);
   return CT_OK;
+}
+
+ct_status ct_law_check_time(const ct_constraint *c, const char *who, ct_error *error)
+{
+  if (!ct_law_has_rows(c->enforcement) || c->restitution == 0.0 ||
+      (c->travel_time > 0.0 && isfinite(c->travel_time)))
+    return CT_OK;
+  return CT_REFUSE(error,
+                   "%s: travel_time must be positive, not %g: give h / c1, the time in which a "
+                   "wave crosses an element at the surface, or restitution 0",
+                   who, c->travel_time);
 }
 
 double ct_law_usual(ct_enforcement law)
@@ -75,11 +88,89 @@ int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
 
 ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
 
+/* Whether the point has closed so shortly ago that its loss is that of the impact, τ = 1.5 h / c₁.
+ */
+static int is_fresh(const ct_constraint *c)
+{
+  return c->restitution > 0.0 && c->impact.pressed < 1.5 * c->travel_time;
+}
+
 double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
+  // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
+  double zeta = is_fresh(c) ? fmax(c->dissipation, 0.5) : c->dissipation;
   // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
-  double a = c->dissipation * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
+  double a = zeta * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
   return isfinite(a) ? a : 0.0;
+}
+
+/* Stored impact (eq:impact-reserve). */
+
+static int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c->travel_time; }
+
+int ct_law_may_release(const ct_constraint *c)
+{
+  const double K =
+      c->impact.reserve; // below zero by rounding; and a number that squares to 0 is none
+  return K > 0.0 && K * K > 0.0 && !is_fresh(c) && is_recent(c);
+}
+
+int ct_law_releases(const ct_constraint *c, double force)
+{
+  const double last = c->force - c->impact.release;
+  // -- The step that is nearest to the zero of the extrapolated force (eq:release-time)
+  return ct_law_may_release(c) && force <= last / 3.0;
+}
+
+ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)
+{
+  const double K = c->impact.reserve, x = free - c->before, root = sqrt(x * x + 8.0 * K * bound);
+  // -- λ* x* / 2 = K with x* = x_free + D λ*, without cancellation (eq:release-ramp)
+  const double lambda = x < 0.0 ? (root - x) / (2.0 * bound) : 4.0 * K / (root + x),
+               opening = 2.0 * K / lambda;
+  *force = lambda;
+  // -- ⟨2 λ* - (λ* / x*) (g_{n+1} - g_{n-1})⟩, a tangent of the hyperbola (eq:release-ramp)
+  return (ct_ramp){.C = opening / lambda, .b = -(c->before + 2.0 * opening)};
+}
+
+/* The time from closing to the last step with a force, and that since then (eq:release-time). */
+static void count_time(ct_constraint *c, int pressed, double dt)
+{
+  ct_impact *impact = &c->impact;
+  if (pressed) {
+    impact->pressed += dt + impact->idle;
+    impact->idle = 0.0;
+  } else if (impact->pressed > 0.0) {
+    impact->idle += dt;
+    if (!is_recent(c)) impact->pressed = impact->idle = 0.0;
+  }
+}
+
+void ct_law_settle(ct_constraint *c, double dt, double x)
+{
+  ct_impact *impact = &c->impact;
+  const double release = impact->release, own = c->force - release;
+  const double stored = ct_law_stored(c), before = ct_law_claim(c);
+  // -- What the row loses, without its dashpot while contact lasts (eq:impact-reserve)
+  const double closed = c->after - fmin(c->before, 0.0);
+  const double dash =
+      own > 0.0 && !is_fresh(c) ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
+  const double loss = (before - stored - 0.5 * own * x) - dash;
+  impact->reserve += c->restitution * loss - 0.5 * release * x;
+  // -- What the partner of the last step had stored more than this one; less than that is paid from
+  // what is held (eq:impact-reserve)
+  const double jump = impact->stored - before;
+  impact->reserve += jump > 0.0 ? c->restitution * jump : fmax(jump, -fmax(impact->reserve, 0.0));
+  impact->stored = stored;
+  count_time(c, own > 0.0, dt);
+}
+
+void ct_law_leave(ct_constraint *c, double dt)
+{
+  // -- What the last partner had stored (eq:impact-reserve)
+  c->impact.reserve += c->restitution * c->impact.stored;
+  c->force = c->impact.release = c->impact.stored = 0.0;
+  count_time(c, 0, dt);
 }
 
 static double stored_between(const ct_constraint *c, double g0, double g1)

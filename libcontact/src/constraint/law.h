@@ -7,6 +7,9 @@
  * parameters of its law are read. `who` begins the message. */
 ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *error);
 
+/* Refuse a missing travel time, which only steps need (eq:impact-reserve). */
+ct_status ct_law_check_time(const ct_constraint *law, const char *who, ct_error *error);
+
 /* A law in one step: λ = ⟨-(g_{n+1} + b)⟩ / C (eq:ramp). */
 typedef struct ct_ramp {
   double C; /* compliance, > 0 */
@@ -33,6 +36,28 @@ double ct_law_dashpot(const ct_constraint *row, double mobility);
 /* Energy that a row takes from the bodies and does not store in the step with the given force and
  * next gap: negative if the forces do not solve the problem (eq:row-loss). */
 double ct_law_loss(const ct_constraint *row, double force, double after);
+
+/* Stored impact: what closing takes from the bodies is held, and an extra row of the same problem
+ * gives it back in the step in which the point opens (eq:impact-reserve). */
+
+/* Whether a row holds energy that it may give back in this step; then it takes part wherever its
+ * gap is (eq:release-time). */
+int ct_law_may_release(const ct_constraint *row);
+
+/* Whether a row opens in this step: `force` is what it would have without its neighbours
+ * (eq:release-time). */
+int ct_law_releases(const ct_constraint *row, double force);
+
+/* The extra row: its ramp, and the force with which it gives back all of the reserve if all
+ * points that open move alike. `free` is g_{n+1} without the constraints, `bound` the change of the
+ * gap by unit forces of all such points (eq:release-ramp). */
+ct_ramp ct_law_release(const ct_constraint *row, double free, double bound, double *force);
+
+/* The memory of a row after a step of the length dt: its forces and gaps are known, and half of a
+ * force times x is its work. And of a row that has no force and is not listed (eq:impact-reserve).
+ */
+void ct_law_settle(ct_constraint *row, double dt, double x);
+void ct_law_leave(ct_constraint *row, double dt);
 
 /* Energy of the row at t_n, such that its sum with the energy of the bodies never grows
  * (eq:controlled-energy). The stored energy of the last step is computed from `before`, as if the

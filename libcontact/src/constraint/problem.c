@@ -16,6 +16,9 @@ ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct
 void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
 {
   solver->fraction = p->force_time / p->whole;
+  solver->dt = p->tau;
+  solver->starts = !(p->before > 0.0);
+  solver->again = p->again;
   for (int32_t i = 0; i < solver->node_count; i++) {
     int64_t own = CT_SOLVER_WIDE * (int64_t)i, dof = 3 * (int64_t)solver->nodes[i];
     for (int c = 0; c < 3; c++, own++, dof++) {
@@ -23,7 +26,8 @@ void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
       // (eq:constraint-problem, eq:host-step)
       solver->increment[own] = ct_prediction_increment(p, dof);
       solver->mobility[own] = p->tau * p->force_time * p->inverse_mass[dof];
-      solver->last_increment[own] = p->before * p->velocity[dof];
+      // -- at t = 0 the motion of a step with the first velocity (eq:reserve-start)
+      solver->last_increment[own] = (solver->starts ? p->tau : p->before) * p->velocity[dof];
     }
   }
 }

@@ -19,6 +19,7 @@ typedef struct ct_prediction {
   double tau, force_time, l;
   double whole;  /* the value of `force_time` in a step that does not begin at t = 0 */
   double before; /* Δt of the last step; 0: none */
+  int again;     /* whether the step at t = 0 was already solved, with v_0 (eq:stage-start) */
   const double *velocity, *inverse_mass, *force;
   const double *acceleration; /* of the last evaluation, or null */
   const double *increment;    /* given displacement increments, or null */

@@ -48,7 +48,8 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
     places += sets[k].node_count, s->most += sets[k].most, slips += sets[k].slips;
     most_entries += sets[k].row_nodes * sets[k].most;
   }
-  size_t nodes = (size_t)places, rows = (size_t)s->most, entries = (size_t)most_entries;
+  // Each point may have a second row in the step in which it opens.
+  size_t nodes = (size_t)places, rows = 2 * (size_t)s->most, entries = (size_t)most_entries;
   s->set_count = count;
   s->tolerance = CT_SOLVER_TIGHT;
   s->first = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
@@ -113,10 +114,12 @@ static double predict_gaps(ct_solver *s)
   ct_matrix_times(s, count, s->increment, s->free);
   for (int64_t j = 0; j < count; j++) {
     ct_constraint *c = s->rows[j];
-    c->before = c->gap - (s->terms[j] + c->came);
+    // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
+    c->before = s->starts ? c->gap : c->gap - (s->terms[j] + c->came);
     c->after = c->gap + (s->free[j] + c->moved);
     double motion = fabs(c->after - c->gap), depth = -c->gap, far = motion > depth ? motion : depth;
     most = far > most ? far : most;
+    if (s->starts && !s->again) c->impact = (ct_impact){.stored = ct_law_claim(c)};
   }
   return most;
 }
@@ -129,33 +132,82 @@ static void choose_active(ct_solver *s)
   s->count = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
-    double force = c->force;
     if (!ct_law_has_rows(c->enforcement)) continue; // its force is given
-    c->force = 0.0;
-    // -- Neither touched now nor without the force of the step (eq:near-constraints)
-    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most)) continue;
+    // -- Neither touched now nor without the force of the step (eq:near-constraints), nor held
+    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most || ct_law_may_release(c))) {
+      c->force = 0.0;
+      if (!s->again) ct_law_leave(c, s->dt);
+      continue;
+    }
     s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
-    s->force[s->count] = force;
+    s->force[s->count] = c->force - c->impact.release;
     s->active[s->count++] = c;
   }
+  s->point_count = s->count;
 }
 
-/* The laws of the rows in this step, and the scale of each (eq:constraint-bound). */
+static void set_all(double *numbers, int64_t first, int64_t end, double value)
+{
+  for (int64_t r = first; r < end; r++) numbers[r] = value;
+}
+
+/* The laws of the points in this step, and the bound of each row, into `scale`
+ * (eq:constraint-bound). */
 static int fix_laws(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) s->direction[r] = 1.0;
+  set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
   for (int64_t r = 0; r < s->count; r++) {
     ct_constraint *c = s->active[r];
-    double bound = s->scale[r];
-    c->dashpot = ct_law_dashpot(c, bound / s->fraction);
+    c->dashpot = ct_law_dashpot(c, s->scale[r] / s->fraction);
     ct_ramp ramp = ct_law_ramp(c);
     s->C[r] = ramp.C;
     s->b[r] = ramp.b;
-    // -- 1 / D (eq:constraint-bound)
-    s->scale[r] = 1.0 / (bound + ramp.C);
   }
+  return 1;
+}
+
+/* Add a second row for each point that opens in this step and gives back what it holds
+ * (eq:release-ramp). */
+static int add_releases(ct_solver *s)
+{
+  const int64_t points = s->count;
+  for (int64_t r = 0; r < points; r++) {
+    ct_constraint *c = s->active[r];
+    // -- Its force without those of its neighbours (eq:release-time)
+    const double alone = -(s->free[r] + s->b[r]) / (s->C[r] + s->scale[r]);
+    if (!(s->scale[r] > 0.0) || !ct_law_releases(c, alone)) continue;
+    s->entries[s->count] = s->entries[r];
+    s->free[s->count] = s->free[r];
+    s->scale[s->count] = s->scale[r];
+    s->active[s->count++] = c;
+  }
+  double some = (double)(s->count - points);
+  ct_pieces_largest(s->pieces, &some, 1);
+  if (some == 0.0) return 1;
+  ct_matrix_choose(s);
+  set_all(s->direction, 0, points, 0.0);
+  set_all(s->direction, points, s->count, 1.0);
+  if (!ct_matrix_bound(s, s->direction, s->terms)) return 0;
+  for (int64_t r = points; r < s->count; r++) {
+    ct_ramp ramp = ct_law_release(s->active[r], s->free[r], s->terms[r], &s->force[r]);
+    s->C[r] = ramp.C;
+    s->b[r] = ramp.b;
+  }
+  for (int64_t r = 0; r < s->count; r++) s->scale[r] += s->terms[r];
+  return 1;
+}
+
+/* The rows of the problem, their laws, and the scale of each. */
+static int set_up(ct_solver *s)
+{
+  ct_matrix_fill(s);
+  choose_active(s);
+  ct_matrix_choose(s);
+  if (!fix_laws(s) || !add_releases(s)) return 0;
+  // -- 1 / D (eq:constraint-bound)
+  for (int64_t r = 0; r < s->count; r++) s->scale[r] = 1.0 / (s->scale[r] + s->C[r]);
   return 1;
 }
 
@@ -310,6 +362,15 @@ static int iterate(ct_solver *s, double least)
   }
 }
 
+/* Energy that a row loses. The second row of a point that opens takes from what the point holds
+ * (eq:release-ramp). */
+static double loss_of(const ct_solver *s, int64_t r, double after)
+{
+  const ct_constraint *c = s->active[r];
+  if (r < s->point_count) return ct_law_loss(c, s->force[r], after);
+  return fmin(c->impact.reserve - 0.5 * s->force[r] * (after - c->before), 0.0);
+}
+
 /* Whether all rows together lose energy, to rounding: then the energy of the bodies and of the rows
  * does not grow, whatever the forces are (eq:energy-stop). */
 static int loses_energy(ct_solver *s)
@@ -320,8 +381,8 @@ static int loses_energy(ct_solver *s)
     for (int64_t r = 0; r < s->count; r++) {
       // -- g_{n+1}, of the slope g_{n+1} + b + C λ
       const double force = s->force[r], after = s->gradient[r] - s->b[r] - s->C[r] * force;
-      s->terms[r] = sizes ? force * (fabs(after) + fabs(s->active[r]->before))
-                          : ct_law_loss(s->active[r], force, after);
+      s->terms[r] =
+          sizes ? force * (fabs(after) + fabs(s->active[r]->before)) : loss_of(s, r, after);
     }
     sum[sizes] = ct_sum_over(s->pieces, s->terms, s->count);
   }
@@ -385,24 +446,41 @@ static int find_forces(ct_solver *s)
   return 1;
 }
 
-/* Store forces and gaps of the solution in the rows. */
+/* Store the forces of the points, without those of the second rows, and their gaps. */
 static void store_solution(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) {
+  for (int64_t r = 0; r < s->point_count; r++) {
     s->active[r]->force = s->force[r];
     // -- g_{n+1}, of the slope g_{n+1} + b + C λ
     s->active[r]->after = s->gradient[r] - s->b[r] - s->C[r] * s->force[r];
   }
 }
 
+/* Add the forces of the second rows, and store what the points hold. */
+static void settle(ct_solver *s)
+{
+  for (int64_t r = 0; r < s->point_count; r++) s->active[r]->impact.release = 0.0;
+  for (int64_t r = s->point_count; r < s->count; r++) {
+    s->active[r]->impact.release = s->force[r];
+    s->active[r]->force += s->force[r];
+  }
+  if (s->again) return;
+  if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
+  for (int64_t r = 0; r < s->point_count; r++) {
+    ct_constraint *c = s->active[r];
+    // -- Twice the mean motion while the force acts: of two steps, or of half a step with v_0 and
+    // v_{1/2} (eq:contact-step-work, eq:reserve-start)
+    const double x =
+        s->starts ? 0.5 * ((c->after - c->gap) + (s->terms[r] + c->moved)) : c->after - c->before;
+    ct_law_settle(c, s->dt, x);
+  }
+}
+
 int ct_solver_solve(ct_solver *s)
 {
-  ct_matrix_fill(s);
-  choose_active(s);
-  ct_matrix_choose(s);
   s->iterations = 0;
   s->converged = 1;
-  if (!fix_laws(s)) return 0;
+  if (!set_up(s)) return 0;
   ct_tangent_begin(s);
   int again = 1;
   while (again > 0) {
@@ -410,5 +488,6 @@ int ct_solver_solve(ct_solver *s)
     store_solution(s);
     again = ct_tangent_solve(s);
   }
+  settle(s);
   return again == 0;
 }

@@ -49,7 +49,10 @@ typedef struct ct_solver {
   double
       *mobility;   /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
   double fraction; /* of the mobility in a step that does not begin at t = 0 */
-  double *last_increment; /* u_n - u_{n-1}, likewise */
+  double dt;       /* of the next step */
+  int starts;      /* whether there was no step before */
+  int again;       /* whether the first step was already solved with v_0 */
+  double *last_increment; /* u_n - u_{n-1}, likewise; at t = 0, Δt v_0 */
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
@@ -59,10 +62,11 @@ typedef struct ct_solver {
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
   int32_t *shared_nodes;      /* the nodes on which active rows of several pieces act, likewise */
-  ct_entries *entries;        /* of the listed rows, and then of those that may be active */
+  ct_entries *entries;        /* of the listed rows, and then of the active ones */
   double *G;                  /* the entries, shape (any number, 4) */
   int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
-  int64_t count;              /* active rows */
+  int64_t count;              /* active rows: of points, and then those of points that open */
+  int64_t point_count;        /* active rows of points */
   ct_constraint **active;     /* these rows */
   double *C, *b;              /* their laws: compliance, and offset of the next gap (eq:ramp) */
   double *free;               /* gaps at t_{n+1} without the constraints */

@@ -61,7 +61,7 @@ typedef struct ct_tangent {
 void ct_tangent_create(ct_solver *s, int64_t most)
 {
   ct_pool *pool = &s->pool;
-  const size_t nodes = (size_t)s->node_count, rows = (size_t)s->most;
+  const size_t nodes = (size_t)s->node_count, rows = 2 * (size_t)s->most;
   ct_tangent *t = s->tangent = ct_pool_take(pool, 1, sizeof *t);
   if (t == NULL) return;
   t->most_rounds = MOST_ROUNDS;
@@ -523,7 +523,7 @@ static void store(ct_solver *s)
   const double theta = guard(s);
   for (int64_t j = 0; j < t->count; j++) store_row(t, &t->rows[j], theta);
   share_reserves(s);
-  for (int64_t r = 0; r < s->count; r++)
+  for (int64_t r = 0; r < s->point_count; r++)
     s->active[r]->after += theta * t->shift[r] - (s->free[r] - t->gap_free[r]);
 }
 

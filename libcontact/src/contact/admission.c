@@ -55,7 +55,7 @@ double ct_side_motion(const ct_side *side)
 static void admit(const ct_side *side, ct_point *p)
 {
   // -- Its gap counts from the start gap with which it stores as much as before (eq:admitted)
-  double rise = ct_law_raise(&p->row, p->stored);
+  double rise = ct_law_raise(&p->row, p->row.impact.stored);
   if (!(rise > 0.0)) return;
   p->admitted -= rise;
   p->shift -= rise;
@@ -184,7 +184,7 @@ void ct_admission_count(ct_contact *contact, int starting)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       const ct_constraint *row = &p->row;
       const int listed = p->other >= 0 && (p->listed || !contact->solved);
-      p->stored = !listed ? 0.0 : controlled ? ct_law_stored(row) : ct_law_claim(row);
+      if (!controlled) p->row.impact.stored = listed ? ct_law_claim(row) : 0.0;
       if (!listed || !controlled) continue;
       // -- Minus the work of the row (eq:admitted-account)
       double own = -0.5 * row->force * (row->after - row->before);

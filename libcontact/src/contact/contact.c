@@ -97,7 +97,8 @@ static void forget(ct_contact *contact)
       p->other = -1;
       p->status = CT_POINT_NEW;
       p->xi[0] = p->xi[1] = p->row.force = p->force_size = 0.0;
-      p->admitted = p->stored = 0.0;
+      p->admitted = 0.0;
+      p->row.impact = (ct_impact){.reserve = 0.0};
       p->known = NAN;
     }
   }
@@ -170,8 +171,7 @@ static ct_status place(void *state, const ct_surface_motion *now, ct_error *erro
 
 static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constraint **rows)
 {
-  (void)now;
-  return ct_contact_list_rows(state, rows);
+  return ct_contact_list_rows(state, now->dt, rows);
 }
 
 /* Sum of the forces of all surfaces on each node. */
@@ -215,9 +215,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   for (int s = 0; s < count; s++)
     if (contact->solved) ct_side_take_rows(&sides[s]);
     else ct_side_apply_penalty(&sides[s]);
-  if (contact->solved)
-    contact->held = ct_side_rows_energy(sides, count, now->time, record->stored, &record->stored,
-                                        contact->terms);
+  if (contact->solved) ct_contact_count_energy(contact, now->time);
   if (fixed->admits) ct_admission_count(contact, first || now->before == 0.0);
   if (ct_start_gap_fades(&fixed->start_rule))
     record->removal += ct_start_gap_work(&fixed->start_rule, sides, count, now->time,
@@ -234,7 +232,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
 
 double ct_contact_own_energy(const ct_contact *contact)
 {
-  return contact->solved ? contact->held
+  return contact->solved ? contact->energy
                          : ct_side_potential(contact->gaps.side, contact->gaps.fixed->sides);
 }
 

@@ -60,7 +60,7 @@ typedef struct ct_admission {
 typedef struct ct_contact_record {
   double begun;   /* whether there was an earlier step */
   double time;    /* of that step */
-  double stored;  /* energy that all rows stored at its middle */
+  double stored;  /* energy that all rows stored and held at its middle */
   double removal; /* work of fading start gaps since t = 0 */
   ct_admission admission;
   double reaction[3]; /* force of the bodies on an obstacle */
@@ -74,7 +74,7 @@ struct ct_contact {
   ct_gaps gaps;
   double *terms; /* memory for sums, one number per point and node */
   int solved;    /* whether the forces are those of solved rows */
-  double held;   /* energy of the constraints then */
+  double energy; /* of the constraints then */
   ct_contact_record record;
   /* Of an obstacle: its position, its motion since the last step and until the next one; and the
    * distance from which a point may reach it until then. */
@@ -129,8 +129,9 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                                   const ct_contact_options *options, ct_contact_fixed **out,
                                   ct_error *error);
 
-/* List the rows of the points that may be active; returns their number (eq:constraint-force). */
-int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows);
+/* List the rows of the points that may be active in the next step, of the length dt; returns their
+ * number (eq:constraint-force). */
+int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows);
 
 /* Forces of the points from their solved rows, or of the explicit penalty. */
 void ct_side_take_rows(ct_side *side);
@@ -139,11 +140,9 @@ void ct_side_apply_penalty(ct_side *side);
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
 
-/* Energy of the solved rows of some sides at t_n (eq:controlled-energy, eq:energy-start): `before`
- * is the energy that all of them stored at the middle of the last step, and `*after` becomes that
- * at the middle of the next one. `terms` has one number for each. */
-double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
-                           double *after, double *terms);
+/* Energy of the solved rows at t_n (eq:controlled-energy, eq:energy-start), and of what they hold
+ * (eq:impact-reserve), from the record of the last step, which becomes that of the next one. */
+void ct_contact_count_energy(ct_contact *contact, double time);
 
 /* Nodal forces of all surfaces from those of the points. */
 ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
@@ -183,7 +182,7 @@ typedef struct ct_point_record {
   double start;      /* start gap */
   double force_size; /* size of the point's force, if start gaps fade */
   double admitted;   /* start gap of a point that was found inside */
-  double stored;     /* energy of the row */
+  ct_impact impact;  /* of the row */
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
 

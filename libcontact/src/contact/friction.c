@@ -322,7 +322,7 @@ static void treat(friction_state *s, const call *now, int solved)
 static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint **rows)
 {
   friction_state *s = state;
-  const int64_t count = s->data->explicit ? ct_contact_list_rows(at->on, rows) : 0;
+  const int64_t count = s->data->explicit ? ct_contact_list_rows(at->on, at->dt, rows) : 0;
   const call now = begin(s, at);
   treat(s, &now, 0);
   return count;

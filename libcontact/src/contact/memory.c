@@ -45,7 +45,7 @@ static const double *load_points(ct_side *side, int32_t face_count, const double
     point->start = record.start;
     point->force_size = record.force_size;
     point->admitted = record.admitted;
-    point->stored = record.stored;
+    point->row.impact = record.impact;
   }
   return memory;
 }
@@ -89,7 +89,7 @@ static double *store_points(const ct_side *side, double *memory)
                                     .start = point->start,
                                     .force_size = point->force_size,
                                     .admitted = point->admitted,
-                                    .stored = point->stored};
+                                    .impact = point->row.impact};
     memcpy(memory, &record, sizeof record);
   }
   return memory;

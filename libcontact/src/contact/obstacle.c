@@ -23,7 +23,9 @@ static ct_constraint law_of(const ct_obstacle_def *given)
 {
   return (ct_constraint){.enforcement = given->enforcement,
                          .stiffness = given->epsilon,
-                         .dissipation = given->dissipation};
+                         .dissipation = given->dissipation,
+                         .restitution = given->restitution,
+                         .travel_time = given->travel_time};
 }
 
 static double distance(const ct_contact_fixed *fixed, const double r[3], double n[3])

@@ -17,7 +17,8 @@
 static int list_point(const ct_contact *contact, const ct_side *other, ct_point *point)
 {
   ct_constraint *row = &point->row;
-  if ((other != NULL && point->other < 0) || !(row->gap <= contact->reach) || isnan(row->normal[0]))
+  if ((other != NULL && point->other < 0) || isnan(row->gap) || isnan(row->normal[0]) ||
+      !(row->gap <= contact->reach || ct_law_may_release(row)))
     return 0;
   row->came = -point->closed;
   row->moved = -point->closing;
@@ -31,7 +32,7 @@ static int list_point(const ct_contact *contact, const ct_side *other, ct_point 
   return 1;
 }
 
-int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
+int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows)
 {
   int64_t count = 0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
@@ -39,7 +40,7 @@ int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       p->listed = list_point(contact, other, p);
       if (p->listed) rows[count++] = &p->row;
-      else p->row.force = 0.0;
+      else ct_law_leave(&p->row, dt);
     }
   }
   return count;
@@ -89,28 +90,33 @@ double ct_side_potential(const ct_side *sides, int count)
   return ct_stream_sum(&sum);
 }
 
-/* Σ of one part of the energy over all listed rows. */
-static double sum_energy(const ct_side *sides, int count, double (*part)(const ct_constraint *row),
-                         double *terms)
+/* Parts of the energy of a point: of its row, if it is listed, and what it holds. */
+static double lag_of(const ct_point *p) { return p->listed ? ct_law_lag(&p->row) : 0.0; }
+static double start_of(const ct_point *p) { return p->listed ? ct_law_start(&p->row) : 0.0; }
+static double stored_of(const ct_point *p) { return p->row.impact.stored + p->row.impact.reserve; }
+
+/* Σ of one part of the energy over all points. */
+static double sum_energy(ct_contact *contact, double (*part)(const ct_point *point))
 {
   int64_t some = 0;
-  for (int s = 0; s < count; s++)
-    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
-      if (!sides[s].points[i].listed) continue;
-      terms[some] = part(&sides[s].points[i].row);
-      some += terms[some] != 0.0;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (const ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+      contact->terms[some] = part(p);
+      some += contact->terms[some] != 0.0;
     }
-  return ct_sum_over(sides[0].pieces, terms, some);
+  }
+  return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
-double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
-                           double *after, double *terms)
+void ct_contact_count_energy(ct_contact *contact, double time)
 {
-  *after = sum_energy(sides, count, ct_law_stored, terms);
-  if (time == 0.0) return sum_energy(sides, count, ct_law_start, terms);
+  const double before = contact->record.stored, after = sum_energy(contact, stored_of);
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)
-  return 0.5 * (before + *after) + sum_energy(sides, count, ct_law_lag, terms);
+  contact->energy = time == 0.0 ? sum_energy(contact, start_of)
+                                : 0.5 * (before + after) + sum_energy(contact, lag_of);
+  contact->record.stored = after;
 }
 
 static ct_heap heap_of(const ct_side *side)

@@ -42,7 +42,9 @@ static ct_constraint law_of(const ct_contact_options *options)
 {
   return (ct_constraint){.enforcement = options->enforcement,
                          .stiffness = 0.5 * options->epsilon,
-                         .dissipation = options->dissipation};
+                         .dissipation = options->dissipation,
+                         .restitution = options->restitution,
+                         .travel_time = options->travel_time};
 }
 
 static ct_status check_options(const ct_contact_fixed *fixed, const ct_contact_options *options,

@@ -2,6 +2,7 @@
 #include "contact.h"
 
 #include "../base/error.h"
+#include "../constraint/law.h"
 #include "../base/threads.h"
 #include "../step/effect_internal.h"
 
@@ -28,7 +29,7 @@ static ct_surface_motion motion_of(const ct_view *view)
   const ct_touch_scratch *s = view->scratch;
   return (ct_surface_motion){.time = view->time,
                              .before = view->time > 0.0 ? view->dt : 0.0,
-                             .dt = view->dt,
+                             .dt = view->next_dt,
                              .threads = ct_threads_of(view->settings),
                              .x = s->x,
                              .velocity = s->velocity,
@@ -153,9 +154,13 @@ static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect
                         ct_effect **out, ct_error *error)
 {
   ct_touch *touch = ct_allocate(1, sizeof *touch);
-  if (touch == NULL) {
+  ct_status status = touch == NULL ? CT_NO_MEMORY(error, "effect %s", filled.label) : CT_OK;
+  if (status == CT_OK && is->on == NULL)
+    status = ct_law_check_time(&((const ct_contact_fixed *)is)->law, filled.label, error);
+  if (status != CT_OK) {
     is->calls->free(is);
-    return CT_NO_MEMORY(error, "effect %s", filled.label);
+    ct_release(touch);
+    return status;
   }
   *touch = (ct_touch){is, problem->mass};
   filled.data = touch;

@@ -37,7 +37,6 @@ typedef struct ct_point {
   int jumped;      /* whether it is inside by more than the motion since then explains */
   double start;    /* start gap that does not fade (eq:initial-adjust) */
   double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
-  double stored;   /* energy of the row at the middle of the last step */
   int claims;      /* whether the point may store energy in this step */
   double shift;    /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
   double closed;   /* growth of the shift since the last step */

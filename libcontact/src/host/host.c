@@ -3,6 +3,7 @@
 #include "host.h"
 
 #include "../base/error.h"
+#include "../constraint/law.h"
 #include "../constraint/problem.h"
 
 #include <math.h>
@@ -404,6 +405,19 @@ static ct_status check_times(const ct_contact *contact, const ct_contact_predict
                    p->dt, last.before, mean, p->force_time);
 }
 
+/* Refuse a contact or an obstacle without a travel time. */
+static ct_status check_travel(const ct_contact *contact, ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (const ct_host_part *part = &contact->host->contact; status == CT_OK && part != NULL;
+       part = part->next) {
+    if (part->is->on != NULL || part->is->row_count == 0) continue;
+    const ct_contact_fixed *fixed = (const ct_contact_fixed *)part->is;
+    status = ct_law_check_time(&fixed->law, fixed->partner->label, error);
+  }
+  return status;
+}
+
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
 {
   if (contact == NULL || p == NULL) return CT_REFUSE_NULL(error);
@@ -417,6 +431,7 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   int64_t rows = 0;
   ct_status status = ct_host_open(contact, error);
   if (status == CT_OK) status = check_times(contact, p, error);
+  if (status == CT_OK) status = check_travel(contact, error);
   for (int s = 0; status == CT_OK && s < contact->fixed->gaps.sides; s++)
     status = check_side(contact, s, &side[s], error);
   if (contact->host != NULL) status = ct_host_agree(contact, status, &rows, error);

@@ -469,6 +469,20 @@ static double usual_penalty(const ct_scene *scene, const ct_scene_contact *conta
   return ct_contact_penalty_default(enforcement, modulus, shortest_edge(scene, contact));
 }
 
+/* The shorter of the times in which a wave crosses the thinnest element of each body
+ * (eq:impact-reserve). */
+static double travel_time(const ct_scene *scene, const ct_scene_contact *contact)
+{
+  const int32_t body[2] = {contact->body_a, contact->body_b};
+  double shortest = HUGE_VAL;
+  for (int s = 0; s < 2; s++) {
+    double c1, c2;
+    ct_material_speeds(&scene->bodies[body[s]].material, &c1, &c2);
+    shortest = fmin(shortest, ct_mesh_shortest_edge(scene->parts[body[s]].mesh) / c1);
+  }
+  return shortest;
+}
+
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
  * or the default. */
 static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
@@ -501,6 +515,7 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   def.b = &surface[self ? 0 : 1];
   def.options = entry->given.options;
   def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given);
+  if (def.options.travel_time == 0.0) def.options.travel_time = travel_time(scene, &entry->given);
   ct_status status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
   // Surface 0 or 1 of the contact is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))

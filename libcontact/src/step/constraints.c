@@ -149,6 +149,7 @@ static ct_prediction predict(const ct_problem *problem, const ct_state *state)
     p.force_time = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
     p.acceleration = NULL;
   }
+  p.again = p.before == 0.0 && !state->workspace->starting;
   return p;
 }
 

@@ -159,6 +159,8 @@ class Obstacle(ContactLaw, OnSurface):
 
     def members(self, maker: Any) -> dict[str, Any]:
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
+        c = ffi.new("double[2]")
+        lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
         return {
             **super().members(maker),
             "shape": SHAPES[self.shape],
@@ -166,6 +168,7 @@ class Obstacle(ContactLaw, OnSurface):
             "axis": shape.axis,
             "radius": shape.radius,
             "epsilon": self.penalties(body)[0],
+            "travel_time": lib.ct_mesh_shortest_edge(body.mesh) / c[0],
             "amplitude": maker.history(self.history),
         }
 
