@@ -88,8 +88,7 @@ int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
 
 ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
 
-/* Whether the point has closed so shortly ago that its loss is that of the impact, τ = 1.5 h / c₁.
- */
+/* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
 static int is_fresh(const ct_constraint *c)
 {
   return c->restitution > 0.0 && c->impact.pressed < 1.5 * c->travel_time;
@@ -110,8 +109,7 @@ static int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c-
 
 int ct_law_may_release(const ct_constraint *c)
 {
-  const double K =
-      c->impact.reserve; // below zero by rounding; and a number that squares to 0 is none
+  const double K = c->impact.reserve; // may be rounding below zero, or too small to square
   return K > 0.0 && K * K > 0.0 && !is_fresh(c) && is_recent(c);
 }
 
