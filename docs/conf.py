@@ -62,6 +62,8 @@ nitpick_ignore = [
     ("c:identifier", "uint8_t"),
     ("c:identifier", "int64_t"),
     ("c:identifier", "uint64_t"),
+    # Opaque in the public headers.
+    ("c:identifier", "ct_slip"),
     # What Scene.explain is made from: not for callers.
     ("py:class", "libcontact.problem.Problem"),
     # What the types of the model are made of.

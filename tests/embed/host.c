@@ -110,7 +110,6 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
   bar_make(&left, -10.0, 0.1);
   bar_make(&right, 0.0, -0.1);
   options.epsilon = ct_contact_penalty(beta, 1.0, left.h);
-  options.restitution = 1.0, options.travel_time = left.h;
   if (!tap_ok(ct_contact_create(a, b, &options, &contact, &error) == CT_OK, "beta %g", beta))
     return;
   dt = 0.9 * left.h;
@@ -266,7 +265,6 @@ int main(void)
   b.faces = right_face;
   b.reference = &right.X[0][0];
   options.epsilon = ct_contact_penalty(1.0, 1.0, left.h);
-  options.restitution = 1.0, options.travel_time = left.h;
   options.depth = 1.0;
 
   tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK,

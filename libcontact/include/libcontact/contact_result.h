@@ -29,9 +29,11 @@ typedef struct ct_contact_point {
    * `start_gap`; NaN when `other` is -1.
    */
   double gap;
-  /** Force of the point over its weight [stress]: ε⟨-g⟩ for the explicit penalty, otherwise that of
+  /**
+   * Force of the point over its weight [stress]: ε⟨-g⟩ for the explicit penalty, otherwise that of
    * the enforcement. Uneven from point to point on unlike meshes and curved surfaces; the pressure
-   * to show is that of the nodes, `ct_contact_traction`. */
+   * to show is that of the nodes, `ct_contact_traction`.
+   */
   double raw_pressure;
   /** Weight w J_ref [area]. */
   double weight;

@@ -28,8 +28,6 @@ typedef struct ct_view {
    * before v_{-1/2} is known, and before a step is chosen.
    */
   double dt;
-  /** The same [time], also at the start; 0 only before a step is chosen. */
-  double next_dt;
   /** c Δt of :eq:`stage` [time]: the new velocity is `velocity` + `c_dt` times the sum of all
    * forces over the mass; 0 with `dt`. */
   double c_dt;

@@ -29,7 +29,7 @@ static ct_surface_motion motion_of(const ct_view *view)
   const ct_touch_scratch *s = view->scratch;
   return (ct_surface_motion){.time = view->time,
                              .before = view->time > 0.0 ? view->dt : 0.0,
-                             .dt = view->next_dt,
+                             .dt = view->dt,
                              .threads = ct_threads_of(view->settings),
                              .x = s->x,
                              .velocity = s->velocity,

@@ -82,7 +82,6 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .scratch = state->workspace->scratch[k],
                    .read = read < 0 ? NULL : state->workspace->scratch[read],
                    .dt = stage.tau,
-                   .next_dt = ct_stage_now(problem, state).tau,
                    .c_dt = stage.c,
                    .r_dt = stage.r,
                    .l_dt = stage.l,
