@@ -136,7 +136,8 @@ static void choose_active(ct_solver *s)
     // -- Neither touched now nor without the force of the step (eq:near-constraints), nor held
     if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most || ct_law_may_release(c))) {
       c->force = 0.0;
-      if (!s->again) ct_law_leave(c, s->dt);
+      if (s->again) c->impact.stored = 0.0;
+      else ct_law_leave(c, s->dt);
       continue;
     }
     s->entries[s->count] = s->entries[j];
@@ -464,6 +465,9 @@ static void settle(ct_solver *s)
     s->active[r]->impact.release = s->force[r];
     s->active[r]->force += s->force[r];
   }
+  // A reserve is that of the first solution; without one the energy stored is that of the last.
+  for (int64_t r = 0; s->again && r < s->point_count; r++)
+    if (s->active[r]->restitution == 0.0) s->active[r]->impact.stored = ct_law_stored(s->active[r]);
   if (s->again) return;
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
   for (int64_t r = 0; r < s->point_count; r++) {
