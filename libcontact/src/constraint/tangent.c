@@ -298,12 +298,12 @@ static void list_rows(ct_solver *s)
       tangent_row *r = &t->rows[t->count++];
       const int32_t *place = &s->place[s->first_node[set]];
       int32_t *out = r->place;
-      double last[WIDE];
+      double last[WIDE] = {0.0};
       r->row = c, r->slip = c->slip;
       for (int32_t a = 0; a < c->own_count; a++) *out++ = WIDE * place[c->own[a]];
       for (int32_t b = 0; b < c->other_count; b++) *out++ = WIDE * place[c->other[b]];
       // -- D₋: the motion of the last step, along the present row (eq:slip-set)
-      relative(c->own_count, c->other_count, r, s->last_increment, last);
+      if (!s->starts) relative(c->own_count, c->other_count, r, s->last_increment, last);
       for (int i = 0; i < 3; i++) r->last[i] = last[i] - c->slip->came[i];
       make_tangential(c->normal, r->last);
       r->set = ct_slip_set_of(c->slip, c->force, r->last);
