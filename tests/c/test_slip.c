@@ -167,7 +167,7 @@ static void tangential_motion(const linear *t, int j, const double *du, double o
   for (int b = 0; b < c->other_count; b++)
     for (int k = 0; k < 3; k++)
       out[k] -= t->slip[j].weight[b][k] * ct_vector_dot(t->slip[j].lever, &du[3 * t->other[j][b]]);
-  make_tangential(c->normal, out);
+  ct_vector_make_tangential(c->normal, out);
 }
 
 /* Forces of row j on the nodes. */
@@ -337,7 +337,7 @@ static void solution(double spread)
       for (int d = 0; d < DOFS; d++) du[d] = t.u[d] - t.last[d];
       tangential_motion(&t, j, du, motion);
       for (int i = 0; i < 3 && row->row->other_count == 0; i++) motion[i] -= p->coming[i];
-      make_tangential(row->row->normal, motion);
+      ct_vector_make_tangential(row->row->normal, motion);
       for (int i = 0; i < 3; i++) {
         slip[i] = motion[i] - (p->e[i] - p->before[i]);
         T[i] = p->force[i] - slip[i] / (D + C);

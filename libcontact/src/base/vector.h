@@ -20,6 +20,13 @@ static inline void ct_vector_cross(const double a[3], const double b[3], double 
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* Remove the component of v along the unit vector n. */
+static inline void ct_vector_make_tangential(const double n[3], double v[3])
+{
+  const double along = ct_vector_dot(n, v);
+  for (int k = 0; k < 3; k++) v[k] -= along * n[k];
+}
+
 /* The unit vector along a x b. Returns 0 if rounding determines its direction: a and b are parallel
  * to 1e-14, zero, or not finite. */
 static inline int ct_vector_unit_normal(const double a[3], const double b[3], double n[3])

@@ -313,3 +313,9 @@ void ct_matrix_choose(ct_solver *s)
   list_active_nodes(s);
   if (s->pieces != NULL) list_shared_nodes(s);
 }
+
+void ct_matrix_move(int32_t count, const int32_t *place, const double *mobility, double *sums,
+                    double *moved)
+{
+  move_active_nodes(count, place, mobility, sums, moved);
+}

@@ -19,6 +19,10 @@ void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, do
  * finite. */
 int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 
+/* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
+void ct_matrix_move(int32_t count, const int32_t *place, const double *mobility, double *sums,
+                    double *moved);
+
 /* An upper bound of Σ_k |W_jk| y_k of each active row, for numbers y that are not negative: 1 for
  * the sum over all rows (eq:constraint-bound). Returns 0 if it is not finite. */
 int ct_matrix_bound(ct_solver *solver, const double *y, double *out);

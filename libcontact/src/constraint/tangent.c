@@ -75,13 +75,6 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   t->shift = ct_pool_take(pool, rows, sizeof *t->shift);
 }
 
-/* Remove the part along the normal. */
-static void make_tangential(const double n[3], double v[3])
-{
-  const double along = ct_vector_dot(n, v);
-  for (int i = 0; i < 3; i++) v[i] -= along * n[i];
-}
-
 /* Sum over the nodes of one face, paired so that a flipped face gives the same bits (eq:tree-sum).
  */
 CT_INLINE void sum_face(int32_t count, const double *N, const int32_t *place, const double *x,
@@ -121,7 +114,7 @@ CT_INLINE void relative(int32_t own, int32_t other, const tangent_row *r, const 
       ((ct_quad *)out)[i] -= ((const ct_quad *)theirs)[i] + sum;
     }
   }
-  make_tangential(c->normal, out);
+  ct_vector_make_tangential(c->normal, out);
   out[3] = 0.0;
 }
 
@@ -176,20 +169,6 @@ static void join_sums(ct_solver *s)
   if (s->pieces != NULL) ct_pieces_sum(s->pieces, s->tangent->sums, WIDE * (int64_t)s->node_count);
 }
 
-/* `moved` = A times the sums, which are then cleared. */
-CT_CLONES
-static void move_nodes(int32_t count, const int32_t *place, const double *mobility,
-                       double *restrict sums, double *restrict moved)
-{
-  const ct_quad none = {0.0};
-  for (int32_t k = 0; k < count; k++)
-    for (int i = 0; i < PARTS; i++) {
-      ct_quad *sum = (ct_quad *)&sums[place[k]] + i;
-      ((ct_quad *)&moved[place[k]])[i] = *sum * ((const ct_quad *)&mobility[place[k]])[i];
-      *sum = none;
-    }
-}
-
 /* `image` = W times the forces, or times those of `at`. Returns 0 if they are not finite. */
 static int apply(ct_solver *s, int at)
 {
@@ -205,7 +184,7 @@ static int apply(ct_solver *s, int at)
   if (!ct_grid_init(&grid, 4.0 * top, t->most_row_count)) return 0;
   add_rows(grid.coarse, t->count, t->rows, at, t->sums);
   join_sums(s);
-  move_nodes(t->node_count, t->nodes, s->mobility, t->sums, t->moved);
+  ct_matrix_move(t->node_count, t->nodes, s->mobility, t->sums, t->moved);
   relative_rows(t->count, t->rows, t->moved);
   s->iterations++;
   return 1;
@@ -305,7 +284,7 @@ static void list_rows(ct_solver *s)
       // -- D₋: the motion of the last step, along the present row (eq:slip-set)
       if (!s->starts) relative(c->own_count, c->other_count, r, s->last_increment, last);
       for (int i = 0; i < 3; i++) r->last[i] = last[i] - c->slip->came[i];
-      make_tangential(c->normal, r->last);
+      ct_vector_make_tangential(c->normal, r->last);
       r->set = ct_slip_set_of(c->slip, c->force, r->last);
       t->top = fmax(t->top, r->set.limit);
     }
@@ -344,7 +323,7 @@ static void start(ct_tangent *t)
     for (int i = 0; i < 3; i++) r->T[i] = r->slip->force[i];
     r->T[3] = 0.0;
     ct_slip_project(&r->set, r->T);
-    make_tangential(r->row->normal, r->T);
+    ct_vector_make_tangential(r->row->normal, r->T);
   }
 }
 
@@ -364,7 +343,7 @@ static int find_drift(ct_solver *s)
     tangent_row *r = &t->rows[j];
     const ct_slip *p = r->slip;
     for (int i = 0; i < 3; i++) r->q[i] = r->image[i] - p->coming[i];
-    make_tangential(r->row->normal, r->q);
+    ct_vector_make_tangential(r->row->normal, r->q);
     // -- q = D + e_n + κ e_{n-1} without friction (eq:slip-residual)
     for (int i = 0; i < 3; i++) r->q[i] += p->e[i] + r->law.kappa * p->before[i];
   }

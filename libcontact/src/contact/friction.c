@@ -86,13 +86,6 @@ static void dual_frame(double (*const t)[3], double dual[2][3])
   }
 }
 
-/* Remove the component of v along the unit vector n. */
-static void make_tangential(const double n[3], double v[3])
-{
-  const double along = ct_vector_dot(v, n);
-  for (int c = 0; c < 3; c++) v[c] -= along * n[c];
-}
-
 /* The stored slip along the present frame of the old partner's face, turned into the present plane
  * of contact with its length (eq:friction-turn). */
 static void recall(const slip_memory *from, double (*const t)[3], const double n[3], double e[3])
@@ -101,7 +94,7 @@ static void recall(const slip_memory *from, double (*const t)[3], const double n
     e[c] = t == NULL
                ? from->part[c]
                : (from->part[0] * t[0][c] + from->part[1] * t[1][c]) + from->part[2] * t[2][c];
-  make_tangential(n, e);
+  ct_vector_make_tangential(n, e);
   const double length = sqrt(ct_vector_dot(e, e));
   // -- The length stays (eq:friction-turn)
   for (int c = 0; c < 3; c++) e[c] *= length > 0.0 ? from->length / length : 0.0;

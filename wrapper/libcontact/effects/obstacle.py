@@ -87,6 +87,13 @@ class Cylinder(Sphere):
             yield "axis", NO_DIRECTION
 
 
+def thinnest_element(body: Any) -> tuple[float, float]:
+    """The shortest edge of a body of the C scene, and its wave speed c1."""
+    c = ffi.new("double[2]")
+    lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
+    return lib.ct_mesh_shortest_edge(body.mesh), c[0]
+
+
 class Obstacle(ContactLaw, OnSurface):
     """A rigid obstacle. Its displacement is ``velocity`` times time plus ``travel`` times
     ``history``.
@@ -147,10 +154,8 @@ class Obstacle(ContactLaw, OnSurface):
     def penalties(self, body: Any) -> tuple[float, float]:
         """The penalty ε for contact with a body of the C scene, and the ratio of the tangential penalty to
         it."""
-        edge = lib.ct_mesh_shortest_edge(body.mesh)
-        c = ffi.new("double[2]")
-        lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
-        modulus, law = body.material.density * c[0] ** 2, ENFORCEMENTS[self.enforcement]
+        edge, c1 = thinnest_element(body)
+        modulus, law = body.material.density * c1**2, ENFORCEMENTS[self.enforcement]
         epsilon = self.epsilon or lib.ct_contact_penalty_default(law, modulus, edge)
         if self.beta:
             epsilon = lib.ct_contact_penalty(self.beta, body.material.young, edge)
@@ -159,8 +164,7 @@ class Obstacle(ContactLaw, OnSurface):
 
     def members(self, maker: Any) -> dict[str, Any]:
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
-        c = ffi.new("double[2]")
-        lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
+        edge, c1 = thinnest_element(body)
         return {
             **super().members(maker),
             "shape": SHAPES[self.shape],
@@ -168,7 +172,7 @@ class Obstacle(ContactLaw, OnSurface):
             "axis": shape.axis,
             "radius": shape.radius,
             "epsilon": self.penalties(body)[0],
-            "travel_time": lib.ct_mesh_shortest_edge(body.mesh) / c[0],
+            "travel_time": edge / c1,
             "amplitude": maker.history(self.history),
         }
 
