@@ -112,9 +112,9 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
 {
   const ct_workspace *w = state->workspace;
   ct_stage stage = ct_stage_now(problem, state);
-  int32_t count = problem->node_count, pieces = ct_moved_count(problem);
+  int32_t pieces = ct_moved_count(problem);
 #ifdef _OPENMP
-  int threads = ct_threads_for(problem->settings.threads, count, LEAST_NODES);
+  int threads = ct_threads_for(problem->settings.threads, problem->node_count, LEAST_NODES);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t p = 0; p < pieces; p++) {
