@@ -107,10 +107,18 @@ double ct_law_dashpot(const ct_constraint *c, double mobility)
 
 static int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c->travel_time; }
 
+/* Whether a contact shorter than τ has ended: its point does not oscillate with its node any more
+ * (eq:release-time). */
+static int is_over(const ct_constraint *c)
+{
+  const double T = c->travel_time;
+  return c->impact.idle >= T && c->impact.pressed + c->impact.idle >= 1.5 * T;
+}
+
 int ct_law_may_release(const ct_constraint *c)
 {
   const double K = c->impact.reserve; // may be rounding below zero, or too small to square
-  return K > 0.0 && K * K > 0.0 && !is_fresh(c) && is_recent(c);
+  return K > 0.0 && K * K > 0.0 && (!is_fresh(c) || is_over(c)) && is_recent(c);
 }
 
 int ct_law_releases(const ct_constraint *c, double force)
