@@ -139,11 +139,15 @@ ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double
   return (ct_ramp){.C = opening / lambda, .b = -(c->before + 2.0 * opening)};
 }
 
-/* The time from closing to the last step with a force, and that since then (eq:release-time). */
-static void count_time(ct_constraint *c, int pressed, double dt)
+/* The time from closing to the last step with a force, and that since then. A point without a force
+ * that `enters` without its neighbours' forces stays closed: they hold its nodes (eq:release-time).
+ */
+static void count_time(ct_constraint *c, int pressed, int enters, double dt)
 {
   ct_impact *impact = &c->impact;
-  if (pressed) {
+  if (!pressed && enters && is_fresh(c)) {
+    impact->idle = 0.0; // it is paid a while after its neighbours have left, too
+  } else if (pressed || (enters && impact->pressed > 0.0)) {
     impact->pressed += dt + impact->idle;
     impact->idle = 0.0;
   } else if (impact->pressed > 0.0) {
@@ -152,15 +156,15 @@ static void count_time(ct_constraint *c, int pressed, double dt)
   }
 }
 
-void ct_law_settle(ct_constraint *c, double dt, double x)
+void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
 {
   ct_impact *impact = &c->impact;
   const double release = impact->release, own = c->force - release;
   const double stored = ct_law_stored(c), before = ct_law_claim(c);
   // -- What the row loses, without its dashpot while contact lasts (eq:impact-reserve)
-  const double closed = c->after - fmin(c->before, 0.0);
-  const double dash =
-      own > 0.0 && !is_fresh(c) ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
+  const int lasts = own > 0.0 && c->before < 0.0 && !is_fresh(c);
+  const double closed = c->after - c->before,
+               dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
   const double loss = (before - stored - 0.5 * own * x) - dash;
   impact->reserve += c->restitution * loss - 0.5 * release * x;
   // -- What the partner of the last step had stored more than this one; less than that is paid from
@@ -168,7 +172,7 @@ void ct_law_settle(ct_constraint *c, double dt, double x)
   const double jump = impact->stored - before;
   impact->reserve += jump > 0.0 ? c->restitution * jump : fmax(jump, -fmax(impact->reserve, 0.0));
   impact->stored = stored;
-  count_time(c, own > 0.0, dt);
+  count_time(c, own > 0.0, enters, dt);
 }
 
 void ct_law_leave(ct_constraint *c, double dt)
@@ -176,7 +180,7 @@ void ct_law_leave(ct_constraint *c, double dt)
   // -- What the last partner had stored (eq:impact-reserve)
   c->impact.reserve += c->restitution * c->impact.stored;
   c->force = c->impact.release = c->impact.stored = 0.0;
-  count_time(c, 0, dt);
+  count_time(c, 0, 0, dt);
 }
 
 static double stored_between(const ct_constraint *c, double g0, double g1)

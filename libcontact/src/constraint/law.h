@@ -54,9 +54,9 @@ int ct_law_releases(const ct_constraint *row, double force);
 ct_ramp ct_law_release(const ct_constraint *row, double free, double bound, double *force);
 
 /* The memory of a row after a step of the length dt: its forces and gaps are known, and half of a
- * force times x is its work. And of a row that has no force and is not listed (eq:impact-reserve).
- */
-void ct_law_settle(ct_constraint *row, double dt, double x);
+ * force times x is its work; `enters` tells whether it would have a force without its neighbours.
+ * And of a row that has no force and is not listed (eq:impact-reserve). */
+void ct_law_settle(ct_constraint *row, double dt, double x, int enters);
 void ct_law_leave(ct_constraint *row, double dt);
 
 /* Energy of the row at t_n, such that its sum with the energy of the bodies never grows

@@ -476,7 +476,8 @@ static void settle(ct_solver *s)
     // v_{1/2} (eq:contact-step-work, eq:reserve-start)
     const double x =
         s->starts ? 0.5 * ((c->after - c->gap) + (s->terms[r] + c->moved)) : c->after - c->before;
-    ct_law_settle(c, s->dt, x);
+    // -- λ_u > 0 (eq:release-time)
+    ct_law_settle(c, s->dt, x, s->free[r] + s->b[r] < 0.0);
   }
 }
 
