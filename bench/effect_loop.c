@@ -20,6 +20,7 @@
 #define CONTACT 9
 #define FRICTION 10
 #define PROBE 11
+#define PAIR_FRICTION 12
 #ifndef EFFECT
 #define EFFECT NONE
 #endif
@@ -47,7 +48,7 @@ static void faces_of(const ct_mesh *mesh, double z, int32_t first, int32_t *face
 /* The effects of this program; their number. */
 static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect **effect)
 {
-  faces_of(mesh[0], EFFECT == CONTACT ? 1.0 : 0.0, 0, bottom);
+  faces_of(mesh[0], EFFECT == CONTACT || EFFECT == PAIR_FRICTION ? 1.0 : 0.0, 0, bottom);
   faces_of(mesh[1], 1.0, NODES, top);
 #if EFFECT == SUPPORT
   ct_support hold = {nodes, ct_mesh_plane_nodes(mesh[0], 2, 0.0, nodes), {0, 0, 1}, {0, 0, 0}};
@@ -87,20 +88,20 @@ static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect *
   def.axis[2] = 1.0, def.epsilon = 1e4;
   def.kind = CT_Q4, def.face_count = FACES, def.faces = bottom;
   need(ct_obstacle_create_effect(&def, problem, effect, &error));
-#elif EFFECT == CONTACT
+#elif EFFECT == CONTACT || EFFECT == PAIR_FRICTION
   ct_surface side[2] = {{CT_Q4, 2 * NODES, FACES, bottom, reference},
                         {CT_Q4, 2 * NODES, FACES, top, reference}};
   ct_contact_def def = ct_contact_def_default();
   def.a = &side[0], def.b = &side[1], def.options.epsilon = 1e4;
   need(ct_contact_create_effect(&def, problem, effect, &error));
 #endif
-#if EFFECT == FRICTION
+#if EFFECT == FRICTION || EFFECT == PAIR_FRICTION
   ct_friction_def rub = ct_friction_def_default();
   rub.on = effect[0], rub.coefficient = 0.3;
   need(ct_friction_create_effect(&rub, problem, &effect[1], &error));
 #endif
   (void)problem, (void)effect, (void)nodes;
-  return EFFECT == FRICTION ? 2 : EFFECT != NONE && EFFECT != PROBE;
+  return EFFECT == FRICTION || EFFECT == PAIR_FRICTION ? 2 : EFFECT != NONE && EFFECT != PROBE;
 }
 
 /* The steps, with the history of a node and of a face where the effect is a probe. */

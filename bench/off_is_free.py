@@ -19,9 +19,10 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 EFFECTS = (
     *("support", "motion", "gravity", "load", "damping", "viscosity"),
-    *("absorb", "obstacle", "friction", "contact", "probe"),
+    *("absorb", "obstacle", "friction", "contact", "pair_friction", "probe"),
 )
 STEPS = 20
+FACES = 12 * 12  # of a block, in contact
 
 
 def compiled(source: str, folder: Path, effect: str = "none", whole: bool = False) -> Path:
@@ -102,6 +103,14 @@ def report(result: dict) -> str:
     lines.append(
         f"  {'all linked, none on':22}{step:>+20.1f}{off['bytes'] - none['bytes']:>+14}{off['code'] - none['code']:>+15}"
     )
+    for text, more, less in (
+        ("a face at a plane", "obstacle", "none"),
+        ("  friction there", "friction", "obstacle"),
+        ("a face pair", "contact", "none"),
+        ("  friction there", "pair_friction", "contact"),
+    ):
+        count = result["effects"][more]["instructions"] - result["effects"][less]["instructions"]
+        lines.append(f"  {text:22}{count // (STEPS * FACES):>+20} instructions a step")
     own, whole = result["plates"]
     lines.append(
         f"  plates with contact, own objects and all: {own['instructions']} and {whole['instructions']} instructions, "
@@ -112,7 +121,7 @@ def report(result: dict) -> str:
         f"  the plates with ten probes (six nodes, two faces of 202 nodes, two resultants): {share:+.2%}"
     )
     lines.append(
-        "  the row of friction includes its obstacle; probe: a node and a face of 169 nodes"
+        "  the rows of friction include obstacle and contact; probe: a node and a face of 169 nodes"
     )
     return "\n".join(lines)
 
