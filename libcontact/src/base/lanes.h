@@ -46,6 +46,16 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_INLINE static inline
 #endif
 
+/* Sum over the `count` nodes of a face, at most 8, paired so that a flipped face gives the same
+ * bits (eq:tree-sum). */
+CT_INLINE void ct_sum_face(int32_t count, ct_quad t[8], ct_quad *out)
+{
+  const ct_quad none = {0.0};
+  for (int32_t a = count; a < 8; a++) t[a] = none;
+  *out = (t[0] + t[1]) + (t[2] + t[3]);
+  if (count > 4) *out += (t[4] + t[6]) + (t[5] + t[7]);
+}
+
 /* Compile a kernel for several instruction sets; the loader selects the best one for the machine.
  */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && \

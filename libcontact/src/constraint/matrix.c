@@ -1,5 +1,6 @@
 /* The matrix G of the constraint problem, and its products. */
 #include "matrix.h"
+#include "slip.h"
 
 #include "../base/grid.h"
 #include "../base/lanes.h"
@@ -71,6 +72,7 @@ static void fill_entries(ct_solver *s)
         find_places(s, k, c, places), places += nodes;
       }
       s->entries[j] = e;
+      if (c->slip != NULL) c->slip->place = e.place;
       fill_row(c, &s->G[WIDE * next]);
       next += nodes;
     }
@@ -105,16 +107,13 @@ CT_INLINE void load_nodes(int32_t count, const int32_t *place, const double *x, 
     for (int i = 0; i < PARTS; i++) at[PARTS * a + i] = ((const ct_quad *)&x[place[a]])[i];
 }
 
-/* Σ over the nodes of one face, paired so that a flipped face gives the same bits (eq:tree-sum). */
+/* Σ over the nodes of one face. */
 CT_INLINE void sum_face(int32_t count, const ct_quad *G, const ct_quad *at, ct_quad *out)
 {
-  ct_quad t[8];
-  const ct_quad none = {0.0};
   for (int i = 0; i < PARTS; i++) {
+    ct_quad t[8];
     for (int32_t a = 0; a < count; a++) t[a] = G[PARTS * a + i] * at[PARTS * a + i];
-    for (int32_t a = count; a < 8; a++) t[a] = none;
-    out[i] = (t[0] + t[1]) + (t[2] + t[3]);
-    if (count > 4) out[i] += (t[4] + t[6]) + (t[5] + t[7]);
+    ct_sum_face(count, t, &out[i]);
   }
 }
 
@@ -231,8 +230,7 @@ static void join_nodes(ct_solver *s)
       memcpy(&s->sums[s->shared_nodes[k]], &s->moved[WIDE * (int64_t)k], size);
 }
 
-/* `moved` = A Gᵀ times forces. Returns 0 if they are not finite. */
-static int move_nodes(ct_solver *s, const double *force)
+int ct_matrix_push(ct_solver *s, const double *force)
 {
   ct_grid grid;
   double top = ct_largest(force, s->count);
@@ -289,7 +287,7 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
     double *A = &s->mobility[s->active_nodes[k]];
     A[3] = fmax(fmax(A[0], A[1]), A[2]);
   }
-  if (!move_nodes(s, ones)) return 0;
+  if (!ct_matrix_push(s, ones)) return 0;
   times_G(1, s->entries, s->count, s->entry_place, s->G, s->moved, out);
   return 1;
 }
@@ -302,7 +300,7 @@ void ct_matrix_times(const ct_solver *s, int64_t count, const double *x, double 
 int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 {
   // -- W λ = G (A Gᵀ λ) (eq:constraint-problem)
-  if (!move_nodes(s, force)) return 0;
+  if (!ct_matrix_push(s, force)) return 0;
   ct_matrix_times(s, s->count, s->moved, out);
   return 1;
 }

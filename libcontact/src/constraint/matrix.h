@@ -19,6 +19,9 @@ void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, do
  * finite. */
 int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 
+/* `moved` = A Gᵀ times forces of the active rows. Returns 0 if they are not finite. */
+int ct_matrix_push(ct_solver *solver, const double *force);
+
 /* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
 void ct_matrix_move(int32_t count, const int32_t *place, const double *mobility, double *sums,
                     double *moved);

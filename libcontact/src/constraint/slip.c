@@ -21,7 +21,7 @@ ct_slip_law ct_slip_law_of(const ct_slip *s, double a)
 ct_slip_set ct_slip_set_of(const ct_slip *s, double normal_force, const double last[3])
 {
   static const double ROUNDING = 1e-13;
-  ct_slip_set set = {.limit = s->mu * normal_force, .most = 2.0 * s->reserve};
+  ct_slip_set set = {.limit = s->mu * normal_force, .most = 2.0 * fmax(s->reserve, 0.0)};
   double size = 0.0, length = 0.0;
   if (s->stuck) return set;
   for (int i = 0; i < 3; i++) {

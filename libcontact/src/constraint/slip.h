@@ -1,6 +1,8 @@
 #ifndef CT_SRC_CONSTRAINT_SLIP_H
 #define CT_SRC_CONSTRAINT_SLIP_H
 
+#include <stdint.h>
+
 /* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
  * a disc, and a reserve of energy that bounds what friction may give back (eq:slip-law). */
 
@@ -20,6 +22,7 @@ typedef struct ct_slip {
   double reserve;      /* R of the last step; the solver replaces it with that of this one */
   double force[4];     /* where the iteration begins; the solver replaces it with T, the force on
                           the point's own face */
+  int64_t place;       /* of its row's nodes in the solver's list; the solver writes it */
   /* Written by the solver; all 0 if the point has no normal force. */
   double work; /* of T between the middles of two steps (eq:slip-work) */
   double lag;  /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */

@@ -17,6 +17,12 @@
  * eigenvalues. */
 enum { MOST_ITERATIONS = 2000, MOST_CHEBYSHEV = 12 };
 
+/* Most times that normal and tangential forces are solved for in turn. They are done when the last
+ * tangential forces change no normal force by more than the first fraction of the largest, or by
+ * more than the second one if no energy appears. */
+enum { MOST_PASSES = 20 };
+static const double UNCHANGED = 1e-10, NEARLY = 1e-5;
+
 /* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on (eq:chebyshev); the largest is
  * at most 1. */
 static const double LOWEST = 0.08;
@@ -447,13 +453,35 @@ static int find_forces(ct_solver *s)
   return 1;
 }
 
-/* Store the forces of the points, without those of the second rows, and their gaps. */
-static void store_solution(ct_solver *s)
+/* Store the forces of the points, without those of the second rows. */
+static void store_forces(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->point_count; r++) {
-    s->active[r]->force = s->force[r];
+  for (int64_t r = 0; r < s->point_count; r++) s->active[r]->force = s->force[r];
+}
+
+/* Store the gaps of the points. */
+static void store_gaps(ct_solver *s)
+{
+  for (int64_t r = 0; r < s->point_count; r++)
     // -- g_{n+1}, of the slope g_{n+1} + b + C λ
     s->active[r]->after = s->gradient[r] - s->b[r] - s->C[r] * s->force[r];
+}
+
+/* The forces of all active rows and the tangential ones, in turn, until the second no longer change
+ * the first, or hardly and without energy (eq:energy-stop). Returns 0 if they are not finite. */
+static int find_all_forces(ct_solver *s)
+{
+  const double nearly = fmax(NEARLY, 0.1 * s->tolerance);
+  for (int pass = 0;; pass++) {
+    double change = 0.0;
+    if (!find_forces(s)) return 0;
+    store_forces(s);
+    if (s->tangent == NULL) return 1;
+    if (!ct_tangent_solve(s, pass, &change)) return 0;
+    if (change <= UNCHANGED || (change <= nearly && loses_energy(s))) return 1;
+    if (pass < MOST_PASSES) continue;
+    s->converged = 0;
+    return 1;
   }
 }
 
@@ -486,13 +514,10 @@ int ct_solver_solve(ct_solver *s)
   s->iterations = 0;
   s->converged = 1;
   if (!set_up(s)) return 0;
-  ct_tangent_begin(s);
-  int again = 1;
-  while (again > 0) {
-    if (!find_forces(s)) return 0;
-    store_solution(s);
-    again = ct_tangent_solve(s);
-  }
+  if (s->tangent != NULL && !ct_tangent_begin(s)) return 0;
+  if (!find_all_forces(s)) return 0;
+  if (s->tangent != NULL) ct_tangent_store(s);
+  store_gaps(s);
   settle(s);
-  return again == 0;
+  return 1;
 }

@@ -9,12 +9,16 @@
 /* Allocate for at most `most` rows with friction, from the solver's pool, which may fail. */
 void ct_tangent_create(ct_solver *solver, int64_t most);
 
-/* Begin a step: no tangential force. */
-void ct_tangent_begin(ct_solver *solver);
+/* Begin a step: list the rows, and let the gaps `free` follow the forces with which the iteration
+ * begins. Returns 0 if they are not finite. */
+int ct_tangent_begin(ct_solver *solver);
 
-/* Solve for the tangential forces, given those of the normals, and store them in the rows. Returns
- * 1 if they move the gaps, so that the normals must be solved for again, with the gaps `free`, and
- * this function called again; 0 when all is done; -1 if forces are not finite. */
-int ct_tangent_solve(ct_solver *solver);
+/* Solve for the tangential forces, given those of the normals. The gaps `free` and the gradient
+ * follow them; `change` is the largest change of a normal force by this, as a fraction of the
+ * largest. Returns 0 if forces are not finite. */
+int ct_tangent_solve(ct_solver *solver, int pass, double *change);
+
+/* Store the tangential forces in the rows. */
+void ct_tangent_store(ct_solver *solver);
 
 #endif

@@ -20,6 +20,7 @@ typedef struct friction {
   ct_interaction is;
   double mu, rho;
   int rigid, sides, explicit;
+  int other_nodes; /* largest number of nodes of a partner's face */
   const ct_side_fixed *side[2];
   int64_t points;
 } friction;
@@ -47,10 +48,17 @@ typedef struct tail_record {
 } tail_record;
 enum { RECORD = sizeof(slip_record) / sizeof(double), TAIL = sizeof(tail_record) / sizeof(double) };
 
+/* Axes of the partner's face at the closest point: the vectors a^i (eq:friction-components) and the
+ * unit normal; all 0 where the face has none. */
+typedef struct face_axes {
+  double dual[2][3], n[3];
+} face_axes;
+
 typedef struct friction_state {
   ct_pool pool;
   const friction *data;
   ct_slip *points;
+  face_axes *axes;         /* of each point, from the list of rows to the forces */
   const ct_pieces *pieces; /* those of the sides */
   double *coarse, *fine;   /* sums at the nodes */
   double *terms;           /* one number per point or node */
@@ -117,12 +125,14 @@ static void recall_point(const call *now, int s, const slip_record *last, const 
 }
 
 /* The weights of the couple on the partner's face (eq:slip-row). */
-static void weigh(const call *now, int s, const ct_point *point, ct_slip *p)
+static void weigh(const call *now, int s, const ct_point *point, face_axes *axes, ct_slip *p)
 {
   const ct_search *other = now->side[now->data->sides - 1 - s]->search;
-  double t[3][3], dual[2][3], dN[8][2];
+  double t[3][3], dN[8][2], (*const dual)[3] = axes->dual;
+  memset(axes, 0, sizeof *axes);
   if (!frame(other, point->other, point->xi, t)) return;
   dual_frame(t, dual);
+  memcpy(axes->n, t[2], sizeof axes->n);
   ct_segment_gradient(other->kind, point->xi, dN);
   for (int b = 0; b < other->per; b++)
     for (int c = 0; c < 3; c++)
@@ -132,7 +142,7 @@ static void weigh(const call *now, int s, const ct_point *point, ct_slip *p)
 }
 
 /* Give point `i` of side `s` its friction in the next step, if its row is listed. */
-static void prepare(const call *now, int s, int64_t i, int64_t at, ct_slip *p)
+static void prepare(const call *now, int s, int64_t i, int64_t at, face_axes *axes, ct_slip *p)
 {
   const friction *data = now->data;
   const ct_contact *contact = now->at->on;
@@ -147,34 +157,34 @@ static void prepare(const call *now, int s, int64_t i, int64_t at, ct_slip *p)
   // -- At t = 0 forces are solved for twice: the second time from those of the first
   if (now->at->before > 0.0) recall_point(now, s, &last, point->row.normal, p);
   for (int c = 0; c < 3; c++) p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last.force[c];
-  if (!data->rigid) weigh(now, s, point, p);
+  if (!data->rigid) weigh(now, s, point, axes, p);
   for (int c = 0; c < 3 && data->rigid; c++)
     p->came[c] = contact->came[c], p->coming[c] = contact->coming[c];
   // -- The force of the explicit penalty is known: k ⟨-g⟩
   if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
 }
 
-static void keep(const double e[3], double (*const dual)[3], const double n[3], slip_memory *to)
+/* Components of a slip along the axes of a face, or null: those of space. */
+static void keep(const double e[3], const face_axes *axes, slip_memory *to)
 {
   for (int c = 0; c < 3; c++)
-    to->part[c] = dual == NULL ? e[c] : ct_vector_dot(e, c < 2 ? dual[c] : n);
+    to->part[c] = axes == NULL ? e[c] : ct_vector_dot(e, c < 2 ? axes->dual[c] : axes->n);
   to->length = sqrt(ct_vector_dot(e, e));
 }
 
 /* Store what the next step needs of point `i` of side `s`. */
-static void store(const call *now, int s, int64_t i, int64_t at, const ct_slip *p)
+static void store(const call *now, int s, int64_t i, int64_t at, const face_axes *axes,
+                  const ct_slip *p)
 {
   const ct_point *point = &now->side[s]->points[i];
   const int rigid = now->data->rigid;
-  double t[3][3], dual[2][3];
   slip_record next = {.other = 0.0};
-  if (point->listed && point->row.force > 0.0 &&
-      (rigid || frame(now->side[now->data->sides - 1 - s]->search, point->other, point->xi, t))) {
-    if (!rigid) dual_frame(t, dual);
+  if (rigid) axes = NULL;
+  if (point->listed && point->row.force > 0.0 && (rigid || ct_vector_dot(axes->n, axes->n) > 0.0)) {
     next.other = rigid ? 1.0 : (double)point->other + 1.0;
     if (!rigid) memcpy(next.place, point->xi, sizeof next.place);
-    keep(p->e, rigid ? NULL : dual, t[2], &next.e);
-    keep(p->before, rigid ? NULL : dual, t[2], &next.before);
+    keep(p->e, axes, &next.e);
+    keep(p->before, axes, &next.before);
     next.reserve = p->reserve;
     next.stuck = p->stuck;
     memcpy(next.force, p->force, sizeof next.force);
@@ -186,15 +196,18 @@ static void store(const call *now, int s, int64_t i, int64_t at, const ct_slip *
 static double largest(const friction_state *s, int64_t count)
 {
   double top = 0.0;
-  for (const ct_slip *p = s->points; p < s->points + count; p++)
-    for (int c = 0; c < 3; c++) {
-      const double size = fabs(p->force[c]);
-      top = size > top ? size : top;
-      for (int b = 0; b < 8 && p->lever[c] != 0.0; b++) {
-        const double couple = fabs(ct_vector_dot(p->weight[b], p->force) * p->lever[c]);
-        top = couple > top ? couple : top;
-      }
+  for (const ct_slip *p = s->points; p < s->points + count; p++) {
+    double turn = 0.0;
+    for (int b = 0; b < s->data->other_nodes; b++) {
+      const double size = fabs(ct_vector_dot(p->weight[b], p->force));
+      turn = size > turn ? size : turn;
     }
+    for (int c = 0; c < 3; c++) {
+      const double size = fabs(p->force[c]), couple = turn * fabs(p->lever[c]);
+      top = size > top ? size : top;
+      top = couple > top ? couple : top;
+    }
+  }
   return top;
 }
 
@@ -304,8 +317,9 @@ static void treat(friction_state *s, const call *now, int solved)
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
     for (int64_t i = 0; i < count; i++) {
-      if (solved) store(now, k, i, RECORD * (first + i), &s->points[first + i]);
-      else prepare(now, k, i, RECORD * (first + i), &s->points[first + i]);
+      const int64_t j = first + i, at = RECORD * j;
+      if (solved) store(now, k, i, at, &s->axes[j], &s->points[j]);
+      else prepare(now, k, i, at, &s->axes[j], &s->points[j]);
     }
     first += count;
   }
@@ -377,6 +391,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;
   s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
+  s->axes = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->axes);
   s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
   s->coarse = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
   s->fine = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
@@ -442,6 +457,8 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
   for (int k = 0; k < data->sides; k++) {
     data->side[k] = &fixed->gaps.side[k];
     data->points += data->side[k]->point_count;
+    if (!data->rigid && data->side[k]->search->per > data->other_nodes)
+      data->other_nodes = data->side[k]->search->per;
   }
   data->is = describe(data, on);
   *out = &data->is;
