@@ -156,29 +156,44 @@ static void count_time(ct_constraint *c, int pressed, int enters, double dt)
   }
 }
 
+/* A row takes what it gains: it pays a debt first, and keeps the share e of the rest
+ * (eq:impact-reserve). */
+static void take(ct_constraint *c, double gain)
+{
+  const double debt = fmax(-c->impact.reserve, 0.0);
+  if (c->restitution > 0.0)
+    c->impact.reserve += fmin(gain, debt) + c->restitution * fmax(gain - debt, 0.0);
+}
+
 void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
 {
   ct_impact *impact = &c->impact;
-  const double release = impact->release, own = c->force - release;
-  const double stored = ct_law_stored(c), before = ct_law_claim(c);
-  // -- What the row loses, without its dashpot while contact lasts (eq:impact-reserve)
+  const double release = impact->release, own = c->force - release, stored = ct_law_stored(c);
+  // -- The loss of the dashpot while contact lasts stays lost (eq:impact-reserve)
   const int lasts = own > 0.0 && c->before < 0.0 && !is_fresh(c);
   const double closed = c->after - c->before,
                dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
-  const double loss = (before - stored - 0.5 * own * x) - dash;
-  impact->reserve += c->restitution * loss - 0.5 * release * x;
-  // -- What the partner of the last step had stored more than this one; less than that is paid from
-  // what is held (eq:impact-reserve)
-  const double jump = impact->stored - before;
-  impact->reserve += jump > 0.0 ? c->restitution * jump : fmax(jump, -fmax(impact->reserve, 0.0));
+  take(c, impact->stored - stored - 0.5 * own * x - dash);
+  impact->reserve -= 0.5 * release * x;
   impact->stored = stored;
   count_time(c, own > 0.0, enters, dt);
+}
+
+void ct_law_settle_again(ct_constraint *c, double first)
+{
+  const double change = fabs(c->force - first);
+  c->impact.release = 0.0;
+  // A change within ten times the solver's tolerance is none.
+  if (c->restitution > 0.0 && change <= 1e-9 * first) return;
+  // -- 2 λ_0 - λ acts in the first half step, λ being the first solution (eq:reserve-start)
+  c->impact.reserve *= first > 0.0 ? fmin(fmax(2.0 * c->force / first - 1.0, 0.0), 1.0) : 0.0;
+  c->impact.stored = ct_law_stored(c);
 }
 
 void ct_law_leave(ct_constraint *c, double dt)
 {
   // -- What the last partner had stored (eq:impact-reserve)
-  c->impact.reserve += c->restitution * c->impact.stored;
+  take(c, c->impact.stored);
   c->force = c->impact.release = c->impact.stored = 0.0;
   count_time(c, 0, 0, dt);
 }

@@ -142,13 +142,14 @@ static void choose_active(ct_solver *s)
     // -- Neither touched now nor without the force of the step (eq:near-constraints), nor held
     if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most || ct_law_may_release(c))) {
       c->force = 0.0;
-      if (s->again) c->impact.stored = 0.0;
+      if (s->again) c->impact = (ct_impact){.reserve = 0.0};
       else ct_law_leave(c, s->dt);
       continue;
     }
     s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
     s->force[s->count] = c->force - c->impact.release;
+    if (s->again) c->impact.release = c->force; // nothing opens at t = 0: the place is free
     s->active[s->count++] = c;
   }
   s->point_count = s->count;
@@ -184,7 +185,7 @@ static int add_releases(ct_solver *s)
     ct_constraint *c = s->active[r];
     // -- Its force without those of its neighbours (eq:release-time)
     const double alone = -(s->free[r] + s->b[r]) / (s->C[r] + s->scale[r]);
-    if (!(s->scale[r] > 0.0) || !ct_law_releases(c, alone)) continue;
+    if (s->starts || !(s->scale[r] > 0.0) || !ct_law_releases(c, alone)) continue;
     s->entries[s->count] = s->entries[r];
     s->free[s->count] = s->free[r];
     s->scale[s->count] = s->scale[r];
@@ -488,15 +489,14 @@ static int find_all_forces(ct_solver *s)
 /* Add the forces of the second rows, and store what the points hold. */
 static void settle(ct_solver *s)
 {
+  for (int64_t r = 0; s->again && r < s->point_count; r++)
+    ct_law_settle_again(s->active[r], s->active[r]->impact.release);
+  if (s->again) return;
   for (int64_t r = 0; r < s->point_count; r++) s->active[r]->impact.release = 0.0;
   for (int64_t r = s->point_count; r < s->count; r++) {
     s->active[r]->impact.release = s->force[r];
     s->active[r]->force += s->force[r];
   }
-  // A reserve is that of the first solution; without one the energy stored is that of the last.
-  for (int64_t r = 0; s->again && r < s->point_count; r++)
-    if (s->active[r]->restitution == 0.0) s->active[r]->impact.stored = ct_law_stored(s->active[r]);
-  if (s->again) return;
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
   for (int64_t r = 0; r < s->point_count; r++) {
     ct_constraint *c = s->active[r];

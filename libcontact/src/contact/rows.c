@@ -93,7 +93,9 @@ double ct_side_potential(const ct_side *sides, int count)
 /* Parts of the energy of a point: of its row, if it is listed, and what it holds. */
 static double lag_of(const ct_point *p) { return p->listed ? ct_law_lag(&p->row) : 0.0; }
 static double start_of(const ct_point *p) { return p->listed ? ct_law_start(&p->row) : 0.0; }
-static double stored_of(const ct_point *p) { return p->row.impact.stored + p->row.impact.reserve; }
+static double reserve_of(const ct_point *p) { return fmax(p->row.impact.reserve, 0.0); }
+static double debt_of(const ct_point *p) { return fmax(-p->row.impact.reserve, 0.0); }
+static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
 
 /* Σ of one part of the energy over all points. */
 static double sum_energy(ct_contact *contact, double (*part)(const ct_point *point))
@@ -109,8 +111,24 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
+/* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
+static void pay_debts(ct_contact *contact)
+{
+  const double debt = sum_energy(contact, debt_of);
+  const double held = debt > 0.0 ? sum_energy(contact, reserve_of) : 0.0;
+  if (!(held > 0.0)) return;
+  // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
+  const double paid = fmin(debt, held), keep = 1.0 - paid / held, owe = 1.0 - paid / debt;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+      p->row.impact.reserve *= p->row.impact.reserve > 0.0 ? keep : owe;
+  }
+}
+
 void ct_contact_count_energy(ct_contact *contact, double time)
 {
+  if (contact->fixed->law.restitution > 0.0) pay_debts(contact);
   const double before = contact->record.stored, after = sum_energy(contact, stored_of);
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)
