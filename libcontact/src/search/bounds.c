@@ -37,9 +37,24 @@ static int control_points(const ct_face *face, int c, double b[9])
   return 9;
 }
 
+/* The box of the corners of a face. Inlined with a known number. */
+static inline ct_bounds corner_box(int corners, const ct_face *face)
+{
+  ct_bounds box;
+  for (int c = 0; c < 3; c++) box.low[c] = box.high[c] = face->node[0][c];
+  for (int a = 1; a < corners; a++)
+    for (int c = 0; c < 3; c++) {
+      const double x = face->node[a][c];
+      box.low[c] = x < box.low[c] ? x : box.low[c];
+      box.high[c] = x > box.high[c] ? x : box.high[c];
+    }
+  return box;
+}
+
 ct_bounds ct_face_bounds(const ct_face *face)
 {
-  int linear = face->kind == CT_Q4 || face->kind == CT_T3;
+  if (face->kind == CT_Q4) return corner_box(4, face);
+  if (face->kind == CT_T3) return corner_box(3, face);
   ct_bounds box;
   for (int c = 0; c < 3; c++) {
     double b[9];
@@ -51,7 +66,7 @@ ct_bounds ct_face_bounds(const ct_face *face)
       if (b[i] > box.high[c]) box.high[c] = b[i];
     }
     // Computed control points have errors of a few roundings; corners are exact.
-    double slack = linear ? 0.0 : 16.0 * DBL_EPSILON * (fabs(box.low[c]) + fabs(box.high[c]));
+    double slack = 16.0 * DBL_EPSILON * (fabs(box.low[c]) + fabs(box.high[c]));
     box.low[c] -= slack;
     box.high[c] += slack;
   }
