@@ -6,14 +6,20 @@
 
 #include <math.h>
 
+/* The larger of two numbers, without the call of fmax. */
+static inline double larger(double x, double y) { return x > y ? x : y; }
+
+/* min(g, 0). */
+static inline double below(double g) { return g < 0.0 ? g : 0.0; }
+
 /* ½ k ⟨-g⟩². */
-static double ramp_energy(double k, double g) { return g < 0.0 ? 0.5 * k * g * g : 0.0; }
+static inline double ramp_energy(double k, double g) { return 0.5 * k * below(g) * below(g); }
 
 /* Energy-controlled penalty (eq:energy-controlled). */
 
 static ct_ramp controlled_ramp(const ct_constraint *c)
 {
-  const double k = c->stiffness, a = c->dashpot, before = fmin(c->before, 0.0);
+  const double k = c->stiffness, a = c->dashpot, before = below(c->before);
   // -- k ⟨-½ [(1 + a) g_{n+1} + (1 - a) min(g_{n-1}, 0)]⟩ (eq:energy-controlled)
   return (ct_ramp){.C = 2.0 / (k * (1.0 + a)), .b = (1.0 - a) / (1.0 + a) * before};
 }
@@ -97,7 +103,7 @@ static int is_fresh(const ct_constraint *c)
 double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
   // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
-  double zeta = is_fresh(c) ? fmax(c->dissipation, 0.5) : c->dissipation;
+  double zeta = is_fresh(c) ? larger(c->dissipation, 0.5) : c->dissipation;
   // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
   double a = zeta * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
   return isfinite(a) ? a : 0.0;

@@ -115,7 +115,7 @@ static int apply(ct_solver *s, const double *force, double *out)
 static double predict_gaps(ct_solver *s)
 {
   double most = 0.0;
-  int64_t count = s->first[s->set_count];
+  const int64_t count = s->first[s->set_count];
   ct_matrix_times(s, count, s->last_increment, s->terms);
   ct_matrix_times(s, count, s->increment, s->free);
   for (int64_t j = 0; j < count; j++) {
@@ -135,24 +135,27 @@ static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
   ct_pieces_largest(s->pieces, &most, 1);
-  s->count = 0;
-  for (int64_t j = 0; j < s->first[s->set_count]; j++) {
+  const int64_t end = s->first[s->set_count];
+  const double near = 2.0 * most;
+  int64_t count = 0;
+  for (int64_t j = 0; j < end; j++) {
     ct_constraint *c = s->rows[j];
-    if (!ct_law_has_rows(c->enforcement)) continue; // its force is given
+    // The force of a row without a law is given; it has friction.
+    if (s->tangent != NULL && !ct_law_has_rows(c->enforcement)) continue;
     // -- Neither touched now nor without the force of the step (eq:near-constraints), nor held
-    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most || ct_law_may_release(c))) {
+    if (!(c->gap <= near || c->after <= near || ct_law_may_release(c))) {
       c->force = 0.0;
       if (s->again) c->impact = (ct_impact){.reserve = 0.0};
       else ct_law_leave(c, s->dt);
       continue;
     }
-    s->entries[s->count] = s->entries[j];
-    s->free[s->count] = c->after;
-    s->force[s->count] = c->force - c->impact.release;
+    s->entries[count] = s->entries[j];
+    s->free[count] = c->after;
+    s->force[count] = c->force - c->impact.release;
     if (s->again) c->impact.release = c->force; // nothing opens at t = 0: the place is free
-    s->active[s->count++] = c;
+    s->active[count++] = c;
   }
-  s->point_count = s->count;
+  s->count = s->point_count = count;
 }
 
 static void set_all(double *numbers, int64_t first, int64_t end, double value)
