@@ -404,6 +404,7 @@ static void build(play *p)
   if (d->wild && chance(d, 10))
     time.integrator.scheme = (ct_scheme)(below(d, CT_SCHEME_COUNT + 3) - 2);
   if (chance(d, 3)) time.assembled = 1;
+  if (chance(d, 3)) time.force_tolerance = d->wild && chance(d, 3) ? real(d) : 1e-3;
   drop_states(p);
   p->problem = NULL;
   if (d->wild && chance(d, 10)) {

@@ -535,6 +535,7 @@ static void build(run *r, dice *d, const variant *v)
   ct_scene_time time = {.end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95)};
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, CT_SCHEME_COUNT));
   if (chance(d, 8)) time.assembled = 1;
+  if (chance(d, 3)) time.force_tolerance = 1e-3;
   int plane = !chance(d, 4);
   ct_optimisations optimisations = v->optimisations;
   optimisations.plane_strain = plane;
@@ -545,8 +546,9 @@ static void build(run *r, dice *d, const variant *v)
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->state, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->back, &r->error);
   if (r->status != CT_OK) return;
-  tell("  integrator %d, assembled %d, fraction %g, dt %.17g, plane strain %d\n",
-       (int)time.integrator.scheme, time.assembled, time.fraction, r->problem->dt, plane);
+  tell("  integrator %d, assembled %d, forces to %g, fraction %g, dt %.17g, plane strain %d\n",
+       (int)time.integrator.scheme, time.assembled, time.force_tolerance, time.fraction,
+       r->problem->dt, plane);
 }
 
 /* The same scene whenever the dice are the same. */

@@ -129,6 +129,8 @@ def time_choices(chance: random.Random) -> dict:
     if chance.random() < 0.3:
         out["stable_step"] = chance.choice(["elements", "assembled"])
     if chance.random() < 0.3:
+        out["force_tolerance"] = 10 ** chance.uniform(-12, -1)
+    if chance.random() < 0.3:
         out["energy_limit"] = 10 ** chance.uniform(-3, 1)
     if chance.random() < 0.3:
         out["look_every"] = chance.randint(1, 20)

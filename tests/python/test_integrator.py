@@ -112,6 +112,8 @@ def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
             "time.integrator_parameter",
         ),
         ({"stable_step": "guess"}, "time.stable_step"),
+        ({"force_tolerance": 1e-13}, "time.force_tolerance"),
+        ({"force_tolerance": 0.2}, "time.force_tolerance"),
     ],
 )
 def test_refusals_name_the_key(keys, key):
@@ -141,6 +143,24 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
         assert np.array_equal(whole.state[name].displacement, rest.state[name].displacement)
         assert np.array_equal(whole.state[name].velocity, rest.state[name].velocity)
     assert whole.energy[-1] == rest.energy[-1]
+
+
+def test_loose_contact_forces_add_no_energy_and_restart_with_the_same_bits(tmp_path):
+    """``force_tolerance`` (:eq:`energy-stop`): the motion changes, by less than 0.1 % in energy."""
+    tight, made = plates("central_difference"), plates("central_difference", force_tolerance=1e-2)
+    assert made._built(None).pointer.force_tolerance == 1e-2
+    tight, whole = run(tight, output=False), run(made, output=False)
+    assert not np.array_equal(tight.state["left"].velocity, whole.state["left"].velocity)
+    total, kinetic = whole.energy["total"], whole.energy["kinetic"]
+    assert np.diff(total).max() < 1e-12 * total[0]
+    assert np.abs(kinetic - tight.energy["kinetic"]).max() < 1e-3 * kinetic[0]
+    made.set_output(file=str(tmp_path / "part.vtkhdf"), every=4)
+    run(made, until=0.5 * whole.time[-1])
+    rest = run(made, restart=tmp_path / "part.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    assert np.array_equal(whole.state["left"].velocity, rest.state["left"].velocity)
+    other = plates("central_difference").set_output(file=str(tmp_path / "other.vtkhdf"), every=4)
+    with pytest.raises(ct.Error, match="restart"):
+        other.run(restart=tmp_path / "part.vtkhdf", progress=False)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)

@@ -71,7 +71,7 @@ material = [{ name = "soft", young = 900.0, poisson = 0.3, density = 1.0, law = 
 gravity = { acceleration = [0, 0, -9.81], bodies = ["a", "b"] }
 damping = { rate = 0.5 }
 viscosity = { linear = 0.1, quadratic = 1.0, bodies = ["a"] }
-time = { end = 0.01, fraction = 0.5, integrator = "chung_lee", integrator_parameter = 1.03, stable_step = "elements", energy_limit = 0.5, look_every = 12 }
+time = { end = 0.01, fraction = 0.5, integrator = "chung_lee", integrator_parameter = 1.03, stable_step = "elements", force_tolerance = 1e-6, energy_limit = 0.5, look_every = 12 }
 output = { file = "all.vtkhdf", fields = ["stress"], every = 3, filter = 0 }
 run = { threads = 2, savings = ["quiet", "congruent"] }
 probe = [{ name = "p", body = "a", point = [0.5, 0.5, 0.5], quantities = ["stress"], every = 2 }, { name = "q", surface = "b.outer" }, { name = "r", resultant = "support[1]" }]

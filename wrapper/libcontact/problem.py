@@ -409,6 +409,7 @@ class Problem:
             "keep_dt": dt is not None,
             "integrator": given.scheme,
             "assembled": given.stable_step == "assembled",
+            "force_tolerance": given.force_tolerance,
         }
         time, self.stable = ffi.new("ct_scene_time *", members), ffi.new("ct_stable_step *")
         problem, count = ffi.new("const ct_problem **"), ffi.new("int64_t *")

@@ -129,6 +129,8 @@ typedef struct ct_scene_time {
    * :eq:`assembled-bound`, where it is larger. This costs about 70 force evaluations, once.
    */
   int assembled;
+  /** Tolerance of the contact forces, as in ct_problem; 0: its default. */
+  double force_tolerance;
 } ct_scene_time;
 
 /** Create an empty scene. */

@@ -608,6 +608,7 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   if (status == CT_OK) status = make_effects(scene, error);
   p->integrator = time->integrator;
   p->assembled = time->assembled;
+  p->force_tolerance = time->force_tolerance;
   p->dt = DBL_MIN; // unknown yet, and any value will do
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
   if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
