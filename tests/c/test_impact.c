@@ -71,7 +71,7 @@ static void bouncing_mass(double share, double k)
     c.gap = g, c.before = before;
     c.dashpot = ct_law_dashpot(&c, W);
     ct_ramp ramp[2] = {ct_law_ramp(&c)};
-    const int opens = ct_law_releases(&c, -(free + ramp[0].b) / (ramp[0].C + W));
+    const int opens = ct_law_releases(&c, W, dt, -(free + ramp[0].b) / (ramp[0].C + W));
     if (opens) ramp[1] = ct_law_release(&c, free, W, &start);
     solve_both(ramp, free, W, opens ? 2 : 1, force);
     c.force = force[0] + force[1], c.impact.release = force[1];

@@ -127,11 +127,12 @@ int ct_law_may_release(const ct_constraint *c)
   return K > 0.0 && K * K > 0.0 && (!is_fresh(c) || is_over(c)) && is_recent(c);
 }
 
-int ct_law_releases(const ct_constraint *c, double force)
+int ct_law_releases(const ct_constraint *c, double bound, double dt, double force)
 {
-  const double last = c->force - c->impact.release;
-  // -- The step that is nearest to the zero of the extrapolated force (eq:release-time)
-  return ct_law_may_release(c) && force <= last / 3.0;
+  const double last = c->force - c->impact.release, T = c->travel_time / dt;
+  // -- The step that is nearest to the zero of the extrapolated force, if the spring can stop its
+  // node while a wave crosses the element, k W (T / Δt)² > 1/100 (eq:release-time)
+  return ct_law_may_release(c) && force <= last / 3.0 && 100.0 * c->stiffness * bound * T * T > 1.0;
 }
 
 ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)

@@ -44,9 +44,9 @@ double ct_law_loss(const ct_constraint *row, double force, double after);
  * gap is (eq:release-time). */
 int ct_law_may_release(const ct_constraint *row);
 
-/* Whether a row opens in this step: `force` is what it would have without its neighbours
- * (eq:release-time). */
-int ct_law_releases(const ct_constraint *row, double force);
+/* Whether a row opens in a step: `force` is what it would have without its neighbours, and `bound`
+ * that of W (eq:release-time). */
+int ct_law_releases(const ct_constraint *row, double bound, double dt, double force);
 
 /* The extra row: its ramp, and the force with which it gives back all of the reserve if all
  * points that open move alike. `free` is g_{n+1} without the constraints, `bound` the change of the

@@ -188,7 +188,8 @@ static int add_releases(ct_solver *s)
     ct_constraint *c = s->active[r];
     // -- Its force without those of its neighbours (eq:release-time)
     const double alone = -(s->free[r] + s->b[r]) / (s->C[r] + s->scale[r]);
-    if (s->starts || !(s->scale[r] > 0.0) || !ct_law_releases(c, alone)) continue;
+    if (s->starts || !(s->scale[r] > 0.0) || !ct_law_releases(c, s->scale[r], s->dt, alone))
+      continue;
     s->entries[s->count] = s->entries[r];
     s->free[s->count] = s->free[r];
     s->scale[s->count] = s->scale[r];
