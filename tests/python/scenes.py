@@ -4,7 +4,7 @@ METRES = {"length": "m", "mass": "kg", "time": "s"}
 MILLIMETRES = {"length": "mm", "mass": "t", "time": "s"}
 STEEL = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}  # in mm, t, s
 # Names of the energies of a run.
-ENERGY = tuple("time kinetic strain contact external total balance".split())
+ENERGY = tuple("time kinetic strain contact reserve external total balance".split())
 # Ends of the edges of a brick, in the order of the mid-side nodes of hex20.
 EDGES = [divmod(ends, 10) for ends in (1, 12, 23, 30, 45, 56, 67, 74, 4, 15, 26, 37)]
 

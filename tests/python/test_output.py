@@ -221,7 +221,7 @@ def test_ledger(results):
             assert np.allclose(
                 momentum["p"][2 * step + body], mass[body] * velocity(step), rtol=1e-13
             )
-    for name in ("kinetic", "strain", "contact", "external", "total", "balance"):
+    for name in ("kinetic", "strain", "contact", "reserve", "external", "total", "balance"):
         assert (results["VTKHDF/FieldData"][name][:] == energy[name]).all()
     assert np.allclose(
         results["VTKHDF/FieldData/momentum"], momentum["p"].reshape(STEPS, 2, 3).sum(axis=1)

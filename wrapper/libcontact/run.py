@@ -95,7 +95,7 @@ class Run:
     units: Units | None
     #: Steps of the records, shape (records,).
     steps: NDArray[np.int64]
-    #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance,
+    #: Structured array, one row per record: time, kinetic, strain, contact, reserve, external, total,
     #: and a field for each further effect with its name: the energy that it stores, or its work if it
     #: stores none. ``to_pandas()`` converts this table and the others to pandas.
     energy: Table

@@ -20,6 +20,9 @@ typedef struct ct_energy {
   double strain;
   /** Stored by all effects "contact". */
   double contact;
+  /** Held by the points of all contacts and obstacles until they open, :eq:`impact-reserve`, half a
+   * step after t_n; a part of their stored energy. */
+  double reserve;
   /** Work done by supports and loads since t = 0. */
   double external;
   /** kinetic + strain + contact - external: constant for linear forces. */

@@ -165,6 +165,10 @@ typedef struct ct_effect_constraints {
    */
   ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
                          ct_error *error);
+  /** Null, or write the part of the stored energy that is held until points open [energy],
+   * :eq:`impact-reserve`; `energy` was called before with the same view. */
+  ct_status (*reserve)(const struct ct_effect *effect, const ct_view *view, double *reserve,
+                       ct_error *error);
 } ct_effect_constraints;
 
 /**

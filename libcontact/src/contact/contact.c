@@ -240,6 +240,7 @@ static void find_energy(const void *state, ct_interaction_energy *energy)
 {
   const ct_contact *contact = state;
   *energy = (ct_interaction_energy){.stored = ct_contact_own_energy(contact),
+                                    .reserve = contact->reserve,
                                     .removal = contact->record.removal,
                                     .motion = contact->record.motion};
   memcpy(energy->reaction, contact->record.reaction, sizeof energy->reaction);

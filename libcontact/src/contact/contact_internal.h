@@ -72,9 +72,10 @@ struct ct_contact {
   const ct_contact_fixed *fixed;
   ct_contact_fixed *own; /* the same of a host's contact; else null */
   ct_gaps gaps;
-  double *terms; /* memory for sums, one number per point and node */
-  int solved;    /* whether the forces are those of solved rows */
-  double energy; /* of the constraints then */
+  double *terms;  /* memory for sums, one number per point and node */
+  int solved;     /* whether the forces are those of solved rows */
+  double energy;  /* of the constraints then */
+  double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
   ct_contact_record record;
   /* Of an obstacle: its position, its motion since the last step and until the next one; and the
    * distance from which a point may reach it until then. */

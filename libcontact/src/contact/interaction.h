@@ -33,6 +33,7 @@ static inline double ct_mass_at(ct_masses mass, int32_t n)
 /* Energies of an interaction at t_n, and the force on an obstacle. */
 typedef struct ct_interaction_energy {
   double stored;
+  double reserve;     /* the part of it that points hold until they open (eq:impact-reserve) */
   double dissipated;  /* by friction since t = 0 */
   double removal;     /* work of fading start gaps since t = 0 */
   double motion;      /* work of a moving obstacle since t = 0 */

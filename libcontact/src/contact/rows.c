@@ -128,7 +128,10 @@ static void pay_debts(ct_contact *contact)
 
 void ct_contact_count_energy(ct_contact *contact, double time)
 {
-  if (contact->fixed->law.restitution > 0.0) pay_debts(contact);
+  if (contact->fixed->law.restitution > 0.0) {
+    pay_debts(contact);
+    contact->reserve = sum_energy(contact, reserve_of);
+  }
   const double before = contact->record.stored, after = sum_energy(contact, stored_of);
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)

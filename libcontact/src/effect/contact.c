@@ -92,6 +92,15 @@ static ct_status touch_external(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
+static ct_status touch_reserve(const ct_effect *effect, const ct_view *view, double *reserve,
+                               ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  *reserve = energy_of(view).reserve;
+  return CT_OK;
+}
+
 static ct_status touch_bound(const ct_effect *effect, const ct_view *view, double *omega2,
                              ct_error *error)
 {
@@ -135,14 +144,15 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 }
 
 /* Of contacts and obstacles; friction stores no energy that a result shows apart. */
-static const ct_effect_calls TOUCH = {.force = touch_force,
-                                      .energy = touch_energy,
-                                      .external = touch_external,
-                                      .create_scratch = create_scratch,
-                                      .free_scratch = free_scratch,
-                                      .free_data = free_data,
-                                      .bounds = {.omega2 = touch_bound},
-                                      .constraints = {.list = touch_constrain}};
+static const ct_effect_calls TOUCH = {
+    .force = touch_force,
+    .energy = touch_energy,
+    .external = touch_external,
+    .create_scratch = create_scratch,
+    .free_scratch = free_scratch,
+    .free_data = free_data,
+    .bounds = {.omega2 = touch_bound},
+    .constraints = {.list = touch_constrain, .reserve = touch_reserve}};
 static const ct_effect_calls FRICTION = {.force = touch_force,
                                          .create_scratch = create_scratch,
                                          .free_scratch = free_scratch,

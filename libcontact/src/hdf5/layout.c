@@ -128,8 +128,8 @@ static const ct_row_type ENERGY = {
     sizeof(ct_energy),
     {CT_FIELD(ct_energy, time, CT_REAL, NULL), CT_FIELD(ct_energy, kinetic, CT_REAL, NULL),
      CT_FIELD(ct_energy, strain, CT_REAL, NULL), CT_FIELD(ct_energy, contact, CT_REAL, NULL),
-     CT_FIELD(ct_energy, external, CT_REAL, NULL), CT_FIELD(ct_energy, total, CT_REAL, NULL),
-     CT_FIELD(ct_energy, balance, CT_REAL, NULL)}};
+     CT_FIELD(ct_energy, reserve, CT_REAL, NULL), CT_FIELD(ct_energy, external, CT_REAL, NULL),
+     CT_FIELD(ct_energy, total, CT_REAL, NULL), CT_FIELD(ct_energy, balance, CT_REAL, NULL)}};
 
 static const ct_row_type MOMENTUM = {
     sizeof(ct_momentum),
@@ -175,6 +175,7 @@ static const plan COLUMN[] = {
     {FIELD_DATA, "kinetic", CT_REAL, NULL, ONE, 0, NOW_ENERGY(kinetic)},
     {FIELD_DATA, "strain", CT_REAL, NULL, ONE, 0, NOW_ENERGY(strain)},
     {FIELD_DATA, "contact", CT_REAL, NULL, ONE, 0, NOW_ENERGY(contact)},
+    {FIELD_DATA, "reserve", CT_REAL, NULL, ONE, 0, NOW_ENERGY(reserve)},
     {FIELD_DATA, "external", CT_REAL, NULL, ONE, 0, NOW_ENERGY(external)},
     {FIELD_DATA, "total", CT_REAL, NULL, ONE, 0, NOW_ENERGY(total)},
     {FIELD_DATA, "balance", CT_REAL, NULL, ONE, 0, NOW_ENERGY(balance)},

@@ -146,6 +146,9 @@ static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger 
     ct_view view = ct_workspace_view(problem, state, k);
     if (effect->calls->external != NULL)
       status = effect->calls->external(effect, &view, &external, error);
+    double reserve = 0.0;
+    if (status == CT_OK && effect->calls->constraints.reserve != NULL)
+      status = effect->calls->constraints.reserve(effect, &view, &reserve, error);
     if (status != CT_OK) return status;
     if (row->effects != NULL) row->effects[k] = (ct_effect_energy){work, stored, external};
     work_total += work;
@@ -153,6 +156,7 @@ static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger 
     e->external += effect->calls->energy == NULL ? work + external : external;
     if (effect->kind == CT_EFFECT_SOLID) e->strain += stored;
     if (effect->kind == CT_EFFECT_CONTACT) e->contact += stored;
+    e->reserve += reserve;
   }
   e->total = e->kinetic + stored_total - e->external;
   e->balance = e->kinetic - state->kinetic_start - work_total;

@@ -218,7 +218,7 @@ def _clock(drawing: Drawing, end: float) -> tuple[float, str]:
 def draw_energies(axes: Any, run: Run) -> None:
     """Draw the energy balance over time: each column that is not zero, and the total."""
     own = [name for name in run.energy.dtype.names or () if name not in (ENERGY.names or ())]
-    for name in ("kinetic", "strain", "contact", "external", *own):
+    for name in ("kinetic", "strain", "contact", "reserve", "external", *own):
         if run.energy[name].any():
             axes.plot(run.time, run.energy[name], label=name)
     axes.plot(run.time, run.energy["total"], "k--", label="total")
