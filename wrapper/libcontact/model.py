@@ -346,8 +346,8 @@ class ContactLaw(Table):
     restitution
         Share of the energy lost at closing that the contact holds and gives back when it opens, for
         the energy-controlled penalty, :eq:`impact-reserve`. With 1 the impact of elastic bodies
-        loses almost nothing; with 0 it stops the layer of nodes at the surface, and a body of n
-        layers loses about 0.35 / n of its energy.
+        loses almost nothing, so what bounces comes to rest only by damping; with 0 it stops the layer of nodes at
+        the surface, and a body of n layers loses about 1 / (2n) of the energy of the impact, :eq:`thin-loss`.
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent

@@ -35,8 +35,7 @@ COMMON, TRIED = 0.5, 64
 # Largest rotation θ [rad] for the small-strain law, which sees a strain of θ²/2 (eq:turned); number of
 # nodes from which it is computed.
 TURNED, TURN_NODES = 0.04, 2000
-# Fraction of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for
-# n equal elements.
+# Fraction of the energy of an impact that may be lost (eq:thin-loss): (1 - e)/(2n) for n equal elements.
 THIN = 0.3
 # Effects that do not act on a body that moves without strain, or accelerate all its nodes equally.
 HARMLESS = ("gravity", "viscosity")
@@ -408,13 +407,14 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
         masses = {name: _masses(problem, name, first[name], touch.normal) for name in first}
         hit, moving = (_reduced(list(each)) for each in zip(*masses.values()))
         # (eq:thin-loss)
-        if math.isfinite(moving) and hit >= THIN * moving:
+        kept = touch.given.restitution
+        if math.isfinite(moving) and (1.0 - kept) * hit >= THIN * moving:
             share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]
             text = f'body "{name}" is about one element thick where it hits, along {axis}: '
-            text += f"the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, "
-            text += "which can be lost; divide it into at least 4 elements along that direction "
-            text += "(n equal ones lose up to 1/(2 n))"
+            text += f"with restitution {kept:g} about {100 * (1.0 - kept) * hit / moving:.0f} % of the energy "
+            text += "of the impact is lost; for elastic bodies take restitution 1, or divide it into at least 4 elements "
+            text += "along that direction (n equal ones lose (1 - restitution)/(2 n))"
             yield SceneWarning("thin", text, touch.key)
 
 
