@@ -20,6 +20,7 @@ def one_impact(enforcement, step, start=0.0):
         ct.Surface("Q4", low, faces),
         epsilon=1.0,
         enforcement=enforcement,
+        restitution=0.0,
         depth=100.0,
     )
     v = np.zeros_like(x)

@@ -12,10 +12,11 @@ static const ct_enforcement IMPLICIT[] = {CT_ENFORCE_ENERGY_CONTROLLED};
 enum { IMPLICITS = sizeof IMPLICIT / sizeof IMPLICIT[0] };
 typedef char every_implicit_law_is_tested[(int)IMPLICITS == CT_ENFORCE_COUNT - 1 ? 1 : -1];
 
+/* Without a reserve, which test_impact.c tests. */
 static ct_contact_options options_of(ct_enforcement enforcement)
 {
   ct_contact_options options = ct_contact_options_default();
-  options.enforcement = enforcement;
+  options.enforcement = enforcement, options.restitution = 0.0;
   return options;
 }
 
@@ -471,7 +472,7 @@ static void shared_nodes(void)
       ct_effect *effect = NULL;
       ct_obstacle_def o = ct_obstacle_def_default();
       for (int c = 0; c < 3; c++) o.axis[c] = c == wall ? 1.0 : 0.4, o.point[c] = 0.2;
-      o.epsilon = 4000.0 + 1000.0 * wall;
+      o.epsilon = 4000.0 + 1000.0 * wall, o.travel_time = 0.01;
       o.enforcement = IMPLICIT[e];
       o.kind = CT_Q4;
       o.face_count = ct_mesh_plane_faces(m, wall, 0.0, faces, NULL);

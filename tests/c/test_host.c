@@ -335,7 +335,7 @@ static ct_contact_options plain(void)
 {
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = 50.0;
-  options.dissipation = 0.0;
+  options.dissipation = options.restitution = 0.0;
   options.initial_penetration = CT_INITIAL_FORCE;
   return options;
 }
@@ -466,7 +466,8 @@ static void refused_parts(void)
   ct_obstacle_def wall = ct_obstacle_def_default(), none = {0};
   ct_error e;
   double force[3], work, memory[400];
-  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.initial_penetration = CT_INITIAL_FORCE;
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
+  wall.initial_penetration = CT_INITIAL_FORCE;
   need(ct_contact_create(&a.surface, NULL, &options, &alone, &e), &e);
   for (int k = 0; k < 4; k++) {
     tap_ok(ct_contact_add_friction(contact, -1, BAD[k], 1.0, &e) == CT_ERROR_ARGUMENT &&
@@ -545,7 +546,8 @@ static void memory(void)
   ct_error e;
   ct_contact *contact = open_faces(&a, &b, plain());
   ct_obstacle_def wall = ct_obstacle_def_default();
-  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.initial_penetration = CT_INITIAL_FORCE;
+  wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
+  wall.initial_penetration = CT_INITIAL_FORCE;
   for (int k = 0; k < 3; k++)
     for (int spare = 0; spare < 1000; spare++) {
       counted.last_call = counted.calls + spare;

@@ -90,6 +90,7 @@ def fall(enforcement, steps=40):
         epsilon=EPSILON,
         enforcement=enforcement,
         dissipation=ZETA,
+        restitution=0.0,
     )
     x, v, rows = SQUARE + [0, 0, 0.05], np.zeros((4, 3)), []
     v[:, 2] = -1.0

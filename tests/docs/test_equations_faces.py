@@ -171,7 +171,7 @@ def test_weights_of_contact_points():
     triangles = np.repeat([1 / 40, 1 / 15, 9 / 40], [3, 3, 1]) * area
     for kind, nodes, expected in (("Q4", quad, quads), ("T3", tri, triangles)):
         surface = ct.Surface(kind, nodes, [range(len(nodes))])
-        contact = ct.Contact(surface, floor, epsilon=1.0, points="lobatto")
+        contact = ct.Contact(surface, floor, epsilon=1.0, points="lobatto", travel_time=0.1)
         still = (np.zeros_like(nodes), np.zeros((4, 3)))
         places = (nodes - [0, 0, 0.11], floor_nodes())
         contact.step(0.1, places, still, (np.ones_like(nodes), np.zeros((4, 3))))

@@ -109,7 +109,7 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
   int samples = 0;
   bar_make(&left, -10.0, 0.1);
   bar_make(&right, 0.0, -0.1);
-  options.epsilon = ct_contact_penalty(beta, 1.0, left.h);
+  options.epsilon = ct_contact_penalty(beta, 1.0, left.h), options.restitution = 0.0;
   if (!tap_ok(ct_contact_create(a, b, &options, &contact, &error) == CT_OK, "beta %g", beta))
     return;
   dt = 0.9 * left.h;
@@ -170,7 +170,7 @@ static void slide(void)
   memset(&plate, 0, sizeof plate);
   plate.kind = CT_Q4, plate.node_count = 4, plate.face_count = 1;
   plate.faces = face, plate.reference = start;
-  options.epsilon = 1.0;
+  options.epsilon = 1.0, options.restitution = plane.restitution = 0.0;
   plane.axis[2] = 1.0, plane.epsilon = 2e5;
   for (int k = 0; k < 2; k++)
     bad += ct_contact_create(&plate, NULL, &options, &contact[k], &error) != CT_OK ||
@@ -264,7 +264,7 @@ int main(void)
   b = a;
   b.faces = right_face;
   b.reference = &right.X[0][0];
-  options.epsilon = ct_contact_penalty(1.0, 1.0, left.h);
+  options.epsilon = ct_contact_penalty(1.0, 1.0, left.h), options.travel_time = left.h;
   options.depth = 1.0;
 
   tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK,

@@ -102,6 +102,7 @@ contains
     contact = c_null_ptr
     options = ct_contact_options_default()
     options%epsilon = ct_contact_penalty(beta, 1.0_dp, h)
+    options%restitution = 0.0_dp
     bad = ct_contact_create(a, b, options, contact, error)
     call make(left, -10.0_dp, 0.1_dp)
     call make(right, 0.0_dp, -0.1_dp)
@@ -156,9 +157,11 @@ contains
     plate = ct_surface(CT_Q4, 4, 1, c_loc(face), c_loc(start))
     options = ct_contact_options_default()
     options%epsilon = 1.0_dp
+    options%restitution = 0.0_dp
     plane = ct_obstacle_def_default()
     plane%axis(3) = 1.0_dp
     plane%epsilon = 2e5_dp
+    plane%restitution = 0.0_dp
     bad = 0
     do k = 1, 2
       contact(k) = c_null_ptr
@@ -324,6 +327,7 @@ program host
   b = ct_surface(CT_Q4, nodes, 1, c_loc(right_face), c_loc(right%start))
   options = ct_contact_options_default()
   options%epsilon = ct_contact_penalty(1.0_dp, 1.0_dp, h)
+  options%travel_time = h
   options%depth = 1.0_dp
   call check(ct_contact_create(a, b, options, contact, error) == CT_OK, &
              "a contact of two surfaces over the host's arrays")

@@ -204,6 +204,7 @@ class Block:
         self.step = 2.0 / np.sqrt(np.linalg.eigvalsh(self.K / np.sqrt(np.outer(m3, m3)))[-1])
         self.modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
         self.h = h.min()
+        self.travel_time = self.h / np.sqrt(self.modulus / density)
         self.u = np.zeros_like(self.x0)
         turning = spin * np.random.default_rng(cells.size).normal(size=3)
         self.v = velocity + np.cross(turning, self.x0 - self.x0.mean(0))
@@ -241,6 +242,8 @@ def run_host(seed: int, factor: float = 40.0, steps: int = 1500, closed: bool = 
     modulus = min(a.modulus, b.modulus)
     options = {
         "epsilon": factor * modulus / min(a.h, b.h),
+        "restitution": float(seed % 2),
+        "travel_time": min(a.travel_time, b.travel_time),
         "points": str(chance.choice(["gauss", "gauss", "lobatto"])),
         "initial_penetration": "keep",
     }

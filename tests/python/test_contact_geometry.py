@@ -55,10 +55,13 @@ def test_overlap_is_kept(enforcement):
     run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run(progress=False)
     assert np.all(run.energy["total"] == 0.0)
     assert not run.state["right"].displacement.any()
-    kept = blocks(0.05, 0.1, end=0.15, enforcement=enforcement, initial_penetration="keep").run(
-        progress=False
-    )
-    touching = blocks(0.0, 0.1, end=0.15, enforcement=enforcement).run(progress=False)
+    law = {"enforcement": enforcement}
+    if enforcement != "penalty":
+        law["restitution"] = (
+            0.0  # when a point closed is found from its gap, which round-off changes
+        )
+    kept = blocks(0.05, 0.1, end=0.15, initial_penetration="keep", **law).run(progress=False)
+    touching = blocks(0.0, 0.1, end=0.15, **law).run(progress=False)
     assert kept.energy["contact"][-1] > 0.0
     assert kept.state["right"].displacement == pytest.approx(
         touching.state["right"].displacement, abs=1e-12
