@@ -92,3 +92,43 @@ def test_a_wall_that_gathers_speed_makes_nothing(beta):
     scene.set_time(end=60.0, fraction=0.9).set_output(every=1, fields=[])
     energy = scene.run(progress=False, output=False).energy
     assert np.diff(energy["total"]).max() < 1e-12 * energy["external"][-1]
+
+
+@pytest.mark.parametrize("beta", [1.0, 40.0, 1e3])
+@pytest.mark.parametrize("fraction", [0.2, 0.95])
+def test_restitution_0_is_the_law_of_the_gaps_alone(beta, fraction):
+    """A bar of four unit elements bounces off a wall and is pressed on it again; by hand, in one dimension, with
+    (eq:energy-controlled) and (eq:surface-damping)."""
+    cells, g, v0, dt, zeta = 4, 0.3, -0.1, fraction, 0.15
+    scene = ct.Scene(title="bar", units=METRES)
+    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    scene.add_body(
+        "bar",
+        material="m",
+        box=box_of([g, 0, 0], [cells, 1, 1], [cells, 1, 1]),
+        velocity=[v0, 0, 0],
+    )
+    scene.add("gravity", acceleration=[-0.02, 0, 0])
+    plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
+    scene.add("obstacle", surface="bar.x_min", plane=plane, beta=beta, restitution=0.0)
+    scene.set_time(end=80.0, dt=dt).set_output(every=1, fields=[])
+    run = scene.run(progress=False, output=False)
+    dt = run.time[1]  # whole steps to the end
+    m, u, v = np.array([0.5, 1.0, 1.0, 1.0, 0.5]), np.zeros(5), np.full(5, v0)
+    a = zeta * np.sqrt(1 + 4 * m[0] / (beta * dt**2))
+    last, forces = g, []
+    for n in range(run.steps[-1] + 1):
+        tau = dt if n else dt / 2
+        pull = np.diff(u)
+        v += tau * (np.append(pull, 0) - np.append(0, pull) - 0.02 * m) / m
+        free, now = g + u[0] + dt * v[0], g + u[0]
+        push = -0.5 * beta * ((1 + a) * free + (1 - a) * min(last, 0))
+        push = max(push, 0) / (1 + 0.5 * beta * (1 + a) * dt * tau / m[0])
+        v[0] += tau * push / m[0]
+        forces.append(push)
+        last, here, u = now, u.copy(), u + dt * v
+    start = np.flatnonzero(np.diff(np.array(forces) > 0)).size
+    assert start > 3  # it closes and opens again and again
+    x = run.state["bar"].displacement[:, 0]
+    places = run.state["bar"].nodes[:, 0] - g
+    assert np.abs(x - here[np.rint(places).astype(int)]).max() < 1e-12

@@ -130,7 +130,7 @@ static double predict_gaps(ct_solver *s)
   return most;
 }
 
-/* Drop the rows that the motions of this step cannot close (eq:near-constraints). */
+/* Drop the rows that have no force in this step (eq:near-constraints). */
 static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
@@ -142,8 +142,8 @@ static void choose_active(ct_solver *s)
     ct_constraint *c = s->rows[j];
     // The force of a row without a law is given; it has friction.
     if (s->tangent != NULL && !ct_law_has_rows(c->enforcement)) continue;
-    // -- Neither touched now nor without the force of the step (eq:near-constraints), nor held
-    if (!(c->gap <= near || c->after <= near || ct_law_may_release(c))) {
+    // -- Inside neither before, nor now, nor without the force (eq:near-constraints), nor held
+    if (!(c->before < 0.0 || c->gap <= near || c->after <= near || ct_law_may_release(c))) {
       c->force = 0.0;
       if (s->again) c->impact = (ct_impact){.reserve = 0.0};
       else ct_law_leave(c, s->dt);
