@@ -45,6 +45,16 @@ static void faces_of(const ct_mesh *mesh, double z, int32_t first, int32_t *face
   for (int i = 0; i < 4 * FACES; i++) faces[i] += first;
 }
 
+#if EFFECT == OBSTACLE || EFFECT == FRICTION || EFFECT == CONTACT || EFFECT == PAIR_FRICTION
+/* The time in which a wave crosses an element. */
+static double travel_time(const ct_problem *problem)
+{
+  double c1, c2;
+  ct_material_speeds(&problem->bodies[0].material, &c1, &c2);
+  return 1.0 / CELLS / c1;
+}
+#endif
+
 /* The effects of this program; their number. */
 static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect **effect)
 {
@@ -85,14 +95,15 @@ static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect *
   need(ct_absorb_create_effect(&def, problem, effect, &error));
 #elif EFFECT == OBSTACLE || EFFECT == FRICTION
   ct_obstacle_def def = ct_obstacle_def_default();
-  def.axis[2] = 1.0, def.epsilon = 1e4;
+  def.axis[2] = 1.0, def.epsilon = 1e4, def.travel_time = travel_time(problem);
   def.kind = CT_Q4, def.face_count = FACES, def.faces = bottom;
   need(ct_obstacle_create_effect(&def, problem, effect, &error));
 #elif EFFECT == CONTACT || EFFECT == PAIR_FRICTION
   ct_surface side[2] = {{CT_Q4, 2 * NODES, FACES, bottom, reference},
                         {CT_Q4, 2 * NODES, FACES, top, reference}};
   ct_contact_def def = ct_contact_def_default();
-  def.a = &side[0], def.b = &side[1], def.options.epsilon = 1e4;
+  def.a = &side[0], def.b = &side[1];
+  def.options.epsilon = 1e4, def.options.travel_time = travel_time(problem);
   need(ct_contact_create_effect(&def, problem, effect, &error));
 #endif
 #if EFFECT == FRICTION || EFFECT == PAIR_FRICTION

@@ -109,7 +109,8 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
   int samples = 0;
   bar_make(&left, -10.0, 0.1);
   bar_make(&right, 0.0, -0.1);
-  options.epsilon = ct_contact_penalty(beta, 1.0, left.h), options.restitution = 0.0;
+  options.epsilon = ct_contact_penalty(beta, 1.0, left.h);
+  options.travel_time = left.h; /* h / c */
   if (!tap_ok(ct_contact_create(a, b, &options, &contact, &error) == CT_OK, "beta %g", beta))
     return;
   dt = 0.9 * left.h;
@@ -139,15 +140,16 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
     lowest = fmin(lowest, bodies + balance.energy);
     work = fmax(work, fabs(bodies - start - balance.work));
     if (n * dt > 5.0 && n * dt < 15.0) force += fb[0], samples++;
-    if (fb[0] != 0.0) end = n * dt;
+    if (fb[0] > 0.01 * 0.1)
+      end = n * dt; /* below it, points give back the rest of what they held */
   }
   tap_close(rise / start, 0.0, 1e-12, "at 0.9 of the step of the bars alone no energy is added");
   tap_close(work / start, 0.0, 1e-11, "what the bars gain is the work of the contact");
-  tap_ok(lowest > 0.98 * start && balance.unconverged == 0, "%.4f of the energy stays",
+  tap_ok(lowest > 0.999 * start && balance.unconverged == 0, "%.4f of the energy stays",
          lowest / start);
   tap_close(force / samples, 0.1, 0.001, "pressure rho c v");
   tap_close(end, 20.0, 0.3, "the bars part after 2 L / c");
-  tap_close(momentum(&right), 1.0, 0.03, "the right bar leaves with the velocity of the left one");
+  tap_close(momentum(&right), 1.0, 0.01, "the right bar leaves with the velocity of the left one");
   ct_contact_free(contact);
 }
 

@@ -166,6 +166,15 @@ static int32_t *any_nodes(play *p, int body, int joined, int32_t *count)
   return nodes;
 }
 
+/* All, none or a part of what an impact loses comes back. */
+static double any_restitution(dice *d)
+{
+  return chance(d, 2) ? 1.0 : chance(d, 2) ? 0.0 : between(d, 0.0, d->wild ? 1.5 : 1.0);
+}
+
+/* Rarely none, which a step refuses where something comes back. */
+static double any_travel_time(dice *d) { return chance(d, 12) ? 0.0 : between(d, 0.01, 1.0); }
+
 static void add_contact(play *p)
 {
   dice *d = p->d;
@@ -181,6 +190,7 @@ static void add_contact(play *p)
   if (chance(d, 5)) c.beta = 0.0, c.options.epsilon = between(d, 0.1, 10.0);
   if (chance(d, 3)) c.options.enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT + 1);
   if (chance(d, 5)) c.options.dissipation = between(d, 0.0, 1.0);
+  if (chance(d, 3)) c.options.restitution = any_restitution(d);
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
   if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
@@ -287,7 +297,9 @@ static ct_obstacle_def any_obstacle(play *p)
                        .radius = between(d, -1.0, 1.0),
                        .epsilon = between(d, 0.1, 5.0),
                        .enforcement = (ct_enforcement)below(d, CT_ENFORCE_COUNT + d->wild),
-                       .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0)};
+                       .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0),
+                       .restitution = any_restitution(d),
+                       .travel_time = any_travel_time(d)};
   if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
   if (chance(d, 3)) o.amplitude = any_history(p), o.travel[1] = 0.1 * real(d);
   return o;
@@ -863,6 +875,7 @@ static void play_surfaces(dice *d)
   }
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
+  options.restitution = any_restitution(d), options.travel_time = any_travel_time(d);
   options.points = (ct_contact_rule)below(d, 2);
   options.enforcement =
       (ct_enforcement)(chance(d, 2) ? (int)options.enforcement : below(d, CT_ENFORCE_COUNT));

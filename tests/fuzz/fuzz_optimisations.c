@@ -283,7 +283,7 @@ static void add_contact(run *r, dice *d)
   if (chance(d, 5)) c.options.adjust = 0.05;
   c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
-  if (chance(d, 2)) c.options.restitution = between(d, 0.0, 1.0);
+  if (chance(d, 2)) c.options.restitution = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0);
   tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g, restitution "
        "%g\n",
        (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
@@ -482,7 +482,8 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
     o.shape = (ct_obstacle_shape)(1 + below(d, 2)), o.point[0] += 5.0 * sign, o.axis[0] = 0.0,
     o.axis[2] = 1.0;
   if (chance(d, 3)) o.amplitude = any_history(r, d), o.travel[0] = 0.1 * real(d);
-  if (chance(d, 2)) o.restitution = between(d, 0.0, 1.0), o.travel_time = between(d, 0.1, 1.0);
+  if (chance(d, 2)) o.travel_time = between(d, 0.1, 1.0);
+  if (o.travel_time > 0.0) o.restitution = chance(d, 2) ? 1.0 : between(d, 0.0, 1.0);
   return ct_obstacle_create_effect(&o, r->joined, effect, &r->error);
 }
 

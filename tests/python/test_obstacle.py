@@ -26,6 +26,8 @@ def enforced(name, enforcement):
     """A scene of the tutorials, its obstacle with another enforcement."""
     data = changed(name)
     data["obstacle"][0]["enforcement"] = enforcement
+    if enforcement == "penalty":
+        data["obstacle"][0].pop("restitution", None)
     return ct.Scene(data).run(progress=False, output=False)
 
 

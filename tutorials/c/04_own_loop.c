@@ -80,7 +80,7 @@ int main(void)
   ct_surface a = surface(&left), b = surface(&right);
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = ct_contact_penalty_default(options.enforcement, 1.0, h);
-  options.restitution = 1.0, options.travel_time = h; /* h / c1, c1 = 1 */
+  options.travel_time = h; /* h / c1, c1 = 1 */
   ct_contact *contact = NULL;
   ct_error e;
   int failed = ct_contact_create(&a, &b, &options, &contact, &e) != CT_OK;

@@ -15,7 +15,8 @@ int main(void)
   ct_contact *contact = NULL;
   ct_error e;
   options.epsilon = wall.epsilon = 4000.0;
-  wall.point[0] = 2.0, wall.axis[0] = -1.0; /* the plane x = 2 */
+  options.travel_time = wall.travel_time = 0.14; /* h / c1 of masses 1 and springs 100 */
+  wall.point[0] = 2.0, wall.axis[0] = -1.0;      /* the plane x = 2 */
   int failed = ct_contact_create(&a, &b, &options, &contact, &e) != CT_OK ||
                ct_contact_add_obstacle(contact, 0, &wall, &e) != CT_OK ||
                ct_contact_add_friction(contact, -1, 0.2, 1.0, &e) != CT_OK;

@@ -60,7 +60,8 @@ static ct_contact *open_contact(run *r)
   ct_obstacle_def wall = ct_obstacle_def_default();
   ct_contact *contact = NULL;
   options.epsilon = wall.epsilon = 4000.0;
-  wall.point[0] = 2.0, wall.axis[0] = -1.0; /* the plane x = 2 */
+  options.travel_time = wall.travel_time = 0.14; /* h / c1 of masses 1 and springs 100 */
+  wall.point[0] = 2.0, wall.axis[0] = -1.0;      /* the plane x = 2 */
   r->failed =
       ct_contact_create(&a, &b, &options, &contact, &r->e) != CT_OK ||
       ct_contact_add_obstacle(contact, 0, &wall, &r->e) != CT_OK ||

@@ -132,10 +132,11 @@ class Contact:
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.
     restitution : float
         Share of the energy lost at closing that is held and given back at opening, 0 ... 1; for
-        ``"energy_controlled"``.
+        ``"energy_controlled"``. With 1 an elastic impact loses almost nothing; with 0 it stops the
+        layer of nodes at the surface.
     travel_time : float
-        Time h / c1 in which a wave crosses an element at the surface [time]; :meth:`step` needs it
-        if ``restitution`` is above 0.
+        Time h / c1 in which a wave crosses an element at the surface, the shorter one of the two
+        bodies [time]. :meth:`step` refuses 0 if ``restitution`` is above 0.
     points : {"gauss", "lobatto"}
         Positions of the contact points on a face.
     initial_penetration : {"keep", "force", "refuse", "remove"}
@@ -169,7 +170,8 @@ class Contact:
     >>> floor = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     >>> x = floor + [0, 0, 0.1]
     >>> plate = ct.Surface("Q4", x, [[0, 3, 2, 1]])
-    >>> contact = ct.Contact(plate, ct.Surface("Q4", floor, [[0, 1, 2, 3]]), epsilon=1e3)
+    >>> ground = ct.Surface("Q4", floor, [[0, 1, 2, 3]])
+    >>> contact = ct.Contact(plate, ground, epsilon=1e3, travel_time=0.05)
     >>> v = np.zeros_like(x)
     >>> v[:, 2] = -1.0
     >>> dt, free, held = 0.01, np.full_like(x, 4.0), np.zeros_like(x)
@@ -180,7 +182,7 @@ class Contact:
     ...     contact.add_force((force, np.zeros_like(x)))
     ...     v += tau * free * force
     ...     x += dt * v
-    >>> bool(v[0, 2] > 0.6)
+    >>> bool(v[0, 2] > 0.98)
     True
     >>> bool(contact.balance.work <= 0)
     True
@@ -194,7 +196,7 @@ class Contact:
         epsilon: float,
         enforcement: str = "energy_controlled",
         dissipation: float = 0.15,
-        restitution: float = 0.0,
+        restitution: float = 1.0,
         travel_time: float = 0.0,
         points: str = "gauss",
         initial_penetration: str = "keep",

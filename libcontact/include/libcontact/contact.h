@@ -70,12 +70,14 @@ typedef struct ct_contact_options {
   double dissipation;
   /**
    * Share of the energy lost at closing that a point holds and gives back when it opens, 0 ... 1,
-   * :eq:`impact-reserve`; for the energy-controlled penalty. With 1 an elastic impact loses nothing
-   * but the dashpot's part; default 0.
+   * :eq:`impact-reserve`; for the energy-controlled penalty. With 1, the default, an elastic impact
+   * loses almost nothing, so bodies come to rest only by damping; with 0 it stops the layer of
+   * nodes at the surface.
    */
   double restitution;
   /** Time h / c₁ in which a wave crosses an element at the surface [time], the shorter one of the
-   * two bodies; > 0 where `restitution` is. Only steps need it. */
+   * two bodies. Steps with a `restitution` above 0 need it and refuse 0, the default. A scene
+   * computes it from its bodies. */
   double travel_time;
   /** Positions of the points; default: Gauss points. */
   ct_contact_rule points;
@@ -95,9 +97,9 @@ typedef struct ct_contact_options {
 } ct_contact_options;
 
 /**
- * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread,
- * energy-controlled penalty with dissipation 0.15, CT_INITIAL_KEEP. ``epsilon`` is 0; the
- * caller must set it.
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, energy-controlled penalty with
+ * dissipation 0.15 and restitution 1, CT_INITIAL_KEEP. ``epsilon`` and ``travel_time`` are 0; the
+ * caller must set them.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
 
@@ -356,8 +358,8 @@ typedef struct ct_obstacle_def {
   const int32_t *faces;
 } ct_obstacle_def;
 
-/** A plane at rest with the energy-controlled penalty, dissipation 0.15 and CT_INITIAL_KEEP; the
- * caller must set the other members. */
+/** A plane at rest with the energy-controlled penalty, dissipation 0.15, restitution 1 and
+ * CT_INITIAL_KEEP; the caller must set the other members, also ``travel_time``. */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
 /**

@@ -326,6 +326,7 @@ ct_obstacle_def ct_obstacle_def_default(void)
   return (ct_obstacle_def){.cookie = CT_DEF_COOKIE,
                            .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
                            .dissipation = 0.15,
+                           .restitution = 1.0,
                            .initial_penetration = CT_INITIAL_KEEP};
 }
 

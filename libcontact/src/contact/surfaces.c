@@ -22,6 +22,7 @@ ct_contact_options ct_contact_options_default(void)
                               .threads = 1,
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
                               .dissipation = 0.15,
+                              .restitution = 1.0,
                               .initial_penetration = CT_INITIAL_KEEP};
 }
 
