@@ -360,14 +360,19 @@ def test_a_restarted_run_ends_with_the_same_bits(tmp_path):
 
 
 @needs_hdf5
-def test_a_file_of_version_0_1_is_read_and_its_run_not_continued(tmp_path):
+@pytest.mark.parametrize(
+    "layout, why", [(None, "of version 0.1"), (1, "older than the key restitution")]
+)
+def test_a_file_of_an_older_library_is_read_and_its_run_not_continued(tmp_path, layout, why):
     h5py = pytest.importorskip("h5py")
     old = tmp_path / "old.vtkhdf"
     plates().run(until=1e-8, output=old)
     with h5py.File(old, "r+") as file:
         del file["libcontact"].attrs["restart_layout"]
+        if layout is not None:
+            file["libcontact"].attrs["restart_layout"] = layout
     assert ct.Run.load(old).time[-1] > 0
-    with pytest.raises(SceneError, match="version 0.1, whose results can be read"):
+    with pytest.raises(SceneError, match=f"{why}: its results can be read, but its run can't be"):
         plates().run(restart=old)
 
 

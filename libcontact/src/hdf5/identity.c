@@ -6,8 +6,9 @@
 
 /* Identity of the problem in a file, and comparison with another problem. */
 
-/* What the restart record stores: 0 (no attribute) in files of version 0.1. */
-enum { LAYOUT = 1, RESTART = 1 };
+/* What the restart record stores: 0 (no attribute) in files of version 0.1; 1 where contacts kept
+ * nothing of an impact. */
+enum { LAYOUT = 1, RESTART = 2 };
 
 /* An attribute of /libcontact. */
 typedef struct attribute {
@@ -192,17 +193,28 @@ static void compare_points(ct_task *task, const ct_problem *problem, double *poi
   }
 }
 
+/* Refuse restart records of an older library. */
+static void compare_restart(ct_task *task, const attribute *is)
+{
+  static const char *const WHY[RESTART] = {"is of version 0.1",
+                                           "is older than the key restitution"};
+  const double was = ct_hdf5_read_number(task, "libcontact", is->name);
+  for (int layout = 0; layout < RESTART; layout++)
+    if (was == layout)
+      ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE,
+                   "the file %s: its results can be read, but its run can't be continued; run the "
+                   "scene again from its start",
+                   WHY[layout]);
+  compare_attribute(task, is, "this library continues");
+}
+
 /* The layout is compared first, so that no field is compared which this layout lacks. */
 double ct_identity_compare(ct_task *task, const ct_problem *problem, double *points)
 {
   attribute is[ATTRIBUTE_COUNT];
   fill_attributes(problem, is);
   compare_attribute(task, &is[0], "this library reads");
-  if (ct_hdf5_read_number(task, "libcontact", is[1].name) == 0.0)
-    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE,
-                 "the file is of version 0.1, whose results can be read but whose run can't be "
-                 "continued: run the scene again from its start");
-  compare_attribute(task, &is[1], "this library continues");
+  compare_restart(task, &is[1]);
   for (const table *t = TABLE; t < TABLE + TABLE_COUNT; t++) compare_table(task, t, problem);
   for (int i = 2; i < STEP; i++) compare_attribute(task, &is[i], "the problem has");
   compare_points(task, problem, points);
