@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .._core import ffi, lib
 from ..bridge import names
-from ..model import ENFORCEMENTS, ORIGIN, POSITIVE, ContactLaw, History, Vector
+from ..model import ENFORCEMENTS, FEEDS, ORIGIN, POSITIVE, ContactLaw, History, Vector
 from ..schema import VECTOR, Nested, Table, key
 from ..units import Units
 from . import OnSurface
@@ -200,7 +200,10 @@ class Obstacle(ContactLaw, OnSurface):
         else:
             text += "; the default penalty"
         rub = f"friction {self.friction:g}" if self.friction else "without friction"
-        text += f", {self.points} points, enforced by {self.enforcement}, {rub}, initial penetration {self.initial_penetration}"
+        text += f", {self.points} points, enforced by {self.enforcement}"
+        if not FEEDS[self.enforcement]:
+            text += f" with restitution {self.restitution:g}"
+        text += f", {rub}, initial penetration {self.initial_penetration}"
         if self.removal_time:
             text += f" in {self.removal_time:g} {units.time}"
         return text + (f", adjust {self.adjust:g} {units.length}" if self.adjust else "")

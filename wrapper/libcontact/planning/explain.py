@@ -12,7 +12,7 @@ from ..checks.warned import at_start, known
 from ..errors import SceneWarning
 from ..html import sections
 from ..mesh import FACTS
-from ..model import INTEGRATORS, Contact, ContactKeys, Support
+from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support
 from ..parts import EFFECTS, Parts
 from ..probes import Located
 from ..problem import BuiltBody, BuiltContact, Problem, speeds
@@ -29,6 +29,8 @@ WITHOUT = {
     **{name: effect.without for name, effect in EFFECTS.items()},
 }
 PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
+BOUNCES = "impacts lose almost nothing (restitution 1), and nothing damps the bodies: what bounces or vibrates does not come to rest; for rest give [damping] or a restitution below 1"
+STOPS = "a restitution below 1: an impact loses energy of the nodes that hit, less on a finer mesh"
 DIVIDES = "a step that is too large, because a body stiffens or surfaces could pass through each other, is divided by 2, 4, 8, ..."
 NAMED = "only surfaces named in a [[contact]] are in contact; a body passes through itself unless a contact names two of its surfaces, or one twice"
 RELAXED = "dynamic relaxation: only the state of rest has a meaning, not the motion"
@@ -139,10 +141,14 @@ def _assumptions(parts: Parts) -> list[str]:
     laws = [LAWS[law] for law in bodies]
     if len(bodies) > 1:
         laws = [f"{LAWS[law]} ({', '.join(names)})" for law, names in bodies.items()]
+    laws_of_contact = [*parts.contact, *parts.obstacle]
+    shares = [law.restitution for law in laws_of_contact if not FEEDS[law.enforcement]]
     holds = {
         STIFFENS: set(bodies) != {"linear"},
-        PENALTY: bool(parts.contact or parts.obstacle),
-        DIVIDES: set(bodies) != {"linear"} or bool(parts.contact or parts.obstacle),
+        PENALTY: bool(laws_of_contact),
+        BOUNCES: 1.0 in shares and parts.damping is None and parts.viscosity is None,
+        STOPS: any(share < 1.0 for share in shares),
+        DIVIDES: set(bodies) != {"linear"} or bool(laws_of_contact),
         NAMED: True,
         DEAD: any(not load.following for load in parts.load),
         RELAXED: parts.damping is not None and parts.damping.rate is None,
