@@ -94,11 +94,18 @@ int ct_law_keeps_account(ct_enforcement law) { return LAWS[law].raise != NULL; }
 
 ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
 
-/* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
-static int is_fresh(const ct_constraint *c)
+/* Travel times after which a contact counts as lasting: those of an impact of twenty layers
+ * (eq:impact-reserve). */
+static const double LASTING = 40.0;
+
+/* Whether the point closed less than so many travel times ago. */
+static int is_younger(const ct_constraint *c, double times)
 {
-  return c->restitution > 0.0 && c->impact.pressed < 1.5 * c->travel_time;
+  return c->restitution > 0.0 && c->impact.pressed < times * c->travel_time;
 }
+
+/* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
+static int is_fresh(const ct_constraint *c) { return is_younger(c, 1.5); }
 
 double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
@@ -177,7 +184,7 @@ void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
   ct_impact *impact = &c->impact;
   const double release = impact->release, own = c->force - release, stored = ct_law_stored(c);
   // -- The loss of the dashpot while contact lasts stays lost (eq:impact-reserve)
-  const int lasts = own > 0.0 && c->before < 0.0 && !is_fresh(c);
+  const int lasts = own > 0.0 && c->before < 0.0 && !is_younger(c, LASTING);
   const double closed = c->after - c->before,
                dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
   take(c, impact->stored - stored - 0.5 * own * x - dash);
@@ -186,10 +193,11 @@ void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
   count_time(c, own > 0.0, enters, dt);
 }
 
-void ct_law_settle_again(ct_constraint *c, double first)
+void ct_law_settle_again(ct_constraint *c, double dt, double first)
 {
   const double change = fabs(c->force - first);
   c->impact.release = 0.0;
+  c->impact.pressed = c->force > 0.0 ? dt : 0.0;
   // A change within ten times the solver's tolerance is none.
   if (c->restitution > 0.0 && change <= 1e-9 * first) return;
   // -- 2 λ_0 - λ acts in the first half step, λ being the first solution (eq:reserve-start)

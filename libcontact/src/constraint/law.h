@@ -61,7 +61,7 @@ void ct_law_leave(ct_constraint *row, double dt);
 
 /* The same after a second solution for t = 0, whose first one had the given force; the memory is
  * that of the first one (eq:reserve-start). */
-void ct_law_settle_again(ct_constraint *row, double first);
+void ct_law_settle_again(ct_constraint *row, double dt, double first);
 
 /* Energy of the row at t_n, such that its sum with the energy of the bodies never grows
  * (eq:controlled-energy). The stored energy of the last step is computed from `before`, as if the

@@ -152,7 +152,8 @@ static void choose_active(ct_solver *s)
     s->entries[count] = s->entries[j];
     s->free[count] = c->after;
     s->force[count] = c->force - c->impact.release;
-    if (s->again) c->impact.release = c->force; // nothing opens at t = 0: the place is free
+    // Nothing opens at t = 0, so the place is free; the point closes now.
+    if (s->again) c->impact.release = c->force, c->impact.pressed = 0.0;
     s->active[count++] = c;
   }
   s->count = s->point_count = count;
@@ -494,7 +495,7 @@ static int find_all_forces(ct_solver *s)
 static void settle(ct_solver *s)
 {
   for (int64_t r = 0; s->again && r < s->point_count; r++)
-    ct_law_settle_again(s->active[r], s->active[r]->impact.release);
+    ct_law_settle_again(s->active[r], s->dt, s->active[r]->impact.release);
   if (s->again) return;
   for (int64_t r = 0; r < s->point_count; r++) s->active[r]->impact.release = 0.0;
   for (int64_t r = s->point_count; r < s->count; r++) {

@@ -469,18 +469,15 @@ static double usual_penalty(const ct_scene *scene, const ct_scene_contact *conta
   return ct_contact_penalty_default(enforcement, modulus, shortest_edge(scene, contact));
 }
 
-/* The shorter of the times in which a wave crosses the thinnest element of each body
- * (eq:impact-reserve). */
+/* The time in which a wave of the speed √(M / ρ) crosses the shortest edge, with the smaller
+ * modulus and the smaller density of the two bodies (eq:travel-time). */
 static double travel_time(const ct_scene *scene, const ct_scene_contact *contact)
 {
-  const int32_t body[2] = {contact->body_a, contact->body_b};
-  double shortest = HUGE_VAL;
-  for (int s = 0; s < 2; s++) {
-    double c1, c2;
-    ct_material_speeds(&scene->bodies[body[s]].material, &c1, &c2);
-    shortest = fmin(shortest, ct_mesh_shortest_edge(scene->parts[body[s]].mesh) / c1);
-  }
-  return shortest;
+  const ct_material *a = &scene->bodies[contact->body_a].material,
+                    *b = &scene->bodies[contact->body_b].material;
+  const double modulus = fmin(modulus_of(a), modulus_of(b)), density = fmin(a->density, b->density);
+  // -- T = h √(ρ / (ρ c₁²)) of the node and spring that swing fastest (eq:travel-time)
+  return shortest_edge(scene, contact) * sqrt(density / modulus);
 }
 
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
