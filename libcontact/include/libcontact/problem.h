@@ -53,6 +53,9 @@ typedef struct ct_view {
   const double *memory;
   /** Where the effect stores what step n + 1 needs, shape (memory_count). */
   double *next_memory;
+  /** Whether `memory` is what this effect stored in the last evaluation of this state, unchanged
+   * since, so that what its scratch space holds of that evaluation needs no update. */
+  int continued;
   /** Scratch space that `create_scratch` allocated for this state. */
   void *scratch;
   /** Scratch space of the effect that this one `reads`, as that effect's `force` left it at the

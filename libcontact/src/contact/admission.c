@@ -32,6 +32,7 @@ void ct_admission_shift(ct_side *sides, int count, int counted)
 {
   for (int s = 0; s < count; s++) {
     const ct_side *side = &sides[s];
+    if (counted && !side->shifted) continue;
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
       if (!counted) p->shift = 0.0;
       if (p->admitted == 0.0) continue;
@@ -52,11 +53,12 @@ double ct_side_motion(const ct_side *side)
 }
 
 /* Let a point store no more than in the last step. */
-static void admit(const ct_side *side, ct_point *p)
+static void admit(ct_side *side, ct_point *p)
 {
   // -- Its gap counts from the start gap with which it stores as much as before (eq:admitted)
   double rise = ct_law_raise(&p->row, p->row.impact.stored);
   if (!(rise > 0.0)) return;
+  side->shifted = 1;
   p->admitted -= rise;
   p->shift -= rise;
   p->row.gap += rise;
@@ -168,7 +170,7 @@ void ct_admission_limit(ct_contact *contact)
       !(ct_sum_over(sides[0].pieces, contact->terms, some) >
         admission->received + SLACK * admission->most))
     return;
-  for (const ct_side *side = sides; side < sides + count; side++)
+  for (ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
       if (p->claims) admit(side, p);
 }

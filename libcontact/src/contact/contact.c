@@ -140,9 +140,6 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   const ct_start_rule *rule = &fixed->start_rule;
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides;
-  for (int s = 0; s < count; s++)
-    for (ct_point *p = sides[s].points; p < sides[s].points + sides[s].fixed->point_count; p++)
-      p->last_known = p->known;
   for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
     for (int32_t n = 0; n < sides[s].search->node_count; n++)
       memcpy(&sides[s].moved[3 * (int64_t)n],
@@ -164,8 +161,10 @@ static ct_status place(void *state, const ct_surface_motion *now, ct_error *erro
   ct_contact *contact = state;
   ct_surface_motion at = *now;
   at.first = !ct_contact_memory_begun(contact->fixed, now->memory);
-  ct_status status =
-      at.first ? begin(contact, &at, error) : ct_contact_load(contact, now->memory, error);
+  ct_status status = CT_OK;
+  if (at.first) status = begin(contact, &at, error);
+  else if (!now->continued || contact->fixed->is.explicit)
+    status = ct_contact_load(contact, now->memory, error);
   return status == CT_OK ? ct_contact_find_gaps(contact, &at, error) : status;
 }
 
@@ -178,6 +177,12 @@ static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constrain
 static void add_sides(const ct_contact *contact, double *force)
 {
   const ct_gaps_fixed *fixed = contact->gaps.fixed;
+  const ct_side *first = contact->gaps.side;
+  if (fixed->place[0] == NULL) {
+    for (int64_t d = 0; d < 3 * (int64_t)contact->fixed->is.node_count; d++)
+      force[d] = 0.0 + (first->force[d] + first->force_fine[d]);
+    return;
+  }
   memset(force, 0, 3 * (size_t)contact->fixed->is.node_count * sizeof *force);
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++)
     for (int32_t n = 0; n < contact->gaps.side[s].search->node_count; n++)
@@ -186,21 +191,31 @@ static void add_sides(const ct_contact *contact, double *force)
             ct_side_force(&contact->gaps.side[s], n, c);
 }
 
-/* Force on an obstacle, and the work of its motion since the last step (eq:obstacle-work). */
+/* The work of an obstacle's motion since the last step, with its reaction (eq:obstacle-work). */
 static void count_motion(ct_contact *contact)
 {
   ct_contact_record *record = &contact->record;
+  ct_contact_react(contact);
   for (int c = 0; c < 3; c++) {
-    const double last = record->reaction[c];
-    int64_t count = 0;
-    for (const ct_side *side = contact->gaps.side;
-         side < contact->gaps.side + contact->gaps.fixed->sides; side++)
-      for (int64_t i = 0; i < side->fixed->point_count; i++)
-        contact->terms[count++] = -side->points[i].force[c];
-    record->reaction[c] = ct_sum_over(contact->gaps.side[0].pieces, contact->terms, count);
     // -- Minus the mean force on the obstacle times its motion (eq:obstacle-work)
-    record->motion -= 0.5 * (record->reaction[c] + last) * contact->came[c];
+    record->motion -= 0.5 * (contact->reaction[c] + record->reaction[c]) * contact->came[c];
+    record->reaction[c] = contact->reaction[c];
   }
+}
+
+/* Forces of the points of all sides; returns the size of the largest component. */
+static double take_forces(ct_contact *contact)
+{
+  double top = 0.0;
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    ct_side *side = &contact->gaps.side[s];
+    const double own = !contact->solved ? ct_side_apply_penalty(side)
+                       : contact->axis != NULL && !ct_start_gap_fades(&contact->fixed->start_rule)
+                           ? ct_side_take_sizes(side, contact->axis)
+                           : ct_side_take_rows(side);
+    top = fmax(top, own);
+  }
+  return top;
 }
 
 static ct_status find_forces(void *state, const ct_surface_motion *now, double *force,
@@ -212,19 +227,18 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides, first = !ct_contact_memory_begun(fixed, now->memory);
   contact->solved = !fixed->is.explicit;
-  for (int s = 0; s < count; s++)
-    if (contact->solved) ct_side_take_rows(&sides[s]);
-    else ct_side_apply_penalty(&sides[s]);
-  if (contact->solved) ct_contact_count_energy(contact, now->time);
+  const double top = take_forces(contact);
+  if (contact->solved) ct_contact_pay_debts(contact);
   if (fixed->admits) ct_admission_count(contact, first || now->before == 0.0);
   if (ct_start_gap_fades(&fixed->start_rule))
     record->removal += ct_start_gap_work(&fixed->start_rule, sides, count, now->time,
                                          first ? now->time : record->time, contact->terms);
   record->begun = 1.0;
   record->time = now->time;
-  ct_status status = ct_contact_collect(contact, error);
+  contact->complete = 0;
+  ct_status status = ct_contact_collect(contact, top, error);
   if (status != CT_OK) return status;
-  if (ct_contact_is_rigid(fixed)) count_motion(contact);
+  if (ct_contact_is_rigid(fixed) && (fixed->moves || !contact->solved)) count_motion(contact);
   add_sides(contact, force);
   ct_contact_store(contact, now->next_memory);
   return CT_OK;
@@ -236,14 +250,15 @@ double ct_contact_own_energy(const ct_contact *contact)
                          : ct_side_potential(contact->gaps.side, contact->gaps.fixed->sides);
 }
 
-static void find_energy(const void *state, ct_interaction_energy *energy)
+static void find_energy(void *state, ct_interaction_energy *energy)
 {
-  const ct_contact *contact = state;
+  ct_contact *contact = state;
+  ct_contact_complete(contact);
   *energy = (ct_interaction_energy){.stored = ct_contact_own_energy(contact),
                                     .reserve = contact->reserve,
                                     .removal = contact->record.removal,
                                     .motion = contact->record.motion};
-  memcpy(energy->reaction, contact->record.reaction, sizeof energy->reaction);
+  memcpy(energy->reaction, contact->reaction, sizeof energy->reaction);
 }
 
 static ct_status find_springs(const void *state, ct_masses mass, double *omega2)

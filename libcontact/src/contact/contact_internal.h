@@ -42,6 +42,7 @@ typedef struct ct_contact_fixed {
   ct_constraint law; /* of all points; its stiffness is the penalty of one side */
   ct_start_rule start_rule;
   int admits; /* whether points may be found inside after the start (eq:admitted) */
+  int moves;  /* whether what the points meet is an obstacle that moves */
   int threads;
   ct_gaps_fixed gaps;
   int one_array;  /* whether the nodes of both sides are numbered in one array of the host */
@@ -60,10 +61,10 @@ typedef struct ct_admission {
 typedef struct ct_contact_record {
   double begun;   /* whether there was an earlier step */
   double time;    /* of that step */
-  double stored;  /* energy that all rows stored and held at its middle */
   double removal; /* work of fading start gaps since t = 0 */
   ct_admission admission;
-  double reaction[3]; /* force of the bodies on an obstacle */
+  double reaction[3]; /* force of the bodies on an obstacle that moves, or of the explicit penalty
+                       */
   double motion;      /* work of its motion since t = 0 */
 } ct_contact_record;
 
@@ -74,12 +75,15 @@ struct ct_contact {
   ct_gaps gaps;
   double *terms;  /* memory for sums, one number per point and node */
   int solved;     /* whether the forces are those of solved rows */
-  double energy;  /* of the constraints then */
+  int complete;   /* whether what only results need of these rows is known: */
+  double energy;  /* of the constraints */
   double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
   ct_contact_record record;
   /* Of an obstacle: its position, its motion since the last step and until the next one; and the
    * distance from which a point may reach it until then. */
   double place[3], came[3], coming[3], reach;
+  const double *axis; /* direction of all forces, of a plane; else null */
+  double reaction[3]; /* force on it; if it does not move, known with the energies */
   struct ct_host *host; /* of a host that calls ct_contact_step; else null */
 };
 
@@ -122,7 +126,7 @@ void ct_contact_close(void *state);
 /* Gaps of the points at a time, measured from their start gaps. */
 ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now, ct_error *error);
 
-/* Energy of the contact alone, after forces are known. */
+/* Energy of the contact alone; of solved rows after ct_contact_complete. */
 double ct_contact_own_energy(const ct_contact *contact);
 
 /* The contact of `sides` surfaces. */
@@ -134,19 +138,28 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
  * number (eq:constraint-force). */
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows);
 
-/* Forces of the points from their solved rows, or of the explicit penalty. */
-void ct_side_take_rows(ct_side *side);
-void ct_side_apply_penalty(ct_side *side);
+/* Forces of the points from their solved rows, which the points at a plane do not store, or of the
+ * explicit penalty; return the size of the largest component. */
+double ct_side_take_rows(ct_side *side);
+double ct_side_take_sizes(const ct_side *side, const double axis[3]);
+double ct_side_apply_penalty(ct_side *side);
 
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
 
-/* Energy of the solved rows at t_n (eq:controlled-energy, eq:energy-start), and of what they hold
- * (eq:impact-reserve), from the record of the last step, which becomes that of the next one. */
-void ct_contact_count_energy(ct_contact *contact, double time);
+/* Pay what solved points owe from what others hold (eq:impact-debt). */
+void ct_contact_pay_debts(ct_contact *contact);
 
-/* Nodal forces of all surfaces from those of the points. */
-ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
+/* Find what only results need of solved rows, unless it is known, in all pieces: their energy at t_n
+ * (eq:controlled-energy, eq:energy-start), and what they hold of it (eq:impact-reserve); the force
+ * on an obstacle that does not move; and the forces of the points at a plane. */
+void ct_contact_complete(ct_contact *contact);
+
+/* Find the force of the points on an obstacle. */
+void ct_contact_react(ct_contact *contact);
+
+/* Nodal forces of all surfaces from those of the points, whose largest component is `top`. */
+ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error);
 
 /* Force on node `n` of a side. */
 static inline double ct_side_force(const ct_side *side, int64_t n, int c)
@@ -179,10 +192,10 @@ typedef struct ct_point_record {
   double status;     /* a ct_point_status */
   double xi[2];      /* parameters of the closest point on it */
   double known;      /* signed distance, NaN if unknown */
-  double force;      /* of the row, if it depends on the next gap */
   double start;      /* start gap */
-  double force_size; /* size of the point's force, if start gaps fade */
   double admitted;   /* start gap of a point that was found inside */
+  double force_size; /* size of the point's force, if start gaps fade */
+  double force;      /* of the row, if it depends on the next gap */
   ct_impact impact;  /* of the row */
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };

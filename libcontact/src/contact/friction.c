@@ -375,7 +375,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   return status;
 }
 
-static void find_energy(const void *state, ct_interaction_energy *energy)
+static void find_energy(void *state, ct_interaction_energy *energy)
 {
   const friction_state *s = state;
   *energy = (ct_interaction_energy){

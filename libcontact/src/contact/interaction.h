@@ -15,6 +15,7 @@ typedef struct ct_surface_motion {
   const double *velocity; /* v_{n-1/2}, shape (node_count, 3) */
   const double *memory;   /* what the interaction stored in the last step, shape (memory_count) */
   double *next_memory;    /* where it stores what the next step needs */
+  int continued;          /* whether the state still has what it stored there, unchanged */
   void *on;               /* of friction: the state of the interaction that it acts on */
 } ct_surface_motion;
 
@@ -57,8 +58,8 @@ typedef struct ct_interaction_calls {
    * explicit penalty after `place`; and the memory for the next step. */
   ct_status (*find_forces)(void *state, const ct_surface_motion *now, double *force,
                            ct_error *error);
-  /* Energies, after `find_forces`. */
-  void (*find_energy)(const void *state, ct_interaction_energy *energy);
+  /* Energies, after `find_forces`; in pieces they are asked for in all of them. */
+  void (*find_energy)(void *state, ct_interaction_energy *energy);
   /* Bound of ω² of all points as springs (eq:contact-bound). Null for friction. */
   ct_status (*find_springs)(const void *state, ct_masses mass, double *omega2);
 } ct_interaction_calls;

@@ -2,6 +2,8 @@
  * the whole, and the coordinates of the nodes of each surface, shape (node_count, 3). */
 #include "contact_internal.h"
 
+#include "../base/lanes.h"
+
 enum { WHOLE = sizeof(ct_contact_record) / sizeof(double) };
 
 int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed)
@@ -28,6 +30,7 @@ int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
  * the place behind the records. */
 static const double *load_points(ct_side *side, int32_t face_count, const double *memory)
 {
+  side->shifted = 1;
   for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
     ct_point *point = &side->points[i];
     ct_point_record record;
@@ -75,24 +78,25 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   return CT_OK;
 }
 
+CT_CLONES
 static double *store_points(const ct_side *side, double *memory)
 {
-  for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
-    const ct_point *point = &side->points[i];
+  ct_point_record *record = (ct_point_record *)(void *)memory;
+  const ct_point *end = side->points + side->fixed->point_count;
+  for (const ct_point *point = side->points; point < end; point++, record++) {
+    record->other = (double)point->other + 1.0;
+    record->status = (double)(int)point->status;
+    record->xi[0] = point->xi[0], record->xi[1] = point->xi[1];
+    record->known = point->known;
+    record->start = point->start;
+    record->admitted = point->admitted;
+    record->force_size = point->force_size;
+    record->force = point->row.force;
+    record->impact = point->row.impact;
     // A face that was lost, perhaps in a skipped search, leaves no parameters.
-    const int met = point->other >= 0;
-    const ct_point_record record = {.other = (double)point->other + 1.0,
-                                    .status = point->status,
-                                    .xi = {met ? point->xi[0] : 0.0, met ? point->xi[1] : 0.0},
-                                    .known = point->known,
-                                    .force = point->row.force,
-                                    .start = point->start,
-                                    .force_size = point->force_size,
-                                    .admitted = point->admitted,
-                                    .impact = point->row.impact};
-    memcpy(memory, &record, sizeof record);
+    if (point->other < 0) record->xi[0] = record->xi[1] = 0.0;
   }
-  return memory;
+  return (double *)record;
 }
 
 void ct_contact_store(const ct_contact *contact, double *memory)

@@ -47,16 +47,18 @@ static int is_plane(const ct_contact *contact)
   return ct_obstacle_of(contact)->given.shape == CT_OBSTACLE_PLANE;
 }
 
-static void set_directions(ct_side *side, const double axis[3])
+static void set_directions(ct_contact *contact)
 {
+  const ct_side *side = contact->gaps.side;
+  contact->axis = ct_obstacle_of(contact)->given.axis;
   for (int64_t i = 0; i < side->fixed->point_count; i++)
     for (int c = 0; c < 3; c++)
-      side->points[i].outward[c] = side->points[i].row.normal[c] = axis[c];
+      side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
 }
 
 static ct_status open_state(ct_contact *contact)
 {
-  if (is_plane(contact)) set_directions(contact->gaps.side, ct_obstacle_of(contact)->given.axis);
+  if (is_plane(contact)) set_directions(contact);
   place_at(&ct_obstacle_of(contact)->given, 0.0, contact->place);
   return ct_stations_open(contact);
 }
@@ -104,6 +106,7 @@ static int meet(const ct_contact *contact, int64_t i, int first)
   const int was = point->other >= 0;
   double r[3];
   ct_side_position(&contact->gaps.side[0], i, contact->place, r);
+  point->last_known = point->known;
   point->row.gap = point->known = distance(contact->fixed, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
@@ -120,44 +123,63 @@ static int meet(const ct_contact *contact, int64_t i, int first)
 }
 
 /* Gaps of the points of a face over a plane from the heights of its nodes. Inlined with a known
- * `per`. */
-CT_INLINE void meet_face(int per, const ct_side *side, int32_t face, const double *height,
-                         const double axis[3], int first)
+ * `per` and number of points. */
+CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const int32_t *node,
+                         const double *height, double gap[32])
 {
-  const int32_t *node = &side->search->faces[(int64_t)face * per];
-  const int points = side->fixed->rule.count;
-  double h[8], t[8];
+  double h[8];
   for (int a = 0; a < per; a++) h[a] = height[node[a]];
+#pragma omp simd
   for (int q = 0; q < points; q++) {
-    ct_point *point = &side->points[(int64_t)face * points + q];
-    const int was = point->other >= 0;
+    double t[8] = {0.0};
     // -- g = Σ_a N_a a · r_a (eq:obstacle-gap)
-    for (int a = 0; a < per; a++) t[a] = side->fixed->N[q][a] * h[a];
-    for (int a = per; a < 8; a++) t[a] = 0.0;
-    const double gap = ct_side_sum(per, t);
-    point->row.gap = point->known = gap;
-    point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
-    point->other = 0;
-    point->jumped = !first && !was && gap < 0.0;
-    for (int c = 0; c < 3; c++) point->d[c] = -gap * axis[c];
+    for (int a = 0; a < per; a++) t[a] = side->across[a][q] * h[a];
+    gap[q] = ct_side_sum(per, t);
   }
 }
 
-/* Gaps of all points over a plane: they are linear in the positions of the nodes. */
-static void meet_plane(ct_contact *contact, int first)
+/* Store the gap of a point over a plane; its vector to the plane only if it is wanted. */
+CT_INLINE void keep_gap(ct_point *point, double gap, const double *wanted)
+{
+  point->last_known = point->known;
+  point->row.gap = point->known = gap;
+  point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  point->other = 0;
+  for (int c = 0; wanted != NULL && c < 3; c++) point->d[c] = -gap * wanted[c];
+}
+
+/* Gaps of all points over a plane: they are linear in the positions of the nodes, so none jumps. */
+CT_CLONES
+static void meet_plane(const ct_contact *contact, const double *height, int first)
 {
   const ct_side *side = &contact->gaps.side[0];
   const ct_search *search = side->search;
-  const double *axis = ct_obstacle_of(contact)->given.axis;
-  for (int64_t n = 0; n < search->node_count; n++) {
-    double r[3];
-    for (int c = 0; c < 3; c++) r[c] = search->x[3 * n + c] - contact->place[c];
-    contact->terms[n] = ct_vector_dot(r, axis);
+  const int points = side->fixed->rule.count, per = search->per, four = per == 4 && points == 4;
+  // The vectors are for start gaps and the explicit penalty.
+  const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
+  ct_point *point = side->points;
+  for (int32_t f = 0; f < search->face_count; f++, point += points) {
+    const int32_t *node = &search->faces[(int64_t)f * per];
+    double gap[32];
+    if (side->owned != NULL && !side->owned[f]) continue;
+    if (four) {
+      meet_face(4, 4, side->fixed, node, height, gap);
+      for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], wanted);
+    } else {
+      meet_face(per, points, side->fixed, node, height, gap);
+      for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], wanted);
+    }
   }
-  for (int32_t f = 0; f < search->face_count; f++) {
-    if (!ct_side_owns(side, (int64_t)f * side->fixed->rule.count)) continue;
-    if (search->per == 4) meet_face(4, side, f, contact->terms, axis, first);
-    else meet_face(search->per, side, f, contact->terms, axis, first);
+}
+
+/* Heights of all nodes over a plane. */
+static void find_heights(const ct_contact *contact, double *height)
+{
+  const double *x = contact->gaps.side[0].search->x, *axis = contact->axis;
+  const int64_t count = contact->gaps.side[0].search->node_count;
+  for (int64_t n = 0; n < count; n++) {
+    const double *at = &x[3 * n], *o = contact->place, r[3] = {at[0] - o[0], at[1] - o[1], at[2] - o[2]};
+    height[n] = ct_vector_dot(r, axis);
   }
 }
 
@@ -168,7 +190,8 @@ static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_e
   if (status != CT_OK) return status;
   move(contact, now);
   if (is_plane(contact)) {
-    meet_plane(contact, now->first);
+    find_heights(contact, contact->terms);
+    meet_plane(contact, contact->terms, now->first);
     return CT_OK;
   }
   for (int64_t i = 0; i < surface->fixed->point_count; i++)
@@ -318,6 +341,8 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
   status = ct_stations_init(data, error);
   // Where gaps are linear in the motion, or change slowly, no point jumps.
   contact->admits = contact->gaps.sides == 2;
+  contact->moves =
+      points > 0 || o->velocity[0] != 0.0 || o->velocity[1] != 0.0 || o->velocity[2] != 0.0;
   return status == CT_OK ? sum_springs(data, error) : status;
 }
 

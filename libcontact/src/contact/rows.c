@@ -12,24 +12,68 @@
 #include <math.h>
 #include <string.h>
 
+/* Parts of the energy of a point: of its row, if it is listed, and what it holds. */
+static double lag_of(const ct_point *p) { return p->listed ? ct_law_lag(&p->row) : 0.0; }
+static double start_of(const ct_point *p) { return p->listed ? ct_law_start(&p->row) : 0.0; }
+CT_INLINE double above_zero(double x) { return x > 0.0 ? x : 0.0; }
+static double reserve_of(const ct_point *p) { return above_zero(p->row.impact.reserve); }
+static double debt_of(const ct_point *p) { return above_zero(-p->row.impact.reserve); }
+static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
+static double before_of(const ct_point *p) { return p->stored_before; }
+
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force). */
-static int list_point(const ct_contact *contact, const ct_side *other, ct_point *point)
+CT_INLINE int is_listed(const ct_contact *contact, const ct_side *other, const ct_point *point)
 {
-  ct_constraint *row = &point->row;
-  if ((other != NULL && point->other < 0) || isnan(row->gap) || isnan(row->normal[0]) ||
-      !(row->gap <= contact->reach || ct_law_may_release(row)))
-    return 0;
-  row->came = -point->closed;
-  row->moved = -point->closing;
-  if (other != NULL) {
-    row->other_count = other->search->per;
-    row->other = ct_side_row_nodes(other->fixed, point->other);
-  } else {
-    row->came -= ct_vector_dot(row->normal, contact->came);
-    row->moved -= ct_vector_dot(row->normal, contact->coming);
+  const ct_constraint *row = &point->row;
+  return (other == NULL || point->other >= 0) && !isnan(row->gap) &&
+         (contact->axis != NULL || !isnan(row->normal[0])) &&
+         (row->gap <= contact->reach || ct_law_may_release(row));
+}
+
+/* List the rows of the points of a side over another one. */
+static int64_t list_over(const ct_contact *contact, const ct_side *side, const ct_side *other,
+                         double dt, ct_constraint **rows)
+{
+  const ct_point *end = side->points + side->fixed->point_count;
+  const int32_t *faces = ct_side_row_nodes(other->fixed, 0);
+  const int32_t per = other->search->per;
+  int64_t count = 0;
+  for (ct_point *p = side->points; p < end; p++) {
+    p->stored_before = stored_of(p);
+    p->listed = is_listed(contact, other, p);
+    if (p->listed) {
+      // Only start gaps change a gap besides the motion of nodes.
+      p->row.came = -p->closed, p->row.moved = -p->closing;
+      p->row.other_count = per;
+      p->row.other = &faces[(int64_t)p->other * per];
+      rows[count++] = &p->row;
+    } else ct_law_leave(&p->row, dt);
   }
-  return 1;
+  return count;
+}
+
+/* List the rows of the points of a side at an obstacle. */
+static int64_t list_at(const ct_contact *contact, const ct_side *side, double dt,
+                       ct_constraint **rows)
+{
+  const ct_point *end = side->points + side->fixed->point_count;
+  const double *axis = contact->axis;
+  double came = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
+         coming = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming);
+  int64_t count = 0;
+  for (ct_point *p = side->points; p < end; p++) {
+    p->stored_before = stored_of(p);
+    p->listed = is_listed(contact, NULL, p);
+    if (p->listed) {
+      // -- Motion of the obstacle along the normal, and growth of the start gap
+      if (axis == NULL) came = ct_vector_dot(p->row.normal, contact->came);
+      if (axis == NULL) coming = ct_vector_dot(p->row.normal, contact->coming);
+      p->row.came = -p->closed - came, p->row.moved = -p->closing - coming;
+      rows[count++] = &p->row;
+    } else ct_law_leave(&p->row, dt);
+  }
+  return count;
 }
 
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows)
@@ -37,24 +81,44 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   int64_t count = 0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      p->listed = list_point(contact, other, p);
-      if (p->listed) rows[count++] = &p->row;
-      else ct_law_leave(&p->row, dt);
-    }
+    count += other != NULL ? list_over(contact, side, other, dt, &rows[count])
+                           : list_at(contact, side, dt, &rows[count]);
   }
   return count;
 }
 
-void ct_side_take_rows(ct_side *side)
+/* The larger one of a number and the components of a force. */
+CT_INLINE double larger(double top, const double force[3])
 {
-  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-    // -- F = λ n (eq:constraint-force)
-    for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
+  for (int c = 0; c < 3; c++) top = fabs(force[c]) > top ? fabs(force[c]) : top;
+  return top;
 }
 
-void ct_side_apply_penalty(ct_side *side)
+double ct_side_take_rows(ct_side *side)
 {
+  const ct_point *end = side->points + side->fixed->point_count;
+  double top = 0.0;
+  for (ct_point *p = side->points; p < end; p++) {
+    // -- F = λ n, 0 if the row is not listed (eq:constraint-force)
+    for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
+    top = larger(top, p->force);
+  }
+  return top;
+}
+
+double ct_side_take_sizes(const ct_side *side, const double axis[3])
+{
+  const ct_point *end = side->points + side->fixed->point_count;
+  double top = 0.0, force[3];
+  for (const ct_point *p = side->points; p < end; p++)
+    top = p->row.force > top ? p->row.force : top;
+  for (int c = 0; c < 3; c++) force[c] = top * axis[c];
+  return larger(0.0, force);
+}
+
+double ct_side_apply_penalty(ct_side *side)
+{
+  double top = 0.0;
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
     const double *n = p->row.normal, k = p->row.stiffness;
     int inside = p->other >= 0 && p->row.gap < 0.0,
@@ -65,7 +129,9 @@ void ct_side_apply_penalty(ct_side *side)
                     // (eq:contact-force, eq:obstacle-force)
                     : inside && p->shift == 0.0 ? k * p->d[c]
                                                 : 0.0;
+    top = larger(top, p->force);
   }
+  return top;
 }
 
 /* Energy of a point with the force F: ½ k g², written as ½ F · d, with a start gap as -½ |F| g. */
@@ -90,13 +156,6 @@ double ct_side_potential(const ct_side *sides, int count)
   return ct_stream_sum(&sum);
 }
 
-/* Parts of the energy of a point: of its row, if it is listed, and what it holds. */
-static double lag_of(const ct_point *p) { return p->listed ? ct_law_lag(&p->row) : 0.0; }
-static double start_of(const ct_point *p) { return p->listed ? ct_law_start(&p->row) : 0.0; }
-static double reserve_of(const ct_point *p) { return fmax(p->row.impact.reserve, 0.0); }
-static double debt_of(const ct_point *p) { return fmax(-p->row.impact.reserve, 0.0); }
-static double stored_of(const ct_point *p) { return p->row.impact.stored + reserve_of(p); }
-
 /* Σ of one part of the energy over all points. */
 static double sum_energy(ct_contact *contact, double (*part)(const ct_point *point))
 {
@@ -111,9 +170,25 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
-/* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
-static void pay_debts(ct_contact *contact)
+/* The largest debt of a point. */
+static double largest_debt(const ct_contact *contact)
 {
+  double least = 0.0;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    const ct_point *end = side->points + side->fixed->point_count;
+    for (const ct_point *p = side->points; p < end; p++)
+      least = p->row.impact.reserve < least ? p->row.impact.reserve : least;
+  }
+  double debt = -least;
+  ct_pieces_largest(contact->gaps.side[0].pieces, &debt, 1);
+  return debt;
+}
+
+/* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
+void ct_contact_pay_debts(ct_contact *contact)
+{
+  if (contact->fixed->law.restitution == 0.0 || largest_debt(contact) == 0.0) return;
   const double debt = sum_energy(contact, debt_of);
   const double held = debt > 0.0 ? sum_energy(contact, reserve_of) : 0.0;
   if (!(held > 0.0)) return;
@@ -126,18 +201,42 @@ static void pay_debts(ct_contact *contact)
   }
 }
 
-void ct_contact_count_energy(ct_contact *contact, double time)
+void ct_contact_complete(ct_contact *contact)
 {
-  if (contact->fixed->law.restitution > 0.0) {
-    pay_debts(contact);
-    contact->reserve = sum_energy(contact, reserve_of);
+  if (contact->complete || !contact->solved) return;
+  contact->complete = 1;
+  if (contact->axis != NULL) ct_side_take_rows(contact->gaps.side);
+  if (ct_contact_is_rigid(contact->fixed) && !contact->fixed->moves) ct_contact_react(contact);
+  contact->reserve = sum_energy(contact, reserve_of);
+  if (contact->record.time == 0.0) {
+    contact->energy = sum_energy(contact, start_of);
+    return;
   }
-  const double before = contact->record.stored, after = sum_energy(contact, stored_of);
   // -- What was stored in the step before belongs to the partners of then, so it is not computed
   // again (eq:controlled-energy)
-  contact->energy = time == 0.0 ? sum_energy(contact, start_of)
-                                : 0.5 * (before + after) + sum_energy(contact, lag_of);
-  contact->record.stored = after;
+  const double before = sum_energy(contact, before_of), after = sum_energy(contact, stored_of);
+  contact->energy = 0.5 * (before + after) + sum_energy(contact, lag_of);
+}
+
+/* Minus the sum of a component of the forces of all points; at a plane, of their sizes. */
+static double sum_against(const ct_contact *contact, int sizes, int c)
+{
+  int64_t count = 0;
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (const ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+      contact->terms[count++] = sizes ? -p->row.force : -p->force[c];
+  }
+  return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, count);
+}
+
+void ct_contact_react(ct_contact *contact)
+{
+  const int plane = contact->solved && contact->axis != NULL;
+  const double size = plane ? sum_against(contact, 1, 0) : 0.0;
+  for (int c = 0; c < 3; c++)
+    // 0 without a sign where the axis has no component
+    contact->reaction[c] = plane ? size * contact->axis[c] + 0.0 : sum_against(contact, 0, c);
 }
 
 static ct_heap heap_of(const ct_side *side)
@@ -173,6 +272,13 @@ CT_INLINE int are_four(const ct_side *side, const ct_point *point)
   for (int q = 0; four && q < 4; q++)
     four = ct_point_has_force(&point[q]) && point[q].other == point[0].other;
   return four;
+}
+
+/* Whether the points of a face at a plane are these four, and have forces. */
+CT_INLINE int press_four(const ct_side *side, const ct_point *p)
+{
+  return side->fixed->rule.count == 4 && p[0].row.force > 0.0 && p[1].row.force > 0.0 &&
+         p[2].row.force > 0.0 && p[3].row.force > 0.0;
 }
 
 /* The same as `spread_points` for such points, together. */
@@ -225,30 +331,79 @@ static void spread_stations(const ct_grid *grid, const ct_side *stations, ct_sid
   ct_heap_bring(8, &heap, NULL);
 }
 
-static double largest_force(const ct_side *side)
+/* Add terms to the sums at the nodes of a face with `per` nodes. */
+CT_INLINE void push_terms(int stride, int per, const ct_grid *grid, const int32_t *node,
+                          const double *term, ct_side *side)
 {
-  double top = 0.0;
-  for (int64_t i = 0; i < side->fixed->point_count; i++)
-    for (int c = 0; c < 3; c++) {
-      double size = fabs(side->points[i].force[c]);
-      if (size > top) top = size;
-    }
-  return top;
+  double coarse[8] = {0.0}, fine[8] = {0.0};
+#pragma omp simd
+  for (int a = 0; a < stride; a++) ct_grid_add(grid, term[a], &coarse[a], &fine[a]);
+  for (int a = 0; a < per; a++) {
+    side->force[node[a]] += coarse[a];
+    side->force_fine[node[a]] += fine[a];
+  }
 }
 
-ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
+/* Sizes of the forces of a face's points, which have one direction, summed at its nodes: Σ N_a λ.
+ * Inlined with a known `per`. */
+CT_INLINE void push_face(int stride, int per, const ct_grid *grid, ct_side *side, int32_t face)
+{
+  const ct_point *p = &side->points[(int64_t)face * side->fixed->rule.count];
+  const int32_t *node = nodes_of(side->search, face);
+  const double(*N)[8] = side->fixed->N;
+  double term[8];
+  if (press_four(side, p)) {
+#pragma omp simd
+    for (int a = 0; a < stride; a++)
+      // -- N_a λ of four points, as in ct_heap_add_four (eq:contact-force)
+      term[a] = (N[0][a] * p[0].row.force + N[3][a] * p[3].row.force) +
+                (N[1][a] * p[1].row.force + N[2][a] * p[2].row.force);
+    push_terms(stride, per, grid, node, term, side);
+    return;
+  }
+  for (int q = 0; q < side->fixed->rule.count; q++) {
+    if (p[q].row.force == 0.0) continue;
+    // -- N_a λ (eq:contact-force)
+    for (int a = 0; a < stride; a++) term[a] = N[q][a] * p[q].row.force;
+    push_terms(stride, per, grid, node, term, side);
+  }
+}
+
+/* The same for all faces; then the force on each node along the axis. */
+CT_CLONES
+static void push_plane(const ct_grid *grid, ct_side *side, const double axis[3])
+{
+  const int64_t count = side->search->node_count;
+  const int per = side->search->per;
+  double *coarse = side->force, *fine = side->force_fine;
+  for (int32_t face = 0; face < side->search->face_count; face++)
+    if (per == 4) push_face(4, 4, grid, side, face);
+    else push_face(8, per, grid, side, face);
+  ct_pieces_sum(side->pieces, coarse, count);
+  ct_pieces_sum(side->pieces, fine, count);
+  // The sizes are in the first third of the array; from the last node on, none is overwritten
+  // before it is read.
+  for (int64_t n = count; n-- > 0;) {
+    const double size = coarse[n] + fine[n];
+    // -- F = λ n (eq:constraint-force)
+    for (int c = 0; c < 3; c++) side->force[3 * n + c] = size * axis[c];
+    fine[n] = 0.0;
+  }
+}
+
+ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
 {
   const ct_gaps_fixed *fixed = contact->gaps.fixed;
   ct_side *sides = contact->gaps.side;
+  const int plane = contact->solved && contact->axis != NULL;
   ct_grid grid;
-  double top = 0.0;
-  for (int s = 0; s < fixed->sides; s++) top = fmax(top, largest_force(&sides[s]));
-  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
-    size_t size = 3 * (size_t)sides[s].search->node_count * sizeof(double);
-    memset(sides[s].force, 0, size);
-    memset(sides[s].force_fine, 0, size);
-  }
   ct_pieces_largest(sides[0].pieces, &top, 1);
+  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
+    // At a plane the sums of sizes need a third of the arrays.
+    size_t size = (plane && top > 0.0 ? 1 : 3) * (size_t)sides[s].search->node_count;
+    memset(sides[s].force, 0, size * sizeof(double));
+    if (!plane) memset(sides[s].force_fine, 0, size * sizeof(double));
+  }
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   const int64_t terms = (ct_contact_is_rigid(contact->fixed) ? 8 : 16) * fixed->point_count;
@@ -256,6 +411,10 @@ ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
     return ct_fail(
         error, CT_ERROR_BLOWUP, CT_NOWHERE,
         "the largest contact force, %g, is too large or not finite; the motion has diverged", top);
+  if (plane) {
+    push_plane(&grid, &sides[0], contact->axis);
+    return CT_OK;
+  }
   for (int s = 0; s < fixed->sides; s++)
     if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, &sides[s], &sides[0]);
     else spread(&grid, &sides[s], ct_contact_other(contact, s));

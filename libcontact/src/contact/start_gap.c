@@ -115,11 +115,13 @@ static double later_gap(const ct_start_rule *rule, const ct_side *side, double s
 void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
 {
   double rounding = ct_side_rounding(sides, count);
-  for (int s = 0; s < count; s++)
+  for (int s = 0; s < count; s++) {
+    sides[s].shifted = 1;
     for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
       ct_point *point = &sides[s].points[i];
       point->start = point->other < 0 ? 0.0 : first_gap(rule, rounding, &sides[s], i);
     }
+  }
 }
 
 /* The present start gap of a point, and its growth in the last step and the next one, of which the
@@ -141,14 +143,22 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
 {
   double share = left(rule, now->time), last_share = left(rule, now->first ? now->time : last),
          next_share = left(rule, now->time + now->dt);
-  for (const ct_side *side = sides; side < sides + count; side++)
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      p->last_start = p->start;
-      // Most points have none, and keep none.
-      if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
-      else p->shift = p->closed = p->closing = 0.0;
-      if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
+  for (ct_side *side = sides; side < sides + count; side++) {
+    const ct_point *end = side->points + side->fixed->point_count;
+    const double nothing = unsure(side);
+    const int shifted = side->shifted;
+    if (shifted) side->shifted = 0;
+    for (ct_point *p = side->points; p < end; p++) {
+      if (shifted) {
+        side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
+        p->last_start = p->start;
+        // Most points have none, and keep none.
+        if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
+        else p->shift = p->closed = p->closing = 0.0;
+      }
+      if (fabs(p->row.gap) <= nothing) p->row.gap = 0.0;
     }
+  }
 }
 
 double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, double time,

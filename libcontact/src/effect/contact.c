@@ -35,6 +35,7 @@ static ct_surface_motion motion_of(const ct_view *view)
                              .velocity = s->velocity,
                              .memory = view->memory,
                              .next_memory = view->next_memory,
+                             .continued = view->continued,
                              .on = view->read == NULL ? NULL : ct_touch_state(view->read)};
 }
 

@@ -10,7 +10,7 @@
 
 /* The interaction of an effect in a state, with the forces of its time; null, with `status` and
  * `error` filled, for an effect of another kind. */
-static const void *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
+static void *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
                             ct_effect_kind kind, const char *what, ct_status *status,
                             ct_error *error)
 {
@@ -25,13 +25,19 @@ const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, i
                                    ct_error *error)
 {
   ct_status status;
-  return state_of(problem, state, effect, CT_EFFECT_CONTACT, "a contact", &status, error);
+  ct_contact *contact =
+      state_of(problem, state, effect, CT_EFFECT_CONTACT, "a contact", &status, error);
+  if (contact != NULL) ct_contact_complete(contact);
+  return contact;
 }
 
 static const ct_contact *obstacle_of(const ct_problem *problem, ct_state *state, int32_t effect,
                                      ct_status *status, ct_error *error)
 {
-  return state_of(problem, state, effect, CT_EFFECT_OBSTACLE, "an obstacle", status, error);
+  ct_contact *contact =
+      state_of(problem, state, effect, CT_EFFECT_OBSTACLE, "an obstacle", status, error);
+  if (contact != NULL) ct_contact_complete(contact);
+  return contact;
 }
 
 ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
@@ -41,7 +47,7 @@ ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32
   ct_status status = CT_OK;
   const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
   if (s == NULL) return status;
-  memcpy(force, s->record.reaction, sizeof s->record.reaction);
+  memcpy(force, s->reaction, sizeof s->reaction);
   *work = s->record.motion;
   return CT_OK;
 }
@@ -70,7 +76,7 @@ ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t
   if (stored == NULL || dissipated == NULL) return CT_REFUSE_NULL(error);
   ct_status status = CT_OK;
   ct_interaction_energy energy;
-  const void *s = state_of(problem, state, effect, CT_EFFECT_FRICTION, "friction", &status, error);
+  void *s = state_of(problem, state, effect, CT_EFFECT_FRICTION, "friction", &status, error);
   if (s == NULL) return status;
   ((const ct_touch *)problem->effects[effect]->data)->is->calls->find_energy(s, &energy);
   *stored = energy.stored;
@@ -104,7 +110,8 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->kind != CT_EFFECT_CONTACT && effect->kind != CT_EFFECT_OBSTACLE) continue;
-    const ct_contact *contact = ct_touch_state(state->workspace->scratch[k]);
+    ct_contact *contact = ct_touch_state(state->workspace->scratch[k]);
+    ct_contact_complete(contact);
     for (int s = 0; status == CT_OK && s < ct_gaps_surfaces(contact->gaps.fixed); s++)
       status = add_pressure(&contact->gaps.side[s], ct_contact_acting(contact, s), nodes, buffer,
                             pressure, error);

@@ -301,6 +301,7 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
                   : found == FAR     ? CT_POINT_BURIED
                                      : CT_POINT_NEW;
   point->other = met ? target : -1;
+  point->last_known = point->known;
   point->known = known_gap(p, found, target, point);
   if (!met) {
     point->row.gap = NAN;

@@ -24,6 +24,7 @@ static ct_status weigh(ct_side_fixed *fixed, int body, ct_error *error)
   for (int q = 0; q < fixed->rule.count; q++) {
     ct_segment_shape(search->kind, fixed->rule.xi[q], fixed->N[q]);
     ct_segment_gradient(search->kind, fixed->rule.xi[q], fixed->dN[q]);
+    for (int a = 0; a < search->per; a++) fixed->across[a][q] = fixed->N[q][a];
   }
   for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;

@@ -21,29 +21,30 @@ typedef enum ct_point_status {
   CT_POINT_BURIED
 } ct_point_status;
 
-/* One point of a side at the last update. */
+/* One point of a side at the last update: first what most steps need. */
 typedef struct ct_point {
   ct_constraint row; /* of the constraint problem. `gap` is the signed distance minus `shift`; NaN
                         without `other` */
   int listed;        /* whether the row is listed in this step */
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
+  int jumped;        /* whether it is inside by more than the motion since then explains */
   double xi[2];      /* parameters of the closest point on it */
-  double N[8];       /* shape functions of the other face at xi */
-  double d[3];       /* ȳ - y */
-  double outward[3]; /* normal of the other side at the closest point, of any length */
-  double known;    /* signed distance at the last update from the nearest place, in contact or not;
-                      NaN: none was near */
-  int jumped;      /* whether it is inside by more than the motion since then explains */
-  double start;    /* start gap that does not fade (eq:initial-adjust) */
-  double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
-  int claims;      /* whether the point may store energy in this step */
+  double known;      /* signed distance at the last update from the nearest place, in contact or not;
+                        NaN: none was near */
+  double start;      /* start gap that does not fade (eq:initial-adjust) */
+  double admitted;   /* start gap since then, of a point that was found inside (eq:admitted) */
+  double force_size; /* size of the force in the last step, if start gaps fade */
+  double last_known, last_start; /* the same in the last step */
+  double stored_before; /* energy that its row stored and held at the middle of the last step */
   double shift;    /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
   double closed;   /* growth of the shift since the last step */
   double closing;  /* its growth until the next step */
-  double last_known, last_start; /* the same in the last step */
-  double force_size;             /* size of the force then, if start gaps fade */
-  double force[3];               /* on the point's own face */
+  int claims;      /* whether the point may store energy in this step */
+  double N[8];       /* shape functions of the other face at xi */
+  double d[3];       /* ȳ - y */
+  double outward[3]; /* normal of the other side at the closest point, of any length */
+  double force[3];   /* on the point's own face; at a plane known with the results */
 } ct_point;
 
 /* Whether a point has a force. */
@@ -70,6 +71,7 @@ typedef struct ct_side_fixed {
   ct_rule rule;
   int on_edges;        /* whether the rule has points on edges and corners */
   double N[27][8];     /* shape functions at the points of a face */
+  double across[8][32]; /* the same, those of one node side by side */
   double dN[27][8][2]; /* and their derivatives */
   int64_t point_count;
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
@@ -86,6 +88,7 @@ typedef struct ct_side {
                               shape (face_count); else null */
   ct_search *search;       /* shares the topology of the fixed one */
   ct_point *points;        /* shape (face_count, rule.count) */
+  int shifted; /* whether a point may have a start gap now, or had one in the last step */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
                     since the last update, shape (node_count, 3) */

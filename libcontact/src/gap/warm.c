@@ -251,6 +251,7 @@ static void write_point(const ct_pass *p, const block *b, int l)
   for (int a = 0; a < 8; a++) point->N[a] = b->N[8 * a + l];
   for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
   point->jumped = 0;
+  point->last_known = point->known;
   point->row.gap = point->known = b->gap[l];
   point->status = b->gap[l] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   if (!(fabs(b->gap[l]) > ct_side_coincident(p->side))) ct_side_direct(p->side, point);

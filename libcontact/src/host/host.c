@@ -43,8 +43,10 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   if (status != CT_OK) return status;
   contact->solved = 0;
   if (contact->host != NULL) contact->host->current = 0;
-  for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->gaps.side[s]);
-  return ct_contact_collect(contact, error);
+  double top = 0.0;
+  for (int s = 0; s < sides; s++)
+    top = fmax(top, ct_side_apply_penalty(&contact->gaps.side[s]));
+  return ct_contact_collect(contact, top, error);
 }
 
 /* Copy `width` numbers per node from the host's arrays, where there are any, to the contact's

@@ -124,6 +124,7 @@ ct_surface_motion ct_host_motion(const ct_host *h, const ct_host_part *part,
 void ct_host_find_energy(ct_host *h)
 {
   h->energy = (ct_interaction_energy){.stored = 0.0};
+  h->contact.is->calls->find_energy(h->contact.state, &h->contact.energy);
   for (ct_host_part *part = h->contact.next; part != NULL; part = part->next) {
     part->is->calls->find_energy(part->state, &part->energy);
     h->energy.stored += part->energy.stored;

@@ -130,5 +130,6 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   }
   w->forces_at = state->step;
   w->known = 1;
+  w->continued = 0;
   return CT_OK;
 }

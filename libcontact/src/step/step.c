@@ -146,6 +146,7 @@ static void turn_memory(const ct_problem *problem, ct_workspace *w)
   double *read = w->memory;
   w->memory = w->next_memory;
   w->next_memory = read;
+  w->continued = 1;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const int64_t begin = ct_state_starts(problem, k).memory;
     if (problem->effects[k]->kind == CT_EFFECT_USER)
@@ -158,6 +159,7 @@ static void turn_memory(const ct_problem *problem, ct_workspace *w)
 static void return_memory(const ct_problem *problem, ct_state *state)
 {
   ct_workspace *w = state->workspace;
+  w->continued = 0;
   if (w->memory == state->memory) return;
   memcpy(state->memory, w->memory,
          (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof *w->memory);

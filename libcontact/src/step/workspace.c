@@ -79,6 +79,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .velocity = state->velocity,
                    .memory = state->workspace->memory + memory,
                    .next_memory = state->workspace->next_memory + memory,
+                   .continued = state->workspace->continued,
                    .scratch = state->workspace->scratch[k],
                    .read = read < 0 ? NULL : state->workspace->scratch[read],
                    .dt = stage.tau,

@@ -42,6 +42,8 @@ typedef struct ct_workspace {
   void **scratch; /* of each effect */
   double *memory, *next_memory; /* what the effects read and write: the state's memory and a block
                                    of the workspace, which take turns in a series of steps */
+  int continued; /* whether `memory` is what the effects wrote in the last evaluation, within a
+                    series of steps */
   int32_t shared_count; /* shared nodes, on which more than the first effect acts, ascending */
   int32_t *shared;
   double *shared_first; /* force of the first effect there, shape (shared_count, 3) */
