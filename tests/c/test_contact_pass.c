@@ -23,7 +23,8 @@ static void settled(void)
         block b = {.xi = {[3] = place[i], [11] = place[j]}, .status = {[3] = CT_OK}};
         b.distance[3] = b.gap[3] = k % 2 ? 0.501 : 0.499;
         b.rival[3] = k / 2;
-        tap_ok(is_settled(&p, &b, 3) == (i == 1 && j == 1 && k == 0),
+        settle(&p, &b);
+        tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0),
                "closest point (%g, %g) at %g, %s", place[i], place[j], b.distance[3],
                k / 2 ? "with a rival" : "alone");
       }
@@ -91,12 +92,29 @@ static void directions(void)
   tap_ok(far == 0, "places on the far side");
 }
 
+/* Least distance of a box from others but the first, by their corners along each axis. */
+static double least_distance(const ct_bounds *box, const ct_bounds *others, int count)
+{
+  double least = INFINITY;
+  for (int f = 1; f < count; f++) {
+    double square = 0.0;
+    for (int c = 0; c < 3; c++) {
+      const double apart =
+          fmax(others[f].low[c] - box->high[c], box->low[c] - others[f].high[c]);
+      square += apart > 0.0 ? apart * apart : 0.0;
+    }
+    least = fmin(least, sqrt(square));
+  }
+  return least;
+}
+
 /* Eight points of one face and many boxes, those within the skin listed first: the rivals are those
- * of a loop over all boxes (eq:warm-lanes, eq:skin). */
+ * of a loop over all boxes (eq:warm-lanes, eq:skin); also where the distance of all boxes from the
+ * points is known from before a motion of 0.1 (eq:rival-distance). */
 static void rivals(void)
 {
   enum { FACES = 30 };
-  int wrong = 0, found = 0, trials = 300;
+  int wrong = 0, found = 0, skipped = 0, trials = 300;
   for (int trial = 0; trial < trials; trial++) {
     ct_bounds boxes[FACES], grown = {{-0.2, -0.2, -0.2}, {1.2, 1.2, 0.3}};
     int32_t list[FACES], ends[2] = {0, FACES}, near_end = 0;
@@ -104,15 +122,22 @@ static void rivals(void)
       for (int c = 0; c < 3; c++) {
         const double random = 0.5 + 0.5 * sin(1e4 * sin(90.0 * trial + 3.0 * f + c));
         boxes[f].low[c] = c < 2 ? 2.0 * random - 0.6 : 0.6 * random - 0.4;
+        if (c == 2 && trial % 4 == 3) boxes[f].low[c] -= 0.8;
         boxes[f].high[c] = boxes[f].low[c] + 0.3;
       }
     for (int pass = 0; pass < 2; pass++)
       for (int f = 0, next = pass * near_end; f < FACES; f++)
         if (ct_bounds_apart(&boxes[f], &grown) == pass) list[next++] = f, near_end += !pass;
     ct_search search = {.boxes = boxes};
-    ct_side side = {.candidate_first = ends, .candidates = list, .near_end = &near_end},
+    int32_t alone = trial % 2 ? 0 : -1;
+    double distant = 0.0;
+    ct_side side = {.candidate_first = ends,
+                    .candidates = list,
+                    .near_end = &near_end,
+                    .alone = &alone,
+                    .distant = &distant},
             other = {.search = &search};
-    const ct_pass p = {.side = &side, .other = &other, .depth = 10.0, .skin = 0.2};
+    const ct_pass p = {.side = &side, .other = &other, .depth = 10.0, .skin = 0.2, .since = 0.1};
     block b = {.target = {0}};
     const double most = 0.8 * pow(0.5, trial % 6);
     for (int l = 0; l < CT_WARM; l++) {
@@ -120,7 +145,15 @@ static void rivals(void)
       for (int c = 0; c < 3; c++)
         b.points[CT_WARM * c + l] = (c < 2 ? 0.5 : 0.05) * (1.0 + sin(7.0 * trial + 5.0 * l + c));
     }
+    ct_bounds around = {{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}};
+    for (int l = 0; l < CT_WARM; l++)
+      for (int c = 0; c < 3; c++) {
+        around.low[c] = fmin(around.low[c], b.points[CT_WARM * c + l]);
+        around.high[c] = fmax(around.high[c], b.points[CT_WARM * c + l]);
+      }
+    distant = least_distance(&around, boxes, FACES) + 0.1;
     find_rivals(&p, &b);
+    skipped += trial % 2 && distant > 0.1 + most;
     for (int l = 0; l < CT_WARM; l++) {
       int near = 0;
       for (int f = 1; f < FACES; f++)
@@ -130,6 +163,7 @@ static void rivals(void)
       found += near;
     }
   }
+  tap_ok(skipped > 5, "rivals that the distance excludes: %d times", skipped);
   tap_ok(wrong == 0 && found > 100 && found < 8 * trials - 100,
          "rivals are those among all boxes: %d of %d, %d wrong", found, 8 * trials, wrong);
 }

@@ -447,8 +447,10 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
   ct_pass p = {.side = &gaps->side[s],
                .other = &gaps->side[gaps->fixed->sides - 1 - s],
                .project = gaps->fixed->project,
+               .near = ct_widest_near_kernel(),
                .depth = ct_gaps_reach(gaps),
                .skin = gaps->fixed->skin,
+               .since = gaps->since,
                .deep = gaps->fixed->depth,
                .self = gaps->fixed->sides == 1,
                .first = !gaps->begun};

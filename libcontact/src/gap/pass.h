@@ -1,6 +1,7 @@
 #ifndef CT_SRC_CONTACT_PASS_H
 #define CT_SRC_CONTACT_PASS_H
 
+#include "../projection/projection_internal.h"
 #include "gaps.h"
 
 #include "../base/vector.h"
@@ -10,8 +11,10 @@ typedef struct ct_pass {
   ct_side *side;
   const ct_side *other;
   ct_project_options project;
-  double depth; /* search distance of points */
+  ct_near_kernel *near; /* for closest points that have moved little */
+  double depth;         /* search distance of points */
   double skin;  /* additional distance to which candidates are listed */
+  double since; /* bound of the relative motion since then */
   double deep;  /* largest depth of a point in contact on a surface with itself */
   int self;     /* whether the other side is the same surface */
   int first;    /* whether no point has a status yet */

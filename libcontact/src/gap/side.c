@@ -66,7 +66,8 @@ void ct_side_clear(ct_side *side)
 {
   void *blocks[] = {side->listed, side->x_built,         side->moved,
                     side->points, side->candidate_first, side->candidates,
-                    side->force,  side->force_fine,      side->near_end};
+                    side->force,  side->force_fine,      side->near_end,
+                    side->alone,  side->distant};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -114,8 +115,10 @@ ct_status ct_side_equip(ct_side *side)
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
   side->near_end = ct_allocate(faces, sizeof *side->near_end);
-  int whole =
-      side->listed && side->candidate_first && side->candidates && side->near_end && side->x_built;
+  side->alone = ct_allocate(faces, sizeof *side->alone);
+  side->distant = ct_allocate(faces, sizeof *side->distant);
+  int whole = side->listed && side->candidate_first && side->candidates && side->near_end &&
+              side->alone && side->distant && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 

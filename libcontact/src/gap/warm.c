@@ -21,7 +21,10 @@ typedef struct block {
   int32_t status[CT_WARM];
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
-  int rival[CT_WARM];
+  int held[CT_WARM];                               /* whether it was in contact */
+  int rival[CT_WARM];  /* whether another face may be as near */
+  int inside[CT_WARM]; /* whether its last face is the nearest one */
+  int enters[CT_WARM]; /* whether it comes into contact */
 } block;
 
 /* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
@@ -53,6 +56,13 @@ CT_INLINE void put(int count, double x, double *row)
   for (int l = 0; l < count; l++) row[l] = x;
 }
 
+/* Write a number to four lanes. */
+CT_INLINE void put_four(double x, double *row)
+{
+  const ct_quad none = {0.0};
+  for (int l = 0; l < 4; l += 4 / CT_QUAD_PARTS) *(ct_quad *)&row[l] = x - none;
+}
+
 /* Numbers of the nodes of a face, to the first `count` lanes from `nodes` on. */
 CT_INLINE void load_face(const ct_search *search, int per, int count, int32_t face, double *nodes)
 {
@@ -74,6 +84,49 @@ CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[C
   for (int i = 0; i < 3 * per; i++)
 #pragma omp simd
     for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
+}
+
+/* Whether four lanes from a multiple of four on are the points of one face with four nodes and a
+ * 2 x 2 rule, and have one target. */
+CT_INLINE int are_four(const ct_pass *p, const block *b, int l)
+{
+  return p->side->fixed->rule.count == 4 && p->side->search->per == 4 && b->q[l] == 0 &&
+         are_one(b->face, l) && are_one(b->target, l);
+}
+
+/* One component of the positions of such points from that of their nodes, relative to `middle`. */
+CT_INLINE void sum_four(const ct_side_fixed *side, const double *const x[4], int c, double middle,
+                        double *out)
+{
+  const double(*N)[32] = side->across, x0 = x[0][c] - middle, x1 = x[1][c] - middle,
+               x2 = x[2][c] - middle, x3 = x[3][c] - middle;
+  for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
+    *(ct_quad *)&out[k] = (*(const ct_quad *)&N[0][k] * x0 + *(const ct_quad *)&N[1][k] * x1) +
+                          (*(const ct_quad *)&N[2][k] * x2 + *(const ct_quad *)&N[3][k] * x3);
+}
+
+/* Positions of such points and of their last face, relative to the middle of its box. */
+CT_INLINE void load_four(const ct_pass *p, int l, block *b)
+{
+  const ct_search *other = p->other->search, *own = p->side->search;
+  const int32_t *theirs = &other->faces[4 * (int64_t)b->target[l]],
+                *mine = &own->faces[4 * (int64_t)b->face[l]];
+  const ct_bounds *box = &other->boxes[b->target[l]];
+  const double middle[3] = {0.5 * (box->low[0] + box->high[0]), 0.5 * (box->low[1] + box->high[1]),
+                            0.5 * (box->low[2] + box->high[2])};
+  const double *const y[4] = {&own->x[3 * (int64_t)mine[0]], &own->x[3 * (int64_t)mine[1]],
+                              &own->x[3 * (int64_t)mine[2]], &own->x[3 * (int64_t)mine[3]]};
+  for (int a = 0; a < 4; a++) {
+    const double *x = &other->x[3 * (int64_t)theirs[a]];
+    double *nodes = &b->nodes[3 * CT_WARM * a + l];
+    put_four(x[0] - middle[0], nodes);
+    put_four(x[1] - middle[1], nodes + CT_WARM);
+    put_four(x[2] - middle[2], nodes + 2 * CT_WARM);
+  }
+  for (int c = 0; c < 3; c++) put_four(middle[c], &b->origin[CT_WARM * c + l]);
+  sum_four(p->side->fixed, y, 0, middle[0], &b->points[l]);
+  sum_four(p->side->fixed, y, 1, middle[1], &b->points[CT_WARM + l]);
+  sum_four(p->side->fixed, y, 2, middle[2], &b->points[2 * CT_WARM + l]);
 }
 
 /* Positions of the points and of their last faces, both relative to the middle of the face's box.
@@ -100,7 +153,10 @@ CT_INLINE void load(const ct_pass *p, int per, block *b)
 CT_CLONES
 static void load_block(const ct_pass *p, block *b)
 {
-  if (p->side->search->per == 4) load(p, 4, b);
+  if (are_four(p, b, 0) && are_four(p, b, 4)) {
+    load_four(p, 0, b);
+    load_four(p, 4, b);
+  } else if (p->side->search->per == 4) load(p, 4, b);
   else load(p, 8, b);
 }
 
@@ -133,36 +189,48 @@ CT_INLINE double twice_outside(double low, double high, double x)
   return (under + fabs(under)) + (over + fabs(over));
 }
 
-/* Some consecutive lanes with one face and one target; the largest distance to a closest point; and
- * the box of the places within it. */
+/* Some consecutive lanes with one face and one target, and the largest distance to which one of
+ * them searches. */
 typedef struct lane_group {
   int first, end;
   double most;
-  ct_bounds reach;
 } lane_group;
 
-/* The group that begins with a lane; the points are `at`, and four times the square of the distance
- * to which each searches is at most `most`. */
-CT_INLINE lane_group group_from(const block *b, int first, const double *at, const double *most)
+/* The group that begins with a lane; four times the square of the distance to which each searches
+ * is at most `most`. */
+CT_INLINE lane_group group_from(const block *b, int first, const double *most)
 {
-  lane_group g = {.first = first,
-                  .end = first,
-                  .reach = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}}};
-  double reach = 0.0;
-  for (;
-       g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
-       g.end++) {
-    if (most[g.end] > reach) reach = most[g.end];
-    for (int c = 0; c < 3; c++) {
-      const double x = at[CT_WARM * c + g.end];
-      g.reach.low[c] = x < g.reach.low[c] ? x : g.reach.low[c];
-      g.reach.high[c] = x > g.reach.high[c] ? x : g.reach.high[c];
-    }
-  }
+  lane_group g = {.first = first, .end = first + 1};
+  double reach = most[first];
+  for (; g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
+       g.end++)
+    reach = most[g.end] > reach ? most[g.end] : reach;
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
   g.most = (0.5 + 1e-12) * sqrt(reach);
-  g.reach = ct_bounds_grown(&g.reach, g.most);
   return g;
+}
+
+/* The box of the places within the reach of a group. */
+CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
+{
+  ct_bounds box;
+  for (int c = 0; c < 3; c++) {
+    const double *x = &at[CT_WARM * c];
+    box.low[c] = box.high[c] = x[g->first];
+    for (int l = g->first + 1; l < g->end; l++) {
+      box.low[c] = x[l] < box.low[c] ? x[l] : box.low[c];
+      box.high[c] = x[l] > box.high[c] ? x[l] : box.high[c];
+    }
+  }
+  return ct_bounds_grown(&box, g->most);
+}
+
+/* Whether no face but its target can be within the reach of a group, by the distances and the
+ * motion since the faces were listed (eq:rival-distance). */
+CT_INLINE int has_no_rival(const ct_pass *p, const lane_group *g, int32_t face, int32_t target)
+{
+  return p->side->alone[face] == target &&
+         (1.0 + 1e-9) * (g->most + p->since) < p->side->distant[face];
 }
 
 /* Mark the lanes of a group that are as near to a box as to their closest point. */
@@ -196,8 +264,10 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
     at[l] = x, at[8 + l] = y, at[16 + l] = z;
   }
   for (lane_group g = {0}; g.end < CT_WARM;) {
-    g = group_from(b, g.end, at, most);
+    g = group_from(b, g.end, most);
     const int32_t face = b->face[g.first], met = b->target[g.first];
+    if (has_no_rival(p, &g, face, met)) continue;
+    const ct_bounds reach = reach_box(&g, at);
     // A face within a quarter of the skin was within the skin when the lists were made (eq:skin).
     const int32_t end =
         g.most <= 0.25 * p->skin ? p->side->near_end[face] : p->side->candidate_first[face + 1];
@@ -205,9 +275,26 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
       const int32_t rival = p->side->candidates[i];
       const ct_bounds *box = &p->other->search->boxes[rival];
       // Most candidates are beyond the reach of the whole group.
-      if (rival == met || ct_bounds_apart(box, &g.reach)) continue;
+      if (rival == met || ct_bounds_apart(box, &reach)) continue;
       mark_rivals(&g, box, at, most, b->rival);
     }
+  }
+}
+
+/* Whether the closest points are inside their last faces, within the allowed depth, with no other
+ * face as near; and whether they come into contact. */
+CT_INLINE void settle(const ct_pass *p, block *b)
+{
+  const double inside = 1.0 - p->project.tolerance, depth = p->depth;
+#pragma omp simd
+  for (int l = 0; l < CT_WARM; l++) {
+    const int32_t status = b->status[l];
+    // -- Inside its face, and no other face is as near (eq:warm-lanes)
+    b->inside[l] = (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) &
+                   (b->distance[l] < depth) & !b->rival[l] &
+                   ((status == CT_OK) | (status == CT_NOT_CERTIFIED) |
+                    (status == CT_ITERATION_LIMIT));
+    b->enters[l] = (b->gap[l] < 0.0) & !b->held[l];
   }
 }
 
@@ -217,87 +304,110 @@ static void measure_block(const ct_pass *p, block *b)
   if (p->side->search->per == 4) gaps(4, b);
   else gaps(8, b);
   find_rivals(p, b);
+  settle(p, b);
 }
 
-/* Whether the closest point of a lane is inside its last face, within the allowed depth, with no
- * other face as near. */
-static int is_settled(const ct_pass *p, const block *b, int l)
+/* Whether the point of a lane comes in from a side that does not face its face: then the search must
+ * classify it. */
+static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
 {
-  ct_status status = (ct_status)b->status[l];
-  double inside = 1.0 - p->project.tolerance, own[3],
-         normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
-  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
-  // -- Inside its face, and no other face is as near (eq:warm-lanes)
-  if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) ||
-      b->rival[l])
-    return 0;
-  // A point that comes in must face the face; otherwise the search must classify it.
-  const int64_t i = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
-  const ct_point *point = &p->side->points[i];
-  if (!(b->gap[l] < 0.0) || point->status == CT_POINT_INSIDE) return 1;
-  return ct_pass_own_normal(p, i, own) && ct_pass_faces_across(own, normal);
+  const double normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
+  double own[3];
+  return b->gap[l] < 0.0 && p->side->points[number].status != CT_POINT_INSIDE &&
+         !(ct_pass_own_normal(p, number, own) && ct_pass_faces_across(own, normal));
 }
 
-/* Store the result of the point of a lane. */
-static void write_point(const ct_pass *p, const block *b, int l)
+/* Store the result of the point of a lane. Inlined with a known `per`. */
+CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, ct_point *point)
 {
-  int64_t number = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
-  ct_point *point = &p->side->points[number];
+  const double gap = b->gap[l];
   for (int c = 0; c < 3; c++) {
     point->d[c] = b->d[8 * c + l];
-    point->outward[c] = b->normal[8 * c + l];
     point->row.normal[c] = b->direction[8 * c + l];
   }
-  for (int a = 0; a < 8; a++) point->N[a] = b->N[8 * a + l];
+  for (int a = 0; a < per; a++) point->N[a] = b->N[8 * a + l];
   for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
   point->jumped = 0;
   point->last_known = point->known;
-  point->row.gap = point->known = b->gap[l];
-  point->status = b->gap[l] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
-  if (!(fabs(b->gap[l]) > ct_side_coincident(p->side))) ct_side_direct(p->side, point);
+  point->row.gap = point->known = gap;
+  point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  if (fabs(gap) > ct_side_coincident(p->side)) return;
+  for (int c = 0; c < 3; c++) point->outward[c] = b->normal[8 * c + l];
+  ct_side_direct(p->side, point);
+}
+
+/* Store the results of the lanes whose points are settled, of those in `warm`; returns their bits.
+ * Inlined with a known `per`. */
+CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64_t first,
+                                unsigned warm)
+{
+  ct_point *points = &p->side->points[first];
+  unsigned settled = 0;
+  for (int l = 0; l < CT_WARM; l++) {
+    if (!(warm >> l & 1) || !b->inside[l]) continue;
+    if (b->enters[l] && is_strange(p, b, l, first + l)) continue;
+    write_point(p, b, per, l, &points[l]);
+    settled |= 1u << l;
+  }
+  return settled;
+}
+
+CT_CLONES
+static unsigned write_block(const ct_pass *p, const block *b, int64_t first, unsigned warm)
+{
+  return p->other->search->per == 4 ? write_points(p, b, 4, first, warm)
+                                    : write_points(p, b, 8, first, warm);
 }
 
 /* Load the points into lanes. Returns one bit for each point with a face; the other lanes repeat
  * one of these. */
 static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
 {
-  const ct_side *side = p->side;
-  int32_t face = (int32_t)(first / side->fixed->rule.count);
-  int q = (int)(first % side->fixed->rule.count), some = -1;
+  const int points = p->side->fixed->rule.count;
+  const ct_point *point = &p->side->points[first];
+  int32_t face = (int32_t)(first / points);
+  int q = (int)(first % points), some = -1;
   unsigned warm = 0;
-  for (int l = 0; l < count; l++, q++) {
-    if (q == side->fixed->rule.count) q = 0, face++;
-    const ct_point *point = &side->points[first + l];
+  for (int l = 0; l < count; l++, q++, point++) {
+    if (q == points) q = 0, face++;
     b->face[l] = face;
     b->q[l] = q;
     b->target[l] = point->other;
-    for (int a = 0; a < 2; a++) b->start[8 * a + l] = point->xi[a];
+    b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
+    b->held[l] = point->status == CT_POINT_INSIDE;
     if (point->other >= 0) warm |= 1u << l, some = l;
   }
-  for (int l = 0; l < CT_WARM && some >= 0; l++) {
+  for (int l = 0; warm != (1u << CT_WARM) - 1 && l < CT_WARM && some >= 0; l++) {
     if (warm >> l & 1) continue;
     b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
+    b->held[l] = b->held[some];
     for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
   }
   return warm;
 }
 
+/* Closest points of all lanes; returns 0 if there are none. Most are near their starts. */
+static int project_block(const ct_pass *p, block *b)
+{
+  const ct_face_kind kind = p->other->search->kind;
+  const ct_batch_closest closest = {
+      .xi = b->xi, .distance = b->distance, .normal = b->normal, .status = b->status};
+  if (kind == CT_Q4 && p->project.iteration_limit == 0 &&
+      p->near(b->nodes, b->points, b->start, &p->project, &closest) == (1u << CT_WARM) - 1) {
+    for (int l = 0; l < CT_WARM; l++) b->status[l] = CT_OK;
+    return 1;
+  }
+  return ct_project_batch(kind, CT_WARM, b->nodes, b->points, b->start, &p->project, &closest,
+                          NULL) == CT_OK;
+}
+
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
 {
   block b;
-  unsigned settled = 0, warm = take_points(p, first, count, &b);
+  const unsigned warm = take_points(p, first, count, &b);
   if (warm == 0) return 0;
   load_block(p, &b);
-  const ct_batch_closest closest = {
-      .xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
-  if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project,
-                       &closest, NULL) != CT_OK)
-    return 0;
+  if (!project_block(p, &b)) return 0;
   measure_block(p, &b);
-  for (int l = 0; l < count; l++) {
-    if (!(warm >> l & 1) || !is_settled(p, &b, l)) continue;
-    write_point(p, &b, l);
-    settled |= 1u << l;
-  }
-  return settled;
+  return write_block(p, &b, first, warm);
 }

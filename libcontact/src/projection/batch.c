@@ -13,6 +13,15 @@ static ct_batch_kernel *widest_kernel(void)
   return ct_batch_kernel_1;
 }
 
+ct_near_kernel *ct_widest_near_kernel(void)
+{
+#if CT_BATCH_KERNELS
+  if (__builtin_cpu_supports("avx512f")) return ct_near_kernel_8;
+  if (__builtin_cpu_supports("avx2")) return ct_near_kernel_4;
+#endif
+  return ct_near_kernel_1;
+}
+
 /* Prefetch the numbers of a block while the previous one is computed. */
 static inline void fetch(const double *values, size_t count)
 {

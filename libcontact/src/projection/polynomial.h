@@ -85,7 +85,7 @@ PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
   for (int k = 0; k < 3; k++) {
     far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]),
     sum[k] = far[k] + largest[k];
-    for (int j = 2; j < 8; j++) {
+    for (int j = 2; j < (patch->kind == CT_Q4 ? 4 : 8); j++) {
       real c = absolute(patch->c[j][k]);
       largest[k] = most(largest[k], c);
       sum[k] += c;
@@ -103,8 +103,10 @@ PART real value(const patches *patch, const real xi[2], real d[3])
   real x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
   for (int k = 0; k < 3; k++) {
     // -- Point of the patch (eq:projection-patch)
+    d[k] = (c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y);
+    if (patch->kind == CT_Q4) continue; // the other terms are 0
     real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
-    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
+    d[k] += a * xx + b * yy;
   }
   // -- Square of the distance (eq:projection-f)
   return dot(d, d);
@@ -116,9 +118,12 @@ PART void tangents(const patches *patch, const real xi[2], real t1[3], real t2[3
   real x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
   for (int k = 0; k < 3; k++) {
     // -- Tangents of the patch (eq:projection-patch-derivatives)
+    t1[k] = c[1][k] + c[3][k] * y;
+    t2[k] = c[2][k] + c[3][k] * x;
+    if (patch->kind == CT_Q4) continue;
     real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
-    t1[k] = (c[1][k] + c[3][k] * y) + (a * two_x + c[7][k] * yy);
-    t2[k] = (c[2][k] + c[3][k] * x) + (b * two_y + c[6][k] * xx);
+    t1[k] += a * two_x + c[7][k] * yy;
+    t2[k] += b * two_y + c[6][k] * xx;
   }
 }
 
@@ -140,7 +145,6 @@ PART void evaluate(const patches *patch, iterates *at)
   real *d = at->d, t1[3], t2[3], t11[3], t22[3], t12[3];
   at->f = value(patch, at->xi, d);
   tangents(patch, at->xi, t1, t2);
-  curves(patch, at->xi, t11, t22, t12);
   // -- Gradient, zero at a minimum (eq:projection-gradient, eq:projection-stationary)
   at->g[0] = 2 * dot(d, t1);
   at->g[1] = 2 * dot(d, t2);
@@ -148,6 +152,13 @@ PART void evaluate(const patches *patch, iterates *at)
   at->square[0] = dot(t1, t1);
   at->square[1] = dot(t2, t2);
   at->square[2] = dot(t1, t2);
+  if (patch->kind == CT_Q4) { // whose only second derivative is t12
+    at->H[0] = 2 * at->square[0];
+    at->H[1] = 2 * at->square[1];
+    at->H[2] = 2 * (at->square[2] + dot(d, patch->c[3]));
+    return;
+  }
+  curves(patch, at->xi, t11, t22, t12);
   at->H[0] = 2 * (at->square[0] + dot(d, t11));
   at->H[1] = 2 * (at->square[1] + dot(d, t22));
   at->H[2] = 2 * (at->square[2] + dot(d, t12));

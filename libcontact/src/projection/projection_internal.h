@@ -159,6 +159,17 @@ typedef void ct_batch_kernel(ct_face_kind kind, const double *nodes, const doubl
 /* The same search with one, four and eight lanes. */
 ct_batch_kernel ct_batch_kernel_1, ct_batch_kernel_4, ct_batch_kernel_8;
 
+/* Closest points of a block of eight pairs on quadrilaterals of four nodes, from starts near them
+ * that are finite, as the robust search finds them: distance, xi and normal of the lanes whose bits
+ * are returned; the others need the search. */
+typedef unsigned ct_near_kernel(const double *nodes, const double *points, const double *start,
+                                const ct_project_options *options,
+                                const ct_batch_closest *closest);
+ct_near_kernel ct_near_kernel_1, ct_near_kernel_4, ct_near_kernel_8;
+
+/* The widest of these kernels for this machine. */
+ct_near_kernel *ct_widest_near_kernel(void);
+
 /* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
  * add to the counts of the closest point, which the caller sets to zero. A contact kernel calls
  * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */

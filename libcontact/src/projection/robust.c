@@ -1,6 +1,8 @@
 /* The robust search for one pair. */
 #define KERNEL ct_batch_kernel_1
+#define NEAR ct_near_kernel_1
 #include "batch_kernel.h"
+#include "near_kernel.h"
 
 ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *options,
                             ct_closest *closest)

@@ -5,5 +5,7 @@
 #define WIDTH 4
 #define TARGET "avx2"
 #define KERNEL ct_batch_kernel_4
+#define NEAR ct_near_kernel_4
 #include "batch_kernel.h"
+#include "near_kernel.h"
 #endif

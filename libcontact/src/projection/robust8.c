@@ -5,5 +5,7 @@
 #define WIDTH 8
 #define TARGET "avx512f"
 #define KERNEL ct_batch_kernel_8
+#define NEAR ct_near_kernel_8
 #include "batch_kernel.h"
+#include "near_kernel.h"
 #endif

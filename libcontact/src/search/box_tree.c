@@ -292,6 +292,19 @@ static int compare_items(const void *a, const void *b)
   return (p > q) - (p < q);
 }
 
+/* Sort numbers in ascending order: mostly a few. */
+static void sort_items(int32_t *items, int32_t count)
+{
+  enum { FEW = 32 };
+  if (count > FEW) qsort(items, (size_t)count, sizeof *items, compare_items);
+  for (int32_t i = 1; count <= FEW && i < count; i++) {
+    const int32_t item = items[i];
+    int32_t k = i;
+    for (; k > 0 && items[k - 1] > item; k--) items[k] = items[k - 1];
+    items[k] = item;
+  }
+}
+
 static int overlap(const ct_bounds *a, const ct_bounds *b)
 {
   for (int c = 0; c < 3; c++)
@@ -332,7 +345,7 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
       }
     }
   }
-  if (found > 1 && found <= capacity) qsort(items, (size_t)found, sizeof *items, compare_items);
+  if (found <= capacity) sort_items(items, found);
   return found;
 }
 
