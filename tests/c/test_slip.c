@@ -2,7 +2,7 @@
  * a dense reference. The rows are included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/law.h"
 #include "../../libcontact/src/constraint/matrix.h"
-#include "../../libcontact/src/constraint/tangent_rows.c"
+#include "../../libcontact/src/constraint/tangent_matrix.c"
 #include "bodies.h"
 
 /* The closest point of a disc cut by a half-plane, among many. (eq:slip-projection) */
@@ -331,6 +331,8 @@ static void solution(double spread)
       const ct_tangent_row *row = &of->rows[r];
       const ct_slip *p = row->slip;
       const int j = (int)(row->row - t.row);
+      ct_slip_set set = {.limit = of->limit[r], .most = of->most[r]};
+      ct_columns_get(&of->c, r, set.c);
       double D = 0.0, du[DOFS], motion[3], slip[3], T[3], size = 0.0;
       if (row->row->force == 0.0) continue;
       for (int i = 0; i < NODES; i++) {
@@ -340,7 +342,7 @@ static void solution(double spread)
       }
       const double a = row->row->dissipation * sqrt(1.0 + 4.0 / (p->k * D)),
                    C = 2.0 / (p->k * (1.0 + a));
-      bound = worst(bound, (D + C) * row->scale - 1.0);
+      bound = worst(bound, (D + C) * of->scale[r] - 1.0);
       // The last step has led from t.last to t.u, and e is that of its end.
       for (int d = 0; d < DOFS; d++) du[d] = t.u[d] - t.last[d];
       tangential_motion(&t, j, du, motion);
@@ -351,10 +353,11 @@ static void solution(double spread)
         T[i] = p->force[i] - slip[i] / (D + C);
         size = fmax(size, fabs(p->force[i]));
       }
-      ct_slip_project(&row->set, T);
-      for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size);
+      ct_slip_project(&set, T);
+      for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size_of_force);
       slips += !p->stuck, sticks += p->stuck;
-      slope = worst(slope, fmax(ct_vector_dot(p->force, slip), 0.0) / (of->size * of->size * D));
+      slope = worst(slope, fmax(ct_vector_dot(p->force, slip), 0.0) /
+                               (of->size_of_force * of->size_of_force * D));
     }
     ct_pool_free(t.s);
   }

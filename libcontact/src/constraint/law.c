@@ -107,13 +107,18 @@ static int is_younger(const ct_constraint *c, double times)
 /* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
 static int is_fresh(const ct_constraint *c) { return is_younger(c, 1.5); }
 
+double ct_law_damping(double zeta, double stiffness, double mobility)
+{
+  // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
+  const double a = zeta * sqrt(1.0 + 4.0 / (stiffness * mobility));
+  return isfinite(a) ? a : 0.0;
+}
+
 double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
   // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
-  double zeta = is_fresh(c) ? larger(c->dissipation, 0.5) : c->dissipation;
-  // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
-  double a = zeta * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
-  return isfinite(a) ? a : 0.0;
+  const double zeta = is_fresh(c) ? larger(c->dissipation, 0.5) : c->dissipation;
+  return ct_law_damping(zeta, c->stiffness, mobility);
 }
 
 /* Stored impact (eq:impact-reserve). */

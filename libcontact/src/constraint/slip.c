@@ -37,9 +37,8 @@ ct_slip_set ct_slip_set_of(const ct_slip *s, double normal_force, const double l
 /* Shorten a vector to a length. */
 static void shorten(double length, double v[3])
 {
-  const double own = sqrt(ct_vector_dot(v, v));
-  if (!(own > length)) return;
-  for (int i = 0; i < 3; i++) v[i] *= length / own;
+  const double part = ct_slip_part(length, ct_vector_dot(v, v));
+  for (int i = 0; i < 3; i++) v[i] *= part;
 }
 
 void ct_slip_project(const ct_slip_set *set, double T[3])

@@ -1,6 +1,7 @@
 #ifndef CT_SRC_CONSTRAINT_SLIP_H
 #define CT_SRC_CONSTRAINT_SLIP_H
 
+#include <math.h>
 #include <stdint.h>
 
 /* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
@@ -47,6 +48,14 @@ typedef struct ct_slip_set {
 /* The set of a point with the normal force `normal_force`, whose motion in the last step was
  * `last`. */
 ct_slip_set ct_slip_set_of(const ct_slip *slip, double normal_force, const double last[3]);
+
+/* The factor of a force with the square `size2` that shortens it to a limit. */
+static inline double ct_slip_part(double limit, double size2)
+{
+  const double size = sqrt(size2), most = size > limit ? size : limit;
+  // 1 where the limit is larger; without a branch
+  return limit / (most + (most == 0.0 ? 1.0 : 0.0));
+}
 
 /* The force of a set that is closest to `T`. */
 void ct_slip_project(const ct_slip_set *set, double T[3]);

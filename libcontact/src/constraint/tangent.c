@@ -1,22 +1,26 @@
-/* The tangential forces of a step: an accelerated projected gradient within the discs of all points
- * (eq:slip-problem, eq:slip-iteration). */
+/* The tangential forces of a step: projected Chebyshev steps, and then an accelerated projected
+ * gradient, within the discs of all points (eq:slip-problem, eq:slip-iteration). */
 #include "tangent.h"
 
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
 #include "law.h"
 #include "matrix.h"
-#include "tangent_rows.h"
+#include "tangent_matrix.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000 };
+enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000, MOST_CHEBYSHEV = 40 };
 
 /* The iteration ends when the largest change of a force is below this fraction of the largest
  * force; a point sticks when its slip is below this many times that change. */
 static const double TOLERANCE = 1e-4, STICK = 10.0;
+
+/* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on; the largest is at most 1. */
+static const double LOWEST = 0.08;
 
 /* The limits are computed again once if a normal force has changed by more than this fraction of
  * the largest. And the smallest limit that counts as a force, as a fraction of the largest. */
@@ -25,17 +29,25 @@ static const double LIMIT_CHANGE = 0.01, LEAST = 1e-6;
 void ct_tangent_create(ct_solver *s, int64_t most)
 {
   ct_pool *pool = &s->pool;
-  const size_t nodes = (size_t)s->node_count, rows = 2 * (size_t)s->most;
+  const size_t nodes = (size_t)s->node_count, rows = (size_t)most;
   ct_tangent *t = s->tangent = ct_pool_take(pool, 1, sizeof *t);
   if (t == NULL) return;
   t->most_rounds = MOST_ROUNDS;
-  t->rows = ct_pool_take(pool, (size_t)most, sizeof *t->rows);
+  t->rows = ct_pool_take(pool, rows, sizeof *t->rows);
   t->nodes = ct_pool_take(pool, nodes, sizeof *t->nodes);
   double **vectors[] = {&t->sums, &t->moved, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  t->terms = ct_pool_take(pool, (size_t)most, sizeof *t->terms);
-  t->shift = ct_pool_take(pool, rows, sizeof *t->shift);
+  ct_columns *columns[] = {&t->normal, &t->last,  &t->q,   &t->T,    &t->image, &t->slip,
+                           &t->T0,     &t->slip0, &t->aim, &t->next, &t->c};
+  for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
+    for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
+  double **numbers[] = {&t->limit, &t->most, &t->C, &t->kappa, &t->scale, &t->terms};
+  for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+    *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
+  t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
+  t->size = ct_pool_take(pool, rows, CT_ROW_NODES * sizeof(double));
+  t->shift = ct_pool_take(pool, 2 * (size_t)s->most, sizeof *t->shift);
 }
 
 /* The laws of the listed rows. Returns 0 if they are not finite. */
@@ -45,39 +57,113 @@ static int fix_laws(ct_solver *s)
   double slowest = -1.0;
   if (!ct_tangent_bound(s)) return 0;
   for (int64_t j = 0; j < t->count; j++) {
-    ct_tangent_row *r = &t->rows[j];
-    const ct_constraint as_spring = {.stiffness = r->slip->k, .dissipation = r->row->dissipation};
-    r->law = ct_slip_law_of(r->slip, ct_law_dashpot(&as_spring, r->scale / s->fraction));
+    const ct_tangent_row *r = &t->rows[j];
+    const ct_slip_law law = ct_slip_law_of(
+        r->slip, ct_law_damping(r->row->dissipation, r->slip->k, t->scale[j] / s->fraction));
     // -- 1 / D, with the compliance
-    r->scale = 1.0 / (r->scale + r->law.C);
-    const double ratio = -r->law.C * r->scale;
+    t->scale[j] = 1.0 / (t->scale[j] + law.C);
+    t->C[j] = law.C, t->kappa[j] = law.kappa;
+    const double ratio = -law.C * t->scale[j];
     slowest = ratio > slowest ? ratio : slowest;
   }
   // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
   ct_pieces_largest(s->pieces, &slowest, 1);
-  const double root = sqrt(-slowest);
-  t->rate = (1.0 - root) / (1.0 + root);
+  t->lowest = -slowest;
   return 1;
 }
 
-/* Project the forces on the sets of the present normal forces; of the first pass, the whole sets.
- */
+/* The set of a row. */
+static ct_slip_set set_of(const ct_tangent *t, int64_t j)
+{
+  ct_slip_set set = {.limit = t->limit[j], .most = t->most[j]};
+  ct_columns_get(&t->c, j, set.c);
+  return set;
+}
+
+/* `to` = forces without the parts beyond their discs; returns whether any of them is beyond a
+ * chord. */
+CT_CLONES
+static int shorten_all(int64_t count, const double *limit, const double *most, const ct_columns *c,
+                       const ct_columns *from, const ct_columns *to)
+{
+  const double *cx = c->x[0], *cy = c->x[1], *cz = c->x[2], *x = from->x[0], *y = from->x[1],
+               *z = from->x[2];
+  double *X = to->x[0], *Y = to->x[1], *Z = to->x[2];
+  double beyond = 0.0;
+#pragma omp simd reduction(max : beyond)
+  for (int64_t j = 0; j < count; j++) {
+    // -- The disc alone (eq:slip-projection)
+    const double part = ct_slip_part(limit[j], (x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]);
+    X[j] = x[j] * part, Y[j] = y[j] * part, Z[j] = z[j] * part;
+    const double along = (X[j] * cx[j] + Y[j] * cy[j]) + Z[j] * cz[j],
+                 over = along > most[j] ? 1.0 : 0.0;
+    beyond = over > beyond ? over : beyond;
+  }
+  return beyond > 0.0;
+}
+
+/* `to` = forces projected on the sets of all rows. */
+static void project(const ct_tangent *t, const ct_columns *from, const ct_columns *to)
+{
+  if (!shorten_all(t->count, t->limit, t->most, &t->c, from, to)) return;
+  for (int64_t j = 0; j < t->count; j++) {
+    const ct_slip_set set = set_of(t, j);
+    double T[3];
+    ct_columns_get(from, j, T);
+    ct_slip_project(&set, T);
+    ct_columns_set(to, j, T);
+  }
+}
+
+/* Largest change of a force from one vector to another, and largest force there; NaN if one is. */
+CT_CLONES
+static void compare(int64_t count, const double *from, const double *to, double size[2])
+{
+  double most = 0.0, top = 0.0, wrong = 0.0;
+#pragma omp simd reduction(max : most, top) reduction(+ : wrong)
+  for (int64_t j = 0; j < count; j++) {
+    const double change = fabs(to[j] - from[j]), force = fabs(to[j]);
+    most = change > most ? change : most;
+    top = force > top ? force : top;
+    wrong += change != change ? 1.0 : 0.0;
+  }
+  if (wrong > 0.0) most = NAN;
+  size[0] = most > size[0] || isnan(most) ? most : size[0];
+  size[1] = top > size[1] ? top : size[1];
+}
+
+static void compare_all(const ct_tangent *t, const ct_columns *from, const ct_columns *to,
+                        double size[2])
+{
+  for (int c = 0; c < 3; c++) compare(t->count, from->x[c], to->x[c], size);
+}
+
+/* The sets of the present normal forces, in the first pass; later only their limits. Projects the
+ * forces on them. */
 static void fix_limits(ct_solver *s, int whole)
 {
   ct_tangent *t = s->tangent;
-  double measures[2] = {0.0, 0.0}; // the largest limit, and whether a force has changed
+  double measures[2] = {0.0, 0.0}, size[2] = {0.0, 0.0}; // the largest limit, whether T has changed
   for (int64_t j = 0; j < t->count; j++) {
-    ct_tangent_row *r = &t->rows[j];
-    const double T[3] = {r->T[0], r->T[1], r->T[2]};
-    if (whole) r->set = ct_slip_set_of(r->slip, r->row->force, r->last);
-    r->set.limit = r->slip->mu * r->row->force;
-    ct_slip_project(&r->set, r->T);
-    if (memcmp(T, r->T, sizeof T) != 0) measures[1] = 1.0;
-    measures[0] = r->set.limit > measures[0] ? r->set.limit : measures[0];
+    const ct_tangent_row *r = &t->rows[j];
+    if (whole) {
+      double last[3];
+      ct_columns_get(&t->last, j, last);
+      const ct_slip_set set = ct_slip_set_of(r->slip, r->row->force, last);
+      t->most[j] = set.most;
+      ct_columns_set(&t->c, j, set.c);
+    }
+    t->limit[j] = r->slip->mu * r->row->force;
+    measures[0] = t->limit[j] > measures[0] ? t->limit[j] : measures[0];
   }
+  project(t, &t->T, &t->next);
+  compare_all(t, &t->T, &t->next, size);
+  measures[1] = size[0] != 0.0;
   ct_pieces_largest(s->pieces, measures, 2);
   t->top = measures[0];
-  t->current = t->current && measures[1] == 0.0;
+  if (measures[1] == 0.0) return;
+  for (int c = 0; c < 3; c++) memcpy(t->T.x[c], t->next.x[c], (size_t)t->count * sizeof(double));
+  t->current = t->shifted = 0;
 }
 
 /* Motion of the nodes without friction, with the present normal forces, and what follows for the
@@ -91,49 +177,81 @@ static int find_drift(ct_solver *s)
       for (int32_t c = 0, at = s->active_nodes[k]; c < 3; c++)
         t->drift[at + c] = s->increment[at + c] + s->moved[at + c];
   }
-  ct_tangent_motion(t, t->drift);
+  ct_tangent_motion(t, t->drift, &t->q);
   for (int64_t j = 0; j < t->count; j++) {
-    ct_tangent_row *r = &t->rows[j];
+    const ct_tangent_row *r = &t->rows[j];
     const ct_slip *p = r->slip;
-    for (int i = 0; i < 3; i++) r->q[i] -= p->coming[i];
-    if (r->row->other_count == 0) ct_vector_make_tangential(r->row->normal, r->q);
+    double q[3];
+    ct_columns_get(&t->q, j, q);
+    if (r->row->other_count == 0) {
+      for (int i = 0; i < 3; i++) q[i] -= p->coming[i];
+      ct_vector_make_tangential(r->row->normal, q);
+    }
     // -- q = D + e_n + κ e_{n-1} without friction (eq:slip-residual)
-    for (int i = 0; i < 3; i++) r->q[i] += p->e[i] + r->law.kappa * p->before[i];
+    for (int i = 0; i < 3; i++) q[i] += p->e[i] + t->kappa[j] * p->before[i];
+    ct_columns_set(&t->q, j, q);
   }
   return 1;
 }
 
-/* One round: the forces that follow from the gradient (eq:slip-iteration). Writes the largest
- * change of a force, and the largest force. */
-static void take_round(ct_tangent *t, double size[2])
+/* One component of the slip of the step: (W + C) T + q (eq:slip-residual). And the force that a
+ * unit step leads to, before its projection. */
+CT_CLONES
+static void find_slip(int64_t count, const double *image, const double *C, const double *T,
+                      const double *q, const double *scale, double *restrict slip,
+                      double *restrict aim)
 {
-  double most = 0.0, top = LEAST * t->top;
-  for (int64_t j = 0; j < t->count; j++) {
-    ct_tangent_row *r = &t->rows[j];
-    for (int i = 0; i < 3; i++)
-      // -- y - D⁻¹ ((W + C) y + q) (eq:slip-iteration)
-      r->next[i] = r->at[i] - r->scale * ((r->image[i] + r->law.C * r->at[i]) + r->q[i]);
-    ct_slip_project(&r->set, r->next);
-    for (int i = 0; i < 3; i++) {
-      const double change = fabs(r->next[i] - r->at[i]), force = fabs(r->next[i]);
-      most = change > most || isnan(change) ? change : most;
-      top = force > top ? force : top;
-    }
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) {
+    slip[j] = (image[j] + C[j] * T[j]) + q[j];
+    aim[j] = T[j] - scale[j] * slip[j];
   }
-  size[0] = most, size[1] = top;
 }
 
-/* Take the forces of a round, and extrapolate. */
-static void extrapolate(ct_tangent *t)
+/* A step of the iteration: share of the last change of a force, length, and share of the last
+ * change of the slip (eq:slip-iteration). */
+typedef struct step {
+  double momentum, length, slope;
+} step;
+
+/* One component of the forces that follow, before their projection; those of this round become the
+ * last ones. */
+CT_CLONES
+static void aim_at(int64_t count, step by, const double *T, const double *slip, const double *scale,
+                   double *restrict T0, double *restrict slip0, double *restrict aim)
 {
-  for (int64_t j = 0; j < t->count; j++)
-    for (int i = 0; i < 3; i++) {
-      ct_tangent_row *r = &t->rows[j];
-      // -- T + β (T - T of the last round) (eq:slip-iteration)
-      r->at[i] = r->next[i] + t->rate * (r->next[i] - r->T[i]);
-      r->T[i] = r->next[i];
-    }
-  t->current = 0;
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) {
+    const double down = scale[j] * (slip[j] + by.slope * (slip[j] - slip0[j]));
+    // -- T + β (T - T₀) - λ D⁻¹ (Δs + γ (Δs - Δs₀)) (eq:slip-iteration)
+    aim[j] = (T[j] + by.momentum * (T[j] - T0[j])) - by.length * down;
+    T0[j] = T[j], slip0[j] = slip[j];
+  }
+}
+
+/* Step round `k` (eq:slip-iteration). `rho` is that of the Chebyshev recursion. */
+static step step_of(const ct_tangent *t, int k, double *rho)
+{
+  const double lowest = fmin(fmax(t->lowest, LOWEST), 0.999), middle = 0.5 * (1.0 + lowest),
+               half = 0.5 * (1.0 - lowest), root = sqrt(t->lowest),
+               rate = (1.0 - root) / (1.0 + root);
+  if (k == 0) {
+    *rho = half / middle;
+    return (step){0.0, 1.0 / middle, 0.0};
+  }
+  if (k >= MOST_CHEBYSHEV) return (step){rate, 1.0, rate};
+  const double next = 1.0 / (2.0 * middle / half - *rho), last = *rho;
+  *rho = next;
+  return (step){next * last, 2.0 * next / half, 0.0};
+}
+
+/* Take the forces of a step. */
+static void take_step(ct_tangent *t, step by)
+{
+  for (int c = 0; c < 3; c++)
+    aim_at(t->count, by, t->T.x[c], t->slip.x[c], t->scale, t->T0.x[c], t->slip0.x[c], t->aim.x[c]);
+  project(t, &t->aim, &t->T);
+  t->current = t->shifted = 0;
 }
 
 /* Solve for the tangential forces with the present normal ones. Forces that already meet twice
@@ -142,19 +260,21 @@ static void extrapolate(ct_tangent *t)
 static int iterate(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  double tolerance = 2.0 * t->tolerance;
-  for (int64_t j = 0; j < t->count; j++) memcpy(t->rows[j].at, t->rows[j].T, sizeof t->rows[j].at);
+  double rho = 0.0, tolerance = 2.0 * t->tolerance;
   for (int k = 0;; k++, tolerance = t->tolerance) {
-    if (!t->current && !ct_tangent_apply(s, 1)) return -1;
-    double size[2];
-    take_round(t, size);
+    double size[2] = {0.0, LEAST * t->top};
+    if (!t->current && !ct_tangent_apply(s)) return -1;
+    t->current = 1;
+    for (int c = 0; c < 3; c++)
+      find_slip(t->count, t->image.x[c], t->C, t->T.x[c], t->q.x[c], t->scale, t->slip.x[c],
+                t->aim.x[c]);
+    project(t, &t->aim, &t->next);
+    compare_all(t, &t->T, &t->next, size);
     ct_pieces_largest(s->pieces, size, 2);
     if (!isfinite(size[0])) return -1;
-    const int enough = size[0] <= tolerance * size[1];
-    t->size = size[1];
-    if (k == 0 && enough) return 0;
-    extrapolate(t);
-    if (enough || k == t->most_rounds) return k + 1;
+    t->size_of_force = size[1];
+    if (size[0] <= tolerance * size[1] || k == t->most_rounds) return k;
+    take_step(t, step_of(t, k, &rho));
   }
 }
 
@@ -165,9 +285,9 @@ static int shift_gaps(ct_solver *s, double *change)
   ct_tangent *t = s->tangent;
   double most[2] = {0.0, 0.0};
   *change = 0.0;
-  if (t->current) return 1;
-  if (!ct_tangent_apply(s, 0)) return 0;
-  t->current = 1;
+  if (t->shifted) return 1;
+  if (!t->current && !ct_tangent_apply(s)) return 0;
+  t->current = t->shifted = 1;
   ct_matrix_times(s, s->count, t->moved, s->terms);
   for (int64_t r = 0; r < s->count; r++) {
     const double more = s->terms[r] - t->shift[r], force = fabs(more) * s->scale[r];
@@ -182,41 +302,41 @@ static int shift_gaps(ct_solver *s, double *change)
   return 1;
 }
 
-/* Σ of one number of each row, independent of the order. */
-static double sum_terms(ct_solver *s)
+/* Σ a · b of all rows, independent of the order. */
+static double product(ct_solver *s, const ct_columns *a, const ct_columns *b)
 {
-  return ct_sum_over(s->pieces, s->tangent->terms, s->tangent->count);
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++)
+    t->terms[j] = (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
+  return ct_sum_over(s->pieces, t->terms, t->count);
 }
 
 /* The factor of all forces with which friction dissipates whatever the iteration did
- * (eq:slip-guard). `image` is that of the forces. */
+ * (eq:slip-guard). `image` and `slip` are those of the forces. */
 static double guard(ct_solver *s)
 {
-  ct_tangent *t = s->tangent;
-  double sum[2];
-  for (int k = 0; k < 2; k++) {
-    for (int64_t j = 0; j < t->count; j++) {
-      const ct_tangent_row *r = &t->rows[j];
-      t->terms[j] = k == 0 ? ct_vector_dot(r->T, r->image) + r->law.C * ct_vector_dot(r->T, r->T)
-                           : ct_vector_dot(r->T, r->q);
-    }
-    sum[k] = sum_terms(s);
-  }
+  const ct_tangent *t = s->tangent;
+  const double slip = product(s, &t->T, &t->slip);
+  if (!(slip > 0.0)) return 1.0;
+  const double free = product(s, &t->T, &t->q);
   // -- θ = min(1, max(0, -T·q / T·(W + C) T)) (eq:slip-guard)
-  return sum[0] + sum[1] > 0.0 && sum[0] > 0.0 ? fmax(-sum[1] / sum[0], 0.0) : 1.0;
+  return slip - free > 0.0 ? fmin(fmax(-free / (slip - free), 0.0), 1.0) : 1.0;
 }
 
 /* Store the force of a row, and its elastic slip at the end of the step. */
-static void store_row(const ct_tangent *t, ct_tangent_row *r, double theta)
+static void store_row(const ct_tangent *t, int64_t j, double theta)
 {
-  ct_slip *p = r->slip;
-  const double before = ct_slip_stored(p), most = STICK * t->tolerance * t->size / r->scale;
-  double slip[3], motion[3];
+  ct_slip *p = t->rows[j].slip;
+  const double before = ct_slip_stored(p), C = t->C[j], kappa = t->kappa[j],
+               most = STICK * t->tolerance * t->size_of_force / t->scale[j];
+  double T[3], image[3], q[3], last[3], slip[3], motion[3];
+  ct_columns_get(&t->T, j, T), ct_columns_get(&t->image, j, image);
+  ct_columns_get(&t->q, j, q), ct_columns_get(&t->last, j, last);
   for (int i = 0; i < 3; i++) {
-    p->force[i] = theta * r->T[i];
+    p->force[i] = theta * T[i];
     // -- The slip of the step, and D₊ (eq:slip-residual)
-    slip[i] = (theta * r->image[i] + r->law.C * p->force[i]) + r->q[i];
-    motion[i] = theta * r->image[i] + (r->q[i] - (p->e[i] + r->law.kappa * p->before[i]));
+    slip[i] = (theta * image[i] + C * p->force[i]) + q[i];
+    motion[i] = theta * image[i] + (q[i] - (p->e[i] + kappa * p->before[i]));
   }
   // -- A point that slips less than the iteration resolves sticks (eq:slip-stick)
   p->stuck = ct_vector_dot(slip, slip) <= most * most;
@@ -224,14 +344,14 @@ static void store_row(const ct_tangent *t, ct_tangent_row *r, double theta)
   p->reserve = p->stuck ? 0.0 : fmin(p->reserve, 0.0) - 0.5 * ct_vector_dot(p->force, slip);
   for (int i = 0; i < 3; i++) {
     const double e = p->e[i];
-    p->e[i] = p->stuck ? e + motion[i] : -r->law.C * p->force[i] - r->law.kappa * p->before[i];
+    p->e[i] = p->stuck ? e + motion[i] : -C * p->force[i] - kappa * p->before[i];
     p->before[i] = e;
   }
-  const double after = ct_vector_dot(p->force, motion), last = ct_vector_dot(p->force, r->last);
+  const double after = ct_vector_dot(p->force, motion), earlier = ct_vector_dot(p->force, last);
   // -- ½ T · (D₊ + D₋) (eq:slip-work)
-  p->work = 0.5 * (after + last);
+  p->work = 0.5 * (after + earlier);
   // -- ¼ T · (D₊ - D₋) (eq:slip-held)
-  p->lag = 0.25 * (after - last);
+  p->lag = 0.25 * (after - earlier);
   // What a point gains that does not stick exactly is taken from the reserves (eq:slip-stick)
   if (p->stuck) p->reserve = fmin((before - ct_slip_stored(p)) - p->work, 0.0);
 }
@@ -242,15 +362,18 @@ static void share_reserves(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double sum[2], debt = 0.0;
-  for (int64_t j = 0; j < t->count; j++) debt = fmax(debt, -t->rows[j].slip->reserve);
+  for (int64_t j = 0; j < t->count; j++) {
+    const double R = t->rows[j].slip->reserve;
+    debt = -R > debt ? -R : debt;
+  }
   ct_pieces_largest(s->pieces, &debt, 1);
   if (debt == 0.0) return;
   for (int owed = 0; owed < 2; owed++) {
     for (int64_t j = 0; j < t->count; j++) {
       const double R = t->rows[j].slip->reserve;
-      t->terms[j] = owed ? fmin(R, 0.0) : fmax(R, 0.0);
+      t->terms[j] = (R < 0.0) == owed ? R : 0.0;
     }
-    sum[owed] = sum_terms(s);
+    sum[owed] = ct_sum_over(s->pieces, t->terms, t->count);
   }
   const double rest = sum[0] + sum[1], sign = rest < 0.0 ? -1.0 : 1.0,
                part = rest / (rest < 0.0 ? sum[1] : sum[0]);
@@ -267,7 +390,7 @@ static int has_new_limits(ct_solver *s)
   double change = 0.0;
   for (int64_t j = 0; j < t->count; j++) {
     const ct_tangent_row *r = &t->rows[j];
-    change = fmax(change, fabs(r->slip->mu * r->row->force - r->set.limit));
+    change = fmax(change, fabs(r->slip->mu * r->row->force - t->limit[j]));
   }
   ct_pieces_largest(s->pieces, &change, 1);
   return change > LIMIT_CHANGE * t->top;
@@ -278,7 +401,7 @@ int ct_tangent_begin(ct_solver *s)
   ct_tangent *t = s->tangent;
   double change;
   t->tolerance = fmax(TOLERANCE, 0.1 * s->tolerance);
-  t->current = 0;
+  t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
   memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);
@@ -293,7 +416,7 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
   if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s, pass == 0);
   if (!find_drift(s)) return 0;
   const int rounds = iterate(s);
-  s->converged = s->converged && rounds <= t->most_rounds;
+  s->converged = s->converged && rounds < t->most_rounds;
   return rounds >= 0 && shift_gaps(s, change);
 }
 
@@ -303,9 +426,10 @@ void ct_tangent_store(ct_solver *s)
   if (!t->some) return;
   const double theta = guard(s);
   for (int64_t j = 0; j < t->count; j++) {
-    ct_tangent_row *r = &t->rows[j];
-    const int acts = r->row->force > 0.0 || ct_vector_dot(r->T, r->T) > 0.0;
-    if (acts) store_row(t, r, theta);
+    const ct_tangent_row *r = &t->rows[j];
+    const int acts =
+        r->row->force > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
+    if (acts) store_row(t, j, theta);
     else ct_slip_open(r->slip);
   }
   share_reserves(s);

@@ -4,24 +4,21 @@
 #include "slip.h"
 #include "solve.h"
 
-/* The rows of the tangential forces and their products (eq:slip-row). */
+/* The rows of the tangential forces (eq:slip-row). Their numbers stand side by side, row after row,
+ * one array for each component. */
+
+/* A vector of each row. */
+typedef struct ct_columns {
+  double *x[3];
+} ct_columns;
 
 /* One row with friction. */
 typedef struct ct_tangent_row {
   ct_constraint *row;
   ct_slip *slip;
   const int32_t *place; /* of its nodes in vectors at nodes */
-  int32_t alike;        /* number of rows from this one on with the same nodes, at least 1 */
-  ct_slip_law law;
-  ct_slip_set set;
-  double scale;                 /* 1 / D (eq:slip-bound) */
-  double size[CT_ROW_NODES];    /* β of each node (eq:slip-bound) */
-  double last[CT_SOLVER_WIDE];  /* D₋ */
-  double q[CT_SOLVER_WIDE];     /* D without friction + e_n + κ e_{n-1} */
-  double T[CT_SOLVER_WIDE];     /* the force */
-  double at[CT_SOLVER_WIDE];    /* where the gradient is evaluated (eq:slip-iteration) */
-  double next[CT_SOLVER_WIDE];  /* the force of the next round */
-  double image[CT_SOLVER_WIDE]; /* W times a force */
+  int32_t alike;        /* of the first of several rows with the same nodes: their number */
+  int32_t together;     /* number of rows from this one on that are computed side by side: 4 or 1 */
 } ct_tangent_row;
 
 typedef struct ct_tangent {
@@ -31,29 +28,44 @@ typedef struct ct_tangent {
   int32_t most_row_count;     /* largest number of rows at a node */
   double *sums, *moved;       /* as of the solver, of the tangential forces */
   double *drift;              /* displacement increment without friction */
+  double *lanes;              /* the numbers of four rows side by side, for each of them
+                                 CT_TANGENT_LANES */
+  double *size;               /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
+  ct_columns normal, last;    /* unit normal; motion D₋ of the last step */
+  ct_columns q;               /* D without friction + e_n + κ e_{n-1} */
+  ct_columns T, image;        /* the forces, and W times them */
+  ct_columns slip;            /* the slip of the step (eq:slip-residual) */
+  ct_columns T0, slip0;       /* forces and slips of the last round */
+  ct_columns aim, next;       /* a force before and after its projection */
+  ct_columns c;               /* slip of the last step, of the sets (eq:slip-set) */
+  double *limit, *most;       /* of the sets */
+  double *C, *kappa;          /* of the laws (eq:slip-residual) */
+  double *scale;              /* 1 / D (eq:slip-bound) */
   double *terms;              /* a number per row */
   double *shift;              /* of the gaps of active rows by tangential forces */
   int some;                   /* whether any piece has rows */
-  int current;                /* whether `image` and `shift` are those of T */
+  int current;                /* whether `image` is that of T */
+  int shifted;                /* whether `shift` is that of T */
   double top;                 /* the largest limit */
-  double size;                /* the largest force, at least a small share of this limit */
-  double rate;                /* of the iteration */
+  double size_of_force;       /* the largest force, at least a small share of this limit */
+  double lowest;              /* lower bound of the eigenvalues of D⁻¹ (W + C) */
   double tolerance;           /* of the forces */
   int most_rounds;
 } ct_tangent;
 
+/* Set a vector of row j, and read it. */
+static inline void ct_columns_set(const ct_columns *of, int64_t j, const double v[3])
+{
+  for (int c = 0; c < 3; c++) of->x[c][j] = v[c];
+}
+
+static inline void ct_columns_get(const ct_columns *of, int64_t j, double v[3])
+{
+  for (int c = 0; c < 3; c++) v[c] = of->x[c][j];
+}
+
 /* List the active rows with friction, and those with a given force, with the motion of the last
  * step and the force of the guess; the points of other rows are open. */
 void ct_tangent_list(ct_solver *solver);
-
-/* `image` = W times the forces T, or times those of `at`. Returns 0 if they are not finite. */
-int ct_tangent_apply(ct_solver *solver, int at);
-
-/* The bound D of each row of W (eq:slip-bound) becomes `scale`. Returns 0 if it is not finite. */
-int ct_tangent_bound(ct_solver *solver);
-
-/* `q` = motion of each point relative to its partner, in the plane of contact, for a vector at
- * nodes. */
-void ct_tangent_motion(ct_tangent *tangent, const double *x);
 
 #endif

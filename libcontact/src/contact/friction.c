@@ -58,7 +58,10 @@ typedef struct friction_state {
   ct_pool pool;
   const friction *data;
   ct_slip *points;
+  int64_t listed_count;
+  int64_t *listed;         /* the points whose rows are listed in this step */
   face_axes *axes;         /* of each point, from the list of rows to the forces */
+  double (*turn)[8];       /* w_b · T of each point, for the nodes of the other face */
   const ct_pieces *pieces; /* those of the sides */
   double *coarse, *fine;   /* sums at the nodes */
   double *terms;           /* one number per point or node */
@@ -73,12 +76,32 @@ typedef struct call {
   const ct_side *side[2];
 } call;
 
-/* Tangents and unit normal of a face at ξ. Returns 0 if there is no normal. */
-static int frame(const ct_search *search, int32_t face, const double xi[2], double t[3][3])
+/* One listed point: point `i` of side `s`, the number `j` of all. */
+typedef struct place {
+  int s;
+  int64_t i, j;
+} place;
+
+static place place_of(const call *now, int64_t j)
 {
-  ct_face nodes;
-  ct_search_face(search, face, &nodes);
-  ct_segment_tangents(&nodes, xi, t[0], t[1]);
+  const int64_t first = now->data->side[0]->point_count;
+  return j < first ? (place){0, j, j} : (place){1, j - first, j};
+}
+
+static const ct_search *search_of_other(const call *now, int s)
+{
+  return now->side[now->data->sides - 1 - s]->search;
+}
+
+/* Tangents and unit normal of a face with the derivatives dN of its shape functions. Returns 0 if
+ * there is no normal. */
+static int frame(const ct_search *search, int32_t face, double (*dN)[2], double t[3][3])
+{
+  for (int i = 0; i < 2; i++) {
+    double weight[8];
+    for (int b = 0; b < 8; b++) weight[b] = dN[b][i];
+    ct_side_interpolate(search, search->x, face, weight, NULL, t[i]);
+  }
   return ct_vector_unit_normal(t[0], t[1], t[2]);
 }
 
@@ -103,61 +126,79 @@ static void recall(const slip_memory *from, double (*const t)[3], const double n
                ? from->part[c]
                : (from->part[0] * t[0][c] + from->part[1] * t[1][c]) + from->part[2] * t[2][c];
   ct_vector_make_tangential(n, e);
-  const double length = sqrt(ct_vector_dot(e, e));
+  const double length = sqrt(ct_vector_dot(e, e)),
+               part = length > 0.0 ? from->length / length : 0.0;
   // -- The length stays (eq:friction-turn)
-  for (int c = 0; c < 3; c++) e[c] *= length > 0.0 ? from->length / length : 0.0;
+  for (int c = 0; c < 3; c++) e[c] *= part;
 }
 
-/* The elastic slips, the reserve and the stick of a point in the last step. */
-static void recall_point(const call *now, int s, const slip_record *last, const double n[3],
-                         ct_slip *p)
+/* The elastic slips, the reserve and the stick of a point in the last step. `t` is the frame of its
+ * partner at the closest point, or null; a face that is its partner no longer has its own one. */
+static void recall_point(const call *now, place at, const ct_point *point, double (*t)[3],
+                         const slip_record *last, ct_slip *p)
 {
-  const ct_search *other = now->side[now->data->sides - 1 - s]->search;
   const int rigid = now->data->rigid;
-  double t[3][3];
+  const ct_search *other = rigid ? NULL : search_of_other(now, at.s);
+  double old[3][3], dN[8][2];
   int met = last->other >= 1.0 && last->other <= (rigid ? 1.0 : (double)other->face_count);
-  if (met && !rigid) met = frame(other, (int32_t)last->other - 1, last->place, t);
+  if (met && !rigid && ((int32_t)last->other - 1 != point->other || t == NULL)) {
+    t = old;
+    ct_segment_gradient(other->kind, last->place, dN);
+    met = frame(other, (int32_t)last->other - 1, dN, t);
+  }
   if (!met) return;
-  recall(&last->e, rigid ? NULL : t, n, p->e);
-  recall(&last->before, rigid ? NULL : t, n, p->before);
+  recall(&last->e, t, point->row.normal, p->e);
+  recall(&last->before, t, point->row.normal, p->before);
   p->reserve = last->reserve;
   p->stuck = last->stuck != 0.0;
 }
 
-/* The weights of the couple on the partner's face (eq:slip-row). */
-static void weigh(const call *now, int s, const ct_point *point, face_axes *axes, ct_slip *p)
+/* The weights of the couple on the partner's face, and its frame (eq:slip-row). Returns 0 if there
+ * is none. */
+static int weigh(const call *now, place at, const ct_point *point, face_axes *axes, double t[3][3],
+                 ct_slip *p)
 {
-  const ct_search *other = now->side[now->data->sides - 1 - s]->search;
-  double t[3][3], dN[8][2], (*const dual)[3] = axes->dual;
+  const ct_search *other = search_of_other(now, at.s);
+  double dN[8][2], (*const dual)[3] = axes->dual;
   memset(axes, 0, sizeof *axes);
-  if (!frame(other, point->other, point->xi, t)) return;
-  dual_frame(t, dual);
-  memcpy(axes->n, t[2], sizeof axes->n);
   ct_segment_gradient(other->kind, point->xi, dN);
+  const int has = frame(other, point->other, dN, t);
+  if (has) dual_frame(t, dual);
+  if (has) memcpy(axes->n, t[2], sizeof axes->n);
   for (int b = 0; b < other->per; b++)
     for (int c = 0; c < 3; c++)
       // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
       p->weight[b][c] = dN[b][0] * dual[0][c] + dN[b][1] * dual[1][c];
   memcpy(p->lever, point->d, 3 * sizeof *p->lever);
+  return has;
 }
 
-/* Give point `i` of side `s` its friction in the next step, if its row is listed. */
-static void prepare(const call *now, int s, int64_t i, int64_t at, face_axes *axes, ct_slip *p)
+/* A point that was not listed before: of the weights only those of its partner's nodes are ever
+ * written. */
+static void clear(ct_slip *p)
+{
+  ct_slip_open(p);
+  for (int c = 0; c < 3; c++) p->came[c] = p->coming[c] = p->lever[c] = 0.0;
+}
+
+/* Give a listed point its friction in the next step. */
+static void prepare(const call *now, friction_state *s, place at)
 {
   const friction *data = now->data;
   const ct_contact *contact = now->at->on;
-  ct_point *point = &now->side[s]->points[i];
+  ct_point *point = &now->side[at.s]->points[at.i];
+  ct_slip *p = &s->points[at.j];
   slip_record last;
-  memset(p, 0, sizeof *p);
-  point->row.slip = point->listed ? p : NULL;
-  if (!point->listed) return;
-  memcpy(&last, &now->at->memory[at], sizeof last);
+  double t[3][3];
+  clear(p);
+  point->row.slip = p;
+  memcpy(&last, &now->at->memory[RECORD * at.j], sizeof last);
   p->mu = data->mu;
   p->k = data->rho * point->row.stiffness;
+  const int has = !data->rigid && weigh(now, at, point, &s->axes[at.j], t, p);
   // -- At t = 0 forces are solved for twice: the second time from those of the first
-  if (now->at->before > 0.0) recall_point(now, s, &last, point->row.normal, p);
+  if (now->at->before > 0.0) recall_point(now, at, point, has ? t : NULL, &last, p);
   for (int c = 0; c < 3; c++) p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last.force[c];
-  if (!data->rigid) weigh(now, s, point, axes, p);
   for (int c = 0; c < 3 && data->rigid; c++)
     p->came[c] = contact->came[c], p->coming[c] = contact->coming[c];
   // -- The force of the explicit penalty is known: k ⟨-g⟩
@@ -172,15 +213,34 @@ static void keep(const double e[3], const face_axes *axes, slip_memory *to)
   to->length = sqrt(ct_vector_dot(e, e));
 }
 
-/* Store what the next step needs of point `i` of side `s`. */
-static void store(const call *now, int s, int64_t i, int64_t at, const face_axes *axes,
-                  const ct_slip *p)
+/* The weights of a point's couple, for the nodes of the other face; returns its largest force at a
+ * node. */
+static double turn_of(const friction_state *s, int64_t j)
 {
-  const ct_point *point = &now->side[s]->points[i];
+  const ct_slip *p = &s->points[j];
+  double turn = 0.0, arm = 0.0, top = 0.0;
+  for (int b = 0; b < s->data->other_nodes; b++) {
+    const double w = s->turn[j][b] = ct_vector_dot(p->weight[b], p->force), size = fabs(w);
+    turn = size > turn ? size : turn;
+  }
+  for (int c = 0; c < 3; c++) {
+    const double size = fabs(p->force[c]), length = fabs(p->lever[c]);
+    top = size > top ? size : top;
+    arm = length > arm ? length : arm;
+  }
+  return turn * arm > top ? turn * arm : top;
+}
+
+/* Store what the next step needs of a listed point. */
+static void store(const call *now, friction_state *s, place at)
+{
+  const ct_point *point = &now->side[at.s]->points[at.i];
+  const ct_slip *p = &s->points[at.j];
   const int rigid = now->data->rigid;
+  const face_axes *axes = rigid ? NULL : &s->axes[at.j];
   slip_record next = {.other = 0.0};
-  if (rigid) axes = NULL;
-  if (point->listed && point->row.force > 0.0 && (rigid || ct_vector_dot(axes->n, axes->n) > 0.0)) {
+  s->terms[at.j] = turn_of(s, at.j);
+  if (point->row.force > 0.0 && (rigid || ct_vector_dot(axes->n, axes->n) > 0.0)) {
     next.other = rigid ? 1.0 : (double)point->other + 1.0;
     if (!rigid) memcpy(next.place, point->xi, sizeof next.place);
     keep(p->e, axes, &next.e);
@@ -189,63 +249,98 @@ static void store(const call *now, int s, int64_t i, int64_t at, const face_axes
     next.stuck = p->stuck;
     memcpy(next.force, p->force, sizeof next.force);
   }
-  memcpy(&now->at->next_memory[at], &next, sizeof next);
+  memcpy(&now->at->next_memory[RECORD * at.j], &next, sizeof next);
 }
 
-/* Largest force at a node of a point. */
-static double largest(const friction_state *s, int64_t count)
+/* The sums of two sides before they are added to those of all nodes. */
+typedef struct heaps {
+  const ct_side_fixed *other;
+  ct_heap own, theirs;
+} heaps;
+
+/* Add the traction and the couple of a listed point of side `k`. */
+CT_INLINE void add_point(int stride, const call *now, const ct_grid *grid, place at,
+                         const friction_state *s, heaps *to)
 {
-  double top = 0.0;
-  for (const ct_slip *p = s->points; p < s->points + count; p++) {
-    double turn = 0.0;
-    for (int b = 0; b < s->data->other_nodes; b++) {
-      const double size = fabs(ct_vector_dot(p->weight[b], p->force));
-      turn = size > turn ? size : turn;
-    }
-    for (int c = 0; c < 3; c++) {
-      const double size = fabs(p->force[c]), couple = turn * fabs(p->lever[c]);
-      top = size > top ? size : top;
-      top = couple > top ? couple : top;
-    }
-  }
-  return top;
+  const ct_point *point = &now->side[at.s]->points[at.i];
+  const ct_slip *p = &s->points[at.j];
+  const double back[3] = {-p->force[0], -p->force[1], -p->force[2]},
+               lever[3] = {-p->lever[0], -p->lever[1], -p->lever[2]};
+  if (ct_vector_dot(p->force, p->force) == 0.0) return;
+  // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
+  ct_heap_add(stride, grid, point->row.own, point->row.own_shape, p->force, &to->own);
+  if (now->data->rigid) return;
+  const int32_t *node = ct_side_row_nodes(to->other, point->other);
+  ct_heap_add(stride, grid, node, point->N, back, &to->theirs);
+  ct_heap_add(stride, grid, node, s->turn[at.j], lever, &to->theirs);
 }
 
-/* Add the tractions and couples of the points of side `k` to the sums at the nodes. */
-CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid, const ct_slip *p,
-                        friction_state *s)
+/* Whether four listed points from the given one on are those of one face, with forces, and meet one
+ * face. */
+static int are_four(const call *now, const friction_state *s, const int64_t *listed, int64_t left)
+{
+  const place first = place_of(now, *listed);
+  const ct_point *point = &now->side[first.s]->points[first.i];
+  if (left < 4 || listed[3] != *listed + 3 || now->data->side[first.s]->point_count <= first.i + 3)
+    return 0;
+  for (int q = 0; q < 4; q++) {
+    const double *T = s->points[first.j + q].force;
+    if (point[q].row.own != point->row.own || point[q].other != point->other ||
+        ct_vector_dot(T, T) == 0.0)
+      return 0;
+  }
+  return now->data->side[first.s]->rule.count == 4;
+}
+
+/* As `add_point`, of four such points together. */
+CT_INLINE void add_four(int stride, const call *now, const ct_grid *grid, place at,
+                        const friction_state *s, const heaps *to)
+{
+  const ct_point *point = &now->side[at.s]->points[at.i];
+  const double *N[4], *N_bar[4], *turn[4], *force[4], *against[4], *arm[4];
+  double back[4][3], lever[4][3];
+  for (int q = 0; q < 4; q++) {
+    const ct_slip *p = &s->points[at.j + q];
+    for (int c = 0; c < 3; c++) back[q][c] = -p->force[c], lever[q][c] = -p->lever[c];
+    N[q] = point[q].row.own_shape, N_bar[q] = point[q].N, turn[q] = s->turn[at.j + q];
+    force[q] = p->force, against[q] = back[q], arm[q] = lever[q];
+  }
+  // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
+  ct_heap_add_four(stride, grid, point->row.own, N, force, &to->own);
+  if (now->data->rigid) return;
+  const int32_t *node = ct_side_row_nodes(to->other, point->other);
+  ct_heap_add_four(stride, grid, node, N_bar, against, &to->theirs);
+  ct_heap_add_four(stride, grid, node, turn, arm, &to->theirs);
+}
+
+/* Add the tractions and couples of the listed points of side `k` to the sums at the nodes. */
+CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid, friction_state *s)
 {
   const ct_side_fixed *side = now->data->side[k],
                       *other = now->data->side[now->data->sides - 1 - k];
-  ct_heap own = {s->coarse, s->fine, side->search->per, NULL, {0}, {0}},
-          theirs = {s->coarse, s->fine, other->search->per, NULL, {0}, {0}};
-  for (int64_t i = 0; i < side->point_count; i++, p++) {
-    const ct_point *point = &now->side[k]->points[i];
-    const double back[3] = {-p->force[0], -p->force[1], -p->force[2]},
-                 lever[3] = {-p->lever[0], -p->lever[1], -p->lever[2]};
-    double turn[8];
-    if (ct_vector_dot(p->force, p->force) == 0.0) continue;
-    // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
-    ct_heap_add(stride, grid, point->row.own, point->row.own_shape, p->force, &own);
-    if (now->data->rigid) continue;
-    const int32_t *node = ct_side_row_nodes(other, point->other);
-    ct_heap_add(stride, grid, node, point->N, back, &theirs);
-    for (int b = 0; b < 8; b++) turn[b] = ct_vector_dot(p->weight[b], p->force);
-    ct_heap_add(stride, grid, node, turn, lever, &theirs);
+  heaps to = {other,
+              {s->coarse, s->fine, side->search->per, NULL, {0}, {0}},
+              {s->coarse, s->fine, other->search->per, NULL, {0}, {0}}};
+  for (int64_t n = 0; n < s->listed_count;) {
+    const place at = place_of(now, s->listed[n]);
+    const int four = at.s == k && are_four(now, s, &s->listed[n], s->listed_count - n);
+    if (four) add_four(stride, now, grid, at, s, &to);
+    else if (at.s == k) add_point(stride, now, grid, at, s, &to);
+    n += four ? 4 : 1;
   }
-  ct_heap_bring(stride, &own, NULL);
-  ct_heap_bring(stride, &theirs, NULL);
+  ct_heap_bring(stride, &to.own, NULL);
+  ct_heap_bring(stride, &to.theirs, NULL);
 }
 
 /* Tractions and couples of the points of side `k`, of faces with at most four nodes or with more.
  */
 CT_CLONES
-static void push(const call *now, int k, const ct_grid *grid, const ct_slip *p, friction_state *s)
+static void push(const call *now, int k, const ct_grid *grid, friction_state *s)
 {
   if (now->data->side[0]->search->per <= 4 &&
       now->data->side[now->data->sides - 1]->search->per <= 4)
-    add_side(4, now, k, grid, p, s);
-  else add_side(8, now, k, grid, p, s);
+    add_side(4, now, k, grid, s);
+  else add_side(8, now, k, grid, s);
 }
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
@@ -255,8 +350,12 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
 {
   const friction *data = now->data;
   const size_t size = 3 * (size_t)nodes * sizeof *force;
-  double top = largest(s, data->points);
+  double top = 0.0;
   ct_grid grid;
+  for (int64_t n = 0; n < s->listed_count; n++) {
+    const double own = s->terms[s->listed[n]];
+    top = own > top || isnan(own) ? own : top;
+  }
   ct_pieces_largest(s->pieces, &top, 1);
   memset(s->coarse, 0, size);
   memset(s->fine, 0, size);
@@ -265,11 +364,7 @@ static ct_status gather(const call *now, friction_state *s, int32_t nodes, doubl
         error, CT_ERROR_BLOWUP, CT_NOWHERE,
         "friction: the largest force, %g, is too large or not finite; the motion has diverged",
         top);
-  const ct_slip *p = s->points;
-  for (int k = 0; top > 0.0 && k < data->sides; k++) {
-    push(now, k, &grid, p, s);
-    p += data->side[k]->point_count;
-  }
+  for (int k = 0; top > 0.0 && k < data->sides; k++) push(now, k, &grid, s);
   if (top > 0.0) {
     ct_pieces_sum(s->pieces, s->coarse, 3 * (int64_t)nodes);
     ct_pieces_sum(s->pieces, s->fine, 3 * (int64_t)nodes);
@@ -306,23 +401,40 @@ static void count_motion(const call *now, const double *force, friction_state *s
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-/* Prepare all points for the solver, or afterwards store what it found. */
+/* List the points that have rows in this step. */
+static void list_points(friction_state *s, const call *now)
+{
+  int64_t j = 0;
+  s->listed_count = 0;
+  for (int k = 0; k < s->data->sides; k++)
+    for (int64_t i = 0; i < s->data->side[k]->point_count; i++, j++) {
+      ct_point *point = &now->side[k]->points[i];
+      if (point->listed) s->listed[s->listed_count++] = j;
+      else point->row.slip = NULL;
+    }
+}
+
+/* Prepare the listed points for the solver, or afterwards store what it found. */
 static void treat(friction_state *s, const call *now, int solved)
 {
-  int64_t first = 0;
-  for (int k = 0; k < s->data->sides; k++) {
-    const int64_t count = s->data->side[k]->point_count;
 #ifdef _OPENMP
-    const int threads = ct_threads_for(now->at->threads, count, LEAST_POINTS);
+  const int threads = ct_threads_for(now->at->threads, s->listed_count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-    for (int64_t i = 0; i < count; i++) {
-      const int64_t j = first + i, at = RECORD * j;
-      if (solved) store(now, k, i, at, &s->axes[j], &s->points[j]);
-      else prepare(now, k, i, at, &s->axes[j], &s->points[j]);
-    }
-    first += count;
+  for (int64_t n = 0; n < s->listed_count; n++) {
+    const place at = place_of(now, s->listed[n]);
+    if (solved) store(now, s, at);
+    else prepare(now, s, at);
   }
+}
+
+/* Points that are not listed store nothing. */
+static void clear_memory(const friction_state *s, const ct_surface_motion *at)
+{
+  static const slip_record none = {.other = 0.0};
+  for (int64_t j = 0, n = 0; j < s->data->points; j++)
+    if (n < s->listed_count && s->listed[n] == j) n++;
+    else memcpy(&at->next_memory[RECORD * j], &none, sizeof none);
 }
 
 /* The rows of the explicit penalty are listed here, because its contact lists none. */
@@ -331,15 +443,16 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
   friction_state *s = state;
   const int64_t count = s->data->explicit ? ct_contact_list_rows(at->on, at->dt, rows) : 0;
   const call now = begin(s, at);
+  list_points(s, &now);
   treat(s, &now, 0);
   return count;
 }
 
-/* Σ of one number of each point. */
+/* Σ of one number of each listed point. */
 static double sum_points(friction_state *s, double (*of)(const ct_slip *p))
 {
-  for (int64_t i = 0; i < s->data->points; i++) s->terms[i] = of(&s->points[i]);
-  return ct_sum_over(s->pieces, s->terms, s->data->points);
+  for (int64_t n = 0; n < s->listed_count; n++) s->terms[n] = of(&s->points[s->listed[n]]);
+  return ct_sum_over(s->pieces, s->terms, s->listed_count);
 }
 
 static double work_of(const ct_slip *p) { return p->work; }
@@ -368,8 +481,9 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   const friction *data = s->data;
   const call now = begin(s, at);
   treat(s, &now, 1);
-  count_energy(s);
+  clear_memory(s, at);
   ct_status status = gather(&now, s, data->is.node_count, force, error);
+  count_energy(s);
   if (status == CT_OK && data->rigid) count_motion(&now, force, s);
   memcpy(&at->next_memory[RECORD * data->points], &s->tail, sizeof s->tail);
   return status;
@@ -391,6 +505,8 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;
   s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
+  s->listed = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->listed);
+  s->turn = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->turn);
   s->axes = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->axes);
   s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
   s->coarse = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));

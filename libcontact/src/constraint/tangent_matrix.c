@@ -1,0 +1,389 @@
+/* The products of the tangential rows with vectors (eq:slip-row). */
+#include "tangent_matrix.h"
+
+#include "../base/grid.h"
+#include "../base/lanes.h"
+#include "../base/stream.h"
+#include "../base/vector.h"
+#include "matrix.h"
+
+#include <math.h>
+
+enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
+
+/* Where the numbers of four rows begin, each four doubles. */
+enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4 };
+
+/* Numbers of one face of four rows: N_a for each of its nodes. */
+static void fill_shape(const double *N, int32_t lane, double *to)
+{
+  for (int32_t a = 0; a < 4; a++) to[4 * a + lane] = N[a];
+}
+
+static void fill_row(const ct_tangent_row *r, int32_t lane, double *to)
+{
+  const ct_slip *p = r->slip;
+  fill_shape(r->row->own_shape, lane, to);
+  if (r->row->other_count == 0) return;
+  fill_shape(r->row->other_shape, lane, to + OTHER);
+  for (int c = 0; c < 3; c++) to[LEVER + 4 * c + lane] = p->lever[c];
+  for (int32_t b = 0; b < 4; b++)
+    for (int c = 0; c < 3; c++) to[WEIGHT + 4 * (3 * b + c) + lane] = p->weight[b][c];
+}
+
+void ct_tangent_fill(ct_tangent *t)
+{
+  for (int64_t j = 0, end; j < t->count; j = end) {
+    ct_tangent_row *r = &t->rows[j];
+    end = j + r->alike;
+    if (r->row->own_count != 4 || (r->row->other_count & ~4) != 0) continue;
+    for (; r + 4 <= &t->rows[end]; r += 4) {
+      r->together = 4;
+      for (int32_t lane = 0; lane < 4; lane++)
+        fill_row(&r[lane], lane, &t->lanes[LANES * (r - t->rows)]);
+    }
+  }
+}
+
+/* a · b. */
+CT_INLINE void dot(const ct_quad a[3], const ct_quad b[3], ct_quad *out)
+{
+  *out = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+/* Motion of the points of four rows relative to their partners; `other` is 4 or 0. Part i of each
+ * quad is computed. */
+CT_INLINE void relative_four(int32_t other, int i, const int32_t *place, const double *lanes,
+                             const ct_quad n[3], const double *x, ct_quad out[3])
+{
+  const ct_quad *N = (const ct_quad *)lanes + i, *O = N + PARTS * 4, *d = N + PARTS * 8,
+                *w = N + PARTS * 11;
+  ct_quad t[8], turn[4], theirs, couple, along;
+  for (int c = 0; c < 3; c++) {
+    for (int32_t a = 0; a < 4; a++) t[a] = N[PARTS * a] * x[place[a] + c];
+    ct_sum_face(4, t, &out[c]);
+  }
+  for (int32_t b = 0; b < other; b++) {
+    const double *u = &x[place[4 + b]];
+    turn[b] = (d[0] * u[0] + d[PARTS] * u[1]) + d[2 * PARTS] * u[2];
+  }
+  for (int c = 0; c < 3 && other > 0; c++) {
+    for (int32_t b = 0; b < 4; b++) t[b] = O[PARTS * b] * x[place[4 + b] + c];
+    ct_sum_face(4, t, &theirs);
+    for (int32_t b = 0; b < 4; b++) t[b] = turn[b] * w[PARTS * (3 * b + c)];
+    ct_sum_face(4, t, &couple);
+    // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
+    out[c] -= theirs + couple;
+  }
+  dot(n, out, &along);
+  for (int c = 0; c < 3; c++) out[c] -= along * n[c];
+}
+
+/* The four rows from `j` on. */
+CT_INLINE void move_four(int32_t other, const ct_tangent *t, int64_t j, const double *x,
+                         const ct_columns *to)
+{
+  for (int i = 0; i < PARTS; i++) {
+    ct_quad n[3], out[3];
+    for (int c = 0; c < 3; c++) n[c] = ((const ct_quad *)&t->normal.x[c][j])[i];
+    relative_four(other, i, t->rows[j].place, &t->lanes[LANES * j], n, x, out);
+    for (int c = 0; c < 3; c++) ((ct_quad *)&to->x[c][j])[i] = out[c];
+  }
+}
+
+/* Sum over the nodes of one face. */
+CT_INLINE void sum_face(int32_t count, const double *N, const int32_t *place, const double *x,
+                        double out[WIDE])
+{
+  for (int i = 0; i < PARTS; i++) {
+    ct_quad t[8];
+    for (int32_t a = 0; a < count; a++) t[a] = N[a] * ((const ct_quad *)&x[place[a]])[i];
+    ct_sum_face(count, t, (ct_quad *)out + i);
+  }
+}
+
+/* The same for one row with any faces. */
+CT_INLINE void relative(int32_t own, int32_t other, const ct_tangent_row *r, const double *x,
+                        double out[WIDE])
+{
+  const ct_constraint *c = r->row;
+  const ct_slip *slip = r->slip;
+  const int32_t *place = r->place + own;
+  double theirs[WIDE], turn[8];
+  sum_face(own, c->own_shape, r->place, x, out);
+  if (other > 0) {
+    sum_face(other, c->other_shape, place, x, theirs);
+    for (int32_t b = 0; b < other; b++) turn[b] = ct_vector_dot(slip->lever, &x[place[b]]);
+    for (int i = 0; i < PARTS; i++) {
+      ct_quad t[8], couple;
+      for (int32_t b = 0; b < other; b++) t[b] = turn[b] * ((const ct_quad *)slip->weight[b])[i];
+      ct_sum_face(other, t, &couple);
+      // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
+      ((ct_quad *)out)[i] -= ((const ct_quad *)theirs)[i] + couple;
+    }
+  }
+  ct_vector_make_tangential(c->normal, out);
+}
+
+CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const ct_columns *to)
+{
+  const ct_tangent_row *r = &t->rows[j];
+  const int32_t own = r->row->own_count, other = r->row->other_count;
+  double out[WIDE];
+  if (own == 4 && other == 4) relative(4, 4, r, x, out);
+  else if (own == 4 && other == 0) relative(4, 0, r, x, out);
+  else relative(own, other, r, x, out);
+  ct_columns_set(to, j, out);
+}
+
+CT_CLONES
+static void move_rows(const ct_tangent *t, const double *x, const ct_columns *out)
+{
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together)
+    if (t->rows[j].together == 1) move_row(t, j, x, out);
+    else if (t->rows[j].row->other_count == 4) move_four(4, t, j, x, out);
+    else move_four(0, t, j, x, out);
+}
+
+void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *out)
+{
+  move_rows(t, x, out);
+}
+
+/* Add a row times a force to the sums at nodes, as multiples of the grid's spacing: these sums are
+ * exact in any order (eq:order-free-sum). */
+CT_INLINE void add_row(double coarse, int32_t own, int32_t other, const ct_tangent_row *r,
+                       const double T[WIDE], double *sums)
+{
+  const ct_constraint *c = r->row;
+  const ct_slip *slip = r->slip;
+  const ct_quad *force = (const ct_quad *)T, *lever = (const ct_quad *)slip->lever;
+  for (int32_t a = 0; a < own; a++)
+    for (int i = 0; i < PARTS; i++)
+      // -- N_a T on the own face (eq:slip-row)
+      ((ct_quad *)&sums[r->place[a]])[i] += (c->own_shape[a] * force[i] + coarse) - coarse;
+  for (int32_t b = 0; b < other; b++) {
+    const double turn = ct_vector_dot(slip->weight[b], T);
+    for (int i = 0; i < PARTS; i++)
+      // -- -(N̄_b T + (w_b · T) d) on the other
+      ((ct_quad *)&sums[r->place[own + b]])[i] -=
+          ((c->other_shape[b] * force[i] + turn * lever[i]) + coarse) - coarse;
+  }
+}
+
+CT_INLINE void push_row(double coarse, const ct_tangent *t, int64_t j)
+{
+  const ct_tangent_row *r = &t->rows[j];
+  const int32_t own = r->row->own_count, other = r->row->other_count;
+  double T[WIDE] = {0.0};
+  ct_columns_get(&t->T, j, T);
+  if (own == 4 && other == 4) add_row(coarse, 4, 4, r, T, t->sums);
+  else if (own == 4 && other == 0) add_row(coarse, 4, 0, r, T, t->sums);
+  else add_row(coarse, own, other, r, T, t->sums);
+}
+
+#if CT_ROWS
+
+/* The sums over four rows of three numbers each: x, y, z and 0. They are multiples of a spacing, so
+ * that their order does not matter. */
+CT_INLINE void sum_lanes(const ct_quad v[3], ct_quad *out)
+{
+  const ct_quad none = {0.0};
+  const ct_quad xy = CT_PICK(v[0], v[1], 0, 4, 2, 6) + CT_PICK(v[0], v[1], 1, 5, 3, 7),
+                z = CT_PICK(v[2], none, 0, 4, 2, 6) + CT_PICK(v[2], none, 1, 5, 3, 7);
+  *out = CT_PICK(xy, z, 0, 1, 4, 5) + CT_PICK(xy, z, 2, 3, 6, 7);
+}
+
+/* As `add_row`, of four rows. */
+CT_INLINE void add_four(double coarse, int32_t other, const int32_t *place, const double *lanes,
+                        const ct_quad T[3], double *sums)
+{
+  const ct_quad *N = (const ct_quad *)lanes, *O = N + 4, *d = N + 8, *w = N + 11;
+  for (int32_t a = 0; a < 4; a++) {
+    ct_quad v[3], sum;
+    // -- N_a T on the own face (eq:slip-row)
+    for (int c = 0; c < 3; c++) v[c] = (N[a] * T[c] + coarse) - coarse;
+    sum_lanes(v, &sum);
+    *(ct_quad *)&sums[place[a]] += sum;
+  }
+  for (int32_t b = 0; b < other; b++) {
+    ct_quad v[3], turn, sum;
+    dot(&w[3 * b], T, &turn);
+    // -- -(N̄_b T + (w_b · T) d) on the other
+    for (int c = 0; c < 3; c++) v[c] = ((O[b] * T[c] + turn * d[c]) + coarse) - coarse;
+    sum_lanes(v, &sum);
+    *(ct_quad *)&sums[place[4 + b]] -= sum;
+  }
+}
+
+CT_INLINE void push_four(double coarse, const ct_tangent *t, int64_t j)
+{
+  ct_quad T[3];
+  for (int c = 0; c < 3; c++) T[c] = *(const ct_quad *)&t->T.x[c][j];
+  const int32_t *place = t->rows[j].place;
+  const double *lanes = &t->lanes[LANES * j];
+  if (t->rows[j].row->other_count == 4) add_four(coarse, 4, place, lanes, T, t->sums);
+  else add_four(coarse, 0, place, lanes, T, t->sums);
+}
+
+#else
+
+CT_INLINE void push_four(double coarse, const ct_tangent *t, int64_t j)
+{
+  for (int64_t k = j; k < j + 4; k++) push_row(coarse, t, k);
+}
+
+#endif
+
+CT_CLONES
+static void push_rows(double coarse, const ct_tangent *t)
+{
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together)
+    if (t->rows[j].together == 4) push_four(coarse, t, j);
+    else push_row(coarse, t, j);
+}
+
+/* The sums of all pieces. */
+static void join_sums(ct_solver *s)
+{
+  if (s->pieces != NULL) ct_pieces_sum(s->pieces, s->tangent->sums, WIDE * (int64_t)s->node_count);
+}
+
+int ct_tangent_apply(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  ct_grid grid;
+  double top = 0.0;
+  for (int c = 0; c < 3; c++) top = fmax(top, ct_largest(t->T.x[c], t->count));
+  ct_pieces_largest(s->pieces, &top, 1);
+  // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
+  if (!ct_grid_init(&grid, 4.0 * top, t->most_row_count)) return 0;
+  push_rows(grid.coarse, t);
+  join_sums(s);
+  ct_matrix_move(t->node_count, t->nodes, s->mobility, t->sums, t->moved);
+  ct_tangent_motion(t, t->moved, &t->image);
+  s->iterations++;
+  return 1;
+}
+
+/* Sizes of the entries of one row, for each node (eq:slip-bound). */
+static void size_row(const ct_tangent_row *r, double *size)
+{
+  const ct_constraint *c = r->row;
+  const ct_slip *slip = r->slip;
+  const double d = ct_vector_dot(slip->lever, slip->lever);
+  for (int32_t a = 0; a < c->own_count; a++) *size++ = fabs(c->own_shape[a]);
+  for (int32_t b = 0; b < c->other_count; b++) {
+    const double *w = slip->weight[b];
+    // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
+    *size++ = fabs(c->other_shape[b]) + sqrt(ct_vector_dot(w, w) * d);
+  }
+}
+
+/* The same of four rows, side by side. */
+CT_INLINE void size_four(int32_t other, const double *lanes, double *size)
+{
+  const double *O = lanes + OTHER, *d = lanes + LEVER;
+#pragma omp simd
+  for (int i = 0; i < 16; i++) size[i] = fabs(lanes[i]);
+  for (int32_t b = 0; b < other; b++) {
+    const double *w = lanes + WEIGHT + 12 * b;
+#pragma omp simd
+    for (int i = 0; i < 4; i++) {
+      const double d2 = (d[i] * d[i] + d[4 + i] * d[4 + i]) + d[8 + i] * d[8 + i],
+                   w2 = (w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i];
+      // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
+      size[16 + 4 * b + i] = fabs(O[4 * b + i]) + sqrt(w2 * d2);
+    }
+  }
+}
+
+/* The sizes of all rows; those of four rows together lie side by side. Returns the largest. */
+CT_CLONES
+static double size_rows(const ct_tangent *t)
+{
+  double top = 1.0;
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
+    const ct_tangent_row *r = &t->rows[j];
+    const int32_t count = r->together * (r->row->own_count + r->row->other_count);
+    double *size = &t->size[CT_ROW_NODES * j];
+    if (r->together == 1) size_row(r, size);
+    else size_four(r->row->other_count, &t->lanes[LANES * j], size);
+#pragma omp simd reduction(max : top)
+    for (int32_t i = 0; i < count; i++) top = size[i] > top ? size[i] : top;
+  }
+  return top;
+}
+
+/* Σ_k β_ka of all nodes a, into the fourth components of the sums. */
+CT_CLONES
+static void sum_sizes(double coarse, const ct_tangent *t)
+{
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
+    const ct_tangent_row *r = &t->rows[j];
+    const int32_t nodes = r->row->own_count + r->row->other_count, count = r->together * nodes;
+    const double *size = &t->size[CT_ROW_NODES * j];
+    double v[4 * CT_ROW_NODES];
+#pragma omp simd
+    for (int32_t i = 0; i < count; i++) v[i] = (size[i] + coarse) - coarse;
+    for (int32_t a = 0; a < nodes; a++)
+      t->sums[r->place[a] + 3] +=
+          r->together == 1 ? v[a] : (v[4 * a] + v[4 * a + 1]) + (v[4 * a + 2] + v[4 * a + 3]);
+  }
+}
+
+/* Σ_a β_a A_a Σ_k β_ka of the nodes of one face of `rows` rows, with the inner sums in the fourth
+ * components of a vector at nodes, paired so that a flipped face gives the same bits
+ * (eq:tree-sum). */
+CT_INLINE void bound_face(int rows, int32_t count, const double *size, const int32_t *place,
+                          const double *moved, double *out)
+{
+  double term[8][4] = {{0.0}};
+  for (int32_t b = 0; b < count; b++)
+    // -- β_a A_a Σ_k β_ka of one node (eq:slip-bound)
+    for (int i = 0; i < rows; i++) term[b][i] = size[rows * b + i] * moved[place[b] + 3];
+  for (int i = 0; i < rows; i++)
+    out[i] += ((term[0][i] + term[1][i]) + (term[2][i] + term[3][i])) +
+              ((term[4][i] + term[6][i]) + (term[5][i] + term[7][i]));
+}
+
+/* The bounds of one row or of four. */
+CT_INLINE void bound_rows(int rows, int32_t own, int32_t other, const int32_t *place,
+                          const double *size, const double *moved, double *out)
+{
+  for (int i = 0; i < rows; i++) out[i] = 0.0;
+  bound_face(rows, own, size, place, moved, out);
+  bound_face(rows, other, size + rows * own, place + own, moved, out);
+}
+
+CT_CLONES
+static void bound_all(const ct_tangent *t)
+{
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
+    const ct_tangent_row *r = &t->rows[j];
+    const int32_t own = r->row->own_count, other = r->row->other_count;
+    const double *size = &t->size[CT_ROW_NODES * j];
+    if (r->together == 1) bound_rows(1, own, other, r->place, size, t->moved, &t->scale[j]);
+    else if (other == 4) bound_rows(4, 4, 4, r->place, size, t->moved, &t->scale[j]);
+    else bound_rows(4, 4, 0, r->place, size, t->moved, &t->scale[j]);
+  }
+}
+
+int ct_tangent_bound(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  ct_grid grid;
+  double top = size_rows(t);
+  ct_pieces_largest(s->pieces, &top, 1);
+  if (!ct_grid_init(&grid, top, t->most_row_count)) return 0;
+  sum_sizes(grid.coarse, t);
+  join_sums(s);
+  for (int32_t k = 0; k < t->node_count; k++) {
+    const double *A = &s->mobility[t->nodes[k]];
+    double *sum = &t->sums[t->nodes[k] + 3], most = A[0] > A[1] ? A[0] : A[1];
+    t->moved[t->nodes[k] + 3] = *sum * (most > A[2] ? most : A[2]);
+    *sum = 0.0;
+  }
+  bound_all(t);
+  return 1;
+}

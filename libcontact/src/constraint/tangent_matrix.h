@@ -1,0 +1,25 @@
+#ifndef CT_SRC_CONSTRAINT_TANGENT_MATRIX_H
+#define CT_SRC_CONSTRAINT_TANGENT_MATRIX_H
+
+#include "tangent_rows.h"
+
+/* The products of the tangential rows with vectors (eq:slip-row). Four rows with the same nodes are
+ * computed side by side, if their faces have four nodes. */
+
+/* Numbers of a row that stand side by side with those of three others: N_a, N̄_b, d and w_b. */
+enum { CT_TANGENT_LANES = 4 + 4 + 3 + 12 };
+
+/* Fill the lanes of the listed rows. */
+void ct_tangent_fill(ct_tangent *tangent);
+
+/* `out` = motion of each point relative to its partner, in the plane of contact, for a vector at
+ * nodes. */
+void ct_tangent_motion(const ct_tangent *tangent, const double *x, const ct_columns *out);
+
+/* `image` = W times the forces T. Returns 0 if they are not finite. */
+int ct_tangent_apply(ct_solver *solver);
+
+/* The bound D of each row of W (eq:slip-bound) becomes `scale`. Returns 0 if it is not finite. */
+int ct_tangent_bound(ct_solver *solver);
+
+#endif
