@@ -28,6 +28,9 @@ FILE = DOCS / "measured.json"
 sys.path.insert(0, str(ROOT / "stability"))
 import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 
+sys.path.insert(0, str(ROOT / "bench"))
+import balls  # noqa: E402 (Hertz's pressure between two balls)
+
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 import face as free_face  # noqa: E402 (the program of the chapter on the exact solution)
@@ -39,7 +42,8 @@ import drawings  # noqa: E402
 
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
-SLOW = {"integrator", "explicit"}  # a hundred runs each: too long for the test
+# Too long for the test: a hundred runs each, and balls of hex20.
+SLOW = {"integrator", "explicit", "recovered_balls"}
 
 
 def measurement(function: Callable[[], Numbers]) -> Callable[[], Numbers]:
@@ -466,7 +470,7 @@ def by_points(run: ct.Run, side: int, n: int) -> np.ndarray:
 @measurement
 def recovered_blocks() -> Numbers:
     """Blocks of 8 and 11, and of 2 and 14 elements along an edge: largest errors of the traction of a point, of the
-    recovered pressure and of the stress of an element."""
+    recovered pressure and of the stress of an element; of the sharper pressure."""
     found = {}
     for n, m in ((8, 11), (2, 14)):
         for element in ("hex8", "hex20"):
@@ -478,6 +482,11 @@ def recovered_blocks() -> Numbers:
                 f"{name}_node": np.abs(nodes["pressure"] - 1).max(),
                 f"{name}_stress": np.abs(stress + 1).max(),
             }
+            sharp = [
+                sharper(run, s, run.state[body].mesh.faces(face)[0])["pressure"]
+                for s, body, face in ((0, "lower", "z_max"), (1, "upper", "z_min"))
+            ]
+            found[f"{name}_sharper"] = max(np.abs(side - 1).max() for side in sharp)
             if element == "hex8":
                 sides = [
                     projected(nodes[nodes["side"] == s], cells) for s, cells in ((0, n), (1, m))
@@ -580,6 +589,67 @@ def at_corners(faces: np.ndarray, nodes: np.ndarray, size: float) -> np.ndarray:
 def hat(x: np.ndarray, n: int) -> np.ndarray:
     """Shape functions (n + 1, points) of n equal linear elements on 0 ... 1."""
     return np.maximum(1 - np.abs(n * x - np.arange(n + 1)[:, None]), 0)
+
+
+@measurement
+def recovered_balls() -> Numbers:
+    """Two equal balls with the default contact, at rest and at the largest force of an impact, with these numbers of
+    elements over the radius (``bench/balls.py``): rms of the recovered pressure about Hertz's profile for the force,
+    its mean and its error in the middle, over the peak; rms of the points; rms of the sharper pressure, and
+    the largest tension that it has."""
+    found = {}
+    for element, n, m, impact in (
+        ("hex8", 3, 3, False),
+        ("hex20", 3, 3, False),
+        ("hex8", 3, 3, True),
+        ("hex20", 2, 2, True),
+        ("hex20", 3, 3, True),
+        ("hex20", 4, 4, True),
+        ("hex20", 3, 4, True),
+    ):
+        run = balls.scene(element, n, m, impact, restitution=1.0).run(progress=False)
+        name = f"{element}_{n}_{m}" + ("_impact" if impact else "")
+        off = balls.errors(run, run.pressure["contact"][0], 0)
+        found |= {f"{name}_{key}": off[key] for key in ("rms", "mean", "middle", "points")}
+        sharp = sharper(run, 0, balls.round_faces(run.state["lower"]))
+        found[f"{name}_sharper"] = balls.errors(run, sharp, 0)["rms"]
+        tension = sharp["traction"][:, 2].max() / balls.PEAK
+        found["tension"] = max(found.get("tension", 0.0), tension)
+        if n != m:
+            found[f"{name}_fine"] = balls.errors(run, run.pressure["contact"][0], 1)["rms"]
+    return found
+
+
+def sharper(run: ct.Run, side: int, faces: np.ndarray) -> np.ndarray:
+    """Rows of one surface with the recovered tractions plus half of what a second mean under their weights would take
+    from them; its faces (n, 4 or 8) are nearly parallelograms."""
+    (nodes,) = run.pressure["contact"]
+    nodes = nodes[nodes["side"] == side].copy()
+    x, weights = run.state[run.bodies[side]].nodes, weights_of(faces.shape[1])
+    area = [x[faces[:, k]] - x[faces[:, 0]] for k in (1, 3)]
+    area = np.linalg.norm(np.cross(*area), axis=1)
+    traction, force, whole = np.zeros((len(x), 3)), np.zeros((len(x), 3)), np.zeros(len(x))
+    traction[nodes["node"]] = nodes["traction"]
+    np.add.at(force, faces, area[:, None, None] * (weights @ traction[faces]))
+    np.add.at(whole, faces, area[:, None] * weights.sum(axis=1))
+    on = whole > 0.0
+    traction[on] += 0.5 * (traction[on] - force[on] / whole[on, None])
+    nodes["traction"], nodes["area"] = traction[nodes["node"]], whole[nodes["node"]]
+    nodes["pressure"] = np.linalg.norm(nodes["traction"], axis=1)
+    return nodes
+
+
+def weights_of(count: int) -> np.ndarray:
+    """Integrals of the products of the weights :eq:`recovered-weights` over a square of area 1 with 4 or 8 nodes."""
+    place, weight = np.polynomial.legendre.leggauss(4)
+    x, y = np.meshgrid(0.5 + 0.5 * place, 0.5 + 0.5 * place)
+    apart = [(abs(x - i), abs(y - j)) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    cut = 0.5 if count == 8 else 0.0
+    chi = [(1 - u) * (1 - v) * (1 - cut * (u + v)) for u, v in apart]
+    if count == 8:
+        across, along = x * (1 - x), y * (1 - y)
+        chi += [across * (1 - y), x * along, across * y, (1 - x) * along]
+    return np.einsum("aij,bij,i,j->ab", chi, chi, 0.5 * weight, 0.5 * weight)
 
 
 def brick(size: np.ndarray, young: float) -> tuple[np.ndarray, np.ndarray]:

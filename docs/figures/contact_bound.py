@@ -1,11 +1,17 @@
 """Pictures of the chapter on the stable step with contact and on its pressure."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED
 from shared.scenes import bar_on_wall, done
 
 import libcontact as ct
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
+import balls as hertz  # noqa: E402
 
 
 def after_impact(fraction, landings=3, **law):
@@ -79,5 +85,23 @@ def rim():
     alone = (p * nodes["area"])[some] / (0.4**2 / 4)
     ax.plot(r[some], alone, "x", color=RED, ms=8, label="10³, faces in contact alone")
     ax.set(xlabel="distance from the middle r [mm]", ylabel="pressure [MPa]", xlim=(-0.02, 1.2))
+    ax.legend()
+    return figure
+
+
+def balls():
+    """The recovered pressure between two balls on three meshes at the largest force of an impact, and the pressures of
+    single points; over the radius and the peak of Hertz's profile for the force."""
+    figure = Figure(figsize=(7.5, 3.4))
+    ax, fine = figure.subplots(), np.linspace(0, 1, 300)
+    ax.plot(fine, np.sqrt(1 - fine**2), color="black", lw=1.4, label="Hertz")
+    for element, n, mark, colour in (("hex8", 3, "o", BLUE), ("hex20", 2, "s", ORANGE)):
+        run = done(hertz.scene(element, n, n, impact=True, restitution=1.0))
+        a, r, p, points, raw = hertz.profile(run, run.pressure["contact"][0], 0)
+        if element == "hex8":
+            ax.plot(points / a, raw, "x", color=GREY, ms=4, label="hex8, 3 over the radius, points")
+        ax.plot(r / a, p, mark, color=colour, ms=5, label=f"{element}, {n} over the radius, nodes")
+    ax.set(xlabel="distance from the middle r / a", ylabel="pressure / peak of Hertz's")
+    ax.set(xlim=(-0.02, 1.4), ylim=(-0.05, 1.6))
     ax.legend()
     return figure
