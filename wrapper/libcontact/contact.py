@@ -661,7 +661,8 @@ class Contact:
     @property
     def points(self) -> Rows:
         """All contact points of the last step, one per row, with the members of
-        ``ct_contact_point``. Their ``raw_pressure`` is uneven; ``traction`` has the pressure."""
+        ``ct_contact_point``. Their ``raw_pressure`` [stress] is uneven from point to point; ``traction`` has the
+        pressure to show."""
         rows, pointer = point_rows(lib.ct_contact_point_count(self._contact))
         call(lib.ct_contact_points, self._contact, pointer)
         return rows

@@ -125,18 +125,18 @@ class Run:
     #: The loop that saves a run without a file; not part of a pickle.
     writer: Any = None
     #: For each contact of the scene the points of both surfaces in the last state: side, face,
-    #: point, other (the closest face of the other surface, or -1), position, closest, xi, gap (in
-    #: the contact law: negative in contact, NaN if ``other`` is -1), raw_pressure, weight, start_gap
-    #: (the value from which ``gap`` is measured; the true distance is ``gap + start_gap``). Raw
-    #: pressures are uneven from point to point: show ``pressure`` instead. Empty for a run that was
-    #: read from a file.
+    #: point, other (the closest face of the other surface, or -1), position, closest [length], xi, gap
+    #: [length] (in the contact law: negative in contact, NaN if ``other`` is -1), raw_pressure [stress],
+    #: weight [area], start_gap [length] (the value from which ``gap`` is measured; the true distance is
+    #: ``gap + start_gap``). Raw pressures are uneven from point to point: show ``pressure`` instead.
+    #: Empty for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)
     #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in
-    #: the last state: side, body (number in ``bodies``), node (of the body), position, area (the
-    #: part of the faces around the node that takes its force), traction (force
+    #: the last state: side, body (number in ``bodies``), node (of the body), position [length], area
+    #: [area] (the part of the faces around the node that takes its force), traction [stress] (force
     #: on the surface per reference area, averaged over both passes and the faces around the node),
-    #: pressure (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
-    #: file, and in the runs passed to ``watch``.
+    #: pressure [stress] (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
+    #: file, and in the runs passed to ``watch``; results files have it as the field ``contact_pressure``.
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name; their sum is the
     #: change of momentum. Empty for a run that was read from a file.
