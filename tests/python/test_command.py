@@ -422,6 +422,28 @@ def test_json_goes_to_stdout_and_messages_to_stderr(scene, capsys):
     assert facts["exit"] == 2 and "time.end" in facts["error"]
 
 
+def test_a_report_has_the_largest_contact_pressure(tmp_path, monkeypatch, capsys):
+    """Recovered, with its place, and the energy of the obstacle; in JSON, too, and only if something touches."""
+    monkeypatch.chdir(tmp_path)
+    hertz = ct.example("hertz")
+    run = ct.Scene.load(hertz).run(progress=False, output=False, until=2e-5)
+    (nodes,) = run.pressure["obstacle"]
+    most = nodes[nodes["pressure"].argmax()]
+    assert main(["run", str(hertz), "--until", "2e-5", "--json"]) == 0
+    out, err = capsys.readouterr()
+    facts = json.loads(out)["contact_pressure"]
+    assert facts["pressure"] == most["pressure"] > 0 and facts["position"] == [*most["position"]]
+    assert facts["node"] == most["node"] and facts["body"] == "block"
+    assert f"pressure at the end: {most['pressure']:.6g} MPa at (" in err
+    assert f"obstacle {run.energy['obstacle'][-1]:.6g} mJ" in err and "contact 0" not in err
+    data = ct.Scene.load(hertz).data
+    del data["obstacle"]
+    ct.Scene(data).save("free.toml")
+    assert main(["run", "free.toml", "--until", "1e-6", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["contact_pressure"] is None and "pressure" not in err
+
+
 def test_json_has_no_numbers_that_json_lacks():
     from libcontact.command import _json
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
+# Columns of the energy balance that a report names where they are not zero.
+STORED = ("contact", "obstacle", "reserve")
 # Arguments that are files, for completion.
 FILES = ("SCENE.toml", "NEW.toml", "RUN.vtkhdf", "FILE", "PNG", "OUT")
 
@@ -338,7 +340,23 @@ def _summary(run: Run) -> dict[str, Any]:
         "energy_change": last["total"] - run.energy["total"][0],
         "costs": run.costs,
         "penetration": run.penetration,
+        "contact_pressure": _largest_pressure(run),
     }
+
+
+def _largest_pressure(run: Run) -> dict[str, Any] | None:
+    """The node with the largest recovered contact pressure at the end of a run; None if nothing touches."""
+    rows = [
+        table[table["pressure"].argmax()]
+        for kind in run.pressure.values()
+        for table in kind
+        if len(table)
+    ]
+    row = max(rows, key=lambda row: row["pressure"], default=None)
+    if row is None or row["pressure"] == 0.0:
+        return None
+    found = {name: row[name] for name in ("pressure", "node", "position")}
+    return found | {"body": run.bodies[row["body"]]}
 
 
 def _report(run: Run) -> None:
@@ -347,11 +365,19 @@ def _report(run: Run) -> None:
     last, size = energy[-1], max(abs(energy[name]).max() for name in ("kinetic", "strain")) or 1.0
     change, balance = last["total"] - energy["total"][0], abs(energy["balance"]).max()
     unit = run.units.label("energy") if run.units else ""
-    parts = ", ".join(f"{name} {last[name]:.6g}" for name in ("kinetic", "strain", "contact"))
+    stored = [name for name in STORED if name in (energy.dtype.names or ()) and energy[name].any()]
+    parts = ", ".join(f"{name} {last[name]:.6g}" for name in ["kinetic", "strain", *stored])
     took = f"in {run.seconds:.3g} s, {len(steps)} records"
     _say(f"{steps[-1] - steps[0]} steps to t = {last['time']:.6g} {took}")
     relative = f"{change / size:.2e}, work balance {balance / size:.1e} (relative)"
     _say(f"energy: {parts} {unit}; total changed by {relative}")
+    if most := _largest_pressure(run):
+        unit = run.units.label("stress") if run.units else ""
+        place = ", ".join(f"{x:.4g}" for x in most["position"])
+        where = f"{unit} at ({place}) on {most['body']}"
+        _say(
+            f"largest contact pressure at the end: {most['pressure']:.6g} {where}, recovered at the nodes"
+        )
     if run.path is not None:
         _say(f'results in "{run.path}"')
 
