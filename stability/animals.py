@@ -260,15 +260,15 @@ def pushed_ball(o: Options) -> Animal:
 
 
 def stack(o: Options) -> Animal:
-    """Three blocks on each other and on a floor, under their weight."""
+    """Three blocks fall 0.001 on each other and on a floor. If they touched at the start, rounding would decide which
+    points are closed, and with it what they hold: turned scenes would agree to 1e-8 only."""
     g = 1.0
     names = ("low", "mid", "top")
     bodies = {}
     for k, name in enumerate(names):
         n = 2 * (o.ratio if k == 1 else 1)
-        bodies[name] = part(
-            o, mesh(o, (1 - 0.1 * k, 1 - 0.1 * k, 0.5), (n, n, 1), (0.02 * k, 0, 0.25 + 0.5 * k))
-        )
+        at = (0.02 * k, 0, 0.25 + 0.5 * k + 1e-3 * (k + 1))
+        bodies[name] = part(o, mesh(o, (1 - 0.1 * k, 1 - 0.1 * k, 0.5), (n, n, 1), at))
     touches = tuple(Touch((a, "z_max"), (b, "z_min")) for a, b in zip(names, names[1:]))
     animal = Animal(
         Stage(bodies, (Wall("low", "z_min", "plane", (0, 0, 0)),), touches, (0, 0, -g * o.size)),
@@ -554,7 +554,9 @@ def incline(o: Options) -> Animal:
 
 
 def swing(o: Options) -> Animal:
-    """A beam that one held edge lets swing hits a wall."""
+    """A beam that one held edge lets swing hits a wall. Half of the energy goes through the shortest waves, and at 0.9
+    of the step the leapfrog itself makes 0.6 % of such waves in a nonlinear solid (0.05 % at 0.8)."""
+    o = o if o.fraction is not None else replace(o, fraction=0.8)
     speed = 0.05 * SOFT.speed * o.size
     n = 6 * o.ratio
     beam = part(

@@ -140,8 +140,11 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
     assert np.abs(impulse(up) - (high["p"][-1] - high["p"][0])).max() <= 1e-13 * scale
     reaction = impulse(floor) + impulse(side)
     assert np.abs(reaction - low["support_impulse"][-1]).max() <= 1e-13 * scale
-    # At t = 0 the forces of contact and friction are solved for twice, to a tolerance.
-    assert np.abs(impulse(down) + reaction - low["p"][-1]).max() <= 1e-11 * scale
+    gained = low["p"][-1] - low["p"][0]
+    assert np.abs(impulse(down) + reaction - gained).max() <= 1e-13 * scale
+    # At t = 0 the forces are solved for twice; with friction they may differ by 1e-5 of the largest (eq:energy-stop).
+    off = 1e-5 * size * 0.5 * run.dt if friction else 1e-11 * scale
+    assert np.abs(low["p"][0]).max() <= off
     # Each fixes its own directions, also at shared nodes.
     assert not floor["force"][:, :2].any() and not side["force"][:, 2].any()
     assert (np.abs(impulse(side)[:2]) > 1e-4).all()
