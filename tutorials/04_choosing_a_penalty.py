@@ -231,8 +231,9 @@ assert abs(energies[0.9].max() - (4 * 0.9**2 - 1) ** 2) < 0.01
 # one impact. We let the single mass fall 200 times, each time with a random landing. At 0.9 its
 # energy grows without bound; at 0.3 it hardly changes for a long time. The energy-controlled force
 # is derived so that it cannot return more than it has stored. It takes much energy from a single
-# mass. In a bar of n elements the mass of the first node is 1/2n of the whole, and so is the loss,
-# once.
+# mass. In a bar of n elements the mass of the first node is 1/2n of the whole, and so would be the
+# loss, once: with ``restitution = 1``, the default, the contact holds this energy and gives it back
+# when it opens.
 
 rng = np.random.default_rng(1)
 blows = np.arange(201)

@@ -135,8 +135,8 @@ class Contact:
         ``"energy_controlled"``. With 1 an elastic impact loses almost nothing; with 0 it stops the
         layer of nodes at the surface.
     travel_time : float
-        Time h / c1 in which a wave crosses an element at the surface, the shorter one of the two
-        bodies [time]. :meth:`step` refuses 0 if ``restitution`` is above 0.
+        Time h / c1 in which a wave crosses an element at the surface [time], :eq:`travel-time` if
+        the bodies differ. :meth:`step` refuses 0 if ``restitution`` is above 0.
     points : {"gauss", "lobatto"}
         Positions of the contact points on a face.
     initial_penetration : {"keep", "force", "refuse", "remove"}
