@@ -9,7 +9,7 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, classify, material, scene
+from lab import DEFAULT, ELASTIC, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -42,7 +42,8 @@ class Fold:
         if self.records % 8 == 0:
             self.look(run)
         self.records += 1
-        return {"total": float(run.energy["total"][-1]), "work": float(run.energy["external"][-1])}
+        last = run.energy[-1]
+        return {name: float(last[name]) for name in ("total", "contact", "external")}
 
     def look(self, run: ct.Run) -> None:
         """Count by solid angles, which takes much longer than a step."""
@@ -63,11 +64,12 @@ class Fold:
 
 
 def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
-    """Rise of the total energy above its start, and above its lowest earlier value, over the work put in
-    (over the initial energy if bodies move at the start)."""
-    total, work = np.array(curve["total"]), np.array(curve["work"])
-    unit = max(np.abs(work).max(), abs(total[0]), 1e-300)
-    return float((total - total[0]).max() / unit), float(
+    """Rise of the energy of the body and its springs above its start, and of the total, which contains
+    what points hold, above its lowest earlier value, over the work put in (over the initial energy if
+    bodies move at the start)."""
+    total, held, work = (np.array(curve[name]) for name in ("total", "contact", "external"))
+    unit, own = max(np.abs(work).max(), abs(total[0]), 1e-300), total - held
+    return float((own - own[0]).max() / unit), float(
         (total - np.minimum.accumulate(total)).max() / unit
     )
 
@@ -101,25 +103,29 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     return row
 
 
-def soft(title: str, bricks: shapes.Bricks) -> ct.Scene:
-    """A soft body in contact with itself."""
+def soft(title: str, bricks: shapes.Bricks, law: dict[str, Any]) -> ct.Scene:
+    """A soft body in contact with itself, with these keys of the contact."""
     made = scene(title)
     material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
     made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft")
-    return made.add_contact("body.outer", "body.outer")
+    return made.add_contact("body.outer", "body.outer", **law)
 
 
-def led(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
+def led(
+    bricks: shapes.Bricks, way: float, time: float, law: dict[str, Any] = ELASTIC
+) -> tuple[ct.Scene, float]:
     """The sides at the smallest and the largest z are moved towards each other, each by ``way``."""
-    made = soft("folding", bricks)
+    made = soft("folding", bricks, law)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add_support(f"body.{side}", fix="z", travel=[0, 0, sign * way], history=smooth(time))
     return made, 1.3 * time
 
 
-def loaded(bricks: shapes.Bricks, traction: float, time: float) -> tuple[ct.Scene, float]:
+def loaded(
+    bricks: shapes.Bricks, traction: float, time: float, law: dict[str, Any] = ELASTIC
+) -> tuple[ct.Scene, float]:
     """The sides at the smallest and the largest z are loaded towards each other, with ``traction`` E."""
-    made = soft("folding", bricks)
+    made = soft("folding", bricks, law)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add(
             "load",
@@ -179,7 +185,7 @@ def folding_strip(short: bool) -> Iterator[Row]:
 
 def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
     """Two planes, above and below, move towards each other, each by ``way``."""
-    made = soft("pressed", bricks)
+    made = soft("pressed", bricks, ELASTIC)
     low, high = bricks[0][:, 2].min(), bricks[0][:, 2].max()
     for height, sign in ((low, 1.0), (high, -1.0)):
         made.add(
@@ -188,6 +194,7 @@ def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, f
             plane={"point": [0, 0, height], "normal": [0, 0, sign]},
             travel=[0, 0, sign * way],
             history=smooth(time),
+            **ELASTIC,
         )
     return made, 1.3 * time
 
@@ -246,7 +253,7 @@ def wound(bricks: shapes.Bricks, rate: float) -> tuple[ct.Scene, float]:
         material="soft",
         spin={"axis": [0, 1, 0], "rate": rate, "centre": [0, 0, 0]},
     )
-    made.add_contact("body.outer", "body.outer").add_support("body.x_max", fix="xyz")
+    made.add_contact("body.outer", "body.outer", **ELASTIC).add_support("body.x_max", fix="xyz")
     return made, 1.0
 
 

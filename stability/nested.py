@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, classify, material, scene
+from lab import DEFAULT, ELASTIC, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -60,7 +60,9 @@ def shells(inner: int, outer: int, element: str, adjust: float) -> ct.Scene:
         made.add_support(f"{name}.x_min", fix="x").add_support(
             f"{name}.z_min", fix="z"
         ).add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
-    return made.add_contact("inner.outer", "outer.outer", **({"adjust": adjust} if adjust else {}))
+    return made.add_contact(
+        "inner.outer", "outer.outer", **ELASTIC, **({"adjust": adjust} if adjust else {})
+    )
 
 
 def mean_pressure(run: ct.Run) -> float:

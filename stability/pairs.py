@@ -10,7 +10,7 @@ from typing import Any
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, classify, material, scene
+from lab import DEFAULT, ELASTIC, Row, classify, material, scene
 
 import libcontact as ct
 
@@ -164,7 +164,7 @@ def pair(seed: int) -> tuple[str, ct.Scene]:
                 "centre": list(bricks[k][0].mean(0)),
             },
         )
-    made.add_contact("a.outer", "b.outer").set_time(
+    made.add_contact("a.outer", "b.outer", **ELASTIC).set_time(
         end=2.0 + 0.05 / speed, fraction=random.choice([0.3, 0.6, 0.9])
     )
     return (

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapes
-from lab import DEFAULT, Row, classify, material, scene, set_steps, shortest_edge
+from lab import DEFAULT, ELASTIC, Row, classify, material, scene, set_steps, shortest_edge
 
 import libcontact as ct
 
@@ -77,7 +77,9 @@ def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
         material="soft",
     )
     # "force", so that a false overlap shows in the energy.
-    return made.add_contact("body.outer", "body.outer", points=points, initial_penetration="force")
+    return made.add_contact(
+        "body.outer", "body.outer", points=points, initial_penetration="force", **ELASTIC
+    )
 
 
 def concave_meshes(
@@ -204,12 +206,13 @@ def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
         made.add_body(name, nodes=nodes, elements=elements, element=element, material="soft")
     end, energy = 4 * scale / np.sqrt(young / 1000), young * float(np.prod(size))
     if seed % 2:
-        made.add_contact("a.outer", "b.outer")
+        made.add_contact("a.outer", "b.outer", **ELASTIC)
     else:
         made.add(
             "obstacle",
             surface="b.outer",
             plane={"point": list(place), "normal": list(rotation[:, 2])},
+            **ELASTIC,
             **({"friction": 0.5} if random.random() < 0.5 else {}),
         )
     if seed % 4 == 2:

@@ -88,7 +88,7 @@ def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
         betas = sorted({row.beta for row in own if row.beta is not None})
         fractions = sorted({round(row.fraction, 2) for row in own if math.isfinite(row.fraction)})
         worst = {}
-        for key in ("energy", "points", "nodes", "momentum"):
+        for key in ("energy", "lost", "held", "points", "nodes", "momentum"):
             values = [getattr(row, key) for row in whole if math.isfinite(getattr(row, key))]
             worst[key] = f"{max(values):.1e}" if values else ""
         out.append(
@@ -98,6 +98,9 @@ def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
                 "beta": _range(betas),
                 "step": _range(fractions),
                 "energy grows by": worst["energy"],
+                "lost": worst["lost"],
+                "may lose": _range(sorted({row.may_lose for row in whole if row.may_lose})),
+                "held": worst["held"],
                 "points / h": worst["points"],
                 "nodes / h": worst["nodes"],
                 "momentum": worst["momentum"],

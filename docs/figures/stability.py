@@ -87,7 +87,8 @@ def fall(elements, impacts=12):
     scene.add_material("soft", young=speed**2, poisson=0, density=1.0)
     box = {"origin": [0, 0, 5], "size": [h, h, length], "cells": [1, 1, elements]}
     scene.add_body("bar", material="soft", box=box)
-    scene.add("obstacle", surface="bar.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]})
+    floor = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    scene.add("obstacle", surface="bar.z_min", plane=floor, restitution=1.0)
     scene.add("gravity", acceleration=[0, 0, -10])
     scene.set_time(end=1 + impacts * 8 * length / speed, fraction=0.9)
     scene.set_output(every=6, fields=[])

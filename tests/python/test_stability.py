@@ -15,6 +15,7 @@ sys.path.insert(0, str(LABORATORY))
 try:
     import animals
     import cases
+    import impacts
     import inside
     import lab
     import run as laboratory
@@ -25,8 +26,8 @@ finally:
     sys.path.remove(str(LABORATORY))
 
 
-# Runs warn of intended features of the cases, and of a penalty that chatters.
-MEANT = {"thin_plates": {"thin"}, "sizes": {"units"}, "contact_and_reference": set()}
+# Runs warn of intended features of the cases, and of a penalty that chatters. None is "thin": restitution is 1.
+MEANT = {"sizes": {"units"}, "contact_and_reference": set()}
 
 
 @pytest.mark.parametrize("case", cases.CASES, ids=lambda case: case.__name__)
@@ -61,13 +62,41 @@ def test_the_judge_sees_what_is_wrong():
     )
     assert lab.verdict(lab.Row(**good), 1e-12, 0.5) == ""
     for key, value, word in (
-        ("energy", 0.011, "energy"),
+        ("energy", 0.011, "grows"),
+        ("lost", 0.011, "is lost"),
         ("momentum", 2e-12, "momentum"),
         ("nodes", 0.6, "penetration"),
         ("points", 0.6, "penetration"),
         ("energy", np.nan, "finite"),
     ):
         assert word in lab.verdict(lab.Row(**good | {key: value}), 1e-12, 0.5)
+    assert lab.verdict(lab.Row(**good | {"lost": 0.5, "may_lose": None}), 1e-12, 0.5) == ""
+
+
+def test_the_laboratory_sees_what_an_impact_loses():
+    """Plates of one layer with restitution 0 lose 68 % of their energy (eq:impact-reserve), with 1 nothing."""
+    for law, lost in ((impacts.ELASTIC, 0.0), (impacts.PLASTIC, 0.68)):
+        made = impacts.equal(1)(law, 0.9, 0.3).made
+        row = lab.classify("plates", made, enforcement=lab.DEFAULT, beta=None)
+        assert abs(row.lost - lost) < 0.03
+        assert ("is lost" in row.verdict) == (lost > 0) and row.held < 1e-12
+
+
+def test_the_table_of_impacts_sees_what_is_short(monkeypatch):
+    """A law that loses, speeds beside the range of explicit penalties, and what bodies that touch still hold."""
+    case = impacts.Case("plates of 1, short", impacts.equal(1), 0.02, 0.12, 0.12, (0.3,))
+    reference = case.reference()
+    assert impacts.measured(case, 0.9, reference)["short"] == ""
+    beside = impacts.measured(case, 0.9, [reference[0] * 0.5, reference[0] * 0.6])
+    assert beside["off"] > 0.2 and "speed" in beside["short"]
+    monkeypatch.setattr(impacts, "ELASTIC", impacts.PLASTIC)
+    row = impacts.measured(case, 0.9, reference)
+    assert "loses" in row["short"]
+    held = {**row, "lost": 0.0, "held": 0.5, "off": 0.0}
+    closed = impacts.Case("", case.maker, 0.02, closed=True)
+    assert impacts.faults(closed, held) == "" and "loses" in impacts.faults(case, held)
+    (line,) = impacts.summary([row, {**row, "lost": 0.9}])
+    assert line["case"] == "plates of 1" and line["lost, %"] == "90" and line["short"] == "2"
 
 
 def test_solid_angles_tell_who_is_inside():
