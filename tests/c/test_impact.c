@@ -1,6 +1,6 @@
 /* Stored impact: the second row of a point that opens, one mass that bounces, and plates of few
  * layers, which lose nothing. */
-#include "../../libcontact/src/constraint/law.h"
+#include "../../libcontact/src/constraint/law_rows.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 1.0, .poisson = 0.0, .density = 1.0};
@@ -282,6 +282,87 @@ static void no_growth_on_obstacles(void)
   tap_ok(curved < 1e-12, "cylinders of radius 0.02 ... 0.18: the total grows by %.1e", curved);
 }
 
+enum { MANY = 4003 };
+
+/* A row in a random phase of an impact. */
+static ct_constraint random_row(void)
+{
+  const double time[] = {0.0, 0.5, 1.0, 1.5, 2.0};
+  return (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                         .stiffness = pow(10.0, uniform(3.0)),
+                         .dissipation = 0.15 * pick(2),
+                         .restitution = 0.5 * pick(3),
+                         .travel_time = 1.0,
+                         .gap = uniform(1.0),
+                         .moved = uniform(1.0),
+                         .came = uniform(1.0),
+                         .before = uniform(1.0),
+                         .after = uniform(1.0),
+                         .force = pick(4) ? between(0.0, 2.0) : 0.0,
+                         .impact = {.reserve = pick(4) ? between(-0.5, 1.0) : 0.0,
+                                    .pressed = time[pick(5)] + pick(2) * between(0.0, 0.2),
+                                    .idle = time[pick(5)] + pick(2) * between(0.0, 0.2),
+                                    .stored = between(0.0, 1.0),
+                                    .release = pick(2) ? between(0.0, 0.3) : 0.0}};
+}
+
+/* Numbers of rows that are computed together. */
+typedef struct together {
+  ct_constraint row[MANY], *place[MANY];
+  double bound[MANY], alone[MANY], after[MANY], x[MANY];
+  double C[MANY], b[MANY], opens[MANY], loss[MANY];
+} together;
+
+/* The rows one by one; returns how many differ from those computed together, in any bit. `opened`
+ * counts those that open. */
+static int differing(const together *t, const ct_constraint *start, double dt, int *opened)
+{
+  int wrong = 0;
+  for (int r = 0; r < MANY; r++) {
+    ct_constraint c = start[r];
+    c.dashpot = ct_law_dashpot(&c, t->bound[r] / 0.5);
+    const ct_ramp ramp = ct_law_ramp(&c);
+    const int opens = t->bound[r] > 0.0 && ct_law_releases(&c, t->bound[r], dt, t->alone[r]);
+    const double loss = ct_law_loss(&c, c.force, t->after[r]);
+    wrong += ramp.C != t->C[r] || ramp.b != t->b[r] || opens != (t->opens[r] != 0.0) ||
+             loss != t->loss[r];
+    c.after = t->after[r];
+    ct_law_settle(&c, dt, t->x[r], t->alone[r] < 0.0);
+    wrong += memcmp(&c, &t->row[r], sizeof c) != 0;
+    *opened += opens;
+  }
+  return wrong;
+}
+
+/* Rows that are computed together have the bits of single ones. */
+static void rows_together(void)
+{
+  static together t;
+  static ct_constraint start[MANY];
+  ct_constraint *place[MANY];
+  ct_law_rows rows = {0};
+  ct_pool pool = {0};
+  const double dt = 0.25;
+  int opened = 0;
+  for (int r = 0; r < MANY; r++) {
+    t.row[r] = start[r] = random_row(), t.place[r] = &t.row[r];
+    t.bound[r] = pick(8) ? pow(10.0, uniform(2.0)) : 0.0;
+    t.alone[r] = uniform(1.0), t.after[r] = uniform(1.0), t.x[r] = uniform(1.0);
+  }
+  ct_law_rows_create(&pool, MANY, place, &rows);
+  ct_law_rows_read(&rows, t.place, MANY);
+  for (int r = 0; r < MANY; r++) rows.before[r] = t.row[r].before, rows.after[r] = t.after[r];
+  ct_law_fix(&rows, t.bound, 0.5, t.C, t.b);
+  ct_law_find_releases(&rows, t.bound, dt, t.alone, t.opens);
+  ct_law_losses(&rows, rows.force, t.after, t.loss);
+  ct_law_settle_all(&rows, dt, t.x, t.alone);
+  ct_law_rows_write(&rows);
+  const int wrong = differing(&t, start, dt, &opened);
+  tap_ok(wrong == 0 && opened > 100, "%d rows together have the bits of single ones, %d open", MANY,
+         opened);
+  ct_pool_empty(&pool);
+}
+
 int main(void)
 {
   tangent();
@@ -297,5 +378,6 @@ int main(void)
   tilted_bar(0.35);
   tilted_bar(0.785);
   no_growth_on_obstacles();
+  rows_together();
   return tap_done();
 }

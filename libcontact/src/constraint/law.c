@@ -3,31 +3,78 @@
 #include "law.h"
 
 #include "../base/error.h"
+#include "../base/lanes.h"
 
+#include <float.h>
 #include <math.h>
 
-/* The larger of two numbers, without the call of fmax. */
-static inline double larger(double x, double y) { return x > y ? x : y; }
+/* The larger and the smaller of two numbers, without the call of fmax or fmin. */
+CT_INLINE double larger(double x, double y) { return x > y ? x : y; }
+CT_INLINE double smaller(double x, double y) { return x < y ? x : y; }
 
 /* min(g, 0). */
-static inline double below(double g) { return g < 0.0 ? g : 0.0; }
+CT_INLINE double below(double g) { return g < 0.0 ? g : 0.0; }
 
 /* ½ k ⟨-g⟩². */
-static inline double ramp_energy(double k, double g) { return 0.5 * k * below(g) * below(g); }
+CT_INLINE double ramp_energy(double k, double g) { return 0.5 * k * below(g) * below(g); }
+
+/* One of many rows, as far as its law reads it. Loops over rows compute it side by side with
+ * others, so what they call has no branches. */
+CT_INLINE ct_constraint row_of(const ct_law_rows *of, int64_t r)
+{
+  return (ct_constraint){.stiffness = of->stiffness[r],
+                         .dissipation = of->dissipation[r],
+                         .restitution = of->restitution[r],
+                         .travel_time = of->travel_time[r],
+                         .gap = of->gap[r],
+                         .dashpot = of->dashpot[r],
+                         .before = of->before[r],
+                         .after = of->after[r],
+                         .force = of->force[r],
+                         .impact = {.reserve = of->reserve[r],
+                                    .pressed = of->pressed[r],
+                                    .idle = of->idle[r],
+                                    .stored = of->stored[r],
+                                    .release = of->release[r]}};
+}
 
 /* Energy-controlled penalty (eq:energy-controlled). */
 
-static ct_ramp controlled_ramp(const ct_constraint *c)
+CT_INLINE ct_ramp controlled_ramp(const ct_constraint *c)
 {
   const double k = c->stiffness, a = c->dashpot, before = below(c->before);
   // -- k ⟨-½ [(1 + a) g_{n+1} + (1 - a) min(g_{n-1}, 0)]⟩ (eq:energy-controlled)
   return (ct_ramp){.C = 2.0 / (k * (1.0 + a)), .b = (1.0 - a) / (1.0 + a) * before};
 }
 
-static double controlled_stored(const ct_constraint *c, double g0, double g1)
+CT_INLINE double controlled_stored(const ct_constraint *c, double g0, double g1)
 {
   // -- The mean of Π at both ends of the step (eq:controlled-store)
   return 0.5 * (ramp_energy(c->stiffness, g0) + ramp_energy(c->stiffness, g1));
+}
+
+CT_CLONES
+static void controlled_ramps(const ct_law_rows *of, int64_t first, int64_t end, double *C,
+                             double *b)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    const ct_ramp ramp = controlled_ramp(&c);
+    C[r] = ramp.C;
+    b[r] = ramp.b;
+  }
+}
+
+CT_CLONES
+static void controlled_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
+                              const double *g1, double *stored)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    stored[r] = controlled_stored(&c, g0[r], g1[r]);
+  }
 }
 
 /* With the depths x = -g_n and y = -g_{n-1} = x + e the store is ¼ k (⟨x⟩² + ⟨y⟩²). */
@@ -46,6 +93,10 @@ static const struct law {
   ct_ramp (*ramp)(const ct_constraint *c);
   /* Energy stored at the middle of a step from the gap g0 to g1. */
   double (*stored)(const ct_constraint *c, double g0, double g1);
+  /* The same for rows from `first` to `end` - 1: compliances and offsets, and stored energies. */
+  void (*ramps)(const ct_law_rows *of, int64_t first, int64_t end, double *C, double *b);
+  void (*stores)(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
+                 const double *g1, double *stored);
   /* Least addition to both gaps of the last step with which it stored at most `most`. Not null only
      if the work of a row is minus what it stores and loses (eq:contact-step-work); null: the store
      counts as that of the present gap. */
@@ -53,8 +104,9 @@ static const struct law {
   /* Factor of the default penalty (eq:penalty-default). */
   double usual;
 } LAWS[] = {
-    [CT_ENFORCE_PENALTY] = {NULL, NULL, NULL, 4.0},
-    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_raise, 40.0}};
+    [CT_ENFORCE_PENALTY] = {.usual = 4.0},
+    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
+                                      controlled_stores, controlled_raise, 40.0}};
 
 /* A value of ct_enforcement without a row does not compile. */
 typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_COUNT ? 1 : -1];
@@ -99,52 +151,107 @@ ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c
 static const double LASTING = 40.0;
 
 /* Whether the point closed less than so many travel times ago. */
-static int is_younger(const ct_constraint *c, double times)
+CT_INLINE int is_younger(const ct_constraint *c, double times)
 {
-  return c->restitution > 0.0 && c->impact.pressed < times * c->travel_time;
+  return (c->restitution > 0.0) & (c->impact.pressed < times * c->travel_time);
 }
 
 /* Whether the point closed less than τ = 1.5 h / c₁ ago (eq:release-time). */
-static int is_fresh(const ct_constraint *c) { return is_younger(c, 1.5); }
+CT_INLINE int is_fresh(const ct_constraint *c) { return is_younger(c, 1.5); }
 
-double ct_law_damping(double zeta, double stiffness, double mobility)
+CT_INLINE double damping(double zeta, double stiffness, double mobility)
 {
   // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
   const double a = zeta * sqrt(1.0 + 4.0 / (stiffness * mobility));
-  return isfinite(a) ? a : 0.0;
+  return fabs(a) <= DBL_MAX ? a : 0.0;
 }
 
-double ct_law_dashpot(const ct_constraint *c, double mobility)
+double ct_law_damping(double zeta, double stiffness, double mobility)
+{
+  return damping(zeta, stiffness, mobility);
+}
+
+CT_INLINE double dashpot(const ct_constraint *c, double mobility)
 {
   // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
-  const double zeta = is_fresh(c) ? larger(c->dissipation, 0.5) : c->dissipation;
-  return ct_law_damping(zeta, c->stiffness, mobility);
+  const double zeta = larger(c->dissipation, is_fresh(c) ? 0.5 : 0.0);
+  return damping(zeta, c->stiffness, mobility);
+}
+
+double ct_law_dashpot(const ct_constraint *c, double mobility) { return dashpot(c, mobility); }
+
+CT_CLONES
+static void find_dashpots(const ct_law_rows *of, const double *bound, double fraction)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    const ct_constraint c = row_of(of, r);
+    of->dashpot[r] = dashpot(&c, bound[r] / fraction);
+  }
+}
+
+/* End of the rows from `first` on that have one law. */
+static int64_t end_of_law(const ct_law_rows *of, int64_t first)
+{
+  int64_t end = of->one_law ? of->count : first + 1;
+  while (end < of->count && of->row[end]->enforcement == of->row[first]->enforcement) end++;
+  return end;
+}
+
+void ct_law_fix(const ct_law_rows *of, const double *bound, double fraction, double *C, double *b)
+{
+  find_dashpots(of, bound, fraction);
+  for (int64_t r = 0, end; r < of->count; r = end) {
+    end = end_of_law(of, r);
+    LAWS[of->row[r]->enforcement].ramps(of, r, end, C, b);
+  }
 }
 
 /* Stored impact (eq:impact-reserve). */
 
-static int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c->travel_time; }
+CT_INLINE int is_recent(const ct_constraint *c)
+{
+  return c->impact.idle <= 2.0 * c->travel_time;
+}
 
 /* Whether a contact shorter than τ has ended: its point does not oscillate with its node any more
  * (eq:release-time). */
-static int is_over(const ct_constraint *c)
+CT_INLINE int is_over(const ct_constraint *c)
 {
   const double T = c->travel_time;
-  return c->impact.idle >= T && c->impact.pressed + c->impact.idle >= 1.5 * T;
+  return (c->impact.idle >= T) & (c->impact.pressed + c->impact.idle >= 1.5 * T);
 }
 
-int ct_law_may_release(const ct_constraint *c)
+CT_INLINE int may_release(const ct_constraint *c)
 {
   const double K = c->impact.reserve; // may be rounding below zero, or too small to square
-  return K > 0.0 && K * K > 0.0 && (!is_fresh(c) || is_over(c)) && is_recent(c);
+  return (K > 0.0) & (K * K > 0.0) & ((is_fresh(c) == 0) | is_over(c)) & is_recent(c);
 }
 
-int ct_law_releases(const ct_constraint *c, double bound, double dt, double force)
+int ct_law_may_release(const ct_constraint *c) { return may_release(c); }
+
+CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force)
 {
   const double last = c->force - c->impact.release, T = c->travel_time / dt;
   // -- The step that is nearest to the zero of the extrapolated force, if the spring can stop its
   // node while a wave crosses the element, k W (T / Δt)² > 1/100 (eq:release-time)
-  return ct_law_may_release(c) && force <= last / 3.0 && 100.0 * c->stiffness * bound * T * T > 1.0;
+  return may_release(c) & (force <= last / 3.0) & (100.0 * c->stiffness * bound * T * T > 1.0);
+}
+
+int ct_law_releases(const ct_constraint *c, double bound, double dt, double force)
+{
+  return releases(c, bound, dt, force);
+}
+
+CT_CLONES
+void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
+                          const double *force, double *opens)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    const ct_constraint c = row_of(of, r);
+    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r]) ? 1.0 : 0.0;
+  }
 }
 
 ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double *force)
@@ -161,41 +268,72 @@ ct_ramp ct_law_release(const ct_constraint *c, double free, double bound, double
 /* The time from closing to the last step with a force, and that since then. A point without a force
  * that `enters` without its neighbours' forces stays closed: they hold its nodes (eq:release-time).
  */
-static void count_time(ct_constraint *c, int pressed, int enters, double dt)
+CT_INLINE void count_time(ct_constraint *c, int pressed, int enters, double dt)
 {
-  ct_impact *impact = &c->impact;
-  if (!pressed && enters && is_fresh(c)) {
-    impact->idle = 0.0; // it is paid a while after its neighbours have left, too
-  } else if (pressed || (enters && impact->pressed > 0.0)) {
-    impact->pressed += dt + impact->idle;
-    impact->idle = 0.0;
-  } else if (impact->pressed > 0.0) {
-    impact->idle += dt;
-    if (!is_recent(c)) impact->pressed = impact->idle = 0.0;
-  }
+  const double t = c->impact.pressed, idle = c->impact.idle, wait = idle + dt;
+  // A fresh point is paid a while after its neighbours have left, too.
+  const int holds = (pressed == 0) & enters & is_fresh(c), goes = pressed | (enters & (t > 0.0)),
+            waits = (t > 0.0) & (wait <= 2.0 * c->travel_time);
+  c->impact.pressed = holds ? t : goes ? t + (dt + idle) : waits ? t : 0.0;
+  c->impact.idle = holds | goes | (waits == 0) ? 0.0 : wait;
 }
 
 /* A row takes what it gains: it pays a debt first, and keeps the share e of the rest
  * (eq:impact-reserve). */
-static void take(ct_constraint *c, double gain)
+CT_INLINE void take(ct_constraint *c, double gain)
 {
-  const double debt = fmax(-c->impact.reserve, 0.0);
-  if (c->restitution > 0.0)
-    c->impact.reserve += fmin(gain, debt) + c->restitution * fmax(gain - debt, 0.0);
+  const double debt = larger(-c->impact.reserve, 0.0), e = c->restitution;
+  const double kept = smaller(gain, debt) + e * larger(gain - debt, 0.0);
+  c->impact.reserve = e > 0.0 ? c->impact.reserve + kept : c->impact.reserve;
+}
+
+/* Now the row stores the energy `stored`. */
+CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double stored)
+{
+  const double release = c->impact.release, own = c->force - release;
+  // -- The loss of the dashpot while contact lasts stays lost (eq:impact-reserve)
+  const int lasts = (own > 0.0) & (c->before < 0.0) & (is_younger(c, LASTING) == 0);
+  const double closed = c->after - c->before,
+               dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
+  take(c, c->impact.stored - stored - 0.5 * own * x - dash);
+  c->impact.reserve -= 0.5 * release * x;
+  c->impact.stored = stored;
+  count_time(c, own > 0.0, enters, dt);
 }
 
 void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
 {
-  ct_impact *impact = &c->impact;
-  const double release = impact->release, own = c->force - release, stored = ct_law_stored(c);
-  // -- The loss of the dashpot while contact lasts stays lost (eq:impact-reserve)
-  const int lasts = own > 0.0 && c->before < 0.0 && !is_younger(c, LASTING);
-  const double closed = c->after - c->before,
-               dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
-  take(c, impact->stored - stored - 0.5 * own * x - dash);
-  impact->reserve -= 0.5 * release * x;
-  impact->stored = stored;
-  count_time(c, own > 0.0, enters, dt);
+  settle(c, dt, x, enters, ct_law_stored(c));
+}
+
+/* Energy stored at the middle of a step from the gaps g0 to g1. */
+static void find_stores(const ct_law_rows *of, const double *g0, const double *g1, double *stored)
+{
+  for (int64_t r = 0, end; r < of->count; r = end) {
+    end = end_of_law(of, r);
+    LAWS[of->row[r]->enforcement].stores(of, r, end, g0, g1, stored);
+  }
+}
+
+CT_CLONES
+static void settle_rows(const ct_law_rows *of, double dt, const double *x, const double *alone)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    ct_constraint c = row_of(of, r);
+    // -- λ_u > 0 (eq:release-time)
+    settle(&c, dt, x[r], alone[r] < 0.0, of->next[r]);
+    of->reserve[r] = c.impact.reserve;
+    of->pressed[r] = c.impact.pressed;
+    of->idle[r] = c.impact.idle;
+    of->stored[r] = c.impact.stored;
+  }
+}
+
+void ct_law_settle_all(const ct_law_rows *of, double dt, const double *x, const double *alone)
+{
+  find_stores(of, of->gap, of->after, of->next);
+  settle_rows(of, dt, x, alone);
 }
 
 void ct_law_settle_again(ct_constraint *c, double dt, double first)
@@ -223,11 +361,33 @@ static double stored_between(const ct_constraint *c, double g0, double g1)
   return LAWS[c->enforcement].stored(c, g0, g1);
 }
 
-double ct_law_loss(const ct_constraint *c, double force, double after)
+/* `last` and `next`: the energy stored at the middle of the last and the next step. */
+CT_INLINE double loss(double before, double after, double force, double last, double next)
 {
   // -- ½ (Π(g_{n-1}) - Π(g_{n+1})) - ½ λ (g_{n+1} - g_{n-1}) (eq:row-loss)
-  return stored_between(c, c->before, c->gap) - stored_between(c, c->gap, after) -
-         0.5 * force * (after - c->before);
+  return last - next - 0.5 * force * (after - before);
+}
+
+double ct_law_loss(const ct_constraint *c, double force, double after)
+{
+  return loss(c->before, after, force, stored_between(c, c->before, c->gap),
+              stored_between(c, c->gap, after));
+}
+
+CT_CLONES
+static void find_losses(const ct_law_rows *of, const double *force, const double *after,
+                        double *losses)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++)
+    losses[r] = loss(of->before[r], after[r], force[r], of->last[r], of->next[r]);
+}
+
+void ct_law_losses(const ct_law_rows *of, const double *force, const double *after, double *losses)
+{
+  find_stores(of, of->before, of->gap, of->last);
+  find_stores(of, of->gap, after, of->next);
+  find_losses(of, force, after, losses);
 }
 
 double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, c->after); }

@@ -3,6 +3,8 @@
 
 #include <libcontact/constraint.h>
 
+#include <stdint.h>
+
 /* Refuse an unknown law, or parameters out of range: of the row only `enforcement` and the
  * parameters of its law are read. `who` begins the message. */
 ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *error);
@@ -83,5 +85,37 @@ double ct_law_start(const ct_constraint *c);
  * to both gaps with which it is at most `most` (eq:admitted-store). */
 double ct_law_claim(const ct_constraint *c);
 double ct_law_raise(const ct_constraint *c, double most);
+
+/* The numbers of many rows side by side: one array for each member of ct_constraint that a law
+ * reads, in the order of the members. */
+enum { CT_LAW_NUMBERS = 18 };
+typedef struct ct_law_rows {
+  int64_t most, count;
+  ct_constraint **row; /* the rows themselves */
+  int one_law;         /* whether all rows have the same law */
+  double *stiffness, *dissipation, *restitution, *travel_time;
+  double *gap, *moved, *came, *dashpot, *before, *after;
+  double *force;                             /* the total of the last step, then the new one */
+  double *reserve, *pressed, *idle, *stored; /* the impact */
+  double *release;
+  double *last, *next; /* energy stored at the middle of the last and the next step */
+  double *all;         /* these arrays, one after the other */
+} ct_law_rows;
+
+/* The functions above for all rows, to the same bits. Dashpots, and ramps into C and b, where unit
+ * forces on all points change the gaps by `bound`, in a whole step by 1 / `fraction` of it. */
+void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, double *C,
+                double *b);
+
+/* `opens` = 1 for the rows that open, else 0. */
+void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double dt,
+                          const double *force, double *opens);
+
+/* Losses with the given forces and next gaps. */
+void ct_law_losses(const ct_law_rows *rows, const double *force, const double *after,
+                   double *losses);
+
+/* The memory of each row; a row enters without its neighbours' forces if `alone` is negative. */
+void ct_law_settle_all(const ct_law_rows *rows, double dt, const double *x, const double *alone);
 
 #endif

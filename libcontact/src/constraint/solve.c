@@ -1,6 +1,7 @@
 /* The forces of all constraints of a step, solved for together. */
 #include "solve.h"
 #include "law.h"
+#include "law_rows.h"
 #include "matrix.h"
 #include "tangent.h"
 
@@ -65,6 +66,8 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->row_counts = ct_pool_take(pool, nodes, sizeof *s->row_counts);
   s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
+  s->opened = ct_pool_take(pool, (size_t)s->most, sizeof *s->opened);
+  ct_law_rows_create(pool, s->most, s->active, &s->laws);
   s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
@@ -111,52 +114,107 @@ static int apply(ct_solver *s, const double *force, double *out)
   return 1;
 }
 
-/* Gaps at t_{n-1} and t_{n+1} without the constraints; returns the largest motion or depth. */
-static double predict_gaps(ct_solver *s)
+/* At t = 0 there was no step before: g_{-1} = g_0 (eq:energy-start), and the rows remember none. */
+static void forget(ct_solver *s)
+{
+  for (int64_t j = 0; j < s->first[s->set_count]; j++) {
+    ct_constraint *c = s->rows[j];
+    c->before = c->gap;
+    c->impact = (ct_impact){.stored = ct_law_claim(c)};
+  }
+}
+
+/* Gaps at t_{n-1} and t_{n+1}, given the motions of the nodes along the rows. */
+CT_CLONES
+static void move_gaps(const ct_law_rows *of, const double *last, const double *next)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < of->count; j++) {
+    of->before[j] = of->gap[j] - (last[j] + of->came[j]);
+    of->after[j] = of->gap[j] + (next[j] + of->moved[j]);
+  }
+}
+
+/* The largest motion or depth (eq:near-constraints). */
+CT_CLONES
+static double farthest(int64_t count, const double *gap, const double *after)
 {
   double most = 0.0;
-  const int64_t count = s->first[s->set_count];
-  ct_matrix_times(s, count, s->last_increment, s->terms);
-  ct_matrix_times(s, count, s->increment, s->free);
+#pragma omp simd reduction(max : most)
   for (int64_t j = 0; j < count; j++) {
-    ct_constraint *c = s->rows[j];
-    // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
-    c->before = s->starts ? c->gap : c->gap - (s->terms[j] + c->came);
-    c->after = c->gap + (s->free[j] + c->moved);
-    double motion = fabs(c->after - c->gap), depth = -c->gap, far = motion > depth ? motion : depth;
+    const double motion = fabs(after[j] - gap[j]), depth = -gap[j],
+                 far = motion > depth ? motion : depth;
     most = far > most ? far : most;
-    if (s->starts && !s->again) c->impact = (ct_impact){.stored = ct_law_claim(c)};
   }
   return most;
+}
+
+/* Gaps of all listed rows at t_{n-1} and t_{n+1} without the constraints; returns the largest
+ * motion or depth. */
+static double predict_gaps(ct_solver *s)
+{
+  ct_law_rows *of = &s->laws;
+  const int64_t count = s->first[s->set_count];
+  if (s->starts && !s->again) forget(s);
+  ct_law_rows_read(of, s->rows, count);
+  ct_matrix_times(s, count, s->last_increment, s->terms);
+  ct_matrix_times(s, count, s->increment, s->free);
+  move_gaps(of, s->terms, s->free);
+  if (s->starts) memcpy(of->before, of->gap, (size_t)count * sizeof *of->gap);
+  return farthest(count, of->gap, of->after);
+}
+
+/* A row that takes no part in this step. */
+static void drop(const ct_solver *s, int64_t j)
+{
+  ct_constraint *c = s->laws.row[j];
+  c->before = s->laws.before[j];
+  c->after = s->laws.after[j];
+  // The force of a row without a law is given; it has friction.
+  if (!ct_law_has_rows(c->enforcement)) return;
+  c->force = 0.0;
+  if (s->again) c->impact = (ct_impact){.reserve = 0.0};
+  else ct_law_leave(c, s->dt);
+}
+
+/* Forces of the last step, and gaps without those of this one. */
+CT_CLONES
+static void begin_rows(const ct_law_rows *of, double *restrict force, double *restrict free)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    force[r] = of->force[r] - of->release[r];
+    free[r] = of->after[r];
+  }
 }
 
 /* Drop the rows that have no force in this step (eq:near-constraints). */
 static void choose_active(ct_solver *s)
 {
+  ct_law_rows *of = &s->laws;
   double most = predict_gaps(s);
   ct_pieces_largest(s->pieces, &most, 1);
-  const int64_t end = s->first[s->set_count];
   const double near = 2.0 * most;
   int64_t count = 0;
-  for (int64_t j = 0; j < end; j++) {
-    ct_constraint *c = s->rows[j];
-    // The force of a row without a law is given; it has friction.
-    if (s->tangent != NULL && !ct_law_has_rows(c->enforcement)) continue;
-    // -- Inside neither before, nor now, nor without the force (eq:near-constraints), nor held
-    if (!(c->before < 0.0 || c->gap <= near || c->after <= near || ct_law_may_release(c))) {
-      c->force = 0.0;
-      if (s->again) c->impact = (ct_impact){.reserve = 0.0};
-      else ct_law_leave(c, s->dt);
+  for (int64_t j = 0; j < of->count; j++) {
+    const ct_constraint *c = of->row[j];
+    // -- Inside before, or now, or without the force (eq:near-constraints), or held
+    const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
+                        ct_law_may_release(c),
+              has_law = s->tangent == NULL || ct_law_has_rows(c->enforcement);
+    if (!is_near || !has_law) {
+      drop(s, j);
       continue;
     }
-    s->entries[count] = s->entries[j];
-    s->free[count] = c->after;
-    s->force[count] = c->force - c->impact.release;
-    // Nothing opens at t = 0, so the place is free; the point closes now.
-    if (s->again) c->impact.release = c->force, c->impact.pressed = 0.0;
-    s->active[count++] = c;
+    if (count < j) ct_law_rows_move(of, j, count), s->entries[count] = s->entries[j];
+    count++;
   }
-  s->count = s->point_count = count;
+  s->count = s->point_count = of->count = count;
+  begin_rows(of, s->force, s->free);
+  if (!s->again) return;
+  // Nothing opens at t = 0, so the place is free; the points close now.
+  memcpy(of->release, of->force, (size_t)count * sizeof *of->force);
+  memset(of->pressed, 0, (size_t)count * sizeof *of->pressed);
 }
 
 static void set_all(double *numbers, int64_t first, int64_t end, double value)
@@ -170,32 +228,42 @@ static int fix_laws(ct_solver *s)
 {
   set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
-  for (int64_t r = 0; r < s->count; r++) {
-    ct_constraint *c = s->active[r];
-    c->dashpot = ct_law_dashpot(c, s->scale[r] / s->fraction);
-    ct_ramp ramp = ct_law_ramp(c);
-    s->C[r] = ramp.C;
-    s->b[r] = ramp.b;
-  }
+  ct_law_fix(&s->laws, s->scale, s->fraction, s->C, s->b);
   return 1;
+}
+
+/* The force of each row without those of its neighbours (eq:release-time). */
+CT_CLONES
+static void find_alone(int64_t count, const double *free, const double *b, const double *C,
+                       const double *bound, double *restrict alone)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) alone[r] = -(free[r] + b[r]) / (C[r] + bound[r]);
+}
+
+/* A second row for each point that opens in this step. */
+static void list_releases(ct_solver *s)
+{
+  if (s->starts) return;
+  find_alone(s->count, s->free, s->b, s->C, s->scale, s->image);
+  ct_law_find_releases(&s->laws, s->scale, s->dt, s->image, s->terms);
+  if (ct_is_zero(s->terms, s->count)) return;
+  for (int64_t r = 0; r < s->point_count; r++) {
+    if (s->terms[r] == 0.0) continue;
+    s->opened[s->count - s->point_count] = r;
+    s->entries[s->count] = s->entries[r];
+    s->free[s->count] = s->free[r];
+    s->scale[s->count] = s->scale[r];
+    s->active[s->count++] = s->active[r];
+  }
 }
 
 /* Add a second row for each point that opens in this step and gives back what it holds
  * (eq:release-ramp). */
 static int add_releases(ct_solver *s)
 {
-  const int64_t points = s->count;
-  for (int64_t r = 0; r < points; r++) {
-    ct_constraint *c = s->active[r];
-    // -- Its force without those of its neighbours (eq:release-time)
-    const double alone = -(s->free[r] + s->b[r]) / (s->C[r] + s->scale[r]);
-    if (s->starts || !(s->scale[r] > 0.0) || !ct_law_releases(c, s->scale[r], s->dt, alone))
-      continue;
-    s->entries[s->count] = s->entries[r];
-    s->free[s->count] = s->free[r];
-    s->scale[s->count] = s->scale[r];
-    s->active[s->count++] = c;
-  }
+  const int64_t points = s->point_count;
+  list_releases(s);
   double some = (double)(s->count - points);
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 1;
@@ -204,12 +272,23 @@ static int add_releases(ct_solver *s)
   set_all(s->direction, points, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->terms)) return 0;
   for (int64_t r = points; r < s->count; r++) {
-    ct_ramp ramp = ct_law_release(s->active[r], s->free[r], s->terms[r], &s->force[r]);
+    const int64_t own = s->opened[r - points];
+    const ct_constraint c = {.before = s->laws.before[own],
+                             .impact.reserve = s->laws.reserve[own]};
+    const ct_ramp ramp = ct_law_release(&c, s->free[r], s->terms[r], &s->force[r]);
     s->C[r] = ramp.C;
     s->b[r] = ramp.b;
   }
   for (int64_t r = 0; r < s->count; r++) s->scale[r] += s->terms[r];
   return 1;
+}
+
+/* -- 1 / D from the bounds (eq:constraint-bound) */
+CT_CLONES
+static void invert(int64_t count, const double *C, double *restrict scale)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) scale[r] = 1.0 / (scale[r] + C[r]);
 }
 
 /* The rows of the problem, their laws, and the scale of each. */
@@ -219,9 +298,16 @@ static int set_up(ct_solver *s)
   choose_active(s);
   ct_matrix_choose(s);
   if (!fix_laws(s) || !add_releases(s)) return 0;
-  // -- 1 / D (eq:constraint-bound)
-  for (int64_t r = 0; r < s->count; r++) s->scale[r] = 1.0 / (s->scale[r] + s->C[r]);
+  invert(s->count, s->C, s->scale);
   return 1;
+}
+
+/* Add the gradient without forces. */
+CT_CLONES
+static void add_free(int64_t count, const double *free, const double *b, double *restrict gradient)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) gradient[r] += free[r] + b[r];
 }
 
 /* The gradient at the present forces. */
@@ -229,7 +315,7 @@ static int find_gradient(ct_solver *s)
 {
   if (!apply(s, s->force, s->gradient)) return 0;
   // -- r = (W + C) λ + g_free + b (eq:constraint-function)
-  for (int64_t r = 0; r < s->count; r++) s->gradient[r] += s->free[r] + s->b[r];
+  add_free(s->count, s->free, s->b, s->gradient);
   return 1;
 }
 
@@ -375,28 +461,47 @@ static int iterate(ct_solver *s, double least)
   }
 }
 
-/* Energy that a row loses. The second row of a point that opens takes from what the point holds
- * (eq:release-ramp). */
-static double loss_of(const ct_solver *s, int64_t r, double after)
+/* Gaps at t_{n+1} of some rows. */
+CT_CLONES
+static void find_after(int64_t count, const double *gradient, const double *b, const double *C,
+                       const double *force, double *restrict after)
 {
-  const ct_constraint *c = s->active[r];
-  if (r < s->point_count) return ct_law_loss(c, s->force[r], after);
-  return fmin(c->impact.reserve - 0.5 * s->force[r] * (after - c->before), 0.0);
+#pragma omp simd
+  // -- g_{n+1}, of the slope g_{n+1} + b + C λ
+  for (int64_t r = 0; r < count; r++) after[r] = gradient[r] - b[r] - C[r] * force[r];
+}
+
+/* Energy that each row loses, with the given next gaps. The second row of a point that opens takes
+ * from what the point holds (eq:release-ramp). */
+static void find_losses(ct_solver *s, const double *after)
+{
+  const ct_law_rows *of = &s->laws;
+  ct_law_losses(of, s->force, after, s->terms);
+  for (int64_t r = s->point_count; r < s->count; r++) {
+    const int64_t own = s->opened[r - s->point_count];
+    s->terms[r] = fmin(of->reserve[own] - 0.5 * s->force[r] * (after[r] - of->before[own]), 0.0);
+  }
+}
+
+/* Size of the terms of each loss. */
+static void find_sizes(ct_solver *s, const double *after)
+{
+  for (int64_t r = 0; r < s->count; r++) {
+    const int64_t own = r < s->point_count ? r : s->opened[r - s->point_count];
+    s->terms[r] = s->force[r] * (fabs(after[r]) + fabs(s->laws.before[own]));
+  }
 }
 
 /* Whether all rows together lose energy, to rounding: then the energy of the bodies and of the rows
  * does not grow, whatever the forces are (eq:energy-stop). */
 static int loses_energy(ct_solver *s)
 {
-  double sum[2] = {-1.0, 0.0};
+  double sum[2] = {-1.0, 0.0}, *after = s->image;
+  find_after(s->count, s->gradient, s->b, s->C, s->force, after);
   // Round-off counts only where the losses are not positive.
   for (int sizes = 0; sizes < 2 && sum[0] < 0.0; sizes++) {
-    for (int64_t r = 0; r < s->count; r++) {
-      // -- g_{n+1}, of the slope g_{n+1} + b + C λ
-      const double force = s->force[r], after = s->gradient[r] - s->b[r] - s->C[r] * force;
-      s->terms[r] =
-          sizes ? force * (fabs(after) + fabs(s->active[r]->before)) : loss_of(s, r, after);
-    }
+    if (sizes) find_sizes(s, after);
+    else find_losses(s, after);
     sum[sizes] = ct_sum_over(s->pieces, s->terms, s->count);
   }
   return sum[0] >= -4.0 * DBL_EPSILON * sum[1];
@@ -418,17 +523,27 @@ static void step_chebyshev(int64_t count, double share, double length, const dou
   }
 }
 
+/* The forces that an even pressure would have. */
+CT_CLONES
+static void press_evenly(int64_t count, const double *free, const double *b, const double *scale,
+                         double *restrict force)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) {
+    // -- λ = ⟨-q / D⟩ (eq:chebyshev)
+    const double own = -(free[r] + b[r]) * scale[r];
+    force[r] = own > 0.0 ? own : 0.0;
+  }
+}
+
 /* Approach the solution from the forces that an even pressure would have. Sets `converged` if they
  * meet the tolerance and no energy appears; returns 0 if they are not finite. */
 static int approach(ct_solver *s)
 {
   const double middle = 0.5 * (1.0 + LOWEST), half = 0.5 * (1.0 - LOWEST), ratio = middle / half;
   double share = 0.0, length = 1.0 / middle, rho = 1.0 / ratio;
-  // -- λ = ⟨-q / D⟩ (eq:chebyshev)
-  for (int64_t r = 0; r < s->count; r++) {
-    s->force[r] = fmax(-(s->free[r] + s->b[r]) * s->scale[r], 0.0);
-    s->direction[r] = 0.0;
-  }
+  press_evenly(s->count, s->free, s->b, s->scale, s->force);
+  set_all(s->direction, 0, s->count, 0.0);
   for (int i = 0; i < MOST_CHEBYSHEV; i++) {
     double d[MEASURES];
     if (!find_gradient(s)) return 0;
@@ -465,14 +580,6 @@ static void store_forces(ct_solver *s)
   for (int64_t r = 0; r < s->point_count; r++) s->active[r]->force = s->force[r];
 }
 
-/* Store the gaps of the points. */
-static void store_gaps(ct_solver *s)
-{
-  for (int64_t r = 0; r < s->point_count; r++)
-    // -- g_{n+1}, of the slope g_{n+1} + b + C λ
-    s->active[r]->after = s->gradient[r] - s->b[r] - s->C[r] * s->force[r];
-}
-
 /* The forces of all active rows and the tangential ones, in turn, until the second no longer change
  * the first, or hardly and without energy (eq:energy-stop). Returns 0 if they are not finite. */
 static int find_all_forces(ct_solver *s)
@@ -481,8 +588,8 @@ static int find_all_forces(ct_solver *s)
   for (int pass = 0;; pass++) {
     double change = 0.0;
     if (!find_forces(s)) return 0;
-    store_forces(s);
     if (s->tangent == NULL) return 1;
+    store_forces(s);
     if (!ct_tangent_solve(s, pass, &change)) return 0;
     if (change <= UNCHANGED || (change <= nearly && loses_energy(s))) return 1;
     if (pass < MOST_PASSES) continue;
@@ -491,27 +598,47 @@ static int find_all_forces(ct_solver *s)
   }
 }
 
-/* Add the forces of the second rows, and store what the points hold. */
+/* Twice the mean motion of each point while the force acts: of two steps, or of half a step with v_0
+ * and v_{1/2}, of which `last` is the motion of the nodes (eq:contact-step-work, eq:reserve-start).
+ */
+CT_CLONES
+static void find_ways(const ct_law_rows *of, int starts, const double *last, double *restrict way)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    const double begins = 0.5 * ((of->after[r] - of->gap[r]) + (last[r] + of->moved[r])),
+                 both = of->after[r] - of->before[r];
+    way[r] = starts ? begins : both;
+  }
+}
+
+/* Add the forces of the second rows, and what the points hold after the step. */
 static void settle(ct_solver *s)
 {
-  for (int64_t r = 0; s->again && r < s->point_count; r++)
-    ct_law_settle_again(s->active[r], s->dt, s->active[r]->impact.release);
-  if (s->again) return;
-  for (int64_t r = 0; r < s->point_count; r++) s->active[r]->impact.release = 0.0;
+  const ct_law_rows *of = &s->laws;
+  set_all(of->release, 0, s->point_count, 0.0);
   for (int64_t r = s->point_count; r < s->count; r++) {
-    s->active[r]->impact.release = s->force[r];
-    s->active[r]->force += s->force[r];
+    const int64_t own = s->opened[r - s->point_count];
+    of->release[own] = s->force[r];
+    of->force[own] += s->force[r];
   }
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
-  for (int64_t r = 0; r < s->point_count; r++) {
-    ct_constraint *c = s->active[r];
-    // -- Twice the mean motion while the force acts: of two steps, or of half a step with v_0 and
-    // v_{1/2} (eq:contact-step-work, eq:reserve-start)
-    const double x =
-        s->starts ? 0.5 * ((c->after - c->gap) + (s->terms[r] + c->moved)) : c->after - c->before;
-    // -- λ_u > 0 (eq:release-time)
-    ct_law_settle(c, s->dt, x, s->free[r] + s->b[r] < 0.0);
-  }
+  find_ways(of, s->starts, s->terms, s->image);
+  set_all(s->guide, 0, s->point_count, 0.0);
+  add_free(s->point_count, s->free, s->b, s->guide);
+  ct_law_settle_all(of, s->dt, s->image, s->guide);
+}
+
+/* Write the forces, gaps and memory of the points. */
+static void store(ct_solver *s)
+{
+  const ct_law_rows *of = &s->laws;
+  find_after(of->count, s->gradient, s->b, s->C, s->force, of->after);
+  memcpy(of->force, s->force, (size_t)of->count * sizeof *of->force);
+  if (!s->again) settle(s);
+  ct_law_rows_write(of);
+  for (int64_t r = 0; s->again && r < of->count; r++)
+    ct_law_settle_again(of->row[r], s->dt, of->row[r]->impact.release);
 }
 
 int ct_solver_solve(ct_solver *s)
@@ -522,7 +649,6 @@ int ct_solver_solve(ct_solver *s)
   if (s->tangent != NULL && !ct_tangent_begin(s)) return 0;
   if (!find_all_forces(s)) return 0;
   if (s->tangent != NULL) ct_tangent_store(s);
-  store_gaps(s);
-  settle(s);
+  store(s);
   return 1;
 }

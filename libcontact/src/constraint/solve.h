@@ -5,6 +5,7 @@
 
 #include "../base/memory.h"
 #include "../base/pieces.h"
+#include "law.h"
 
 /* Rows of one effect; its nodes are ascending numbers of the problem. */
 typedef struct ct_row_set {
@@ -67,7 +68,9 @@ typedef struct ct_solver {
   int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
   int64_t count;              /* active rows: of points, and then those of points that open */
   int64_t point_count;        /* active rows of points */
-  ct_constraint **active;     /* these rows */
+  ct_law_rows laws;           /* the numbers of these points */
+  ct_constraint **active;     /* the points of all active rows */
+  int64_t *opened;            /* of each of the second rows: the row of its point */
   double *C, *b;              /* their laws: compliance, and offset of the next gap (eq:ramp) */
   double *free;               /* gaps at t_{n+1} without the constraints */
   double *force;              /* λ */

@@ -1,0 +1,149 @@
+/* The numbers of rows side by side. Four rows are turned into columns at once. */
+#include "law_rows.h"
+
+#include "../base/lanes.h"
+
+#include <stddef.h>
+
+/* The members of a row that are read, in groups of four that follow on each other from a member on,
+ * and the first array of each group; and those that are written. */
+#define AT(member) (offsetof(ct_constraint, member) / sizeof(double))
+enum { READ = 4, WRITE = 2, RELEASE = 15 };
+static const size_t READS[READ][2] = {
+    {AT(stiffness), 0}, {AT(gap), 4}, {AT(force), 10}, {AT(impact.pressed), 12}};
+static const size_t WRITES[WRITE][2] = {{AT(dashpot), 7}, {AT(impact.reserve), 11}};
+
+/* A member between these does not compile. */
+typedef char members_follow_on_each_other[AT(travel_time) == AT(stiffness) + 3 &&
+                                                  AT(dashpot) == AT(gap) + 3 &&
+                                                  AT(force) == AT(dashpot) + 3 &&
+                                                  AT(impact.reserve) == AT(force) + 1 &&
+                                                  AT(impact.release) == AT(impact.reserve) + 4
+                                              ? 1
+                                              : -1];
+
+void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_law_rows *out)
+{
+  double **numbers[CT_LAW_NUMBERS] = {
+      &out->stiffness, &out->dissipation, &out->restitution, &out->travel_time, &out->gap,
+      &out->moved,     &out->came,        &out->dashpot,     &out->before,      &out->after,
+      &out->force,     &out->reserve,     &out->pressed,     &out->idle,        &out->stored,
+      &out->release,   &out->last,        &out->next};
+  double *all = out->all = ct_pool_take(pool, (size_t)most, CT_LAW_NUMBERS * sizeof *all);
+  out->most = most;
+  out->row = rows;
+  for (int i = 0; all != NULL && i < CT_LAW_NUMBERS; i++) *numbers[i] = all + i * most;
+}
+
+/* Four rows of four numbers become columns. */
+CT_INLINE void turn(const double *const from[4], double *const to[4])
+{
+#if CT_ROWS
+  const ct_quad *a = (const ct_quad *)from[0], *b = (const ct_quad *)from[1],
+                *c = (const ct_quad *)from[2], *d = (const ct_quad *)from[3];
+  const ct_quad low = CT_PICK(*a, *b, 0, 4, 2, 6), high = CT_PICK(*a, *b, 1, 5, 3, 7),
+                low2 = CT_PICK(*c, *d, 0, 4, 2, 6), high2 = CT_PICK(*c, *d, 1, 5, 3, 7);
+  *(ct_quad *)to[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  *(ct_quad *)to[1] = CT_PICK(high, high2, 0, 1, 4, 5);
+  *(ct_quad *)to[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+  *(ct_quad *)to[3] = CT_PICK(high, high2, 2, 3, 6, 7);
+#else
+  for (int i = 0; i < 4; i++)
+    for (int k = 0; k < 4; k++) to[k][i] = from[i][k];
+#endif
+}
+
+CT_INLINE double *numbers_of(const ct_constraint *c) { return (double *)(uintptr_t)c; }
+
+/* Rows as numbers, and the arrays with the numbers of the first of them. */
+typedef struct columns {
+  double *row[4];
+  double *first;
+  int64_t most;
+} columns;
+
+CT_INLINE columns columns_of(const ct_law_rows *rows, int64_t r, int count)
+{
+  columns c = {.first = rows->all + r, .most = rows->most};
+  for (int i = 0; i < count; i++) c.row[i] = numbers_of(rows->row[r + i]);
+  return c;
+}
+
+CT_INLINE void read_four(const columns c)
+{
+  for (int g = 0; g < READ; g++) {
+    const double *from[4];
+    double *to[4];
+    for (int i = 0; i < 4; i++) {
+      from[i] = c.row[i] + READS[g][0];
+      to[i] = c.first + ((int64_t)READS[g][1] + i) * c.most;
+    }
+    turn(from, to);
+  }
+}
+
+CT_INLINE void read_one(const columns c)
+{
+  for (int g = 0; g < READ; g++)
+    for (int i = 0; i < 4; i++)
+      c.first[((int64_t)READS[g][1] + i) * c.most] = c.row[0][READS[g][0] + (size_t)i];
+}
+
+CT_CLONES
+static void read_rows(const ct_law_rows *to)
+{
+  const int64_t count = to->count;
+  int64_t r = 0;
+  for (; r + 4 <= count; r += 4) read_four(columns_of(to, r, 4));
+  for (; r < count; r++) read_one(columns_of(to, r, 1));
+}
+
+void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t count)
+{
+  int one_law = 1;
+  for (int64_t r = 0; r < count; r++) {
+    to->row[r] = rows[r];
+    one_law &= rows[r]->enforcement == rows[0]->enforcement;
+  }
+  to->count = count;
+  to->one_law = one_law;
+  read_rows(to);
+}
+
+void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to)
+{
+  rows->row[to] = rows->row[from];
+  for (int i = 0; i < CT_LAW_NUMBERS; i++)
+    rows->all[i * rows->most + to] = rows->all[i * rows->most + from];
+}
+
+CT_INLINE void write_four(const columns c)
+{
+  for (int g = 0; g < WRITE; g++) {
+    const double *from[4];
+    double *to[4];
+    for (int i = 0; i < 4; i++) {
+      from[i] = c.first + ((int64_t)WRITES[g][1] + i) * c.most;
+      to[i] = c.row[i] + WRITES[g][0];
+    }
+    turn(from, to);
+  }
+  for (int i = 0; i < 4; i++) c.row[i][AT(impact.release)] = c.first[RELEASE * c.most + i];
+}
+
+CT_INLINE void write_one(const columns c)
+{
+  for (int g = 0; g < WRITE; g++)
+    for (int i = 0; i < 4; i++)
+      c.row[0][WRITES[g][0] + (size_t)i] = c.first[((int64_t)WRITES[g][1] + i) * c.most];
+  c.row[0][AT(impact.release)] = c.first[RELEASE * c.most];
+}
+
+CT_CLONES
+void ct_law_rows_write(const ct_law_rows *from)
+{
+  const int64_t count = from->count;
+  int64_t r = 0;
+  for (; r + 4 <= count; r += 4) write_four(columns_of(from, r, 4));
+  for (; r < count; r++) write_one(columns_of(from, r, 1));
+}
