@@ -4,14 +4,14 @@
 #include "../../libcontact/src/constraint/matrix.h"
 #include "bodies.h"
 
-enum { NODES = 9, ROWS = 14, OWN = 4, OTHER = 4, DOFS = 3 * NODES };
+enum { NODES = 9, ROWS = 14, PER = 8, DOFS = 3 * NODES };
 
 /* Random rows on few nodes, with the matrices of the book. */
 typedef struct rows {
   ct_solver *s;
   ct_constraint row[ROWS];
-  int32_t own[ROWS][OWN], other[ROWS][OTHER];
-  double own_shape[ROWS][OWN], other_shape[ROWS][OTHER];
+  int32_t own[ROWS][PER], other[ROWS][PER];
+  double own_shape[ROWS][PER], other_shape[ROWS][PER];
   double G[ROWS][DOFS], A[DOFS], W[ROWS][ROWS];
 } rows;
 
@@ -22,9 +22,26 @@ static void take_nodes(int32_t count, int32_t *nodes, double *shape)
   for (int32_t a = 0; a < count; a++) nodes[a] = (first + 2 * a) % NODES, shape[a] = uniform(1.0);
 }
 
+/* The nodes of a row: faces of three, four and eight nodes, or those of the row before. */
+static void choose_nodes(rows *r, int j)
+{
+  static const int32_t own[] = {4, 4, 3, 8}, other[] = {4, 0, 3, 8};
+  ct_constraint *c = &r->row[j];
+  const int kind = pick(8) ? pick(2) : pick(4);
+  c->own_count = own[kind], c->other_count = other[kind];
+  take_nodes(c->own_count, r->own[j], r->own_shape[j]);
+  take_nodes(c->other_count, r->other[j], r->other_shape[j]);
+  c->own = r->own[j], c->other = r->other[j];
+  c->own_shape = r->own_shape[j], c->other_shape = r->other_shape[j];
+  if (j == 0 || pick(3) == 0 || c->own_count != c[-1].own_count ||
+      c->other_count != c[-1].other_count)
+    return;
+  c->own = c[-1].own, c->other = c[-1].other;
+}
+
 static void fill(rows *r)
 {
-  static const ct_row_set set = {ROWS, NODES, NULL, OWN + OTHER, 0};
+  static const ct_row_set set = {ROWS, NODES, NULL, 2 * PER, 0};
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(&set, 1, NODES, place, &r->s), &e);
@@ -38,19 +55,12 @@ static void fill(rows *r)
     }
   for (int j = 0; j < ROWS; j++) {
     ct_constraint *c = &r->row[j];
-    take_nodes(OWN, r->own[j], r->own_shape[j]);
-    take_nodes(OTHER, r->other[j], r->other_shape[j]);
     *c = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
-                         .own_count = OWN,
-                         .other_count = j % 3 == 0 ? 0 : OTHER,
-                         .own = r->own[j],
-                         .other = r->other[j],
-                         .own_shape = r->own_shape[j],
-                         .other_shape = r->other_shape[j],
                          .stiffness = pow(10.0, uniform(1.0)),
                          .dissipation = 0.15,
                          .gap = uniform(0.5),
                          .force = fmax(0.0, uniform(1.0))};
+    choose_nodes(r, j);
     double length = 0.0;
     for (int k = 0; k < 3; k++) c->normal[k] = uniform(1.0), length += c->normal[k] * c->normal[k];
     for (int k = 0; k < 3; k++) c->normal[k] /= sqrt(length);
@@ -66,7 +76,7 @@ static void fill_dense(rows *r)
   for (int64_t j = 0; j < r->s->count; j++) {
     const ct_constraint *c = r->s->active[j];
     for (int k = 0; k < 3; k++) {
-      for (int a = 0; a < OWN; a++) r->G[j][3 * c->own[a] + k] += c->own_shape[a] * c->normal[k];
+      for (int a = 0; a < c->own_count; a++) r->G[j][3 * c->own[a] + k] += c->own_shape[a] * c->normal[k];
       for (int a = 0; a < c->other_count; a++)
         r->G[j][3 * c->other[a] + k] -= c->other_shape[a] * c->normal[k];
     }
@@ -108,14 +118,12 @@ static void slopes(void)
     rows r;
     prepare(&r);
     const ct_solver *s = r.s;
-    for (int64_t j = 0; j < s->count; j++) {
-      double dense[DOFS] = {0.0};
-      const ct_entries e = s->entries[j];
-      for (int a = 0; a < e.own + e.other; a++)
-        for (int c = 0; c < 3; c++)
-          dense[3 * (s->entry_place[e.place + a] / CT_SOLVER_WIDE) + c] +=
-              s->G[CT_SOLVER_WIDE * (e.first + a) + c];
-      off_force = worst(off_force, largest_difference(dense, r.G[j], DOFS));
+    for (int d = 0; d < DOFS; d++) {
+      double unit[CT_SOLVER_WIDE * NODES] = {0.0}, column[ROWS];
+      unit[CT_SOLVER_WIDE * (d / 3) + d % 3] = 1.0;
+      ct_matrix_times(s, s->count, unit, column);
+      for (int64_t j = 0; j < s->count; j++)
+        off_force = worst(off_force, column[j] - r.G[j][d]);
     }
     (void)find_gradient(r.s);
     for (int64_t j = 0; j < s->count; j++) {
@@ -148,13 +156,13 @@ static void step(void)
     double crowd[NODES] = {0.0}, before[ROWS];
     for (int64_t k = 0; k < s->count; k++) {
       const ct_constraint *c = s->active[k];
-      for (int a = 0; a < OWN; a++) crowd[c->own[a]] += fabs(c->own_shape[a]);
+      for (int a = 0; a < c->own_count; a++) crowd[c->own[a]] += fabs(c->own_shape[a]);
       for (int a = 0; a < c->other_count; a++) crowd[c->other[a]] += fabs(c->other_shape[a]);
     }
     for (int64_t j = 0; j < s->count; j++) {
       const ct_constraint *c = s->active[j];
       double D = s->C[j];
-      for (int a = 0; a < OWN; a++)
+      for (int a = 0; a < c->own_count; a++)
         D += fabs(c->own_shape[a]) * largest(&r.A[3 * c->own[a]], 3) * crowd[c->own[a]];
       for (int a = 0; a < c->other_count; a++)
         D += fabs(c->other_shape[a]) * largest(&r.A[3 * c->other[a]], 3) * crowd[c->other[a]];
@@ -207,7 +215,7 @@ static double before_by_hand(const rows *r, int j)
   const ct_constraint *c = &r->row[j];
   double gap = c->gap - c->came;
   for (int k = 0; k < 3; k++) {
-    for (int a = 0; a < OWN; a++)
+    for (int a = 0; a < c->own_count; a++)
       gap -= c->own_shape[a] * c->normal[k] * r->s->last_increment[CT_SOLVER_WIDE * c->own[a] + k];
     for (int a = 0; a < c->other_count; a++)
       gap +=
@@ -231,7 +239,7 @@ static void near_rows(void)
       free[j] = c->gap = fabs(c->gap) - 0.3;
       c->came = 1.5 * uniform(1.0); // moves the gap of one step ago alone
       for (int k = 0; k < 3; k++) {
-        for (int a = 0; a < OWN; a++)
+        for (int a = 0; a < c->own_count; a++)
           free[j] +=
               c->own_shape[a] * c->normal[k] * r.s->increment[CT_SOLVER_WIDE * c->own[a] + k];
         for (int a = 0; a < c->other_count; a++)

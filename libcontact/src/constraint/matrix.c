@@ -9,42 +9,47 @@
 #include <math.h>
 #include <string.h>
 
-enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
+enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4 };
 
-/* Places of the nodes of a row in vectors at nodes, from `at` on. */
-static void find_places(ct_solver *s, int32_t set, const ct_constraint *c, int64_t at)
+/* The node of a face in each lane of its quads: then the sums over lanes pair the nodes as
+ * ct_sum_face does, so that a flipped face gives the same bits (eq:tree-sum). */
+static const int32_t NODE[8] = {0, 1, 2, 3, 4, 6, 5, 7};
+
+/* Numbers of quads that hold the nodes of a face, and of numbers that a row has in G. */
+CT_INLINE int32_t quads_of(int32_t count) { return (int32_t)(((uint32_t)count + 3) / 4); }
+CT_INLINE int64_t numbers_of(const ct_group *g)
 {
-  const int32_t *place = &s->place[s->first_node[set]];
-  int32_t *out = &s->entry_place[at];
-  for (int32_t a = 0; a < c->own_count; a++) *out++ = WIDE * place[c->own[a]];
-  for (int32_t a = 0; a < c->other_count; a++) *out++ = WIDE * place[c->other[a]];
+  return 4 * (1 + (int64_t)quads_of(g->own) + quads_of(g->other));
 }
 
-/* Entries of the nodes of one face, N times a direction; the fourth component is the size |b_a|. */
-CT_INLINE void fill_face(int32_t count, const double *N, const double direction[WIDE], double *G)
+/* Places of the nodes of a face in vectors at nodes; the rows there are counted. */
+CT_INLINE void find_places(int32_t count, const int32_t *node, const int32_t *number, int32_t rows,
+                           int32_t *restrict counts, int32_t *restrict place)
 {
   for (int32_t a = 0; a < count; a++) {
-    // -- b_a n (eq:constraint-force)
-    for (int i = 0; i < PARTS; i++)
-      ((ct_quad *)&G[WIDE * a])[i] = N[a] * ((const ct_quad *)direction)[i];
-    G[WIDE * a + 3] = fabs(N[a]);
+    const int32_t own = number[node[a]];
+    place[a] = WIDE * own;
+    counts[own] += rows;
   }
 }
 
-/* Entries of one row, with `own` and `other` nodes; inlined for the most frequent numbers. */
-CT_INLINE void fill_nodes(int32_t own, int32_t other, const ct_constraint *c, double *G)
+/* Numbers b_a of the nodes of one face; lanes without a node are 0. */
+CT_INLINE void fill_face(int32_t count, double sign, const double *N, double *b)
 {
-  const double *n = c->normal, to[WIDE] = {n[0], n[1], n[2]}, from[WIDE] = {-n[0], -n[1], -n[2]};
-  fill_face(own, c->own_shape, to, G);
-  fill_face(other, c->other_shape, from, G + WIDE * own);
+  const int32_t whole = count < 4 ? 0 : 4;
+  // -- b_a = N_a on the own face, -N̄_a on the other (eq:constraint-force)
+  for (int i = 0; whole > 0 && i < PARTS; i++)
+    ((ct_quad *)b)[i] = sign * ((const ct_quad *)N)[i];
+  for (int32_t l = whole; l < 4 * quads_of(count); l++)
+    b[l] = NODE[l] < count ? sign * N[NODE[l]] : 0.0;
 }
 
-/* Entries of one row. */
-CT_INLINE void fill_row(const ct_constraint *c, double *G)
+/* Numbers of one row; inlined for the most frequent numbers of nodes. */
+CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, double *row)
 {
-  if (c->own_count == 4 && c->other_count == 4) fill_nodes(4, 4, c, G);
-  else if (c->own_count == 4 && c->other_count == 0) fill_nodes(4, 0, c, G);
-  else fill_nodes(c->own_count, c->other_count, c, G);
+  for (int i = 0; i < 3; i++) row[i] = c->normal[i];
+  fill_face(own, 1.0, c->own_shape, row + 4);
+  fill_face(other, -1.0, c->other_shape, row + 4 + 4 * quads_of(own));
 }
 
 static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
@@ -53,154 +58,310 @@ static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
          c->other_count == d->other_count;
 }
 
-/* The rows of G: b_a n for the nodes a of each listed row (eq:constraint-force). */
+/* Number of rows from the first of some rows on that have its nodes. */
+CT_INLINE int32_t count_alike(ct_constraint *const *row, int64_t most)
+{
+  int32_t rows = 1;
+  while (rows < most && has_nodes_of(row[0], row[rows])) rows++;
+  return rows;
+}
+
+/* Fill one group, with the numbers of nodes of its faces. */
+CT_INLINE void fill_group(ct_solver *s, int32_t set, ct_constraint *const *row, int32_t own,
+                          int32_t other, const ct_group *g)
+{
+  const int32_t *number = &s->place[s->first_node[set]];
+  const int64_t step = 4 * (1 + quads_of(own) + quads_of(other));
+  int32_t *place = &s->entry_place[g->place];
+  double *G = &s->G[g->first];
+  find_places(own, row[0]->own, number, g->rows, s->row_counts, place);
+  find_places(other, row[0]->other, number, g->rows, s->row_counts, place + own);
+  for (int32_t r = 0; r < g->rows; r++) fill_row(own, other, row[r], G + r * step);
+  for (int32_t r = 0; s->tangent != NULL && r < g->rows; r++)
+    if (row[r]->slip != NULL) row[r]->slip->place = g->place;
+}
+
 CT_CLONES
-static void fill_entries(ct_solver *s)
+void ct_matrix_fill(ct_solver *s)
 {
-  int64_t next = 0, places = 0;
-  ct_entries *head = s->entries; // of the first of the rows with the same nodes
+  ct_group *g = s->groups;
+  int64_t next = 0, place = 0;
+  memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
   for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
-      const ct_constraint *c = s->rows[j];
-      ct_entries e = {next, places, c->own_count, c->other_count, 1};
-      int32_t nodes = e.own + e.other;
-      if (j > s->first[k] && has_nodes_of(c, s->rows[j - 1])) {
-        e.place -= nodes;
-        head->alike++;
-      } else {
-        head = &s->entries[j];
-        find_places(s, k, c, places), places += nodes;
-      }
-      s->entries[j] = e;
-      if (c->slip != NULL) c->slip->place = e.place;
-      fill_row(c, &s->G[WIDE * next]);
-      next += nodes;
+    for (int64_t j = s->first[k]; j < s->first[k + 1]; j += g++->rows) {
+      ct_constraint *const *row = &s->rows[j];
+      const int32_t own = row[0]->own_count, other = row[0]->other_count;
+      *g = (ct_group){next, place, own, other, count_alike(row, s->first[k + 1] - j)};
+      if (own == 4 && other == 4) fill_group(s, k, row, 4, 4, g);
+      else if (own == 4 && other == 0) fill_group(s, k, row, 4, 0, g);
+      else fill_group(s, k, row, own, other, g);
+      next += g->rows * numbers_of(g);
+      place += own + other;
     }
+  s->group_count = g - s->groups;
+  s->counted = 1;
 }
 
-/* Whether row `later` has the same nodes as row `r`, and its entries are those that follow on the
- * entries of all rows between them. */
-static int follows(const ct_entries *entries, int64_t r, int64_t later)
+void ct_matrix_add(ct_solver *s, const ct_group *of, int64_t row)
 {
-  const ct_entries e = entries[r], l = entries[later];
-  return l.place == e.place && l.first == e.first + (later - r) * (e.own + e.other);
+  ct_group one = *of, *end = &s->groups[s->group_count];
+  s->counted = 0;
+  one.first += row * numbers_of(of);
+  one.rows = 1;
+  if (s->group_count > 0 && end[-1].place == one.place &&
+      end[-1].first + end[-1].rows * numbers_of(of) == one.first)
+    end[-1].rows++;
+  else s->groups[s->group_count++] = one;
 }
 
-/* Find for each of some rows how many from it on have the same nodes, with consecutive entries. Of
- * most rows all that were listed with the same nodes are there. */
-static void find_alike(int64_t count, ct_entries *entries)
+/* Components of vectors at four nodes, as x, y and z of all. */
+CT_INLINE void turn_nodes(const double *const at[4], ct_quad *out)
 {
-  for (int64_t r = 0, end; r < count; r = end) {
-    end = r + entries[r].alike;
-    if (end > count || !follows(entries, r, end - 1)) end = r + 1;
-    while (end < count && follows(entries, r, end)) end++;
-    entries[r].alike = (int32_t)(end - r);
+#if CT_ROWS
+  const ct_quad a = *(const ct_quad *)at[0], b = *(const ct_quad *)at[1],
+                c = *(const ct_quad *)at[2], d = *(const ct_quad *)at[3];
+  const ct_quad low = CT_PICK(a, b, 0, 4, 2, 6), low2 = CT_PICK(c, d, 0, 4, 2, 6);
+  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  out[1] = CT_PICK(CT_PICK(a, b, 1, 5, 3, 7), CT_PICK(c, d, 1, 5, 3, 7), 0, 1, 4, 5);
+  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+#else
+  for (int l = 0; l < 4; l++)
+    for (int i = 0; i < 3; i++) ((double *)out)[4 * i + l] = at[l][i];
+#endif
+}
+
+/* The reverse. */
+CT_INLINE void turn_back(const ct_quad *v, ct_quad *out)
+{
+#if CT_ROWS
+  const ct_quad none = {0.0}, low = CT_PICK(v[0], v[1], 0, 4, 2, 6),
+                high = CT_PICK(v[0], v[1], 1, 5, 3, 7), low2 = CT_PICK(v[2], none, 0, 4, 2, 6),
+                high2 = CT_PICK(v[2], none, 1, 5, 3, 7);
+  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  out[1] = CT_PICK(high, high2, 0, 1, 4, 5);
+  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+  out[3] = CT_PICK(high, high2, 2, 3, 6, 7);
+#else
+  for (int l = 0; l < 4; l++)
+    for (int i = 0; i < WIDE; i++)
+      ((double *)out)[WIDE * l + i] = i < 3 ? ((const double *)v)[4 * i + l] : 0.0;
+#endif
+}
+
+/* Sums over the lanes of four quads: (0 + 1) + (2 + 3) of each. */
+CT_INLINE void sum_lanes(const ct_quad *t, ct_quad *out)
+{
+#if CT_ROWS
+  const ct_quad a = CT_PICK(t[0], t[1], 0, 4, 2, 6) + CT_PICK(t[0], t[1], 1, 5, 3, 7),
+                b = CT_PICK(t[2], t[3], 0, 4, 2, 6) + CT_PICK(t[2], t[3], 1, 5, 3, 7);
+  *out = CT_PICK(a, b, 0, 1, 4, 5) + CT_PICK(a, b, 2, 3, 6, 7);
+#else
+  for (int r = 0; r < 4; r++) {
+    const double *own = (const double *)&t[PARTS * r];
+    ((double *)out)[r] = (own[0] + own[1]) + (own[2] + own[3]);
+  }
+#endif
+}
+
+/* |x| of each lane. */
+#if defined(__GNUC__)
+typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8), may_alias));
+#define SIZE_OF(x) ((ct_quad)((quad_bits)(x)&INT64_MAX))
+#else
+#define SIZE_OF(x) fabs(x)
+#endif
+
+/* The node of a row in lane l of the quads of both faces, or -1. */
+CT_INLINE int32_t node_in(int32_t own, int32_t other, int32_t l)
+{
+  const int32_t theirs = l - 4 * quads_of(own);
+  if (theirs < 0) return NODE[l] < own ? NODE[l] : -1;
+  return NODE[theirs] < other ? own + NODE[theirs] : -1;
+}
+
+/* The vectors at the nodes of both faces: for each quad x, y and z, or with `sizes` the fourth
+ * components. */
+CT_INLINE void load_nodes(int sizes, int32_t own, int32_t other, const int32_t *place,
+                          const double *x, ct_quad *at)
+{
+  for (int32_t q = 0; q < quads_of(own) + quads_of(other); q++) {
+    const double *node[4];
+    for (int32_t l = 0; l < 4; l++) {
+      const int32_t a = node_in(own, other, 4 * q + l);
+      node[l] = &x[a < 0 ? 0 : place[a]]; // times 0
+    }
+    double *fourth = (double *)&at[3 * PARTS * q];
+    if (!sizes) turn_nodes(node, &at[3 * PARTS * q]);
+    for (int l = 0; sizes && l < 4; l++) fourth[l] = node[l][3];
   }
 }
 
-void ct_matrix_fill(ct_solver *s) { fill_entries(s); }
-
-/* One quad for each of some nodes. */
-CT_INLINE void load_nodes(int32_t count, const int32_t *place, const double *x, ct_quad *at)
+/* Σ over the lanes of some quads, b_a times the motion of the node along the normal, or |b_a| times
+ * its fourth component, of four rows. */
+CT_INLINE void sum_quads(int sizes, int32_t first, int32_t count, const double *const row[4],
+                         const ct_quad *at, ct_quad *out)
 {
-  for (int32_t a = 0; a < count; a++)
-    for (int i = 0; i < PARTS; i++) at[PARTS * a + i] = ((const ct_quad *)&x[place[a]])[i];
-}
-
-/* Σ over the nodes of one face. */
-CT_INLINE void sum_face(int32_t count, const ct_quad *G, const ct_quad *at, ct_quad *out)
-{
-  for (int i = 0; i < PARTS; i++) {
-    ct_quad t[8];
-    for (int32_t a = 0; a < count; a++) t[a] = G[PARTS * a + i] * at[PARTS * a + i];
-    ct_sum_face(count, t, &out[i]);
+  for (int32_t q = first; q < first + count; q++) {
+    ct_quad t[4 * PARTS], sum[PARTS];
+    const ct_quad *x = &at[3 * PARTS * q];
+    for (int r = 0; r < 4; r++)
+      for (int i = 0; i < PARTS; i++) {
+        const double *n = row[r];
+        const ct_quad b = ((const ct_quad *)&row[r][4 + 4 * q])[i];
+        t[PARTS * r + i] =
+            sizes ? SIZE_OF(b) * x[i]
+                  : ((n[0] * x[i] + n[1] * x[PARTS + i]) + n[2] * x[2 * PARTS + i]) * b;
+      }
+    sum_lanes(t, sum);
+    for (int i = 0; i < PARTS; i++)
+      if (q == first) out[i] = sum[i];
+      else out[i] += sum[i];
   }
 }
 
-/* Some rows of G with the same nodes times a vector, or their sizes times its fourth components.
- * Inlined for faces with four and eight nodes, the most frequent ones, so that the values at the
- * nodes stay in registers. */
+/* Rows of G with the same nodes times a vector, or their sizes times its fourth components. Inlined
+ * for faces with four and eight nodes, the most frequent ones, so that the vectors at the nodes
+ * stay in registers. */
 CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, const int32_t *place,
                           const double *G, const double *x, double *out)
 {
-  ct_quad at[PARTS * CT_ROW_NODES], mine[PARTS], theirs[PARTS];
-  load_nodes(own + other, place, x, at);
-  for (int32_t r = 0; r < rows; r++, G += WIDE * (own + other)) {
-    sum_face(own, (const ct_quad *)G, at, mine);
-    if (other > 0) sum_face(other, (const ct_quad *)G + PARTS * own, at + PARTS * own, theirs);
-    for (int i = 0; other > 0 && i < PARTS; i++) mine[i] += theirs[i];
-    const double *sum = (const double *)mine;
-    out[r] = sizes ? sum[3] : (sum[0] + sum[1]) + sum[2];
+  const int32_t mine = quads_of(own), theirs = quads_of(other), step = 4 * (1 + mine + theirs);
+  const ct_quad none = {0.0};
+  ct_quad at[3 * PARTS * MOST_QUADS], sum[PARTS], more[PARTS];
+  load_nodes(sizes, own, other, place, x, at);
+  for (int32_t r = 0; r < rows; r += 4, G += 4 * step) {
+    const double *row[4];
+    for (int i = 0; i < 4; i++) row[i] = G + (r + i < rows ? i : 0) * step;
+    for (int i = 0; i < PARTS; i++) sum[i] = more[i] = none;
+    sum_quads(sizes, 0, mine, row, at, sum);
+    sum_quads(sizes, mine, theirs, row, at, more);
+    for (int i = 0; theirs > 0 && i < PARTS; i++) sum[i] += more[i];
+    for (int i = 0; i < 4 && r + i < rows; i++) out[r + i] = ((const double *)sum)[i];
   }
 }
 
-/* G times a vector at nodes; with `sizes` the absolute entries times its fourth components. */
-CT_CLONES
-static void times_G(int sizes, const ct_entries *rows, int64_t count, const int32_t *places,
-                    const double *G, const double *x, double *out)
+/* G times a vector at nodes; with `sizes` the absolute numbers times its fourth components. */
+CT_INLINE void times_groups(int sizes, const ct_group *groups, int64_t count,
+                            const int32_t *places, const double *G, const double *x, double *out)
 {
-  for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
-    const int32_t *place = &places[e->place], alike = e->alike;
-    const double *g = &G[WIDE * e->first];
-    if (e->own == 4 && e->other == 4 && alike == 4) times_rows(sizes, 4, 4, 4, place, g, x, out);
-    else if (e->own == 4 && e->other == 0 && alike == 4)
+  const double *end = out + count;
+  for (const ct_group *e = groups; out < end; out += e->rows, e++) {
+    const int32_t *place = &places[e->place], rows = e->rows;
+    const double *g = &G[e->first];
+    if (e->own == 4 && e->other == 4 && rows == 4) times_rows(sizes, 4, 4, 4, place, g, x, out);
+    else if (e->own == 4 && e->other == 0 && rows == 4)
       times_rows(sizes, 4, 0, 4, place, g, x, out);
-    else if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, alike, place, g, x, out);
-    else if (e->own == 4 && e->other == 0) times_rows(sizes, 4, 0, alike, place, g, x, out);
-    else if (e->own == 8 && e->other == 8) times_rows(sizes, 8, 8, alike, place, g, x, out);
-    else if (e->own == 8 && e->other == 0) times_rows(sizes, 8, 0, alike, place, g, x, out);
-    else times_rows(sizes, e->own, e->other, alike, place, g, x, out);
-    out += alike;
+    else if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, rows, place, g, x, out);
+    else if (e->own == 8 && e->other == 8) times_rows(sizes, 8, 8, rows, place, g, x, out);
+    else times_rows(sizes, e->own, e->other, rows, place, g, x, out);
   }
 }
 
-/* Add the four rows of a linear face, times their forces, to the sums at the nodes: as `add_rows`,
- * all at once. */
-CT_INLINE void add_four(double coarse, int32_t nodes, const int32_t *place, const double *G,
-                        const double *force, double *sums)
-{
-  const ct_quad *g = (const ct_quad *)G;
-  const int32_t row = PARTS * nodes;
-  for (int32_t a = 0; a < row; a++)
-    ((ct_quad *)&sums[place[a / PARTS]])[a % PARTS] +=
-        ((g[a] * force[0] + coarse) - (coarse - g[row + a] * force[1])) +
-        ((g[2 * row + a] * force[2] + coarse) - (coarse - g[3 * row + a] * force[3]));
-}
-
-/* Add some rows of G with the same nodes, times their forces, to the sums at the nodes, as
- * multiples of the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum).
- * Two rows together need three operations per number instead of four. */
-CT_INLINE void add_rows(double coarse, int32_t nodes, int32_t rows, const int32_t *place,
-                        const double *G, const double *force, double *sums)
-{
-  const ct_quad *g = (const ct_quad *)G;
-  for (; rows > 1; rows -= 2, g += 2 * PARTS * nodes, force += 2)
-    for (int32_t a = 0; a < nodes; a++)
-      for (int i = 0; i < PARTS; i++)
-        ((ct_quad *)&sums[place[a]])[i] += (g[PARTS * a + i] * force[0] + coarse) -
-                                           (coarse - g[PARTS * (nodes + a) + i] * force[1]);
-  for (int32_t a = 0; rows > 0 && a < nodes; a++)
-    for (int i = 0; i < PARTS; i++)
-      ((ct_quad *)&sums[place[a]])[i] += (g[PARTS * a + i] * force[0] + coarse) - coarse;
-}
-
-/* Gᵀ times the forces of rows. */
 CT_CLONES
-static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int64_t count,
+static void times_G(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
+                    const double *x, double *out)
+{
+  times_groups(0, groups, count, places, G, x, out);
+}
+
+CT_CLONES
+static void times_sizes(const ct_group *groups, int64_t count, const int32_t *places,
+                        const double *G, const double *x, double *out)
+{
+  times_groups(1, groups, count, places, G, x, out);
+}
+
+/* Add one row times its force, or two of them, to the sums of its nodes, as multiples of the coarse
+ * grid's spacing: these sums are exact in any order (eq:order-free-sum). Two rows together need
+ * three operations per number instead of four. With `sizes`, |b_a| times the force. */
+CT_INLINE void add_row(int sizes, int32_t quads, int two, double coarse, int32_t step,
+                       const double *row, const double *force, ct_quad *sum)
+{
+  const double *next = row + step;
+  for (int32_t q = 0; q < quads; q++)
+    for (int c = 0; c < (sizes ? 1 : 3); c++)
+      for (int i = 0; i < PARTS; i++) {
+        const ct_quad b = ((const ct_quad *)&row[4 + 4 * q])[i];
+        const ct_quad f = sizes ? SIZE_OF(b) * force[0] : b * (row[c] * force[0]);
+        ct_quad *to = &sum[PARTS * (3 * q + c) + i];
+        if (two) {
+          const ct_quad d = ((const ct_quad *)&next[4 + 4 * q])[i];
+          const ct_quad g = sizes ? SIZE_OF(d) * force[1] : d * (next[c] * force[1]);
+          *to += (f + coarse) - (coarse - g);
+        } else *to += (f + coarse) - coarse;
+      }
+}
+
+/* Add the sums of the nodes of a group to those of all nodes. */
+CT_INLINE void add_nodes(int sizes, int32_t own, int32_t other, const int32_t *place,
+                         const ct_quad *sum, double *sums)
+{
+  for (int32_t q = 0; q < quads_of(own) + quads_of(other); q++) {
+    const ct_quad none = {0.0};
+    ct_quad node[4 * PARTS];
+    const double *fourth = (const double *)&sum[3 * PARTS * q];
+    for (int i = 0; i < 4 * PARTS; i++) node[i] = none;
+    if (!sizes) turn_back(&sum[3 * PARTS * q], node);
+    for (int32_t l = 0; l < 4; l++) {
+      const int32_t a = node_in(own, other, 4 * q + l);
+      if (a < 0) continue;
+      const int32_t to = place[a];
+      if (sizes) sums[to + 3] += fourth[l];
+      for (int i = 0; !sizes && i < PARTS; i++) ((ct_quad *)&sums[to])[i] += node[PARTS * l + i];
+    }
+  }
+}
+
+/* Add rows of G with the same nodes, times their forces, to the sums at the nodes. */
+CT_INLINE void add_rows(int sizes, double coarse, int32_t own, int32_t other, int32_t rows,
+                        const int32_t *place, const double *G, const double *force, double *sums)
+{
+  const int32_t quads = quads_of(own) + quads_of(other), step = 4 * (1 + quads);
+  const ct_quad none = {0.0};
+  ct_quad sum[3 * PARTS * MOST_QUADS];
+  for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
+  int32_t r = 0;
+  for (; r + 1 < rows; r += 2)
+    add_row(sizes, quads, 1, coarse, step, G + r * step, force + r, sum);
+  if (r < rows) add_row(sizes, quads, 0, coarse, step, G + r * step, force + r, sum);
+  add_nodes(sizes, own, other, place, sum, sums);
+}
+
+/* Gᵀ times the forces of rows; with `sizes` their absolute numbers times the forces, to the fourth
+ * components. */
+CT_INLINE void add_groups(int sizes, double coarse, const ct_group *groups, int64_t count,
+                          const int32_t *places, const double *G, const double *force,
+                          double *restrict sums)
+{
+  for (const ct_group *e = groups; e < groups + count; force += e->rows, e++) {
+    const int32_t *place = &places[e->place], rows = e->rows;
+    const double *g = &G[e->first];
+    if (e->own == 4 && e->other == 4 && rows == 4)
+      add_rows(sizes, coarse, 4, 4, 4, place, g, force, sums);
+    else if (e->own == 4 && e->other == 0 && rows == 4)
+      add_rows(sizes, coarse, 4, 0, 4, place, g, force, sums);
+    else if (e->own == 4 && e->other == 4)
+      add_rows(sizes, coarse, 4, 4, rows, place, g, force, sums);
+    else if (e->own == 8 && e->other == 8)
+      add_rows(sizes, coarse, 8, 8, rows, place, g, force, sums);
+    else add_rows(sizes, coarse, e->own, e->other, rows, place, g, force, sums);
+  }
+}
+
+CT_CLONES
+static void times_G_transposed(double coarse, const ct_group *groups, int64_t count,
                                const int32_t *places, const double *G, const double *force,
                                double *restrict sums)
 {
-  const double coarse = grid->coarse;
-  for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
-    const int32_t *place = &places[e->place], nodes = e->own + e->other;
-    const double *g = &G[WIDE * e->first];
-    if (nodes == 8 && e->alike == 4) add_four(coarse, 8, place, g, force, sums);
-    else if (nodes == 4 && e->alike == 4) add_four(coarse, 4, place, g, force, sums);
-    else if (nodes == 4) add_rows(coarse, 4, e->alike, place, g, force, sums);
-    else if (nodes == 8) add_rows(coarse, 8, e->alike, place, g, force, sums);
-    else add_rows(coarse, nodes, e->alike, place, g, force, sums);
-    force += e->alike;
-  }
+  add_groups(0, coarse, groups, count, places, G, force, sums);
+}
+
+CT_CLONES
+static void times_sizes_transposed(double coarse, const ct_group *groups, int64_t count,
+                                   const int32_t *places, const double *G, const double *force,
+                                   double *restrict sums)
+{
+  add_groups(1, coarse, groups, count, places, G, force, sums);
 }
 
 /* `moved` = A times the sums at the nodes of active rows; the sums are then cleared. */
@@ -230,36 +391,40 @@ static void join_nodes(ct_solver *s)
       memcpy(&s->sums[s->shared_nodes[k]], &s->moved[WIDE * (int64_t)k], size);
 }
 
-int ct_matrix_push(ct_solver *s, const double *force)
+/* `moved` = A times Gᵀ, or times its sizes, times forces. Returns 0 if they are not finite. */
+static int push(ct_solver *s, int sizes, const double *force)
 {
   ct_grid grid;
   double top = ct_largest(force, s->count);
   ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * top, s->most_row_count)) return 0;
-  times_G_transposed(&grid, s->entries, s->count, s->entry_place, s->G, force, s->sums);
+  (sizes ? times_sizes_transposed : times_G_transposed)(grid.coarse, s->groups, s->group_count,
+                                                        s->entry_place, s->G, force, s->sums);
   if (s->shared_count > 0) join_nodes(s);
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
   return 1;
 }
 
-/* List the nodes on which active rows act, and count the rows at each. */
+int ct_matrix_push(ct_solver *s, const double *force) { return push(s, 0, force); }
+
+/* Count the rows at each node again. */
+static void count_rows(ct_solver *s)
+{
+  memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
+  for (const ct_group *g = s->groups; g < s->groups + s->group_count; g++)
+    for (int32_t a = 0; a < g->own + g->other; a++)
+      s->row_counts[s->entry_place[g->place + a] / WIDE] += g->rows;
+}
+
+/* List the nodes with rows. */
 static void list_active_nodes(ct_solver *s)
 {
-  int32_t *counts = s->row_counts, *nodes = s->active_nodes, count = 0, most = 0;
-  for (int32_t k = 0; k < s->active_node_count; k++) counts[nodes[k] / WIDE] = 0;
-  for (int64_t r = 0; r < s->count; r += s->entries[r].alike) {
-    const ct_entries *e = &s->entries[r];
-    const int32_t *place = &s->entry_place[e->place], *end = place + (e->own + e->other);
-    for (; place < end; place++) {
-      int32_t *own = &counts[(uint32_t)*place / WIDE];
-      if (*own == 0) nodes[count++] = *place;
-      *own += e->alike;
-    }
-  }
-  for (int32_t k = 0; k < count; k++) {
-    const int32_t own = counts[nodes[k] / WIDE];
-    most = own > most ? own : most;
+  int32_t count = 0, most = 0;
+  for (int32_t n = 0; n < s->node_count; n++) {
+    const int32_t rows = s->row_counts[n];
+    if (rows > 0) s->active_nodes[count++] = WIDE * n;
+    most = rows > most ? rows : most;
   }
   s->active_node_count = count;
   s->most_row_count = most;
@@ -281,20 +446,22 @@ static void list_shared_nodes(ct_solver *s)
   }
 }
 
+static double larger(double x, double y) { return x > y ? x : y; }
+
 int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
 {
   for (int32_t k = 0; k < s->active_node_count; k++) {
     double *A = &s->mobility[s->active_nodes[k]];
-    A[3] = fmax(fmax(A[0], A[1]), A[2]);
+    A[3] = larger(larger(A[0], A[1]), A[2]);
   }
-  if (!ct_matrix_push(s, ones)) return 0;
-  times_G(1, s->entries, s->count, s->entry_place, s->G, s->moved, out);
+  if (!push(s, 1, ones)) return 0;
+  times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
   return 1;
 }
 
 void ct_matrix_times(const ct_solver *s, int64_t count, const double *x, double *out)
 {
-  times_G(0, s->entries, count, s->entry_place, s->G, x, out);
+  times_G(s->groups, count, s->entry_place, s->G, x, out);
 }
 
 int ct_matrix_apply(ct_solver *s, const double *force, double *out)
@@ -307,7 +474,8 @@ int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 
 void ct_matrix_choose(ct_solver *s)
 {
-  find_alike(s->count, s->entries);
+  if (!s->counted) count_rows(s);
+  s->counted = 1;
   list_active_nodes(s);
   if (s->pieces != NULL) list_shared_nodes(s);
 }

@@ -6,10 +6,13 @@
 /* The matrix G of the listed rows, whose entries are b_a n (eq:constraint-force), and its products
  * with vectors. */
 
-/* The entries of all listed rows, and the places of their nodes. */
+/* The groups of all listed rows, their numbers, and the places of their nodes. */
 void ct_matrix_fill(ct_solver *solver);
 
-/* List the nodes on which the active rows act, after their `entries` are chosen. */
+/* Add a row of a group as the last active one. */
+void ct_matrix_add(ct_solver *solver, const ct_group *of, int64_t row);
+
+/* List the nodes on which the active rows act, after their groups are chosen. */
 void ct_matrix_choose(ct_solver *solver);
 
 /* `out` = G times a vector at nodes, of the first `count` rows. */

@@ -50,10 +50,11 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   ct_solver *s = *out = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_ERROR_MEMORY;
   ct_pool *pool = &s->pool;
-  int64_t places = 0, most_entries = 0, slips = 0;
+  int64_t places = 0, most_entries = 0, most_quads = 0, slips = 0;
   for (int32_t k = 0; k < count; k++) {
     places += sets[k].node_count, s->most += sets[k].most, slips += sets[k].slips;
     most_entries += sets[k].row_nodes * sets[k].most;
+    most_quads += (1 + (sets[k].row_nodes + 6) / 4) * sets[k].most;
   }
   // Each point may have a second row in the step in which it opens.
   size_t nodes = (size_t)places, rows = 2 * (size_t)s->most, entries = (size_t)most_entries;
@@ -68,11 +69,12 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->opened = ct_pool_take(pool, (size_t)s->most, sizeof *s->opened);
   ct_law_rows_create(pool, s->most, s->active, &s->laws);
-  s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
+  s->groups = ct_pool_take(pool, rows, sizeof *s->groups);
+  s->listed = ct_pool_take(pool, (size_t)s->most, sizeof *s->listed);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
-  s->G = ct_pool_take(pool, entries, CT_SOLVER_WIDE * sizeof *s->G);
+  s->G = ct_pool_take(pool, (size_t)most_quads, 4 * sizeof *s->G);
   double **vectors[] = {&s->increment, &s->mobility, &s->last_increment, &s->sums, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, CT_SOLVER_WIDE * sizeof(double));
@@ -188,33 +190,65 @@ static void begin_rows(const ct_law_rows *of, double *restrict force, double *re
   }
 }
 
-/* Drop the rows that have no force in this step (eq:near-constraints). */
+/* Whether no row is farther away than `near`, now or without the force of the step. */
+CT_CLONES
+static int are_near(int64_t count, const double *gap, const double *after, double near)
+{
+  double most = -DBL_MAX;
+#pragma omp simd reduction(max : most)
+  for (int64_t j = 0; j < count; j++) {
+    const double least = after[j] < gap[j] ? after[j] : gap[j];
+    most = least > most ? least : most;
+  }
+  return most <= near;
+}
+
+/* Whether all listed rows have a law; only friction lists others. */
+static int have_laws(const ct_solver *s)
+{
+  const ct_law_rows *of = &s->laws;
+  return s->tangent == NULL || of->count == 0 ||
+         (of->one_law && ct_law_has_rows(of->row[0]->enforcement));
+}
+
+/* Drop the rows without a law, and those that have no force in this step. */
+static void drop_rows(ct_solver *s, double near)
+{
+  ct_law_rows *of = &s->laws;
+  const ct_group *g = s->listed, *end = g + s->group_count;
+  int64_t count = 0, j = 0;
+  memcpy(s->listed, s->groups, (size_t)s->group_count * sizeof *s->groups);
+  s->group_count = s->counted = 0;
+  for (; g < end; g++)
+    for (int32_t i = 0; i < g->rows; i++, j++) {
+      const ct_constraint *c = of->row[j];
+      // -- Inside before, or now, or without the force (eq:near-constraints), or held
+      const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
+                          ct_law_may_release(c),
+                has_law = s->tangent == NULL || ct_law_has_rows(c->enforcement);
+      if (is_near && has_law) {
+        ct_matrix_add(s, g, i);
+        if (count < j) ct_law_rows_move(of, j, count);
+        count++;
+      } else drop(s, j);
+    }
+  of->count = count;
+}
+
+/* Choose the rows that take part (eq:near-constraints). */
 static void choose_active(ct_solver *s)
 {
   ct_law_rows *of = &s->laws;
   double most = predict_gaps(s);
   ct_pieces_largest(s->pieces, &most, 1);
   const double near = 2.0 * most;
-  int64_t count = 0;
-  for (int64_t j = 0; j < of->count; j++) {
-    const ct_constraint *c = of->row[j];
-    // -- Inside before, or now, or without the force (eq:near-constraints), or held
-    const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
-                        ct_law_may_release(c),
-              has_law = s->tangent == NULL || ct_law_has_rows(c->enforcement);
-    if (!is_near || !has_law) {
-      drop(s, j);
-      continue;
-    }
-    if (count < j) ct_law_rows_move(of, j, count), s->entries[count] = s->entries[j];
-    count++;
-  }
-  s->count = s->point_count = of->count = count;
+  if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
+  s->count = s->point_count = of->count;
   begin_rows(of, s->force, s->free);
   if (!s->again) return;
   // Nothing opens at t = 0, so the place is free; the points close now.
-  memcpy(of->release, of->force, (size_t)count * sizeof *of->force);
-  memset(of->pressed, 0, (size_t)count * sizeof *of->pressed);
+  memcpy(of->release, of->force, (size_t)s->count * sizeof *of->force);
+  memset(of->pressed, 0, (size_t)s->count * sizeof *of->pressed);
 }
 
 static void set_all(double *numbers, int64_t first, int64_t end, double value)
@@ -248,14 +282,16 @@ static void list_releases(ct_solver *s)
   find_alone(s->count, s->free, s->b, s->C, s->scale, s->image);
   ct_law_find_releases(&s->laws, s->scale, s->dt, s->image, s->terms);
   if (ct_is_zero(s->terms, s->count)) return;
-  for (int64_t r = 0; r < s->point_count; r++) {
-    if (s->terms[r] == 0.0) continue;
-    s->opened[s->count - s->point_count] = r;
-    s->entries[s->count] = s->entries[r];
-    s->free[s->count] = s->free[r];
-    s->scale[s->count] = s->scale[r];
-    s->active[s->count++] = s->active[r];
-  }
+  const int64_t groups = s->group_count;
+  for (int64_t k = 0, r = 0; k < groups; k++)
+    for (int32_t i = 0; i < s->groups[k].rows; i++, r++)
+      if (s->terms[r] != 0.0) {
+        ct_matrix_add(s, &s->groups[k], i);
+        s->opened[s->count - s->point_count] = r;
+        s->free[s->count] = s->free[r];
+        s->scale[s->count] = s->scale[r];
+        s->active[s->count++] = s->active[r];
+      }
 }
 
 /* Add a second row for each point that opens in this step and gives back what it holds
@@ -598,9 +634,9 @@ static int find_all_forces(ct_solver *s)
   }
 }
 
-/* Twice the mean motion of each point while the force acts: of two steps, or of half a step with v_0
- * and v_{1/2}, of which `last` is the motion of the nodes (eq:contact-step-work, eq:reserve-start).
- */
+/* Twice the mean motion of each point while the force acts: of two steps, or of half a step with
+ * v_0 and v_{1/2}, of which `last` is the motion of the nodes (eq:contact-step-work,
+ * eq:reserve-start). */
 CT_CLONES
 static void find_ways(const ct_law_rows *of, int starts, const double *last, double *restrict way)
 {

@@ -24,13 +24,14 @@ enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
  * with projected Chebyshev steps, and ends only if no energy appears (eq:energy-stop). */
 static const double CT_SOLVER_TIGHT = 1e-10, CT_SOLVER_LOOSE = 1e-4;
 
-/* Entries b_a n of a row of G: those of its own face, then those of the other. Consecutive rows
- * with the same nodes share the list of their places. */
-typedef struct ct_entries {
-  int64_t first, place;
-  int32_t own, other;
-  int32_t alike; /* number of rows from this one on with the same nodes, at least 1 */
-} ct_entries;
+/* Consecutive rows of G with the same nodes, which share the list of their places. A row is b_a n;
+ * in G it has its normal and a 0, then b_a of the nodes of its own face and of the other, each
+ * filled up to whole quads. */
+typedef struct ct_group {
+  int64_t first, place; /* of its numbers and of its nodes */
+  int32_t own, other;   /* nodes */
+  int32_t rows;
+} ct_group;
 
 struct ct_tangent;
 
@@ -57,14 +58,17 @@ typedef struct ct_solver {
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
+  int counted;            /* whether they are those of the groups */
   int32_t most_row_count; /* the largest of these numbers */
   int32_t active_node_count;
   int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
   int32_t *shared_nodes;      /* the nodes on which active rows of several pieces act, likewise */
-  ct_entries *entries;        /* of the listed rows, and then of the active ones */
-  double *G;                  /* the entries, shape (any number, 4) */
+  int64_t group_count;
+  ct_group *groups;           /* of the listed rows, and then of the active ones */
+  ct_group *listed;           /* of the listed rows, while the active ones are chosen */
+  double *G;                  /* the numbers of all rows */
   int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
   int64_t count;              /* active rows: of points, and then those of points that open */
   int64_t point_count;        /* active rows of points */

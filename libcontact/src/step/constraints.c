@@ -176,11 +176,12 @@ static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_
 /* Mark the nodes on which forces begin at t = 0 (eq:energy-start). */
 static void mark_start(const ct_solver *s, uint64_t *begun)
 {
-  for (int64_t r = 0; r < s->count; r++) {
-    ct_entries e = s->entries[r];
-    if (!(s->force[r] > 0.0)) continue;
-    for (int64_t i = e.place; i < e.place + e.own + e.other; i++) {
-      int32_t node = s->nodes[s->entry_place[i] / CT_SOLVER_WIDE];
+  const double *force = s->force;
+  for (const ct_group *g = s->groups; g < s->groups + s->group_count; force += g->rows, g++) {
+    int some = 0;
+    for (int32_t r = 0; r < g->rows; r++) some |= force[r] > 0.0;
+    for (int64_t i = g->place; some && i < g->place + g->own + g->other; i++) {
+      const int32_t node = s->nodes[s->entry_place[i] / CT_SOLVER_WIDE];
       ct_bits_put(begun, node, node + 1, 1);
     }
   }
