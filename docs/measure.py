@@ -327,7 +327,7 @@ def blow(fraction: float, landing: float) -> tuple[float, float, float]:
 
 @measurement
 def rest() -> Numbers:
-    """A cube of 4 x 4 x 4 unit elements falls by 0.02 on a floor and stays there: energy of the fall that is lost after
+    """A cube of 4 x 4 x 4 unit elements falls by 0.02 on a floor and stays there: energy of the fall that is left after
     300 time units, and the standard deviation of the force on the floor, over the weight, after 1000."""
     found, weight = {}, 64 * 1e-4
     for name, law, damping in (
@@ -351,7 +351,7 @@ def rest() -> Numbers:
         fallen = np.interp(300.0, run.time, total) - total[0]
         found[f"{name}_force"] = force[late].std()
         if not damping:
-            found[f"{name}_lost"] = -fallen / (0.02 * weight)
+            found[f"{name}_kept"] = 1 + fallen / (0.02 * weight)
     return found
 
 
