@@ -14,19 +14,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Most iterations; and of these most Chebyshev steps, which converge slowly where W has small
- * eigenvalues. */
-enum { MOST_ITERATIONS = 2000, MOST_CHEBYSHEV = 12 };
+enum { MOST_ITERATIONS = 2000 };
 
 /* Most times that normal and tangential forces are solved for in turn. They are done when the last
  * tangential forces change no normal force by more than the first fraction of the largest, or by
  * more than the second one if no energy appears. */
 enum { MOST_PASSES = 20 };
 static const double UNCHANGED = 1e-10, NEARLY = 1e-5;
-
-/* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on (eq:chebyshev); the largest is
- * at most 1. */
-static const double LOWEST = 0.08;
 
 /* Number the nodes of all sets, each once. */
 static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_nodes,
@@ -59,8 +53,10 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   // Each point may have a second row in the step in which it opens.
   size_t nodes = (size_t)places, rows = 2 * (size_t)s->most, entries = (size_t)most_entries;
   s->set_count = count;
-  s->tolerance = CT_SOLVER_TIGHT;
-  s->first = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
+  s->tolerance = CT_SOLVER_USUAL;
+  int64_t **firsts[] = {&s->first, &s->first_point, &s->first_release};
+  for (size_t i = 0; i < sizeof firsts / sizeof firsts[0]; i++)
+    *firsts[i] = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
   s->first_node = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first_node);
   s->nodes = ct_pool_take(pool, nodes, sizeof *s->nodes);
   s->place = ct_pool_take(pool, nodes, sizeof *s->place);
@@ -79,7 +75,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, CT_SOLVER_WIDE * sizeof(double));
   double **numbers[] = {&s->C,     &s->b,         &s->free,  &s->force, &s->gradient,
-                        &s->scale, &s->direction, &s->image, &s->terms, &s->guide};
+                        &s->scale, &s->direction, &s->image, &s->terms, &s->guide, &s->after};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   if (pool->failed) return CT_ERROR_MEMORY;
@@ -217,11 +213,13 @@ static void drop_rows(ct_solver *s, double near)
   ct_law_rows *of = &s->laws;
   const ct_group *g = s->listed, *end = g + s->group_count;
   int64_t count = 0, j = 0;
+  int32_t set = 0;
   memcpy(s->listed, s->groups, (size_t)s->group_count * sizeof *s->groups);
   s->group_count = s->counted = 0;
   for (; g < end; g++)
     for (int32_t i = 0; i < g->rows; i++, j++) {
       const ct_constraint *c = of->row[j];
+      while (s->first[set] <= j) s->first_point[set++] = count;
       // -- Inside before, or now, or without the force (eq:near-constraints), or held
       const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
                           ct_law_may_release(c),
@@ -232,6 +230,7 @@ static void drop_rows(ct_solver *s, double near)
         count++;
       } else drop(s, j);
     }
+  while (set <= s->set_count) s->first_point[set++] = count;
   of->count = count;
 }
 
@@ -242,6 +241,7 @@ static void choose_active(ct_solver *s)
   double most = predict_gaps(s);
   ct_pieces_largest(s->pieces, &most, 1);
   const double near = 2.0 * most;
+  memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
   if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
   begin_rows(of, s->force, s->free);
@@ -294,12 +294,24 @@ static void list_releases(ct_solver *s)
       }
 }
 
+/* The second rows of each set: their points are in order. */
+static void split_releases(ct_solver *s)
+{
+  int64_t r = s->point_count;
+  for (int32_t k = 0; k < s->set_count; k++) {
+    s->first_release[k] = r;
+    while (r < s->count && s->opened[r - s->point_count] < s->first_point[k + 1]) r++;
+  }
+  s->first_release[s->set_count] = r;
+}
+
 /* Add a second row for each point that opens in this step and gives back what it holds
  * (eq:release-ramp). */
 static int add_releases(ct_solver *s)
 {
   const int64_t points = s->point_count;
   list_releases(s);
+  split_releases(s);
   double some = (double)(s->count - points);
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 1;
@@ -473,18 +485,94 @@ static int releases(ct_solver *s)
   return 1;
 }
 
-/* Iterate from the present forces to a tolerance. Forces that already meet ten times the tolerance
- * are not changed, so a repeated start gives the same bits. */
-static int iterate(ct_solver *s, double least)
+/* Gaps at t_{n+1} of some rows. */
+CT_CLONES
+static void find_after(int64_t count, const double *gradient, const double *b, const double *C,
+                       const double *force, double *restrict after)
 {
-  double last = 0.0, tolerance = 10.0 * least;
+#pragma omp simd
+  // -- g_{n+1}, of the slope g_{n+1} + b + C λ
+  for (int64_t r = 0; r < count; r++) after[r] = gradient[r] - b[r] - C[r] * force[r];
+}
+
+/* Energy that each row loses. The second row of a point that opens takes from what the point holds
+ * (eq:release-ramp). */
+static void find_losses(ct_solver *s)
+{
+  const ct_law_rows *of = &s->laws;
+  ct_law_losses(of, s->force, s->after, s->terms);
+  for (int64_t r = s->point_count; r < s->count; r++) {
+    const int64_t own = s->opened[r - s->point_count];
+    s->terms[r] = fmin(of->reserve[own] - 0.5 * s->force[r] * (s->after[r] - of->before[own]), 0.0);
+  }
+}
+
+/* Size of the terms of each loss. */
+static void find_sizes(ct_solver *s)
+{
+  for (int64_t r = 0; r < s->count; r++) {
+    const int64_t own = r < s->point_count ? r : s->opened[r - s->point_count];
+    s->terms[r] = s->force[r] * (fabs(s->after[r]) + fabs(s->laws.before[own]));
+  }
+}
+
+/* Σ of the terms of a set's rows, independent of their order. */
+static double sum_set(const ct_solver *s, int32_t k)
+{
+  const int64_t *points = &s->first_point[k], *opening = &s->first_release[k];
+  ct_stream sum = {.pieces = s->pieces};
+  while (ct_stream_again(&sum, 1)) {
+    ct_stream_add(&sum, &s->terms[points[0]], points[1] - points[0]);
+    ct_stream_add(&sum, &s->terms[opening[0]], opening[1] - opening[0]);
+  }
+  return ct_stream_sum(&sum);
+}
+
+/* Whether the rows of each set together lose energy, to rounding: then the energy of the bodies and
+ * of the rows does not grow, whatever the forces are (eq:energy-stop). */
+static int loses_energy(ct_solver *s)
+{
+  find_after(s->count, s->gradient, s->b, s->C, s->force, s->after);
+  find_losses(s);
+  for (int32_t k = 0; k < s->set_count; k++) {
+    const double sum = sum_set(s, k);
+    if (sum >= 0.0) continue;
+    // Round-off counts only where the losses are not positive.
+    find_sizes(s);
+    if (!(sum >= -4.0 * DBL_EPSILON * sum_set(s, k))) return 0;
+    find_losses(s);
+  }
+  return 1;
+}
+
+/* At t = 0 forces act for half a step, which the losses of rows do not know: they are tight
+ * (eq:reserve-start). */
+static double tolerance_of(const ct_solver *s)
+{
+  return s->starts ? fmin(s->tolerance, CT_SOLVER_TIGHT) : s->tolerance;
+}
+
+/* Whether forces of which a further step changes none by more than `most`, the largest being `top`,
+ * meet a tolerance. If the solution is loose, no energy may appear (eq:energy-stop). */
+static int is_solved(ct_solver *s, double tolerance, double most, double top)
+{
+  if (!(most <= tolerance * top)) return 0;
+  return tolerance_of(s) <= CT_SOLVER_TIGHT || most <= CT_SOLVER_TIGHT * top || loses_energy(s);
+}
+
+/* The forces of all active rows, beginning with the present ones. Those that already meet ten times
+ * a tight tolerance are not changed, so a repeated start gives the same bits. */
+static int find_forces(ct_solver *s)
+{
+  const double least = tolerance_of(s);
+  double last = 0.0, tolerance = least <= CT_SOLVER_TIGHT ? 10.0 * least : least;
   int first = 1;
   if (!find_gradient(s) || !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
   for (;; tolerance = least) {
     double d[MEASURES];
     descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
     ct_pieces_largest(s->pieces, d, MEASURES);
-    s->converged = d[MOST] <= tolerance * d[TOP];
+    s->converged = is_solved(s, tolerance, d[MOST], d[TOP]);
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
     int release = d[LIFT] > 0.0 && releases(s);
     double slope = product(s, release ? s->direction : s->guide, s->gradient);
@@ -497,119 +585,6 @@ static int iterate(ct_solver *s, double least)
   }
 }
 
-/* Gaps at t_{n+1} of some rows. */
-CT_CLONES
-static void find_after(int64_t count, const double *gradient, const double *b, const double *C,
-                       const double *force, double *restrict after)
-{
-#pragma omp simd
-  // -- g_{n+1}, of the slope g_{n+1} + b + C λ
-  for (int64_t r = 0; r < count; r++) after[r] = gradient[r] - b[r] - C[r] * force[r];
-}
-
-/* Energy that each row loses, with the given next gaps. The second row of a point that opens takes
- * from what the point holds (eq:release-ramp). */
-static void find_losses(ct_solver *s, const double *after)
-{
-  const ct_law_rows *of = &s->laws;
-  ct_law_losses(of, s->force, after, s->terms);
-  for (int64_t r = s->point_count; r < s->count; r++) {
-    const int64_t own = s->opened[r - s->point_count];
-    s->terms[r] = fmin(of->reserve[own] - 0.5 * s->force[r] * (after[r] - of->before[own]), 0.0);
-  }
-}
-
-/* Size of the terms of each loss. */
-static void find_sizes(ct_solver *s, const double *after)
-{
-  for (int64_t r = 0; r < s->count; r++) {
-    const int64_t own = r < s->point_count ? r : s->opened[r - s->point_count];
-    s->terms[r] = s->force[r] * (fabs(after[r]) + fabs(s->laws.before[own]));
-  }
-}
-
-/* Whether all rows together lose energy, to rounding: then the energy of the bodies and of the rows
- * does not grow, whatever the forces are (eq:energy-stop). */
-static int loses_energy(ct_solver *s)
-{
-  double sum[2] = {-1.0, 0.0}, *after = s->image;
-  find_after(s->count, s->gradient, s->b, s->C, s->force, after);
-  // Round-off counts only where the losses are not positive.
-  for (int sizes = 0; sizes < 2 && sum[0] < 0.0; sizes++) {
-    if (sizes) find_sizes(s, after);
-    else find_losses(s, after);
-    sum[sizes] = ct_sum_over(s->pieces, s->terms, s->count);
-  }
-  return sum[0] >= -4.0 * DBL_EPSILON * sum[1];
-}
-
-/* Move the forces along the direction, which gets a share of the last one and a multiple of the
- * gradient over D, without making one negative (eq:chebyshev). */
-CT_CLONES
-static void step_chebyshev(int64_t count, double share, double length, const double *gradient,
-                           const double *scale, double *restrict direction, double *restrict force)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) {
-    // -- d = ρ' ρ d + 2 ρ' r / (δ D), λ' = ⟨λ - d⟩, d = λ - λ' (eq:chebyshev)
-    const double next = force[r] - (share * direction[r] + length * (gradient[r] * scale[r])),
-                 kept = next > 0.0 ? next : 0.0;
-    direction[r] = force[r] - kept;
-    force[r] = kept;
-  }
-}
-
-/* The forces that an even pressure would have. */
-CT_CLONES
-static void press_evenly(int64_t count, const double *free, const double *b, const double *scale,
-                         double *restrict force)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) {
-    // -- λ = ⟨-q / D⟩ (eq:chebyshev)
-    const double own = -(free[r] + b[r]) * scale[r];
-    force[r] = own > 0.0 ? own : 0.0;
-  }
-}
-
-/* Approach the solution from the forces that an even pressure would have. Sets `converged` if they
- * meet the tolerance and no energy appears; returns 0 if they are not finite. */
-static int approach(ct_solver *s)
-{
-  const double middle = 0.5 * (1.0 + LOWEST), half = 0.5 * (1.0 - LOWEST), ratio = middle / half;
-  double share = 0.0, length = 1.0 / middle, rho = 1.0 / ratio;
-  press_evenly(s->count, s->free, s->b, s->scale, s->force);
-  set_all(s->direction, 0, s->count, 0.0);
-  for (int i = 0; i < MOST_CHEBYSHEV; i++) {
-    double d[MEASURES];
-    if (!find_gradient(s)) return 0;
-    if (i == 0 && !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
-    descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
-    ct_pieces_largest(s->pieces, d, MEASURES);
-    s->converged = d[MOST] <= s->tolerance * d[TOP] && loses_energy(s);
-    if (s->converged) return 1;
-    step_chebyshev(s->count, share, length, s->gradient, s->scale, s->direction, s->force);
-    const double next = 1.0 / (2.0 * ratio - rho);
-    share = next * rho, length = 2.0 * next / half, rho = next;
-  }
-  return 1;
-}
-
-/* The forces of all active rows. A loose solution goes on until no energy appears (eq:energy-stop).
- */
-static int find_forces(ct_solver *s)
-{
-  s->converged = 0;
-  if (s->tolerance < CT_SOLVER_LOOSE) return iterate(s, s->tolerance);
-  if (!approach(s)) return 0;
-  for (double least = 0.1 * s->tolerance; !s->converged; least *= 0.01) {
-    if (!iterate(s, fmax(least, CT_SOLVER_TIGHT))) return 0;
-    if (!s->converged || least <= CT_SOLVER_TIGHT) return 1;
-    s->converged = loses_energy(s);
-  }
-  return 1;
-}
-
 /* Store the forces of the points, without those of the second rows. */
 static void store_forces(ct_solver *s)
 {
@@ -620,7 +595,7 @@ static void store_forces(ct_solver *s)
  * the first, or hardly and without energy (eq:energy-stop). Returns 0 if they are not finite. */
 static int find_all_forces(ct_solver *s)
 {
-  const double nearly = fmax(NEARLY, 0.1 * s->tolerance);
+  const double nearly = fmax(NEARLY, 0.1 * tolerance_of(s));
   for (int pass = 0;; pass++) {
     double change = 0.0;
     if (!find_forces(s)) return 0;

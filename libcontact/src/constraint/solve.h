@@ -20,9 +20,21 @@ typedef struct ct_row_set {
  * nodes. */
 enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
 
-/* Tolerances of the forces: that of a new solver; and the smallest one for which the solver begins
- * with projected Chebyshev steps, and ends only if no energy appears (eq:energy-stop). */
-static const double CT_SOLVER_TIGHT = 1e-10, CT_SOLVER_LOOSE = 1e-4;
+/* Tolerances of the forces: the default; and the largest one that is so tight that energy is not
+ * looked at. With a looser one the solver ends only if no energy appears (eq:force-tolerance,
+ * eq:energy-stop). */
+static const double CT_SOLVER_USUAL = 1e-4, CT_SOLVER_TIGHT = 1e-10;
+
+/* The tolerance that a caller gives, 0 being the default; and whether it is allowed. */
+static inline double ct_solver_tolerance(double given)
+{
+  return given == 0.0 ? CT_SOLVER_USUAL : given;
+}
+
+static inline int ct_solver_accepts(double given)
+{
+  return given == 0.0 || (given >= 1e-12 && given <= 0.1);
+}
 
 /* Consecutive rows of G with the same nodes, which share the list of their places. A row is b_a n;
  * in G it has its normal and a 0, then b_a of the nodes of its own face and of the other, each
@@ -72,6 +84,8 @@ typedef struct ct_solver {
   int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
   int64_t count;              /* active rows: of points, and then those of points that open */
   int64_t point_count;        /* active rows of points */
+  int64_t *first_point;       /* of each set in the active rows, shape (set_count + 1) */
+  int64_t *first_release;     /* the same of points that open */
   ct_law_rows laws;           /* the numbers of these points */
   ct_constraint **active;     /* the points of all active rows */
   int64_t *opened;            /* of each of the second rows: the row of its point */
@@ -84,8 +98,9 @@ typedef struct ct_solver {
   double *direction;          /* direction of the search */
   double *image;              /* (W + C) times it */
   double *terms;              /* of a sum */
+  double *after;              /* next gaps with the present forces */
   double tolerance;           /* largest change of a force by a further step, as a fraction of the
-                                 largest force; see CT_SOLVER_TIGHT */
+                                 largest force; see CT_SOLVER_USUAL */
   struct ct_tangent *tangent; /* null: no friction */
   int iterations;             /* of the last solution */
   int converged;              /* whether it met the tolerance */
