@@ -261,7 +261,9 @@ def test_the_reserve_is_what_a_thin_body_would_lose(cells):
     energy = scene.run(progress=False, output=False).energy
     start = energy["kinetic"][0]
     assert energy["reserve"].max() / start == pytest.approx(1 / (2 * cells), rel=0.03)
-    assert energy["reserve"][-1] == 0 == energy["reserve"][0]
+    assert (
+        energy["reserve"][0] == 0 and energy["reserve"][-1] < 1e-20 * start
+    )  # loose forces leave rounding
     assert energy["kinetic"][-1] + energy["strain"][-1] == pytest.approx(start, rel=1e-5)
 
 

@@ -147,6 +147,8 @@ class Contact:
         Gaps and overlaps at the start up to this value count as touching [length].
     depth : float
         Search distance from a point to the other surface [length]; 0: the size of a face.
+    force_tolerance : float
+        Tolerance of the forces of :meth:`step`, as a fraction of the largest one.
     threads : int
         Number of threads; results do not depend on it.
     friction : float
@@ -203,6 +205,7 @@ class Contact:
         removal_time: float = 0.0,
         adjust: float = 0.0,
         depth: float = 0.0,
+        force_tolerance: float = 1e-4,
         threads: int = 1,
         friction: float = 0.0,
         tangent: float = 1.0,
@@ -220,6 +223,7 @@ class Contact:
             "removal_time": removal_time,
             "adjust": adjust,
             "depth": depth,
+            "force_tolerance": force_tolerance,
         }
         for name, value in numbers.items():
             setattr(options, name, finite(name, value))

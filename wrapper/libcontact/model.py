@@ -607,8 +607,8 @@ class Time(Table):
         larger step, at the cost of about 70 force evaluations.
     force_tolerance
         Tolerance of the contact forces of a step, which are solved for together: the largest change
-        by a further round, as a fraction of the largest force. With a looser one the energy still
-        does not grow (:eq:`energy-stop`).
+        by a further round, as a fraction of the largest force. The energy does not grow whatever it
+        is (:eq:`energy-stop`).
     until_static
         The run ends before ``end`` as soon as all histories have ended and its residual
         (:eq:`residual`) is not above this number. A run that does not come to rest issues a
@@ -635,7 +635,7 @@ class Time(Table):
     )
     integrator_parameter: float | None = key(Number(), default=None, says="by integrator")
     stable_step: str = key(Choice(("elements", "assembled")), default="elements")
-    force_tolerance: float = key(Number(least=1e-12, most=0.1), default=1e-10)
+    force_tolerance: float = key(Number(least=1e-12, most=0.1), default=CONTACT.force_tolerance)
     until_static: float | None = key(Number(least=1e-12), default=None, says="none", free=True)
     energy_limit: float = key(POSITIVE, default=1.0, free=True)
     look_every: int = key(Whole(most=2**53), default=1024, free=True)

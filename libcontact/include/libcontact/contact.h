@@ -94,12 +94,18 @@ typedef struct ct_contact_options {
    * :eq:`initial-adjust`. Default 0: no gap is closed.
    */
   double adjust;
+  /**
+   * Tolerance of the forces of `ct_contact_step`, 1e-12 ... 0.1: the largest change by a further
+   * iteration, as a fraction of the largest force, :eq:`energy-stop`; 0: 1e-4, the default. The
+   * forces of a problem's effects have that of ct_problem.
+   */
+  double force_tolerance;
 } ct_contact_options;
 
 /**
  * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, energy-controlled penalty with
- * dissipation 0.15 and restitution 1, CT_INITIAL_KEEP. ``epsilon`` and ``travel_time`` are 0; the
- * caller must set them.
+ * dissipation 0.15 and restitution 1, CT_INITIAL_KEEP, force_tolerance 1e-4. ``epsilon`` and
+ * ``travel_time`` are 0; the caller must set them.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
 

@@ -388,9 +388,8 @@ typedef struct ct_problem {
    */
   int assembled;
   /**
-   * Tolerance of the contact forces: the largest change by a further step of the solver, as a
-   * fraction of the largest force, :eq:`energy-stop`; 0: 1e-10. From 1e-4 on the solver uses
-   * :eq:`chebyshev`.
+   * Tolerance of the contact forces, 1e-12 ... 0.1: the largest change by a further iteration, as a
+   * fraction of the largest force, :eq:`energy-stop`; 0: 1e-4.
    */
   double force_tolerance;
 } ct_problem;

@@ -62,7 +62,7 @@ typedef struct ct_state {
   double *effect_seconds;
   /**
    * Number of steps so far in which the constraint forces, :eq:`constraint-problem`, did not
-   * converge to 1e-10 of the largest force within 2000 iterations; the last iterate is used then.
+   * converge to their tolerance within 2000 iterations; the last iterate is used then.
    * Not part of a restart; written by `ct_step`.
    */
   int64_t unconverged;

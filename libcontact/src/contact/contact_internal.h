@@ -44,6 +44,7 @@ typedef struct ct_contact_fixed {
   int admits; /* whether points may be found inside after the start (eq:admitted) */
   int moves;  /* whether what the points meet is an obstacle that moves */
   int threads;
+  double force_tolerance; /* of a host's steps */
   ct_gaps_fixed gaps;
   int one_array;  /* whether the nodes of both sides are numbered in one array of the host */
   int32_t *nodes; /* those of the interaction, a node of both sides counted once; with two arrays

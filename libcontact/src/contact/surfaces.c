@@ -3,6 +3,7 @@
 #include <libcontact/contact_result.h>
 
 #include "../constraint/law.h"
+#include "../constraint/solve.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
@@ -23,7 +24,8 @@ ct_contact_options ct_contact_options_default(void)
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
                               .dissipation = 0.15,
                               .restitution = 1.0,
-                              .initial_penetration = CT_INITIAL_KEEP};
+                              .initial_penetration = CT_INITIAL_KEEP,
+                              .force_tolerance = CT_SOLVER_USUAL};
 }
 
 double ct_contact_penalty(double beta, double young, double h)
@@ -60,6 +62,9 @@ static ct_status check_options(const ct_contact_fixed *fixed, const ct_contact_o
   if (options->threads < 1 || options->threads > CT_MOST_THREADS)
     return CT_REFUSE(error, "contact: threads must be 1 to %d, not %d", CT_MOST_THREADS,
                      options->threads);
+  if (!ct_solver_accepts(options->force_tolerance))
+    return CT_REFUSE(error, "contact: force_tolerance must be 0 or 1e-12 to 0.1, not %g",
+                     options->force_tolerance);
   if (!ct_method_exists(options->method))
     return CT_REFUSE(error, "contact: there is no search method %d", (int)options->method);
   return ct_contact_check(fixed, options->epsilon, options->points, error);
@@ -136,6 +141,7 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
   fixed->law = law_of(options);
   fixed->admits = 1;
   fixed->threads = options->threads;
+  fixed->force_tolerance = options->force_tolerance;
   fixed->start_rule =
       (ct_start_rule){options->initial_penetration, options->removal_time, options->adjust};
   status = check_options(fixed, options, error);

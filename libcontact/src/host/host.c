@@ -115,7 +115,10 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
   }
   if (status == CT_OK)
     status = ct_solver_create(sets, count, fixed->is.node_count, number, &h->solver);
-  if (status == CT_OK) h->solver->pieces = h->pieces;
+  if (status == CT_OK) {
+    h->solver->pieces = h->pieces;
+    h->solver->tolerance = ct_solver_tolerance(fixed->force_tolerance);
+  }
   ct_release(sets);
   ct_release(number);
   return status;

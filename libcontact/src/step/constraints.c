@@ -198,7 +198,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   if (status != CT_OK || rows == 0) return status;
   double begin = ct_run_seconds(problem);
   const ct_prediction p = predict(problem, state);
-  s->tolerance = problem->force_tolerance > 0.0 ? problem->force_tolerance : CT_SOLVER_TIGHT;
+  s->tolerance = ct_solver_tolerance(problem->force_tolerance);
   ct_rows_predict(s, &p);
   status = prescribe(problem, state, error);
   if (status == CT_OK) status = ct_rows_solve(s, state->time, error);

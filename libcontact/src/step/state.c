@@ -59,7 +59,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
     return CT_REFUSE(error, "problem: threads must be 0 to %d, not %d", CT_MOST_THREADS,
                      p->settings.threads);
   const double tolerance = p->force_tolerance;
-  if (tolerance != 0.0 && !(tolerance >= 1e-12 && tolerance <= 0.1))
+  if (!ct_solver_accepts(tolerance))
     return CT_REFUSE(error, "problem: force_tolerance must be 0 or 1e-12 to 0.1, not %g",
                      tolerance);
   return CT_OK;
