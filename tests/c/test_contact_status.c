@@ -477,6 +477,15 @@ static void states_share(void)
   tap_ok(ct_contact_create_effect(&foreign, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
              effect == NULL,
          "a surface with other nodes than the problem's is refused: %s", e.text);
+  contact.cookie--;
+  tap_ok(ct_contact_create_effect(&contact, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
+             effect == NULL && strstr(e.text, "travel_time") && strstr(e.text, "restitution 0"),
+         "by default a contact needs its travel time: %s", e.text);
+  contact.options.restitution = 0.0;
+  tap_ok(ct_contact_create_effect(&contact, &problem, &effect, &e) == CT_OK,
+         "but not with restitution 0");
+  ct_effect_free(effect);
+  effect = NULL;
   friction.cookie--;
   ct_status status = ct_friction_create_effect(&friction, &problem, &effect, &e);
   tap_ok(status == CT_OK && effect->kind == CT_EFFECT_FRICTION, "with the cookie it is accepted");

@@ -447,6 +447,23 @@ def test_nonsense_is_refused_by_name(wrong):
     assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
 
 
+def test_a_step_needs_the_travel_time_or_restitution_0():
+    pair = lambda array: (array, array)
+    a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE + 0, [[0, 1, 2, 3]])
+    zero, one = np.zeros((4, 3)), np.ones((4, 3))
+    step = lambda contact: contact.step(0.1, pair(SQUARE), pair(zero), pair(one))
+    need = "travel_time must be positive, not {}: give h / c1, .* or restitution 0"
+    for time in (0.0, -2.0):
+        with pytest.raises(ct.ArgumentError, match="contact: " + need.format(f"{time:g}")):
+            step(ct.Contact(a, b, epsilon=1.0, travel_time=time))
+    walled = ct.Contact(a, b, epsilon=1.0, travel_time=1.0)
+    walled.add_obstacle("plane", [0, 0, -2], epsilon=1.0, travel_time=0.0)
+    with pytest.raises(ct.ArgumentError, match="obstacle: " + need.format(0)):
+        step(walled)
+    for given in ({"restitution": 0.0}, {"enforcement": "penalty"}, {"travel_time": 0.1}):
+        step(ct.Contact(a, b, epsilon=1.0, **given))
+
+
 def test_an_old_word_answers_what_to_write():
     surface = ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]])
     for gone, now in (
