@@ -181,9 +181,12 @@ class Depth:
 
 def growth(o: Options, animal: Animal, run: ct.Run) -> float:
     """The most by which kinetic and strain energy, with that of the weight, exceed the start and the
-    external work. An overlap that is pushed out gives its energy, too."""
+    external work. An overlap that is pushed out gives its energy, too. In a step with a large force the product of
+    the velocities before and after is no energy of the bodies alone; the contact's is negative then
+    (eq:controlled-energy)."""
     energy = run.energy
     own = energy["kinetic"] + energy["strain"]
+    own = own + np.minimum(energy["contact"] + energy["obstacle"], 0.0)
     if "gravity" in energy.dtype.names:
         own = own + energy["gravity"]
     start = energy["total"][0] if o.initial_penetration == "force" else own[0]

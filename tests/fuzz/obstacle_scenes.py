@@ -2,11 +2,9 @@
 Random bodies at rigid obstacles: ``obstacle_scenes.py FAMILY FIRST COUNT``, FAMILY ``overlap`` or ``small``.
 
 ``overlap``: the body begins 1e-6 ... 0.5 of an edge inside a plane, a sphere or a cylinder. ``small``: spheres and
-cylinders of 0.05 ... 5 edges hit a body at up to its wave speed. Oracles: the energy never exceeds that of the start
-plus the work of the obstacle by more than 0.2 %: that of the bodies, kinetic and strain, and where a contact acts, that
-of bodies and contact. (In a step with a large force the product of the velocities before and after is no energy of the
-bodies alone, :eq:`controlled-energy`.) An obstacle whose path meets the body gives it an impulse, and its centre is not
-inside it at the end, deeper than the penalty lets it.
+cylinders of 0.05 ... 5 edges hit a body at up to its wave speed. Oracles: the energy of the bodies, kinetic and strain,
+never exceeds that of the start plus the work of the obstacle by more than 0.2 %; an obstacle whose path meets the body
+gives it an impulse, and its centre is not inside it at the end, deeper than the penalty lets it.
 """
 
 from __future__ import annotations
@@ -127,9 +125,10 @@ def _scene(chance: np.random.Generator, body: dict, obstacle: dict, end: float) 
 
 
 def growth_of(bodies: np.ndarray, contact: np.ndarray, work: np.ndarray) -> float:
-    """The largest gain of the bodies, with the contact where it acts, over the start and the work, relative to their
-    energy."""
-    gain = float((bodies + contact - bodies[0] - contact[0] - work).max())
+    """The largest gain of the bodies over the start and the work, relative to their energy. In a step with a large
+    force the product of the velocities before and after is no energy of the bodies alone; that of the contact is
+    negative then (:eq:`controlled-energy`), and counts."""
+    gain = float((bodies + np.minimum(contact, 0.0) - bodies[0] - work).max())
     scale = float(max(bodies.max(), np.abs(work).max()))
     return gain / scale if scale > 0.0 else 0.0
 
