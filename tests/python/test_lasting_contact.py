@@ -128,7 +128,7 @@ def test_restitution_0_is_the_law_of_the_gaps_alone(beta, fraction):
     scene.add("gravity", acceleration=[-0.02, 0, 0])
     plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=plane, beta=beta, restitution=0.0)
-    scene.set_time(end=80.0, dt=dt).set_output(every=1, fields=[])
+    scene.set_time(end=80.0, dt=dt, force_tolerance=1e-10).set_output(every=1, fields=[])
     run = scene.run(progress=False, output=False)
     dt = run.time[1]  # whole steps to the end
     m, u, v = np.array([0.5, 1.0, 1.0, 1.0, 0.5]), np.zeros(5), np.full(5, v0)
