@@ -286,8 +286,10 @@ def plate_impact(short: bool) -> Iterator[Row]:
     cells = 12 if short else 24
     for beta in (4.0, 1e4) if short else (1e-2, 1e-1, 1.0, 4.0, 10.0, 1e2, 1e3, 1e4):
         for fraction in (0.9,) if short else (0.1, 0.3, 0.5, 0.7, 0.9, 0.99):
-            # With a penalty below the stiffness of the elements the overlap is large by definition.
-            yield plates(cells, DEFAULT, beta, fraction, bound=math.inf if beta < 1 else 0.5)
+            # With a penalty below the stiffness of the elements the overlap is large by definition, and the
+            # dashpot takes more.
+            soft = {"bound": math.inf, "may_lose": 0.03} if beta < 1 else {}
+            yield plates(cells, DEFAULT, beta, fraction, **soft)
     for beta, expected in ((1.0, "passes"), (100.0, "energy")):
         yield plates(cells, "penalty", beta, 0.9, expected=expected)
 

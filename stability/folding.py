@@ -103,29 +103,39 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     return row
 
 
-def soft(title: str, bricks: shapes.Bricks, law: dict[str, Any]) -> ct.Scene:
-    """A soft body in contact with itself, with these keys of the contact."""
+def soft(
+    title: str, bricks: shapes.Bricks, law: dict[str, Any], stuff: str = "neo_hookean"
+) -> ct.Scene:
+    """A soft body of a material in contact with itself, with these keys of the contact."""
     made = scene(title)
-    material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
+    material(made, young=YOUNG, density=DENSITY, law=stuff)
     made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft")
     return made.add_contact("body.outer", "body.outer", **law)
 
 
 def led(
-    bricks: shapes.Bricks, way: float, time: float, law: dict[str, Any] = ELASTIC
+    bricks: shapes.Bricks,
+    way: float,
+    time: float,
+    law: dict[str, Any] = ELASTIC,
+    stuff: str = "neo_hookean",
 ) -> tuple[ct.Scene, float]:
     """The sides at the smallest and the largest z are moved towards each other, each by ``way``."""
-    made = soft("folding", bricks, law)
+    made = soft("folding", bricks, law, stuff)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add_support(f"body.{side}", fix="z", travel=[0, 0, sign * way], history=smooth(time))
     return made, 1.3 * time
 
 
 def loaded(
-    bricks: shapes.Bricks, traction: float, time: float, law: dict[str, Any] = ELASTIC
+    bricks: shapes.Bricks,
+    traction: float,
+    time: float,
+    law: dict[str, Any] = ELASTIC,
+    stuff: str = "neo_hookean",
 ) -> tuple[ct.Scene, float]:
     """The sides at the smallest and the largest z are loaded towards each other, with ``traction`` E."""
-    made = soft("folding", bricks, law)
+    made = soft("folding", bricks, law, stuff)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
         made.add(
             "load",

@@ -204,8 +204,10 @@ def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
 
 
 def own_energy(run: ct.Run) -> np.ndarray:
-    """Energy of the bodies, without the work that was put in and without what contacts store and hold."""
-    return np.asarray(run.energy["total"] - run.energy["contact"])
+    """Energy of the bodies, without the work that was put in and without what contacts store and hold.
+    Where points open, the energy of a contact may be negative: then it corrects that of the bodies
+    (eq:controlled-energy)."""
+    return np.asarray(run.energy["total"] - np.maximum(run.energy["contact"], 0.0))
 
 
 def drift(run: ct.Run, scale: float) -> float:

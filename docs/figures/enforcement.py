@@ -131,6 +131,44 @@ def laws():
     return figure
 
 
+def trade():
+    """What each law takes from two plates that collide, or adds to them, over the layers, the penalty and the step."""
+    with (Path(__file__).resolve().parents[1] / "theory" / "trade.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    figure = Figure(figsize=(7.5, 3.6))
+    usual = {"layers": "4", "beta": "40", "step": "0.9"}
+    labels = {
+        "layers": "layers of a plate",
+        "beta": "penalty factor β",
+        "step": "step / stable step",
+    }
+    for ax, swept in zip(figure.subplots(1, 3, sharey=True), usual):
+        for law, colour in (
+            ("explicit penalty", ORANGE),
+            ("restitution 0", GREY),
+            ("restitution 1", BLUE),
+        ):
+            fixed = {**usual, "law": law, **({"beta": "4"} if law == "explicit penalty" else {})}
+            own = [r for r in rows if all(r[k] == v for k, v in fixed.items() if k != swept)]
+            x = np.array([float(row[swept]) for row in own])
+            lost = 100 * np.array([1 - float(row["least"]) for row in own])
+            made = 100 * np.array([float(row["most"]) - 1 for row in own])
+            (line,) = ax.plot(x, np.maximum(lost, 1e-2), "o-", color=colour, ms=4, lw=1.3)
+            line.set_label(law)
+            grows = made > 1e-6
+            ax.plot(x[grows], np.maximum(made[grows], 1e-2), "x", color=RED, ms=7, mew=1.6)
+        ax.set(xlabel=labels[swept], yscale="log")
+        if swept != "step":
+            ax.set_xscale("log")
+            ticks = sorted({float(row[swept]) for row in rows})
+            ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+            ax.minorticks_off()
+    figure.axes[0].set_ylabel("energy of the impact, %")
+    figure.axes[0].plot([], [], "x", color=RED, label="energy made")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    return figure
+
+
 def surface_mode():
     """The mode at the end of a bar with a spring, from its matrix and from the closed form."""
     figure = Figure(figsize=(7.5, 3.0))
