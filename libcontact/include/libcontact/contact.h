@@ -58,15 +58,11 @@ typedef struct ct_contact_options {
   double depth;
   /** Number of threads; results do not depend on it. */
   int threads;
-  /**
-   * The law by which `ct_contact_step` and the contact effect of a problem compute forces from
-   * gaps. `ct_contact_update` does not know the time step and uses the explicit penalty.
-   */
+  /** The law by which `ct_contact_step` and the contact effect of a problem compute forces from
+   * gaps. `ct_contact_update` does not know the time step and uses the explicit penalty. */
   ct_enforcement enforcement;
-  /**
-   * Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
-   * penalty. With 0, energy is conserved while contact lasts.
-   */
+  /** Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
+   * penalty. With 0, energy is conserved while contact lasts. */
   double dissipation;
   /**
    * Share of the energy lost at closing that a point holds and gives back when it opens, 0 ... 1,
@@ -94,11 +90,7 @@ typedef struct ct_contact_options {
    * :eq:`initial-adjust`. Default 0: no gap is closed.
    */
   double adjust;
-  /**
-   * Tolerance of the forces of `ct_contact_step`, 1e-12 ... 0.1: the largest change by a further
-   * iteration, as a fraction of the largest force, :eq:`energy-stop`; 0: 1e-4, the default. The
-   * forces of a problem's effects have that of ct_problem.
-   */
+  /** Tolerance of the forces of a step, 1e-12 ... 0.1, :eq:`force-tolerance`; 0: 1e-4. */
   double force_tolerance;
 } ct_contact_options;
 
