@@ -592,7 +592,8 @@ static void store_forces(ct_solver *s)
 }
 
 /* The forces of all active rows and the tangential ones, in turn, until the second no longer change
- * the first, or hardly and without energy (eq:energy-stop). Returns 0 if they are not finite. */
+ * the first, or hardly and without energy (eq:energy-stop); else those of a step without friction.
+ * Returns 0 if they are not finite. */
 static int find_all_forces(ct_solver *s)
 {
   const double nearly = fmax(NEARLY, 0.1 * tolerance_of(s));
@@ -603,10 +604,12 @@ static int find_all_forces(ct_solver *s)
     store_forces(s);
     if (!ct_tangent_solve(s, pass, &change)) return 0;
     if (change <= UNCHANGED || (change <= nearly && loses_energy(s))) return 1;
-    if (pass < MOST_PASSES) continue;
-    s->converged = 0;
-    return 1;
+    if (pass == MOST_PASSES) break;
   }
+  if (!ct_tangent_drop(s) || !find_forces(s)) return 0;
+  store_forces(s);
+  s->converged = 0;
+  return 1;
 }
 
 /* Twice the mean motion of each point while the force acts: of two steps, or of half a step with

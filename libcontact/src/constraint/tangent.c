@@ -10,6 +10,7 @@
 #include "matrix.h"
 #include "tangent_matrix.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -18,6 +19,10 @@ enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000, MOST_CHEBYSHEV = 40 };
 /* The iteration ends when the largest change of a force is below this fraction of the largest
  * force; a point sticks when its slip is below this many times that change. */
 static const double TOLERANCE = 1e-4, STICK = 10.0;
+
+/* The smallest tolerance to which it goes on while energy appears; and the share of a disc's radius
+ * that counts as its edge. */
+static const double TIGHT = 1e-8, ON_EDGE = 1e-9;
 
 /* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on; the largest is at most 1. */
 static const double LOWEST = 0.08;
@@ -38,11 +43,12 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   double **vectors[] = {&t->sums, &t->moved, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  ct_columns *columns[] = {&t->normal, &t->last,  &t->q,   &t->T,    &t->image, &t->slip,
-                           &t->T0,     &t->slip0, &t->aim, &t->next, &t->c};
+  ct_columns *columns[] = {&t->normal, &t->last, &t->q,    &t->T, &t->image, &t->slip, &t->T0,
+                           &t->slip0,  &t->aim,  &t->next, &t->c, &t->e,     &t->e0,   &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
-  double **numbers[] = {&t->limit, &t->most, &t->C, &t->kappa, &t->scale, &t->terms};
+  double **numbers[] = {&t->limit, &t->most,    &t->k,    &t->C,   &t->kappa, &t->scale,
+                        &t->terms, &t->reserve, &t->work, &t->lag, &t->loss,  &t->wanted};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
@@ -166,6 +172,15 @@ static void fix_limits(ct_solver *s, int whole)
   t->current = t->shifted = 0;
 }
 
+/* One component of q = D + e_n + κ e_{n-1} without friction (eq:slip-residual), from D. */
+CT_CLONES
+static void add_slips(int64_t count, const double *e, const double *kappa, const double *e0,
+                      double *restrict q)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) q[j] += e[j] + kappa[j] * e0[j];
+}
+
 /* Motion of the nodes without friction, with the present normal forces, and what follows for the
  * rows. Returns 0 if the forces are not finite. */
 static int find_drift(ct_solver *s)
@@ -180,17 +195,14 @@ static int find_drift(ct_solver *s)
   ct_tangent_motion(t, t->drift, &t->q);
   for (int64_t j = 0; j < t->count; j++) {
     const ct_tangent_row *r = &t->rows[j];
-    const ct_slip *p = r->slip;
     double q[3];
+    if (r->row->other_count > 0) continue;
     ct_columns_get(&t->q, j, q);
-    if (r->row->other_count == 0) {
-      for (int i = 0; i < 3; i++) q[i] -= p->coming[i];
-      ct_vector_make_tangential(r->row->normal, q);
-    }
-    // -- q = D + e_n + κ e_{n-1} without friction (eq:slip-residual)
-    for (int i = 0; i < 3; i++) q[i] += p->e[i] + t->kappa[j] * p->before[i];
+    for (int i = 0; i < 3; i++) q[i] -= r->slip->coming[i];
+    ct_vector_make_tangential(r->row->normal, q);
     ct_columns_set(&t->q, j, q);
   }
+  for (int c = 0; c < 3; c++) add_slips(t->count, t->e.x[c], t->kappa, t->e0.x[c], t->q.x[c]);
   return 1;
 }
 
@@ -257,11 +269,11 @@ static void take_step(ct_tangent *t, step by)
 /* Solve for the tangential forces with the present normal ones. Forces that already meet twice
  * the tolerance are not changed. Returns the number of rounds that changed them; -1 if they are not
  * finite. */
-static int iterate(ct_solver *s)
+static int iterate(ct_solver *s, double least)
 {
   ct_tangent *t = s->tangent;
-  double rho = 0.0, tolerance = 2.0 * t->tolerance;
-  for (int k = 0;; k++, tolerance = t->tolerance) {
+  double rho = 0.0, tolerance = 2.0 * least;
+  for (int k = 0;; k++, tolerance = least) {
     double size[2] = {0.0, LEAST * t->top};
     if (!t->current && !ct_tangent_apply(s)) return -1;
     t->current = 1;
@@ -323,64 +335,129 @@ static double guard(ct_solver *s)
   return slip - free > 0.0 ? fmin(fmax(-free / (slip - free), 0.0), 1.0) : 1.0;
 }
 
-/* Store the force of a row, and its elastic slip at the end of the step. */
-static void store_row(const ct_tangent *t, int64_t j, double theta)
-{
-  ct_slip *p = t->rows[j].slip;
-  const double before = ct_slip_stored(p), C = t->C[j], kappa = t->kappa[j],
-               most = STICK * t->tolerance * t->size_of_force / t->scale[j];
-  double T[3], image[3], q[3], last[3], slip[3], motion[3];
-  ct_columns_get(&t->T, j, T), ct_columns_get(&t->image, j, image);
-  ct_columns_get(&t->q, j, q), ct_columns_get(&t->last, j, last);
-  for (int i = 0; i < 3; i++) {
-    p->force[i] = theta * T[i];
-    // -- The slip of the step, and D₊ (eq:slip-residual)
-    slip[i] = (theta * image[i] + C * p->force[i]) + q[i];
-    motion[i] = theta * image[i] + (q[i] - (p->e[i] + kappa * p->before[i]));
-  }
-  // -- A point that slips less than the iteration resolves sticks (eq:slip-stick)
-  p->stuck = ct_vector_dot(slip, slip) <= most * most;
-  // -- R = -½ T · slip (eq:slip-store), and what is owed
-  p->reserve = p->stuck ? 0.0 : fmin(p->reserve, 0.0) - 0.5 * ct_vector_dot(p->force, slip);
-  for (int i = 0; i < 3; i++) {
-    const double e = p->e[i];
-    p->e[i] = p->stuck ? e + motion[i] : -C * p->force[i] - kappa * p->before[i];
-    p->before[i] = e;
-  }
-  const double after = ct_vector_dot(p->force, motion), earlier = ct_vector_dot(p->force, last);
-  // -- ½ T · (D₊ + D₋) (eq:slip-work)
-  p->work = 0.5 * (after + earlier);
-  // -- ¼ T · (D₊ - D₋) (eq:slip-held)
-  p->lag = 0.25 * (after - earlier);
-  // What a point gains that does not stick exactly is taken from the reserves (eq:slip-stick)
-  if (p->stuck) p->reserve = fmin((before - ct_slip_stored(p)) - p->work, 0.0);
-}
-
-/* Share the reserves, with the same sum: none of them is negative, or, where the sum is, none is
- * positive (eq:slip-stick). */
-static void share_reserves(ct_solver *s)
+/* Multiply all forces by the guard's factor, and what follows from them. */
+static void shorten_forces(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  double sum[2], debt = 0.0;
-  for (int64_t j = 0; j < t->count; j++) {
-    const double R = t->rows[j].slip->reserve;
-    debt = -R > debt ? -R : debt;
-  }
-  ct_pieces_largest(s->pieces, &debt, 1);
-  if (debt == 0.0) return;
-  for (int owed = 0; owed < 2; owed++) {
+  const double theta = guard(s);
+  if (theta == 1.0) return;
+  for (int c = 0; c < 3; c++)
     for (int64_t j = 0; j < t->count; j++) {
-      const double R = t->rows[j].slip->reserve;
-      t->terms[j] = (R < 0.0) == owed ? R : 0.0;
+      t->T.x[c][j] *= theta, t->image.x[c][j] *= theta;
+      // -- (W + C) T + q (eq:slip-residual)
+      t->slip.x[c][j] = (t->image.x[c][j] + t->C[j] * t->T.x[c][j]) + t->q.x[c][j];
     }
-    sum[owed] = ct_sum_over(s->pieces, t->terms, t->count);
-  }
-  const double rest = sum[0] + sum[1], sign = rest < 0.0 ? -1.0 : 1.0,
-               part = rest / (rest < 0.0 ? sum[1] : sum[0]);
+  for (int32_t k = 0; k < t->node_count; k++)
+    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] *= theta;
+  t->shifted = 0;
+}
+
+/* Whether a point sticks: the iteration does not resolve its slip, and the force is within the disc
+ * or not against the slip (eq:slip-stick). */
+static int sticks(const ct_tangent *t, int64_t j, const double T[3], const double slip[3])
+{
+  const double most = STICK * t->tolerance * t->size_of_force / t->scale[j],
+               edge = (1.0 - ON_EDGE) * t->limit[j];
+  return ct_vector_dot(slip, slip) <= most * most &&
+         (ct_vector_dot(T, T) < edge * edge || ct_vector_dot(T, slip) >= 0.0);
+}
+
+/* The elastic slip of row j at the end of the step, and its energies; `may_stick`: see
+ * ct_tangent_solve. */
+static void settle_row(ct_tangent *t, int64_t j, int may_stick)
+{
+  double T[3], slip[3], motion[3], e[3], e0[3], last[3], end[3];
+  ct_columns_get(&t->e, j, e), ct_columns_get(&t->e0, j, e0), ct_columns_get(&t->last, j, last);
+  ct_columns_get(&t->T, j, T), ct_columns_get(&t->slip, j, slip);
+  // -- D₊ (eq:slip-residual)
+  for (int i = 0; i < 3; i++) motion[i] = slip[i] - (t->C[j] * T[i] + (e[i] + t->kappa[j] * e0[i]));
+  const int acts = t->limit[j] > 0.0 || ct_vector_dot(T, T) > 0.0,
+            stuck = may_stick && acts && sticks(t, j, T, slip);
+  for (int i = 0; i < 3; i++)
+    end[i] = !acts ? 0.0 : stuck ? e[i] + motion[i] : -t->C[j] * T[i] - t->kappa[j] * e0[i];
+  ct_columns_set(&t->end, j, end);
+  const double after = ct_vector_dot(T, motion), earlier = ct_vector_dot(T, last);
+  // -- ½ T · (D₊ + D₋) (eq:slip-work)
+  t->work[j] = 0.5 * (after + earlier);
+  // -- ¼ T · (D₊ - D₋) (eq:slip-held)
+  t->lag[j] = 0.25 * (after - earlier);
+  // -- R = -½ T · slip (eq:slip-store)
+  t->wanted[j] = stuck ? -1.0 : fmax(-0.5 * ct_vector_dot(T, slip), 0.0);
+  // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
+  t->loss[j] = (0.25 * t->k[j] * (ct_vector_dot(e0, e0) - ct_vector_dot(end, end)) +
+                (t->reserve[j] - t->work[j]));
+}
+
+/* Energy that all rows lose together (eq:slip-loss), 0 where it is rounding. */
+static double find_loss(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  const double loss = ct_sum_over(s->pieces, t->loss, t->count);
+  if (loss >= 0.0) return loss;
   for (int64_t j = 0; j < t->count; j++) {
-    double *R = &t->rows[j].slip->reserve;
-    *R = rest != 0.0 && *R * sign > 0.0 ? part * *R : 0.0;
+    double e[3], e0[3];
+    ct_columns_get(&t->e, j, e), ct_columns_get(&t->e0, j, e0);
+    t->terms[j] = 0.25 * t->k[j] * (ct_vector_dot(e, e) + ct_vector_dot(e0, e0)) +
+                  fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
   }
+  const double size = ct_sum_over(s->pieces, t->terms, t->count);
+  return loss >= -8.0 * DBL_EPSILON * size ? 0.0 : loss;
+}
+
+/* Elastic slips and energies of all rows; returns what they lose together. */
+static double settle(ct_solver *s, int may_stick)
+{
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++) settle_row(t, j, may_stick);
+  return find_loss(s);
+}
+
+/* Shorten the elastic slips of the points that stick, so that their springs give back the energy
+ * `gain` less (eq:slip-stick). Returns 0 if they have less. */
+static int shorten_slips(ct_solver *s, double gain)
+{
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++) {
+    double end[3];
+    ct_columns_get(&t->end, j, end);
+    t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * ct_vector_dot(end, end) : 0.0;
+  }
+  const double stored = ct_sum_over(s->pieces, t->terms, t->count), share = gain / stored;
+  if (!(gain < stored)) return 0;
+  // -- e_{n+1} √(1 - gain / stored) (eq:slip-stick)
+  const double factor = sqrt(1.0 - share);
+  for (int64_t j = 0; j < t->count; j++) {
+    if (t->wanted[j] >= 0.0) continue;
+    t->loss[j] += share * t->terms[j];
+    for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
+    t->wanted[j] = 0.0; // it has slipped
+  }
+  return 1;
+}
+
+/* The part of the wanted reserves that the losses of the step pay (eq:slip-stick). */
+static double part_of_reserves(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++) t->terms[j] = fmax(t->wanted[j], 0.0);
+  const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
+               lost = ct_sum_over(s->pieces, t->loss, t->count);
+  return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
+}
+
+/* Store the force of a row, its elastic slips, and its part of the reserve it wants. */
+static void store_row(const ct_tangent *t, int64_t j, double part)
+{
+  ct_slip *p = t->rows[j].slip;
+  const double wanted = t->wanted[j];
+  for (int i = 0; i < 3; i++) {
+    p->force[i] = t->T.x[i][j];
+    p->before[i] = t->e.x[i][j];
+    p->e[i] = t->end.x[i][j];
+  }
+  p->work = t->work[j], p->lag = t->lag[j];
+  p->stuck = wanted < 0.0;
+  p->reserve = wanted > 0.0 ? part * wanted : 0.0;
 }
 
 /* Whether a normal force has changed so much that the limits must follow it. */
@@ -400,7 +477,7 @@ int ct_tangent_begin(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double change;
-  t->tolerance = fmax(TOLERANCE, 0.1 * s->tolerance);
+  t->tolerance = fmax(TOLERANCE, s->tolerance);
   t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
@@ -409,30 +486,58 @@ int ct_tangent_begin(ct_solver *s)
   return fix_laws(s) && shift_gaps(s, &change);
 }
 
+/* Iterate until the points together lose energy (eq:slip-loss). Points that stick follow the
+ * motion, so an iteration that ends early may gain some; if it still does so at a tight tolerance,
+ * their springs pay it. Returns whether the last iteration converged, or -1 if forces are not
+ * finite. */
+static int find_forces(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  for (double least = t->tolerance;; least *= 0.1) {
+    const int rounds = iterate(s, least), converged = rounds < t->most_rounds;
+    if (rounds < 0) return -1;
+    shorten_forces(s);
+    const double loss = settle(s, 1);
+    if (loss >= 0.0) return converged;
+    if (converged && least > TIGHT) continue;
+    if (!shorten_slips(s, -loss)) settle(s, 0);
+    return converged;
+  }
+}
+
 int ct_tangent_solve(ct_solver *s, int pass, double *change)
 {
   ct_tangent *t = s->tangent;
   if (!t->some) return 1;
   if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s, pass == 0);
   if (!find_drift(s)) return 0;
-  const int rounds = iterate(s);
-  s->converged = s->converged && rounds < t->most_rounds;
-  return rounds >= 0 && shift_gaps(s, change);
+  const int converged = find_forces(s);
+  s->converged = s->converged && converged;
+  return converged >= 0 && shift_gaps(s, change);
+}
+
+int ct_tangent_drop(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  double change;
+  const size_t size = (size_t)t->count * sizeof(double);
+  for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
+  for (int32_t k = 0; k < t->node_count; k++)
+    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
+  t->shifted = 0;
+  settle(s, 0);
+  return shift_gaps(s, &change);
 }
 
 void ct_tangent_store(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!t->some) return;
-  const double theta = guard(s);
+  const double part = part_of_reserves(s);
   for (int64_t j = 0; j < t->count; j++) {
-    const ct_tangent_row *r = &t->rows[j];
     const int acts =
-        r->row->force > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
-    if (acts) store_row(t, j, theta);
-    else ct_slip_open(r->slip);
+        t->limit[j] > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
+    if (acts) store_row(t, j, part);
+    else ct_slip_open(t->rows[j].slip);
   }
-  share_reserves(s);
-  for (int64_t r = 0; theta != 1.0 && r < s->count; r++)
-    s->gradient[r] += (theta - 1.0) * t->shift[r];
 }

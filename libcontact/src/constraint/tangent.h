@@ -18,6 +18,10 @@ int ct_tangent_begin(ct_solver *solver);
  * largest. Returns 0 if forces are not finite. */
 int ct_tangent_solve(ct_solver *solver, int pass, double *change);
 
+/* Without a solution: no tangential forces in this step, so that they add no energy. The gaps and
+ * the gradient follow. Returns 0 if they are not finite. */
+int ct_tangent_drop(ct_solver *solver);
+
 /* Store the tangential forces in the rows. */
 void ct_tangent_store(ct_solver *solver);
 

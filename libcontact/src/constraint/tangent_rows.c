@@ -51,6 +51,9 @@ static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *
   ct_vector_make_tangential(c->normal, T);
   ct_columns_set(&t->T, j, T);
   ct_columns_set(&t->normal, j, c->normal);
+  ct_columns_set(&t->e, j, c->slip->e);
+  ct_columns_set(&t->e0, j, c->slip->before);
+  t->k[j] = c->slip->k, t->reserve[j] = c->slip->reserve;
   if (head == NULL || head->place != r->place) return r;
   head->alike++;
   return head;

@@ -32,6 +32,8 @@ typedef struct ct_tangent {
                                  CT_TANGENT_LANES */
   double *size;               /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
   ct_columns normal, last;    /* unit normal; motion D₋ of the last step */
+  ct_columns e, e0;           /* elastic slips e_n and e_{n-1} */
+  ct_columns end;             /* e_{n+1} */
   ct_columns q;               /* D without friction + e_n + κ e_{n-1} */
   ct_columns T, image;        /* the forces, and W times them */
   ct_columns slip;            /* the slip of the step (eq:slip-residual) */
@@ -39,7 +41,11 @@ typedef struct ct_tangent {
   ct_columns aim, next;       /* a force before and after its projection */
   ct_columns c;               /* slip of the last step, of the sets (eq:slip-set) */
   double *limit, *most;       /* of the sets */
-  double *C, *kappa;          /* of the laws (eq:slip-residual) */
+  double *k, *C, *kappa;      /* of the laws (eq:slip-residual) */
+  double *reserve;            /* R of the last step */
+  double *work, *lag;         /* of the forces of this step, as of ct_slip */
+  double *loss;               /* S₋ - S₊ - W without the next reserve */
+  double *wanted;             /* this reserve; -1 where the point sticks */
   double *scale;              /* 1 / D (eq:slip-bound) */
   double *terms;              /* a number per row */
   double *shift;              /* of the gaps of active rows by tangential forces */
