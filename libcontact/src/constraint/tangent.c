@@ -86,33 +86,40 @@ static ct_slip_set set_of(const ct_tangent *t, int64_t j)
   return set;
 }
 
-/* `to` = forces without the parts beyond their discs; returns whether any of them is beyond a
- * chord. */
-CT_CLONES
-static int shorten_all(int64_t count, const double *limit, const double *most, const ct_columns *c,
-                       const ct_columns *from, const ct_columns *to)
+/* The product of two vectors of row j. */
+CT_INLINE double dot(const ct_columns *a, const ct_columns *b, int64_t j)
 {
-  const double *cx = c->x[0], *cy = c->x[1], *cz = c->x[2], *x = from->x[0], *y = from->x[1],
-               *z = from->x[2];
-  double *X = to->x[0], *Y = to->x[1], *Z = to->x[2];
-  double beyond = 0.0;
-#pragma omp simd reduction(max : beyond)
-  for (int64_t j = 0; j < count; j++) {
+  return (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
+}
+
+/* `to` = forces without the parts beyond their discs, and `beyond` = 1 where they are still beyond
+ * the chord; returns whether any is. */
+CT_CLONES
+static int shorten_all(const ct_tangent *t, const ct_columns *from, const ct_columns *to,
+                       double *restrict beyond)
+{
+  const double *limit = t->limit, *most = t->most, *cx = t->c.x[0], *cy = t->c.x[1],
+               *cz = t->c.x[2], *x = from->x[0], *y = from->x[1], *z = from->x[2];
+  double *X = to->x[0], *Y = to->x[1], *Z = to->x[2], any = 0.0;
+#pragma omp simd reduction(max : any)
+  for (int64_t j = 0; j < t->count; j++) {
     // -- The disc alone (eq:slip-projection)
     const double part = ct_slip_part(limit[j], (x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]);
     X[j] = x[j] * part, Y[j] = y[j] * part, Z[j] = z[j] * part;
     const double along = (X[j] * cx[j] + Y[j] * cy[j]) + Z[j] * cz[j],
                  over = along > most[j] ? 1.0 : 0.0;
-    beyond = over > beyond ? over : beyond;
+    beyond[j] = over;
+    any = over > any ? over : any;
   }
-  return beyond > 0.0;
+  return any > 0.0;
 }
 
 /* `to` = forces projected on the sets of all rows. */
 static void project(const ct_tangent *t, const ct_columns *from, const ct_columns *to)
 {
-  if (!shorten_all(t->count, t->limit, t->most, &t->c, from, to)) return;
+  if (!shorten_all(t, from, to, t->terms)) return;
   for (int64_t j = 0; j < t->count; j++) {
+    if (t->terms[j] == 0.0) continue;
     const ct_slip_set set = set_of(t, j);
     double T[3];
     ct_columns_get(from, j, T);
@@ -319,7 +326,7 @@ static double product(ct_solver *s, const ct_columns *a, const ct_columns *b)
 {
   ct_tangent *t = s->tangent;
   for (int64_t j = 0; j < t->count; j++)
-    t->terms[j] = (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
+    t->terms[j] = dot(a, b, j);
   return ct_sum_over(s->pieces, t->terms, t->count);
 }
 
@@ -352,40 +359,69 @@ static void shorten_forces(ct_solver *s)
   t->shifted = 0;
 }
 
-/* Whether a point sticks: the iteration does not resolve its slip, and the force is within the disc
- * or not against the slip (eq:slip-stick). */
-static int sticks(const ct_tangent *t, int64_t j, const double T[3], const double slip[3])
+/* Whether a point has a force, or may have one: 1 or 0. */
+CT_INLINE double acts(const ct_tangent *t, int64_t j)
 {
-  const double most = STICK * t->tolerance * t->size_of_force / t->scale[j],
-               edge = (1.0 - ON_EDGE) * t->limit[j];
-  return ct_vector_dot(slip, slip) <= most * most &&
-         (ct_vector_dot(T, T) < edge * edge || ct_vector_dot(T, slip) >= 0.0);
+  const double has = t->limit[j] > 0.0 ? 1.0 : 0.0;
+  return dot(&t->T, &t->T, j) > 0.0 ? 1.0 : has;
 }
 
-/* The elastic slip of row j at the end of the step, and its energies; `may_stick`: see
- * ct_tangent_solve. */
-static void settle_row(ct_tangent *t, int64_t j, int may_stick)
+/* Whether a point sticks: the iteration does not resolve its slip, and the force is within the disc
+ * or not against the slip (eq:slip-stick). 1 or 0, computed without branches. */
+CT_INLINE double sticks(const ct_tangent *t, int64_t j, double reach)
 {
-  double T[3], slip[3], motion[3], e[3], e0[3], last[3], end[3];
-  ct_columns_get(&t->e, j, e), ct_columns_get(&t->e0, j, e0), ct_columns_get(&t->last, j, last);
-  ct_columns_get(&t->T, j, T), ct_columns_get(&t->slip, j, slip);
-  // -- D₊ (eq:slip-residual)
-  for (int i = 0; i < 3; i++) motion[i] = slip[i] - (t->C[j] * T[i] + (e[i] + t->kappa[j] * e0[i]));
-  const int acts = t->limit[j] > 0.0 || ct_vector_dot(T, T) > 0.0,
-            stuck = may_stick && acts && sticks(t, j, T, slip);
-  for (int i = 0; i < 3; i++)
-    end[i] = !acts ? 0.0 : stuck ? e[i] + motion[i] : -t->C[j] * T[i] - t->kappa[j] * e0[i];
-  ct_columns_set(&t->end, j, end);
-  const double after = ct_vector_dot(T, motion), earlier = ct_vector_dot(T, last);
-  // -- ½ T · (D₊ + D₋) (eq:slip-work)
-  t->work[j] = 0.5 * (after + earlier);
-  // -- ¼ T · (D₊ - D₋) (eq:slip-held)
-  t->lag[j] = 0.25 * (after - earlier);
-  // -- R = -½ T · slip (eq:slip-store)
-  t->wanted[j] = stuck ? -1.0 : fmax(-0.5 * ct_vector_dot(T, slip), 0.0);
-  // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
-  t->loss[j] = (0.25 * t->k[j] * (ct_vector_dot(e0, e0) - ct_vector_dot(end, end)) +
-                (t->reserve[j] - t->work[j]));
+  const double most = reach / t->scale[j], edge = (1.0 - ON_EDGE) * t->limit[j],
+               slow = dot(&t->slip, &t->slip, j) <= most * most ? 1.0 : 0.0,
+               along = dot(&t->T, &t->slip, j) >= 0.0 ? 1.0 : 0.0,
+               within = dot(&t->T, &t->T, j) < edge * edge ? 1.0 : along;
+  return slow * within;
+}
+
+/* The reserves that the points want for the next step; -1 for points that stick. */
+CT_CLONES
+static void find_wanted(const ct_tangent *t, double may_stick)
+{
+  const double reach = STICK * t->tolerance * t->size_of_force;
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    // -- R = -½ T · slip (eq:slip-store)
+    const double R = -0.5 * dot(&t->T, &t->slip, j), next = R > 0.0 ? R : 0.0,
+                 stuck = may_stick * acts(t, j) * sticks(t, j, reach);
+    t->wanted[j] = stuck > 0.0 ? -1.0 : next;
+  }
+}
+
+/* One component of the elastic slips at the end of the step. */
+CT_CLONES
+static void find_ends(int64_t count, const double *C, const double *T, const double *kappa,
+                      const double *e0, const double *slip, const double *wanted,
+                      double *restrict end)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) {
+    const double law = -C[j] * T[j] - kappa[j] * e0[j], own = wanted[j] < 0.0 ? slip[j] : 0.0;
+    // -- e_n + D₊ where it sticks, D₊ being Δs - C T - e_n - κ e_{n-1} (eq:slip-residual)
+    end[j] = law + own;
+  }
+}
+
+/* The energies of all rows. */
+CT_CLONES
+static void find_works(const ct_tangent *t)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    const double spring = t->C[j] * dot(&t->T, &t->T, j) +
+                          (dot(&t->T, &t->e, j) + t->kappa[j] * dot(&t->T, &t->e0, j)),
+                 after = dot(&t->T, &t->slip, j) - spring, earlier = dot(&t->T, &t->last, j);
+    // -- ½ T · (D₊ + D₋) (eq:slip-work)
+    t->work[j] = 0.5 * (after + earlier);
+    // -- ¼ T · (D₊ - D₋) (eq:slip-held)
+    t->lag[j] = 0.25 * (after - earlier);
+    // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
+    t->loss[j] = 0.25 * t->k[j] * (dot(&t->e0, &t->e0, j) - dot(&t->end, &t->end, j)) +
+                 (t->reserve[j] - t->work[j]);
+  }
 }
 
 /* Energy that all rows lose together (eq:slip-loss), 0 where it is rounding. */
@@ -394,21 +430,22 @@ static double find_loss(ct_solver *s)
   ct_tangent *t = s->tangent;
   const double loss = ct_sum_over(s->pieces, t->loss, t->count);
   if (loss >= 0.0) return loss;
-  for (int64_t j = 0; j < t->count; j++) {
-    double e[3], e0[3];
-    ct_columns_get(&t->e, j, e), ct_columns_get(&t->e0, j, e0);
-    t->terms[j] = 0.25 * t->k[j] * (ct_vector_dot(e, e) + ct_vector_dot(e0, e0)) +
+  for (int64_t j = 0; j < t->count; j++)
+    t->terms[j] = 0.25 * t->k[j] * (dot(&t->e, &t->e, j) + dot(&t->e0, &t->e0, j)) +
                   fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
-  }
   const double size = ct_sum_over(s->pieces, t->terms, t->count);
   return loss >= -8.0 * DBL_EPSILON * size ? 0.0 : loss;
 }
 
 /* Elastic slips and energies of all rows; returns what they lose together. */
-static double settle(ct_solver *s, int may_stick)
+static double settle(ct_solver *s, double may_stick)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) settle_row(t, j, may_stick);
+  find_wanted(t, may_stick);
+  for (int c = 0; c < 3; c++)
+    find_ends(t->count, t->C, t->T.x[c], t->kappa, t->e0.x[c], t->slip.x[c], t->wanted,
+              t->end.x[c]);
+  find_works(t);
   return find_loss(s);
 }
 
@@ -417,11 +454,8 @@ static double settle(ct_solver *s, int may_stick)
 static int shorten_slips(ct_solver *s, double gain)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) {
-    double end[3];
-    ct_columns_get(&t->end, j, end);
-    t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * ct_vector_dot(end, end) : 0.0;
-  }
+  for (int64_t j = 0; j < t->count; j++)
+    t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * dot(&t->end, &t->end, j) : 0.0;
   const double stored = ct_sum_over(s->pieces, t->terms, t->count), share = gain / stored;
   if (!(gain < stored)) return 0;
   // -- e_{n+1} √(1 - gain / stored) (eq:slip-stick)
@@ -497,10 +531,10 @@ static int find_forces(ct_solver *s)
     const int rounds = iterate(s, least), converged = rounds < t->most_rounds;
     if (rounds < 0) return -1;
     shorten_forces(s);
-    const double loss = settle(s, 1);
+    const double loss = settle(s, 1.0);
     if (loss >= 0.0) return converged;
     if (converged && least > TIGHT) continue;
-    if (!shorten_slips(s, -loss)) settle(s, 0);
+    if (!shorten_slips(s, -loss)) settle(s, 0.0);
     return converged;
   }
 }
@@ -525,7 +559,7 @@ int ct_tangent_drop(ct_solver *s)
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
   t->shifted = 0;
-  settle(s, 0);
+  settle(s, 0.0);
   return shift_gaps(s, &change);
 }
 
