@@ -200,7 +200,7 @@ static int find_drift(ct_solver *s)
         t->drift[at + c] = s->increment[at + c] + s->moved[at + c];
   }
   ct_tangent_motion(t, t->drift, &t->q);
-  for (int64_t j = 0; j < t->count; j++) {
+  for (int64_t j = 0; j < t->count && t->some_rigid; j++) {
     const ct_tangent_row *r = &t->rows[j];
     double q[3];
     if (r->row->other_count > 0) continue;

@@ -50,6 +50,7 @@ static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *
   *r = (ct_tangent_row){c, c->slip, &s->entry_place[c->slip->place], 1, 1};
   ct_vector_make_tangential(c->normal, T);
   ct_columns_set(&t->T, j, T);
+  t->some_rigid |= c->other_count == 0;
   ct_columns_set(&t->normal, j, c->normal);
   ct_columns_set(&t->e, j, c->slip->e);
   ct_columns_set(&t->e0, j, c->slip->before);
@@ -64,7 +65,7 @@ static void find_last(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!s->starts) ct_tangent_motion(t, s->last_increment, &t->last);
-  for (int64_t j = 0; j < t->count; j++) {
+  for (int64_t j = 0; j < t->count && (s->starts || t->some_rigid); j++) {
     const ct_tangent_row *r = &t->rows[j];
     double last[3] = {0.0};
     if (!s->starts && r->row->other_count > 0) continue;
@@ -81,13 +82,13 @@ void ct_tangent_list(ct_solver *s)
   ct_tangent *t = s->tangent;
   ct_constraint **active = s->active, **end = s->active + s->point_count;
   ct_tangent_row *head = NULL;
-  t->count = 0;
+  t->count = t->some_rigid = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
-    int acts = !ct_law_has_rows(c->enforcement) && c->force > 0.0;
-    if (active < end && *active == c) acts = 1, active++;
+    const int is_active = active < end && *active == c;
+    active += is_active;
     if (c->slip == NULL) continue;
-    if (acts) head = list_row(s, c, head);
+    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement))) head = list_row(s, c, head);
     else ct_slip_open(c->slip);
   }
   double some = t->count > 0;

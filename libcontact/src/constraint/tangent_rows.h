@@ -49,6 +49,7 @@ typedef struct ct_tangent {
   double *scale;              /* 1 / D (eq:slip-bound) */
   double *terms;              /* a number per row */
   double *shift;              /* of the gaps of active rows by tangential forces */
+  int some_rigid;             /* whether there are rows of obstacles, which may move */
   int some;                   /* whether any piece has rows */
   int current;                /* whether `image` is that of T */
   int shifted;                /* whether `shift` is that of T */

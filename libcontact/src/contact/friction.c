@@ -93,142 +93,271 @@ static const ct_search *search_of_other(const call *now, int s)
   return now->side[now->data->sides - 1 - s]->search;
 }
 
-/* Tangents and unit normal of a face with the derivatives dN of its shape functions. Returns 0 if
- * there is no normal. */
-static int frame(const ct_search *search, int32_t face, double (*dN)[2], double t[3][3])
-{
-  for (int i = 0; i < 2; i++) {
-    double weight[8];
-    for (int b = 0; b < 8; b++) weight[b] = dN[b][i];
-    ct_side_interpolate(search, search->x, face, weight, NULL, t[i]);
-  }
-  return ct_vector_unit_normal(t[0], t[1], t[2]);
-}
+/* Faces of eight points side by side, lane by lane: their nodes, the derivatives of their shape
+ * functions at a point, tangents, unit normal and the vectors a^i; all 0 where there is none. */
+typedef struct frames {
+  int per; /* the largest number of nodes */
+  double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH], dual[2][3][CT_BATCH];
+} frames;
 
-/* Vectors a^i with a^i · t_j = δ_ij in the plane of two tangents (eq:friction-components). */
-static void dual_frame(double (*const t)[3], double dual[2][3])
+/* Nodes and derivatives of one lane. */
+static void load_face(const ct_search *search, int32_t face, const double xi[2], int lane,
+                      frames *f)
 {
-  const double m11 = ct_vector_dot(t[0], t[0]), m22 = ct_vector_dot(t[1], t[1]),
-               m12 = ct_vector_dot(t[0], t[1]), det = m11 * m22 - m12 * m12;
-  for (int k = 0; k < 3; k++) {
-    // -- a^i = m^{ij} t_j, with the inverse of a matrix of two rows (eq:friction-components)
-    dual[0][k] = (m22 * t[0][k] - m12 * t[1][k]) / det;
-    dual[1][k] = (m11 * t[1][k] - m12 * t[0][k]) / det;
+  const int32_t *node = &search->faces[(int64_t)face * search->per];
+  double dN[8][2];
+  ct_segment_gradient(search->kind, xi, dN);
+  f->per = search->per > f->per ? search->per : f->per;
+  for (int b = 0; b < search->per; b++) {
+    const double *x = &search->x[3 * (int64_t)node[b]];
+    for (int c = 0; c < 3; c++) f->x[b][c][lane] = x[c];
+    for (int i = 0; i < 2; i++) f->dN[b][i][lane] = dN[b][i];
   }
 }
 
-/* The stored slip along the present frame of the old partner's face, turned into the present plane
- * of contact with its length (eq:friction-turn). */
-static void recall(const slip_memory *from, double (*const t)[3], const double n[3], double e[3])
+/* Tangents t_i = Σ ∂_i N̄_b x_b, paired so that a flipped face gives the same bits (eq:tree-sum). */
+CT_INLINE void find_tangents(frames *f)
 {
+  for (int i = 0; i < 2; i++)
+    for (int c = 0; c < 3; c++) {
+      double v[8][CT_BATCH] = {{0.0}}, *t = f->t[i][c];
+      for (int b = 0; b < f->per; b++)
+#pragma omp simd
+        for (int l = 0; l < CT_BATCH; l++) v[b][l] = f->dN[b][i][l] * f->x[b][c][l];
+#pragma omp simd
+      for (int l = 0; l < CT_BATCH; l++) t[l] = (v[0][l] + v[1][l]) + (v[2][l] + v[3][l]);
+      if (f->per <= 4) continue;
+#pragma omp simd
+      for (int l = 0; l < CT_BATCH; l++) t[l] += (v[4][l] + v[6][l]) + (v[5][l] + v[7][l]);
+    }
+}
+
+/* The product of two vectors in a lane. */
+CT_INLINE double dot(double (*const a)[CT_BATCH], double (*const b)[CT_BATCH], int l)
+{
+  return (a[0][l] * b[0][l] + a[1][l] * b[1][l]) + a[2][l] * b[2][l];
+}
+
+/* Unit normal, and the vectors a^i with a^i · t_j = δ_ij in the plane of the tangents
+ * (eq:friction-components). */
+CT_INLINE void find_dual(frames *f)
+{
+  static const double PARALLEL = 1e-14;
+  double has[CT_BATCH], (*t0)[CT_BATCH] = f->t[0], (*t1)[CT_BATCH] = f->t[1],
+                        (*n)[CT_BATCH] = f->t[2];
+  for (int c = 0; c < 3; c++) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++) n[c][l] = t0[d][l] * t1[e][l] - t0[e][l] * t1[d][l];
+  }
+#pragma omp simd
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double m11 = dot(t0, t0, l), m22 = dot(t1, t1, l), m12 = dot(t0, t1, l),
+                 det = m11 * m22 - m12 * m12, size = sqrt(dot(n, n, l));
+    has[l] = size > PARALLEL * sqrt(m11 * m22) && size < HUGE_VAL ? 1.0 : 0.0;
+    for (int c = 0; c < 3; c++) {
+      n[c][l] = n[c][l] / size;
+      // -- a^i = m^{ij} t_j, with the inverse of a matrix of two rows (eq:friction-components)
+      f->dual[0][c][l] = (m22 * t0[c][l] - m12 * t1[c][l]) / det;
+      f->dual[1][c][l] = (m11 * t1[c][l] - m12 * t0[c][l]) / det;
+    }
+  }
+  for (int l = 0; l < CT_BATCH; l++)
+    for (int c = 0; c < 3 && has[l] == 0.0; c++)
+      n[c][l] = t0[c][l] = t1[c][l] = f->dual[0][c][l] = f->dual[1][c][l] = 0.0;
+}
+
+/* Elastic slips of eight points, side by side: as they were stored, and afterwards along the axes of
+ * space. */
+typedef struct slips {
+  double part[3][CT_BATCH], length[CT_BATCH];
+} slips;
+
+static void load_slip(const slip_memory *from, int lane, slips *to)
+{
+  for (int c = 0; c < 3; c++) to->part[c][lane] = from->part[c];
+  to->length[lane] = from->length;
+}
+
+/* The stored slips along the present frames of their faces, turned into the present plane of contact
+ * with their lengths (eq:friction-turn). */
+CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH], slips *of)
+{
+  double e[3][CT_BATCH];
   for (int c = 0; c < 3; c++)
-    e[c] = t == NULL
-               ? from->part[c]
-               : (from->part[0] * t[0][c] + from->part[1] * t[1][c]) + from->part[2] * t[2][c];
-  ct_vector_make_tangential(n, e);
-  const double length = sqrt(ct_vector_dot(e, e)),
-               part = length > 0.0 ? from->length / length : 0.0;
-  // -- The length stays (eq:friction-turn)
-  for (int c = 0; c < 3; c++) e[c] *= part;
-}
-
-/* The elastic slips, the reserve and the stick of a point in the last step. `t` is the frame of its
- * partner at the closest point, or null; a face that is its partner no longer has its own one. */
-static void recall_point(const call *now, place at, const ct_point *point, double (*t)[3],
-                         const slip_record *last, ct_slip *p)
-{
-  const int rigid = now->data->rigid;
-  const ct_search *other = rigid ? NULL : search_of_other(now, at.s);
-  double old[3][3], dN[8][2];
-  int met = last->other >= 1.0 && last->other <= (rigid ? 1.0 : (double)other->face_count);
-  if (met && !rigid && ((int32_t)last->other - 1 != point->other || t == NULL)) {
-    t = old;
-    ct_segment_gradient(other->kind, last->place, dN);
-    met = frame(other, (int32_t)last->other - 1, dN, t);
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++)
+      e[c][l] = (of->part[0][l] * t[0][c][l] + of->part[1][l] * t[1][c][l]) +
+                of->part[2][l] * t[2][c][l];
+#pragma omp simd
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double along = dot(n, e, l);
+    for (int c = 0; c < 3; c++) e[c][l] -= along * n[c][l];
+    const double length = sqrt(dot(e, e, l)), some = length > 0.0 ? length : 1.0,
+                 part = of->length[l] / some;
+    // -- The length stays (eq:friction-turn)
+    for (int c = 0; c < 3; c++) of->part[c][l] = e[c][l] * part;
   }
-  if (!met) return;
-  recall(&last->e, t, point->row.normal, p->e);
-  recall(&last->before, t, point->row.normal, p->before);
-  p->reserve = last->reserve;
-  p->stuck = last->stuck != 0.0;
 }
 
-/* The weights of the couple on the partner's face, and its frame (eq:slip-row). Returns 0 if there
- * is none. */
-static int weigh(const call *now, place at, const ct_point *point, face_axes *axes, double t[3][3],
-                 ct_slip *p)
+/* Eight points that are prepared together; the last of fewer fills all other lanes. */
+typedef struct batch {
+  place at[CT_BATCH];
+  ct_point *point[CT_BATCH];
+  slip_record last[CT_BATCH]; /* with `other` 0 where nothing is recalled */
+  double n[3][CT_BATCH];      /* normals of the rows */
+  frames now, then;           /* of the partners now; and where slips were stored */
+  slips e, before;
+} batch;
+
+static void load_batch(const call *now, const friction_state *s, int64_t first, batch *b)
 {
-  const ct_search *other = search_of_other(now, at.s);
-  double dN[8][2], (*const dual)[3] = axes->dual;
-  memset(axes, 0, sizeof *axes);
-  ct_segment_gradient(other->kind, point->xi, dN);
-  const int has = frame(other, point->other, dN, t);
-  if (has) dual_frame(t, dual);
-  if (has) memcpy(axes->n, t[2], sizeof axes->n);
-  for (int b = 0; b < other->per; b++)
+  for (int l = 0; l < CT_BATCH; l++) {
+    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
+    const place at = b->at[l] = place_of(now, s->listed[n]);
+    slip_record *last = &b->last[l];
+    b->point[l] = &now->side[at.s]->points[at.i];
+    memcpy(last, &now->at->memory[RECORD * at.j], sizeof *last);
+    const double most = now->data->rigid ? 1.0 : (double)search_of_other(now, at.s)->face_count;
+    // -- At t = 0 forces are solved for twice: the second time from those of the first
+    if (!(last->other >= 1.0 && last->other <= most) || now->at->before == 0.0) {
+      last->other = 0.0;
+      last->e = last->before = (slip_memory){.length = 0.0};
+      last->reserve = last->stuck = 0.0;
+    }
+    for (int c = 0; c < 3; c++) b->n[c][l] = b->point[l]->row.normal[c];
+    load_slip(&last->e, l, &b->e), load_slip(&last->before, l, &b->before);
+  }
+}
+
+/* The frames of the partners; and of faces that are no longer partners, where their point was.
+ * Returns whether there are such. */
+static int load_frames(const call *now, batch *b)
+{
+  int changed = 0;
+  b->now.per = 0;
+  // The faces of the two sides may have different numbers of nodes.
+  if (now->data->other_nodes > 4) memset(&b->now, 0, sizeof b->now);
+  for (int l = 0; l < CT_BATCH; l++) {
+    const ct_point *point = b->point[l];
+    load_face(search_of_other(now, b->at[l].s), point->other, point->xi, l, &b->now);
+    changed |= b->last[l].other > 0.0 && (int32_t)b->last[l].other - 1 != point->other;
+  }
+  if (!changed) return 0;
+  b->then = b->now;
+  for (int l = 0; l < CT_BATCH; l++) {
+    const int32_t face = (int32_t)b->last[l].other - 1;
+    if (face >= 0 && face != b->point[l]->other)
+      load_face(search_of_other(now, b->at[l].s), face, b->last[l].place, l, &b->then);
+  }
+  return 1;
+}
+
+/* The axes of space in all lanes. */
+static void take_axes_of_space(frames *f)
+{
+  memset(f->t, 0, sizeof f->t);
+  for (int c = 0; c < 3; c++)
+    for (int l = 0; l < CT_BATCH; l++) f->t[c][c][l] = 1.0;
+}
+
+/* Frames and elastic slips of all lanes. */
+CT_CLONES
+static void find_slips(int rigid, int changed, batch *b)
+{
+  if (rigid) {
+    take_axes_of_space(&b->now);
+  } else {
+    find_tangents(&b->now);
+    find_dual(&b->now);
+  }
+  if (changed) {
+    find_tangents(&b->then);
+    find_dual(&b->then);
+  }
+  recall(changed ? b->then.t : b->now.t, b->n, &b->e);
+  recall(changed ? b->then.t : b->now.t, b->n, &b->before);
+}
+
+/* The weights of the couple of one lane on the partner's face, and its frame (eq:slip-row). */
+static void store_frame(const frames *f, int l, int per, const double d[3], face_axes *axes,
+                        ct_slip *p)
+{
+  for (int c = 0; c < 3; c++) {
+    for (int i = 0; i < 2; i++) axes->dual[i][c] = f->dual[i][c][l];
+    axes->n[c] = f->t[2][c][l];
+    p->lever[c] = d[c];
+  }
+  for (int b = 0; b < per; b++)
     for (int c = 0; c < 3; c++)
       // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-      p->weight[b][c] = dN[b][0] * dual[0][c] + dN[b][1] * dual[1][c];
-  memcpy(p->lever, point->d, 3 * sizeof *p->lever);
-  return has;
+      p->weight[b][c] = f->dN[b][0][l] * axes->dual[0][c] + f->dN[b][1][l] * axes->dual[1][c];
 }
 
-/* A point that was not listed before: of the weights only those of its partner's nodes are ever
- * written. */
-static void clear(ct_slip *p)
-{
-  ct_slip_open(p);
-  for (int c = 0; c < 3; c++) p->came[c] = p->coming[c] = p->lever[c] = 0.0;
-}
-
-/* Give a listed point its friction in the next step. */
-static void prepare(const call *now, friction_state *s, place at)
+/* Give one listed point its friction in the next step. */
+static void store_point(const call *now, friction_state *s, const batch *b, int l)
 {
   const friction *data = now->data;
   const ct_contact *contact = now->at->on;
-  ct_point *point = &now->side[at.s]->points[at.i];
-  ct_slip *p = &s->points[at.j];
-  slip_record last;
-  double t[3][3];
-  clear(p);
+  ct_point *point = b->point[l];
+  const slip_record *last = &b->last[l];
+  const int64_t j = b->at[l].j;
+  ct_slip *p = &s->points[j];
+  ct_slip_open(p);
   point->row.slip = p;
-  memcpy(&last, &now->at->memory[RECORD * at.j], sizeof last);
   p->mu = data->mu;
   p->k = data->rho * point->row.stiffness;
-  const int has = !data->rigid && weigh(now, at, point, &s->axes[at.j], t, p);
-  // -- At t = 0 forces are solved for twice: the second time from those of the first
-  if (now->at->before > 0.0) recall_point(now, at, point, has ? t : NULL, &last, p);
-  for (int c = 0; c < 3; c++) p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last.force[c];
-  for (int c = 0; c < 3 && data->rigid; c++)
-    p->came[c] = contact->came[c], p->coming[c] = contact->coming[c];
+  p->reserve = last->reserve, p->stuck = last->stuck != 0.0;
+  for (int c = 0; c < 3; c++) {
+    p->e[c] = b->e.part[c][l], p->before[c] = b->before.part[c][l];
+    p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last->force[c];
+    p->came[c] = data->rigid ? contact->came[c] : 0.0;
+    p->coming[c] = data->rigid ? contact->coming[c] : 0.0;
+  }
+  if (!data->rigid)
+    store_frame(&b->now, l, search_of_other(now, b->at[l].s)->per, point->d, &s->axes[j], p);
   // -- The force of the explicit penalty is known: k ⟨-g⟩
   if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
 }
 
-/* Components of a slip along the axes of a face, or null: those of space. */
-static void keep(const double e[3], const face_axes *axes, slip_memory *to)
+/* Prepare eight listed points, from one on. */
+static void prepare(const call *now, friction_state *s, int64_t first)
 {
-  for (int c = 0; c < 3; c++)
-    to->part[c] = axes == NULL ? e[c] : ct_vector_dot(e, c < 2 ? axes->dual[c] : axes->n);
+  const int rigid = now->data->rigid;
+  batch b;
+  load_batch(now, s, first, &b);
+  find_slips(rigid, !rigid && load_frames(now, &b), &b);
+  for (int l = 0; l < CT_BATCH && first + l < s->listed_count; l++) store_point(now, s, &b, l);
+}
+
+/* Components of a slip along the axes of a face, or null: those of space. */
+static inline void keep(const double e[3], const face_axes *axes, slip_memory *to)
+{
+  if (axes == NULL) {
+    memcpy(to->part, e, sizeof to->part);
+  } else {
+    to->part[0] = ct_vector_dot(e, axes->dual[0]);
+    to->part[1] = ct_vector_dot(e, axes->dual[1]);
+    to->part[2] = ct_vector_dot(e, axes->n);
+  }
   to->length = sqrt(ct_vector_dot(e, e));
 }
 
 /* The weights of a point's couple, for the nodes of the other face; returns its largest force at a
  * node. */
-static double turn_of(const friction_state *s, int64_t j)
+CT_INLINE double turn_of(int nodes, const ct_slip *p, double *turn)
 {
-  const ct_slip *p = &s->points[j];
-  double turn = 0.0, arm = 0.0, top = 0.0;
-  for (int b = 0; b < s->data->other_nodes; b++) {
-    const double w = s->turn[j][b] = ct_vector_dot(p->weight[b], p->force), size = fabs(w);
-    turn = size > turn ? size : turn;
+  double top = 0.0, arm = 0.0, force = 0.0;
+  for (int b = 0; b < nodes; b++) {
+    const double w = turn[b] = ct_vector_dot(p->weight[b], p->force), size = fabs(w);
+    top = size > top ? size : top;
   }
   for (int c = 0; c < 3; c++) {
     const double size = fabs(p->force[c]), length = fabs(p->lever[c]);
-    top = size > top ? size : top;
+    force = size > force ? size : force;
     arm = length > arm ? length : arm;
   }
-  return turn * arm > top ? turn * arm : top;
+  return top * arm > force ? top * arm : force;
 }
 
 /* Store what the next step needs of a listed point. */
@@ -239,7 +368,9 @@ static void store(const call *now, friction_state *s, place at)
   const int rigid = now->data->rigid;
   const face_axes *axes = rigid ? NULL : &s->axes[at.j];
   slip_record next = {.other = 0.0};
-  s->terms[at.j] = turn_of(s, at.j);
+  const int nodes = s->data->other_nodes;
+  s->terms[at.j] =
+      nodes == 4 ? turn_of(4, p, s->turn[at.j]) : turn_of(nodes, p, s->turn[at.j]);
   if (point->row.force > 0.0 && (rigid || ct_vector_dot(axes->n, axes->n) > 0.0)) {
     next.other = rigid ? 1.0 : (double)point->other + 1.0;
     if (!rigid) memcpy(next.place, point->xi, sizeof next.place);
@@ -421,10 +552,10 @@ static void treat(friction_state *s, const call *now, int solved)
   const int threads = ct_threads_for(now->at->threads, s->listed_count, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int64_t n = 0; n < s->listed_count; n++) {
-    const place at = place_of(now, s->listed[n]);
-    if (solved) store(now, s, at);
-    else prepare(now, s, at);
+  for (int64_t first = 0; first < s->listed_count; first += CT_BATCH) {
+    if (!solved) prepare(now, s, first);
+    for (int64_t n = first; solved && n < first + CT_BATCH && n < s->listed_count; n++)
+      store(now, s, place_of(now, s->listed[n]));
   }
 }
 
