@@ -325,8 +325,7 @@ static int shift_gaps(ct_solver *s, double *change)
 static double product(ct_solver *s, const ct_columns *a, const ct_columns *b)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++)
-    t->terms[j] = dot(a, b, j);
+  for (int64_t j = 0; j < t->count; j++) t->terms[j] = dot(a, b, j);
   return ct_sum_over(s->pieces, t->terms, t->count);
 }
 
@@ -359,35 +358,25 @@ static void shorten_forces(ct_solver *s)
   t->shifted = 0;
 }
 
-/* Whether a point has a force, or may have one: 1 or 0. */
-CT_INLINE double acts(const ct_tangent *t, int64_t j)
-{
-  const double has = t->limit[j] > 0.0 ? 1.0 : 0.0;
-  return dot(&t->T, &t->T, j) > 0.0 ? 1.0 : has;
-}
-
-/* Whether a point sticks: the iteration does not resolve its slip, and the force is within the disc
- * or not against the slip (eq:slip-stick). 1 or 0, computed without branches. */
-CT_INLINE double sticks(const ct_tangent *t, int64_t j, double reach)
-{
-  const double most = reach / t->scale[j], edge = (1.0 - ON_EDGE) * t->limit[j],
-               slow = dot(&t->slip, &t->slip, j) <= most * most ? 1.0 : 0.0,
-               along = dot(&t->T, &t->slip, j) >= 0.0 ? 1.0 : 0.0,
-               within = dot(&t->T, &t->T, j) < edge * edge ? 1.0 : along;
-  return slow * within;
-}
-
-/* The reserves that the points want for the next step; -1 for points that stick. */
+/* The reserves that the points want for the next step; -1 for points that stick: the iteration does
+ * not resolve their slips, and their forces are within the discs or not against the slips
+ * (eq:slip-stick). Computed without branches; `may_stick` is 1 or 0. */
 CT_CLONES
-static void find_wanted(const ct_tangent *t, double may_stick)
+static void find_wanted(const ct_tangent *t, double may_stick, double *restrict wanted)
 {
-  const double reach = STICK * t->tolerance * t->size_of_force;
+  const double reach = may_stick * STICK * t->tolerance * t->size_of_force;
+  const double *limit = t->limit, *scale = t->scale, *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2],
+               *X = t->slip.x[0], *Y = t->slip.x[1], *Z = t->slip.x[2];
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
+    const double most = reach / scale[j], edge = (1.0 - ON_EDGE) * limit[j],
+                 slow = most * most - ((X[j] * X[j] + Y[j] * Y[j]) + Z[j] * Z[j]),
+                 within = edge * edge - ((x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]),
+                 along = (x[j] * X[j] + y[j] * Y[j]) + z[j] * Z[j],
+                 held = within > along ? within : along, sticks = slow < held ? slow : held;
     // -- R = -½ T · slip (eq:slip-store)
-    const double R = -0.5 * dot(&t->T, &t->slip, j), next = R > 0.0 ? R : 0.0,
-                 stuck = may_stick * acts(t, j) * sticks(t, j, reach);
-    t->wanted[j] = stuck > 0.0 ? -1.0 : next;
+    const double R = -0.5 * along, next = R > 0.0 ? R : 0.0;
+    wanted[j] = sticks >= 0.0 ? -1.0 : next;
   }
 }
 
@@ -441,7 +430,7 @@ static double find_loss(ct_solver *s)
 static double settle(ct_solver *s, double may_stick)
 {
   ct_tangent *t = s->tangent;
-  find_wanted(t, may_stick);
+  find_wanted(t, may_stick, t->wanted);
   for (int c = 0; c < 3; c++)
     find_ends(t->count, t->C, t->T.x[c], t->kappa, t->e0.x[c], t->slip.x[c], t->wanted,
               t->end.x[c]);

@@ -88,7 +88,8 @@ void ct_tangent_list(ct_solver *s)
     const int is_active = active < end && *active == c;
     active += is_active;
     if (c->slip == NULL) continue;
-    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement))) head = list_row(s, c, head);
+    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement)))
+      head = list_row(s, c, head);
     else ct_slip_open(c->slip);
   }
   double some = t->count > 0;

@@ -98,6 +98,7 @@ static const ct_search *search_of_other(const call *now, int s)
 typedef struct frames {
   int per; /* the largest number of nodes */
   double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH], dual[2][3][CT_BATCH];
+  double w[8][3][CT_BATCH]; /* weights of the couple */
 } frames;
 
 /* Nodes and derivatives of one lane. */
@@ -167,8 +168,19 @@ CT_INLINE void find_dual(frames *f)
       n[c][l] = t0[c][l] = t1[c][l] = f->dual[0][c][l] = f->dual[1][c][l] = 0.0;
 }
 
-/* Elastic slips of eight points, side by side: as they were stored, and afterwards along the axes of
- * space. */
+/* The weights of the couple (eq:slip-row). */
+CT_INLINE void weigh(frames *f)
+{
+  for (int b = 0; b < f->per; b++)
+    for (int c = 0; c < 3; c++)
+#pragma omp simd
+      for (int l = 0; l < CT_BATCH; l++)
+        // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
+        f->w[b][c][l] = f->dN[b][0][l] * f->dual[0][c][l] + f->dN[b][1][l] * f->dual[1][c][l];
+}
+
+/* Elastic slips of eight points, side by side: as they were stored, and afterwards along the axes
+ * of space. */
 typedef struct slips {
   double part[3][CT_BATCH], length[CT_BATCH];
 } slips;
@@ -179,16 +191,16 @@ static void load_slip(const slip_memory *from, int lane, slips *to)
   to->length[lane] = from->length;
 }
 
-/* The stored slips along the present frames of their faces, turned into the present plane of contact
- * with their lengths (eq:friction-turn). */
+/* The stored slips along the present frames of their faces, turned into the present plane of
+ * contact with their lengths (eq:friction-turn). */
 CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH], slips *of)
 {
   double e[3][CT_BATCH];
   for (int c = 0; c < 3; c++)
 #pragma omp simd
     for (int l = 0; l < CT_BATCH; l++)
-      e[c][l] = (of->part[0][l] * t[0][c][l] + of->part[1][l] * t[1][c][l]) +
-                of->part[2][l] * t[2][c][l];
+      e[c][l] =
+          (of->part[0][l] * t[0][c][l] + of->part[1][l] * t[1][c][l]) + of->part[2][l] * t[2][c][l];
 #pragma omp simd
   for (int l = 0; l < CT_BATCH; l++) {
     const double along = dot(n, e, l);
@@ -270,6 +282,7 @@ static void find_slips(int rigid, int changed, batch *b)
   } else {
     find_tangents(&b->now);
     find_dual(&b->now);
+    weigh(&b->now);
   }
   if (changed) {
     find_tangents(&b->then);
@@ -279,9 +292,9 @@ static void find_slips(int rigid, int changed, batch *b)
   recall(changed ? b->then.t : b->now.t, b->n, &b->before);
 }
 
-/* The weights of the couple of one lane on the partner's face, and its frame (eq:slip-row). */
-static void store_frame(const frames *f, int l, int per, const double d[3], face_axes *axes,
-                        ct_slip *p)
+/* The frame of one lane, and the weights of its couple, with `per` nodes. */
+CT_INLINE void store_frame(const frames *f, int l, int per, const double d[3], face_axes *axes,
+                           ct_slip *p)
 {
   for (int c = 0; c < 3; c++) {
     for (int i = 0; i < 2; i++) axes->dual[i][c] = f->dual[i][c][l];
@@ -289,9 +302,7 @@ static void store_frame(const frames *f, int l, int per, const double d[3], face
     p->lever[c] = d[c];
   }
   for (int b = 0; b < per; b++)
-    for (int c = 0; c < 3; c++)
-      // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-      p->weight[b][c] = f->dN[b][0][l] * axes->dual[0][c] + f->dN[b][1][l] * axes->dual[1][c];
+    for (int c = 0; c < 3; c++) p->weight[b][c] = f->w[b][c][l];
 }
 
 /* Give one listed point its friction in the next step. */
@@ -314,7 +325,8 @@ static void store_point(const call *now, friction_state *s, const batch *b, int 
     p->came[c] = data->rigid ? contact->came[c] : 0.0;
     p->coming[c] = data->rigid ? contact->coming[c] : 0.0;
   }
-  if (!data->rigid)
+  if (data->other_nodes == 4) store_frame(&b->now, l, 4, point->d, &s->axes[j], p);
+  else if (!data->rigid)
     store_frame(&b->now, l, search_of_other(now, b->at[l].s)->per, point->d, &s->axes[j], p);
   // -- The force of the explicit penalty is known: k ⟨-g⟩
   if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
@@ -369,8 +381,7 @@ static void store(const call *now, friction_state *s, place at)
   const face_axes *axes = rigid ? NULL : &s->axes[at.j];
   slip_record next = {.other = 0.0};
   const int nodes = s->data->other_nodes;
-  s->terms[at.j] =
-      nodes == 4 ? turn_of(4, p, s->turn[at.j]) : turn_of(nodes, p, s->turn[at.j]);
+  s->terms[at.j] = nodes == 4 ? turn_of(4, p, s->turn[at.j]) : turn_of(nodes, p, s->turn[at.j]);
   if (point->row.force > 0.0 && (rigid || ct_vector_dot(axes->n, axes->n) > 0.0)) {
     next.other = rigid ? 1.0 : (double)point->other + 1.0;
     if (!rigid) memcpy(next.place, point->xi, sizeof next.place);
