@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import MILLIMETRES, box_of
+from libcontact.parts import read
+from scenes import METRES, MILLIMETRES, box_of
 
 import libcontact as ct
 
@@ -46,6 +47,28 @@ def pressed(history, **time):
         .set_time(end=2e-2, fraction=0.7, until_static=1e-8, **time)
         .run(progress=False)
     )
+
+
+def test_contacts_come_to_rest():
+    """Contacts and obstacles of a relaxed scene have restitution 0 unless they give one; two blocks of 2 and 3
+    elements, pressed together, then rest within 400 steps."""
+    scene = ct.Scene(title="blocks", units=METRES)
+    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    for name, z, n in (("lower", -0.5, 2), ("upper", 0.0, 3)):
+        box = box_of([0, 0, z], [1, 1, 0.5], [n, n, 1])
+        scene.add_body(name, material="elastic", element="hex20", box=box)
+        scene.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.y_min", fix="y")
+    scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min")
+    scene.add("load", surface="upper.z_max", pressure=1.0)
+    scene.set_time(end=2.0, fraction=0.9, until_static=1e-5).set_output(every=10**6)
+    assert read(scene.data).contact[0].restitution == 1.0
+    scene.add("damping", relaxation=True)
+    assert read(scene.data).contact[0].restitution == 0.0
+    given = scene.data
+    given["contact"][0]["restitution"] = 1.0
+    assert read(given).contact[0].restitution == 1.0
+    run = scene.run(progress=False)
+    assert run.steps[-1] < 400 and run.pressure["contact"][0]["pressure"].min() > 0.98
 
 
 def test_one_jump_into_contact_ends_where_fifty_small_ones_end():

@@ -348,6 +348,7 @@ class ContactLaw(Table):
         the energy-controlled penalty, :eq:`impact-reserve`. With 1 the impact of elastic bodies
         loses almost nothing, so what bounces comes to rest only by damping; with 0 it stops the layer of nodes at
         the surface, and a body of n layers loses about 1 / (2n) of the energy of the impact, :eq:`thin-loss`.
+        In a scene with dynamic ``relaxation`` the default is 0.
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -64,6 +65,11 @@ class Parts(Table):
             return self.output.fields
         return FIELDS if self.contact or self.obstacle else FIELDS[:3]
 
+    @property
+    def relaxed(self) -> bool:
+        """Whether dynamic relaxation looks for a state of rest."""
+        return self.damping is not None and self.damping.rate is None
+
     def histories(self) -> list[History]:
         """The histories of loads, obstacles and supports."""
         return [table for _, table in walk(self, Place()) if isinstance(table, History)]
@@ -82,7 +88,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in NO_TABLE.items():
         if isinstance(data, dict) and name in data:
             raise (top / name).error(reason)
-    parts = Parts.read(data, top)
+    parts = _at_rest(Parts.read(data, top), data)
     if whole and parts.time is None:
         raise (top / "time").error("is missing")
     for name in ("material", "body", "probe"):
@@ -103,6 +109,21 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in conflicts(parts):
         raise (top / name).error(reason)
     return parts
+
+
+def _at_rest(parts: Parts, data: dict[str, Any]) -> Parts:
+    """The parts, with restitution 0 by default where dynamic relaxation looks for a state of rest: energy that
+    contacts hold and give back would keep their points in motion."""
+    if not parts.relaxed:
+        return parts
+
+    def resting(name: str) -> Any:
+        pairs = zip(getattr(parts, name), data.get(name, ()))
+        return tuple(
+            law if "restitution" in given else replace(law, restitution=0.0) for law, given in pairs
+        )
+
+    return replace(parts, contact=resting("contact"), obstacle=resting("obstacle"))
 
 
 def schema() -> dict[str, Any]:

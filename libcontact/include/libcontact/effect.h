@@ -189,7 +189,8 @@ typedef struct ct_damping_def {
   double rate;
   /**
    * Not zero: dynamic relaxation, which estimates the rate from the state, :eq:`relaxation-rate`,
-   * so that the bodies reach equilibrium quickly; `rate` must be 0.
+   * so that the bodies reach equilibrium quickly; `rate` must be 0. Give contacts and obstacles
+   * restitution 0 then: energy that they give back keeps points in motion.
    */
   int relaxation;
   /** Numbers of the bodies that are damped, shape (body_count); null: all. */

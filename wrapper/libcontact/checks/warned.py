@@ -401,7 +401,7 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
     part of the moving mass (eq:thin-loss)."""
     for touch in touches:
         meets = touch.closing > 0.0 and touch.time <= problem.end
-        if not meets or FEEDS[touch.given.enforcement]:
+        if not meets or problem.parts.relaxed or FEEDS[touch.given.enforcement]:
             continue
         first = _first_nodes(problem, touch)
         masses = {name: _masses(problem, name, first[name], touch.normal) for name in first}

@@ -18,7 +18,9 @@ class Damping(OnBodies):
         Rate at which velocities decay (:doc:`/theory/damping`).
     relaxation
         The rate is estimated so that the bodies reach equilibrium quickly (:eq:`relaxation-rate`).
-        Only the state of equilibrium has a meaning, not the motion; see ``until_static``.
+        Only the state of equilibrium has a meaning, not the motion; see ``until_static``. The
+        ``restitution`` of contacts and obstacles is 0 by default then, as energy that they give back
+        keeps points in motion.
     """
 
     without = "no [damping]: motion does not decay"

@@ -147,11 +147,11 @@ def _assumptions(parts: Parts) -> list[str]:
         STIFFENS: set(bodies) != {"linear"},
         PENALTY: bool(laws_of_contact),
         BOUNCES: 1.0 in shares and parts.damping is None and parts.viscosity is None,
-        STOPS: any(share < 1.0 for share in shares),
+        STOPS: any(share < 1.0 for share in shares) and not parts.relaxed,
         DIVIDES: set(bodies) != {"linear"} or bool(laws_of_contact),
         NAMED: True,
         DEAD: any(not load.following for load in parts.load),
-        RELAXED: parts.damping is not None and parts.damping.rate is None,
+        RELAXED: parts.relaxed,
         RINGING: parts.damping is None and parts.viscosity is None,
     }
     return [*laws, *(sentence for sentence, true in holds.items() if true)]
