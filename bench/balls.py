@@ -129,7 +129,7 @@ def main() -> None:
     print(f"{'elements over a':>21}{'':10}" + "".join(f"{k:>9}" for k in COLUMNS))
     for element, n, m in MESHES:
         for impact in (False, True):
-            run = scene(element, n, m, impact, restitution=1.0).run(progress=False)
+            run = scene(element, n, m, impact).run(progress=False)
             for side in range(1 if n == m else 2):
                 found = errors(run, run.pressure["contact"][0], side)
                 line = f"{element:>8} {(n, m)[side]} at {(m, n)[side]:<7}{('rest', 'impact')[impact]:<10}"

@@ -637,7 +637,7 @@ def recovered_balls() -> Numbers:
         ("hex20", 4, 4, True),
         ("hex20", 3, 4, True),
     ):
-        run = balls.scene(element, n, m, impact, restitution=1.0).run(progress=False)
+        run = balls.scene(element, n, m, impact).run(progress=False)
         name = f"{element}_{n}_{m}" + ("_impact" if impact else "")
         off = balls.errors(run, run.pressure["contact"][0], 0)
         found |= {f"{name}_{key}": off[key] for key in ("rms", "mean", "middle", "points")}

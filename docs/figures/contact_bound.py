@@ -96,7 +96,7 @@ def balls():
     ax, fine = figure.subplots(), np.linspace(0, 1, 300)
     ax.plot(fine, np.sqrt(1 - fine**2), color="black", lw=1.4, label="Hertz")
     for element, n, mark, colour in (("hex8", 3, "o", BLUE), ("hex20", 2, "s", ORANGE)):
-        run = done(hertz.scene(element, n, n, impact=True, restitution=1.0))
+        run = done(hertz.scene(element, n, n, impact=True))
         a, r, p, points, raw = hertz.profile(run, run.pressure["contact"][0], 0)
         if element == "hex8":
             ax.plot(points / a, raw, "x", color=GREY, ms=4, label="hex8, 3 over the radius, points")

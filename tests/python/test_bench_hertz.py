@@ -53,17 +53,17 @@ def test_two_elements_over_the_radius_are_within_what_the_book_says():
         ("hex8", 3, 3, False, (0.027, 0.027)),
         ("hex8", 3, 3, True, (0.027, 0.027)),
         ("hex8", 3, 4, True, (0.028, 0.018)),
-        ("hex20", 2, 2, True, (0.062, 0.062)),
+        ("hex20", 2, 2, True, (0.068, 0.068)),
         ("hex20", 3, 3, True, (0.035, 0.035)),
     ],
 )
 def test_recovered_pressure_of_two_balls(element, n, m, impact, most):
     """Hertz's ellipse for the computed force, on both balls, at rest and in the middle of an impact, in which the
-    error is no larger: it is that of the mesh. Points are off by 15 % of the peak and more;
+    error is no larger with three elements: it is that of the mesh. Points are off by 15 % of the peak and more;
     :eq:`recovered-traction`."""
-    run = balls.scene(element, n, m, impact, restitution=1.0).run(progress=False)
+    run = balls.scene(element, n, m, impact).run(progress=False)
     for side in (0, 1):
         off = balls.errors(run, run.pressure["contact"][0], side)
-        assert off["rms"] < most[side] and off["spread"] < 0.021
+        assert off["rms"] < most[side] and off["spread"] < 0.028
         assert off["force"] == pytest.approx(balls.FORCE, rel=0.06 if impact else 1e-3)
         assert off["points"] > 0.15
