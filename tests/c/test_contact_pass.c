@@ -174,13 +174,13 @@ static void last_gap(int per, int theirs)
 {
   static const ct_partner_calls surfaces = {.label = "contact"};
   int32_t nodes[8] = {3, 7, 1, 0, 6, 2, 5, 4};
-  double u[2][24], N[2][8] = {{0.0}}, motion = 0.0;
+  double u[2][25] = {{0.0}}, N[2][8] = {{0.0}}, motion = 0.0;
   for (int i = 0; i < 48; i++) u[i / 24][i % 24] = sin(1.0 + i * i);
   for (int i = 0; i < 16; i++)
     N[i / 8][i % 8] = i % 8 < (i < 8 ? per : theirs) ? cos(3.0 * i) : 0.0;
   ct_search search[2] = {{.per = per, .faces = nodes}, {.per = theirs, .faces = nodes}};
   ct_side_fixed side = {.rule.count = 1, .point_count = 1};
-  ct_point point = {.other = 0, .closed = 0.3, .row = {.gap = -0.1, .normal = {0.6, 0.0, 0.8}}};
+  ct_point point = {.other = 0, .along = NAN, .closed = 0.3, .row = {.gap = -0.1, .normal = {0.6, 0.0, 0.8}}};
   memcpy(point.N, N[1], sizeof point.N);
   point.row.own_shape = N[0];
   ct_contact_fixed fixed = {.partner = &surfaces, .gaps = {.sides = 2}};
@@ -188,7 +188,7 @@ static void last_gap(int per, int theirs)
   for (int s = 0; s < 2; s++)
     contact.gaps.side[s] =
         (ct_side){.fixed = &side, .search = &search[s], .points = &point, .moved = u[s]};
-  find_all_before(&contact, 0, 1.0);
+  find_before(&contact, 0, &point);
   for (int a = 0; a < 8; a++)
     for (int s = 0; s < 2; s++)
       motion +=

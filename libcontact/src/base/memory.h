@@ -2,6 +2,7 @@
 #define CT_SRC_MEMORY_H
 
 #include <stddef.h>
+#include <string.h>
 
 /* Zeroed memory for `count` items of `size` bytes, aligned to 64 bytes (a cache line, a batch of
  * lanes); null if out of memory or if the product overflows. At least one item is allocated. Free
@@ -30,5 +31,14 @@ void ct_pool_empty(ct_pool *pool);
 
 /* The same, and the object that begins with the pool; null is allowed. */
 void ct_pool_free(void *object);
+
+/* Set numbers to zero. Pieces of a kilobyte take few instructions each, where libc would begin a
+ * string operation. */
+static inline void ct_clear(double *values, size_t count)
+{
+  enum { PIECE = 128 };
+  for (size_t i = 0; i < count; i += PIECE)
+    memset(&values[i], 0, (count - i < PIECE ? count - i : PIECE) * sizeof *values);
+}
 
 #endif

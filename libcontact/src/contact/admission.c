@@ -46,9 +46,12 @@ void ct_admission_shift(ct_side *sides, int count, int counted)
 
 double ct_side_motion(const ct_side *side)
 {
+  const double *u = side->moved, *end = u + 3 * (int64_t)side->search->node_count;
   double top = 0.0;
-  for (int64_t n = 0; n < side->search->node_count; n++)
-    top = fmax(top, ct_vector_dot(&side->moved[3 * n], &side->moved[3 * n]));
+  for (; u < end; u += 3) {
+    const double square = ct_vector_dot(u, u);
+    top = square > top ? square : top;
+  }
   return sqrt(top);
 }
 
@@ -74,62 +77,45 @@ static void note(ct_admission *admission, double depth, double size)
   admission->late_depth = fmax(admission->late_depth, depth);
 }
 
-/* Motions of the nodes of one face of a side since the last update; each component side by side, 0
- * beyond the last node. */
-typedef struct face_motion {
-  int32_t face; /* -1: none */
-  double u[3][8];
-} face_motion;
-
-/* Motion of a place on a face since the last update, along n: Σ_a N_a n·u_a. The face is often that
- * of the point before. Inlined with a known `per`. */
-CT_INLINE double motion_along(int per, const ct_side *side, int32_t face, const double *N,
-                              const double n[3], face_motion *of)
+/* Motion of a place on a face since the last update, Σ_a N_a u_a, in three of four components.
+ * Inlined with a known `per`. */
+CT_INLINE void motion_at(int per, const ct_side *side, int32_t face, const double *N,
+                         double motion[4])
 {
   const int32_t *node = &side->search->faces[(int64_t)face * per];
-  double t[8] = {0.0};
-  for (int a = 0; of->face != face && a < per; a++)
-    for (int c = 0; c < 3; c++) of->u[c][a] = side->moved[3 * (int64_t)node[a] + c];
-  of->face = face;
-  for (int a = 0; a < per; a += 4 / CT_QUAD_PARTS) {
-    const ct_quad x = *(const ct_quad *)&of->u[0][a], y = *(const ct_quad *)&of->u[1][a],
-                  z = *(const ct_quad *)&of->u[2][a];
-    // -- N_a n·u_a
-    *(ct_quad *)&t[a] = *(const ct_quad *)&N[a] * ((n[0] * x + n[1] * y) + n[2] * z);
+  for (int c = 0; c < 4; c += 4 / CT_QUAD_PARTS) {
+    ct_quad t[8], sum;
+    for (int a = 0; a < per; a++)
+      t[a] = N[a] * *(const ct_quad *)&side->moved[3 * (int64_t)node[a] + c];
+    ct_sum_face(per, t, &sum);
+    *(ct_quad *)&motion[c] = sum;
   }
-  return ct_side_sum(per, t);
 }
 
-/* Gaps of the points of side `s` in the last step at their present places, as the solver computes
- * them, where a point is near enough to store energy: these points claim it. Inlined with known
- * numbers of nodes of their own faces and those of the other side. */
-CT_INLINE void find_before(int per, int theirs, ct_contact *contact, int s, double reach)
+/* Motion of a point of side `s` along its normal since the last update, relative to the place that
+ * it meets. */
+CT_CLONES
+static double motion_along(ct_contact *contact, int s, const ct_point *p)
 {
   const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s),
                 *surface = &contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)];
-  face_motion on_own = {.face = -1}, on_other = {.face = -1};
-  for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    ct_point *p = &side->points[i];
-    ct_constraint *row = &p->row;
-    const double *n = row->normal;
-    p->claims = p->other >= 0 && row->gap < reach && !isnan(n[0]);
-    if (!p->claims) continue;
-    double motion = motion_along(per, surface, ct_side_face(side, i), row->own_shape, n, &on_own);
-    if (other == NULL) motion -= ct_vector_dot(n, contact->came);
-    else motion -= motion_along(theirs, other, p->other, p->N, n, &on_other);
-    // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
-    row->before = row->gap + p->closed - motion;
-  }
+  const int32_t face = ct_side_face(side, p - side->points);
+  double own[4], back[4] = {0.0};
+  if (surface->search->per == 4) motion_at(4, surface, face, p->row.own_shape, own);
+  else motion_at(surface->search->per, surface, face, p->row.own_shape, own);
+  if (other == NULL) memcpy(back, contact->came, 3 * sizeof *back);
+  else if (other->search->per == 4) motion_at(4, other, p->other, p->N, back);
+  else motion_at(other->search->per, other, p->other, p->N, back);
+  for (int c = 0; c < 3; c++) own[c] -= back[c];
+  return ct_vector_dot(p->row.normal, own);
 }
 
-CT_CLONES
-static void find_all_before(ct_contact *contact, int s, double reach)
+/* Gap of a point of side `s` in the last step at its present place. */
+CT_INLINE void find_before(ct_contact *contact, int s, ct_point *p)
 {
-  const ct_side *other = ct_contact_other(contact, s);
-  const int per = contact->gaps.side[ct_gaps_surface(contact->gaps.fixed, s)].search->per;
-  const int theirs = other == NULL ? per : other->search->per;
-  if (per == 4 && theirs == 4) find_before(4, 4, contact, s, reach);
-  else find_before(per, theirs, contact, s, reach);
+  const double along = isnan(p->along) ? motion_along(contact, s, p) : p->along;
+  // -- g_{n-1} = g_n minus the motion along n since then (eq:admitted-store)
+  p->row.before = p->row.gap + p->closed - along;
 }
 
 /* Distance from which a point may store energy: four times the largest motion of both sides. */
@@ -141,6 +127,29 @@ static double reach_of(ct_contact *contact)
                                : sqrt(ct_vector_dot(contact->came, contact->came))));
 }
 
+/* The energy that the points of a side claim to store, as terms of a sum; returns their number.
+ * Points that jumped store no more than in the last step. */
+static int64_t list_claims(ct_contact *contact, int s, double reach, double size, double *terms)
+{
+  ct_side *side = &contact->gaps.side[s];
+  ct_point *end = side->points + side->fixed->point_count;
+  int64_t some = 0;
+  for (ct_point *p = side->points; p < end; p++) {
+    // Near enough to store energy
+    p->claims = p->row.gap < reach && p->other >= 0 && !isnan(p->row.normal[0]);
+    if (!p->claims) continue;
+    find_before(contact, s, p);
+    if (p->jumped && p->row.gap < 0.0) {
+      note(&contact->record.admission, -ct_point_distance(p), size);
+      admit(side, p);
+    }
+    const double claim = ct_law_claim(&p->row);
+    terms[some] = claim;
+    some += claim != 0.0;
+  }
+  return some;
+}
+
 void ct_admission_limit(ct_contact *contact)
 {
   ct_side *sides = contact->gaps.side;
@@ -149,20 +158,8 @@ void ct_admission_limit(ct_contact *contact)
   const double size = fmax(sides[0].search->size, sides[count - 1].search->size),
                reach = reach_of(contact);
   int64_t some = 0;
-  // -- Points that jumped; then the energy that each point claims to store
-  for (int s = 0; s < count; s++) {
-    find_all_before(contact, s, reach);
-    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
-      ct_point *p = &sides[s].points[i];
-      if (!p->claims) continue;
-      if (p->jumped && p->row.gap < 0.0) {
-        note(admission, -ct_point_distance(p), size);
-        admit(&sides[s], p);
-      }
-      contact->terms[some] = ct_law_claim(&p->row);
-      some += contact->terms[some] != 0.0;
-    }
-  }
+  for (int s = 0; s < count; s++)
+    some += list_claims(contact, s, reach, size, &contact->terms[some]);
   // -- All points together store at most what the bodies have given (eq:admitted-store)
   double all = (double)some;
   ct_pieces_sum(sides[0].pieces, &all, 1);
@@ -182,17 +179,20 @@ void ct_admission_count(ct_contact *contact, int starting)
   ct_admission *admission = &contact->record.admission;
   double *terms = contact->terms;
   int64_t some = 0;
-  for (const ct_side *side = sides; side < sides + contact->gaps.fixed->sides; side++)
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+  for (const ct_side *side = sides; side < sides + contact->gaps.fixed->sides; side++) {
+    ct_point *end = side->points + side->fixed->point_count;
+    for (ct_point *p = side->points; p < end; p++) {
       const ct_constraint *row = &p->row;
       const int listed = p->other >= 0 && (p->listed || !contact->solved);
       if (!controlled) p->row.impact.stored = listed ? ct_law_claim(row) : 0.0;
       if (!listed || !controlled) continue;
       // -- Minus the work of the row (eq:admitted-account)
-      double own = -0.5 * row->force * (row->after - row->before);
-      terms[some] = own + (starting ? ct_law_claim(row) : 0.0);
-      some += terms[some] != 0.0;
+      const double own = -0.5 * row->force * (row->after - row->before),
+                   term = starting ? own + ct_law_claim(row) : own;
+      terms[some] = term;
+      some += term != 0.0;
     }
+  }
   admission->received =
       ct_sum_over(sides[0].pieces, terms, some) + (starting ? 0.0 : admission->received);
   admission->most = fmax(admission->received, starting ? 0.0 : admission->most);

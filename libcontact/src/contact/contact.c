@@ -134,6 +134,19 @@ static ct_status refuse(const ct_contact *contact, ct_error *error)
                          : status;
 }
 
+/* The coordinates of the nodes of a side, from those of the interaction at the places of these
+ * nodes; null: in order. */
+static void take_places(const ct_side *side, const int32_t *place, const double *x)
+{
+  const int32_t count = side->search->node_count;
+  double *to = side->moved;
+  if (place == NULL) memcpy(to, x, 3 * (size_t)count * sizeof *x);
+  for (int32_t n = 0; place != NULL && n < count; n++, to += 3) {
+    const double *from = &x[3 * (int64_t)place[n]];
+    to[0] = from[0], to[1] = from[1], to[2] = from[2];
+  }
+}
+
 ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
@@ -141,9 +154,7 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides;
   for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
-    for (int32_t n = 0; n < sides[s].search->node_count; n++)
-      memcpy(&sides[s].moved[3 * (int64_t)n],
-             &now->x[3 * (int64_t)ct_gaps_node(&fixed->gaps, s, n)], 3 * sizeof *now->x);
+    take_places(&sides[s], fixed->gaps.place[s], now->x);
   ct_status status = fixed->partner->measure(contact, now, error);
   if (status == CT_OK && now->before > 0.0 && !now->first)
     status = fixed->partner->check(contact, now, error);
@@ -183,12 +194,14 @@ static void add_sides(const ct_contact *contact, double *force)
       force[d] = 0.0 + (first->force[d] + first->force_fine[d]);
     return;
   }
-  memset(force, 0, 3 * (size_t)contact->fixed->is.node_count * sizeof *force);
-  for (int s = 0; s < ct_gaps_surfaces(fixed); s++)
-    for (int32_t n = 0; n < contact->gaps.side[s].search->node_count; n++)
-      for (int c = 0; c < 3; c++)
-        force[3 * (int64_t)ct_gaps_node(fixed, s, n) + c] +=
-            ct_side_force(&contact->gaps.side[s], n, c);
+  ct_clear(force, 3 * (size_t)contact->fixed->is.node_count);
+  for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    const int32_t *place = fixed->place[s], count = side->search->node_count;
+    for (int32_t n = 0; n < count; n++)
+      for (int64_t c = 0, to = 3 * (int64_t)place[n]; c < 3; c++)
+        force[to + c] += ct_side_force(side, n, (int)c);
+  }
 }
 
 /* The work of an obstacle's motion since the last step, with its reaction (eq:obstacle-work). */
@@ -203,6 +216,13 @@ static void count_motion(ct_contact *contact)
   }
 }
 
+/* Whether a step needs the forces of single points of solved rows. */
+static int needs_forces(const ct_contact *contact)
+{
+  return ct_start_gap_fades(&contact->fixed->start_rule) ||
+         (contact->fixed->moves && contact->axis == NULL);
+}
+
 /* Forces of the points of all sides; returns the size of the largest component. */
 static double take_forces(ct_contact *contact)
 {
@@ -210,9 +230,9 @@ static double take_forces(ct_contact *contact)
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     ct_side *side = &contact->gaps.side[s];
     const double own = !contact->solved ? ct_side_apply_penalty(side)
-                       : contact->axis != NULL && !ct_start_gap_fades(&contact->fixed->start_rule)
-                           ? ct_side_take_sizes(side, contact->axis)
-                           : ct_side_take_rows(side);
+                       : needs_forces(contact)
+                           ? ct_side_take_rows(side)
+                           : ct_side_largest_force(side, contact->axis);
     top = fmax(top, own);
   }
   return top;

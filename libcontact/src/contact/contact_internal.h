@@ -139,11 +139,12 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
  * number (eq:constraint-force). */
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows);
 
-/* Forces of the points from their solved rows, which the points at a plane do not store, or of the
- * explicit penalty; return the size of the largest component. */
+/* Forces of the points from their solved rows, or of the explicit penalty; return the size of the
+ * largest component. And this size alone, of rows whose normals are all `axis`, unless it is null.
+ */
 double ct_side_take_rows(ct_side *side);
-double ct_side_take_sizes(const ct_side *side, const double axis[3]);
 double ct_side_apply_penalty(ct_side *side);
+double ct_side_largest_force(const ct_side *side, const double *axis);
 
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
@@ -153,7 +154,7 @@ void ct_contact_pay_debts(ct_contact *contact);
 
 /* Find what only results need of solved rows, unless it is known, in all pieces: their energy at t_n
  * (eq:controlled-energy, eq:energy-start), and what they hold of it (eq:impact-reserve); the force
- * on an obstacle that does not move; and the forces of the points at a plane. */
+ * on an obstacle that does not move; and the forces of the points. */
 void ct_contact_complete(ct_contact *contact);
 
 /* Find the force of the points on an obstacle. */

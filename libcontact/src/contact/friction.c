@@ -63,7 +63,7 @@ typedef struct friction_state {
   face_axes *axes;         /* of each point, from the list of rows to the forces */
   double (*turn)[8];       /* w_b · T of each point, for the nodes of the other face */
   const ct_pieces *pieces; /* those of the sides */
-  double *coarse, *fine;   /* sums at the nodes */
+  double *coarse, *fine;   /* sums at the nodes, and one number more, 0 */
   double *terms;           /* one number per point or node */
   tail_record tail;
   double held, dissipated; /* at t_n */
@@ -435,24 +435,23 @@ static int are_four(const call *now, const friction_state *s, const int64_t *lis
 }
 
 /* As `add_point`, of four such points together. */
-CT_INLINE void add_four(int stride, const call *now, const ct_grid *grid, place at,
+CT_INLINE void add_four(const call *now, const ct_grid *grid, place at,
                         const friction_state *s, const heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
-  const double *N[4], *N_bar[4], *turn[4], *force[4], *against[4], *arm[4];
-  double back[4][3], lever[4][3];
+  const double *N[4], *N_bar[4], *turn[4];
+  double force[4][4] = {{0.0}}, lever[4][4] = {{0.0}};
   for (int q = 0; q < 4; q++) {
     const ct_slip *p = &s->points[at.j + q];
-    for (int c = 0; c < 3; c++) back[q][c] = -p->force[c], lever[q][c] = -p->lever[c];
+    for (int c = 0; c < 3; c++) force[q][c] = p->force[c], lever[q][c] = p->lever[c];
     N[q] = point[q].row.own_shape, N_bar[q] = point[q].N, turn[q] = s->turn[at.j + q];
-    force[q] = p->force, against[q] = back[q], arm[q] = lever[q];
   }
   // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
-  ct_heap_add_four(stride, grid, point->row.own, N, force, &to->own);
+  ct_heap_add_four(to->own.count, grid, point->row.own, N, 1.0, force, &to->own);
   if (now->data->rigid) return;
   const int32_t *node = ct_side_row_nodes(to->other, point->other);
-  ct_heap_add_four(stride, grid, node, N_bar, against, &to->theirs);
-  ct_heap_add_four(stride, grid, node, turn, arm, &to->theirs);
+  ct_heap_add_four(to->theirs.count, grid, node, N_bar, -1.0, force, &to->theirs);
+  ct_heap_add_four(to->theirs.count, grid, node, turn, -1.0, lever, &to->theirs);
 }
 
 /* Add the tractions and couples of the listed points of side `k` to the sums at the nodes. */
@@ -466,7 +465,7 @@ CT_INLINE void add_side(int stride, const call *now, int k, const ct_grid *grid,
   for (int64_t n = 0; n < s->listed_count;) {
     const place at = place_of(now, s->listed[n]);
     const int four = at.s == k && are_four(now, s, &s->listed[n], s->listed_count - n);
-    if (four) add_four(stride, now, grid, at, s, &to);
+    if (four) add_four(now, grid, at, s, &to);
     else if (at.s == k) add_point(stride, now, grid, at, s, &to);
     n += four ? 4 : 1;
   }
@@ -651,8 +650,8 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   s->turn = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->turn);
   s->axes = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->axes);
   s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
-  s->coarse = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
-  s->fine = ct_pool_take(&s->pool, nodes, 3 * sizeof(double));
+  s->coarse = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
+  s->fine = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
   if (!s->pool.failed) {
     *state = s;
     return CT_OK;

@@ -11,7 +11,7 @@
  * sums do not change the result (eq:order-free-sum). These functions are inlined with a known
  * `stride`, 4 or 8: at least the number of nodes of the face. */
 typedef struct ct_heap {
-  double *coarse_sum, *fine_sum; /* at all nodes, shape (any number, 3) */
+  double *coarse_sum, *fine_sum; /* at all nodes, shape (any number, 3), and one number more */
   int32_t count;                 /* nodes of a face */
   const int32_t *node;           /* of this face; null: the heap is empty */
   double coarse[24], fine[24];
@@ -58,23 +58,26 @@ CT_INLINE void ct_heap_add(int stride, const ct_grid *grid, const int32_t *node,
                   &heap->fine[stride * c + a]);
 }
 
-/* Add the forces at the four points of a 2 x 2 rule, of which all act on one face, past the heap.
- * They are summed first, paired across the middle, so that a flipped or rotated face gives the same
- * bits (eq:tree-sum). */
-CT_INLINE void ct_heap_add_four(int stride, const ct_grid *grid, const int32_t *node,
-                                const double *const N[4], const double *const force[4],
+/* Add the forces at the four points of a 2 x 2 rule, of which all act on one face with `count`
+ * nodes, past the heap, or with the sign -1 subtract them. Their fourth component is 0 and changes
+ * nothing in the number behind a node's sums. Forces are summed first, paired across the middle, so that a flipped or rotated face
+ * gives the same bits (eq:tree-sum). */
+CT_INLINE void ct_heap_add_four(int count, const ct_grid *grid, const int32_t *node,
+                                const double *const N[4], double sign, double (*const force)[4],
                                 const ct_heap *heap)
 {
-  double coarse[24], fine[24];
-  for (int c = 0; c < 3; c++)
+  for (int a = 0; a < count; a++) {
+    double *coarse = &heap->coarse_sum[3 * (int64_t)node[a]],
+           *fine = &heap->fine_sum[3 * (int64_t)node[a]];
+    const double N0 = sign * N[0][a], N1 = sign * N[1][a], N2 = sign * N[2][a],
+                 N3 = sign * N[3][a];
 #pragma omp simd
-    for (int a = 0; a < stride; a++) {
-      double sum = (N[0][a] * force[0][c] + N[3][a] * force[3][c]) +
-                   (N[1][a] * force[1][c] + N[2][a] * force[2][c]);
-      coarse[stride * c + a] = fine[stride * c + a] = 0.0;
-      ct_grid_add(grid, sum, &coarse[stride * c + a], &fine[stride * c + a]);
+    for (int c = 0; c < 4; c++) {
+      const double sum = (N0 * force[0][c] + N3 * force[3][c]) +
+                         (N1 * force[1][c] + N2 * force[2][c]);
+      ct_grid_add(grid, sum, &coarse[c], &fine[c]);
     }
-  ct_heap_pour(stride, heap, node, coarse, fine);
+  }
 }
 
 #endif

@@ -79,30 +79,30 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
 }
 
 CT_CLONES
-static double *store_points(const ct_side *side, double *memory)
+static void store_points(int64_t count, const ct_point *restrict point,
+                         ct_point_record *restrict record)
 {
-  ct_point_record *record = (ct_point_record *)(void *)memory;
-  const ct_point *end = side->points + side->fixed->point_count;
-  for (const ct_point *point = side->points; point < end; point++, record++) {
+  for (int64_t i = 0; i < count; i++, point++, record++) {
     record->other = (double)point->other + 1.0;
     record->status = (double)(int)point->status;
-    record->xi[0] = point->xi[0], record->xi[1] = point->xi[1];
+    record->xi[0] = point->xi[0];
+    record->xi[1] = point->xi[1];
     record->known = point->known;
     record->start = point->start;
     record->admitted = point->admitted;
     record->force_size = point->force_size;
     record->force = point->row.force;
     record->impact = point->row.impact;
-    // A face that was lost, perhaps in a skipped search, leaves no parameters.
-    if (point->other < 0) record->xi[0] = record->xi[1] = 0.0;
   }
-  return (double *)record;
 }
 
 void ct_contact_store(const ct_contact *contact, double *memory)
 {
-  for (int s = 0; s < contact->gaps.fixed->sides; s++)
-    memory = store_points(&contact->gaps.side[s], memory);
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    store_points(side->fixed->point_count, side->points, (ct_point_record *)(void *)memory);
+    memory += CT_RECORD * side->fixed->point_count;
+  }
   memcpy(memory, &contact->record, sizeof contact->record);
   memory += WHOLE;
   for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++) {

@@ -106,6 +106,7 @@ static int meet(const ct_contact *contact, int64_t i, int first)
   const int was = point->other >= 0;
   double r[3];
   ct_side_position(&contact->gaps.side[0], i, contact->place, r);
+  point->along = NAN;
   point->last_known = point->known;
   point->row.gap = point->known = distance(contact->fixed, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
@@ -127,14 +128,11 @@ static int meet(const ct_contact *contact, int64_t i, int first)
 CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const int32_t *node,
                          const double *height, double gap[32])
 {
-  double h[8];
-  for (int a = 0; a < per; a++) h[a] = height[node[a]];
-#pragma omp simd
-  for (int q = 0; q < points; q++) {
-    double t[8] = {0.0};
+  for (int q = 0; q < points; q += 4 / CT_QUAD_PARTS) {
+    ct_quad t[8];
     // -- g = Σ_a N_a a · r_a (eq:obstacle-gap)
-    for (int a = 0; a < per; a++) t[a] = side->across[a][q] * h[a];
-    gap[q] = ct_side_sum(per, t);
+    for (int a = 0; a < per; a++) t[a] = *(const ct_quad *)&side->across[a][q] * height[node[a]];
+    ct_sum_face(per, t, (ct_quad *)&gap[q]);
   }
 }
 

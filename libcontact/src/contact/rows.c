@@ -6,6 +6,7 @@
 
 #include "../constraint/law.h"
 #include "../base/error.h"
+#include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
 
@@ -106,14 +107,26 @@ double ct_side_take_rows(ct_side *side)
   return top;
 }
 
-double ct_side_take_sizes(const ct_side *side, const double axis[3])
+/* Inlined with and without an axis. */
+CT_INLINE double largest_force(const ct_side *side, const double *axis)
 {
   const ct_point *end = side->points + side->fixed->point_count;
-  double top = 0.0, force[3];
-  for (const ct_point *p = side->points; p < end; p++)
-    top = p->row.force > top ? p->row.force : top;
-  for (int c = 0; c < 3; c++) force[c] = top * axis[c];
-  return larger(0.0, force);
+  double top[3] = {0.0}, size = 0.0;
+  for (const ct_point *p = side->points; p < end; p++) {
+    size = p->row.force > size ? p->row.force : size;
+    for (int c = 0; axis == NULL && c < 3; c++) {
+      const double own = fabs(p->row.force * p->row.normal[c]);
+      top[c] = own > top[c] ? own : top[c];
+    }
+  }
+  for (int c = 0; axis != NULL && c < 3; c++) top[c] = size * axis[c];
+  return larger(0.0, top);
+}
+
+CT_CLONES
+double ct_side_largest_force(const ct_side *side, const double *axis)
+{
+  return axis != NULL ? largest_force(side, axis) : largest_force(side, NULL);
 }
 
 double ct_side_apply_penalty(ct_side *side)
@@ -205,7 +218,7 @@ void ct_contact_complete(ct_contact *contact)
 {
   if (contact->complete || !contact->solved) return;
   contact->complete = 1;
-  if (contact->axis != NULL) ct_side_take_rows(contact->gaps.side);
+  for (int s = 0; s < contact->fixed->gaps.sides; s++) ct_side_take_rows(&contact->gaps.side[s]);
   if (ct_contact_is_rigid(contact->fixed) && !contact->fixed->moves) ct_contact_react(contact);
   contact->reserve = sum_energy(contact, reserve_of);
   if (contact->record.time == 0.0) {
@@ -249,62 +262,71 @@ static const int32_t *nodes_of(const ct_search *search, int32_t face)
   return &search->faces[(int64_t)face * search->per];
 }
 
+/* Force of a point, and a fourth component 0: of its row, or of the explicit penalty. */
+CT_INLINE void force_of(const ct_point *p, int solved, double force[4])
+{
+  // -- F = λ n (eq:constraint-force)
+  for (int c = 0; c < 3; c++) force[c] = solved ? p->row.force * p->row.normal[c] : p->force[c];
+  force[3] = 0.0;
+}
+
+CT_INLINE int has_force(const ct_point *p, int solved)
+{
+  return solved ? p->row.force != 0.0 : ct_point_has_force(p);
+}
+
 /* Add the forces of the points of a face, one by one, and what acts against them on the other side.
  */
-CT_INLINE void spread_points(int stride, const ct_grid *grid, const ct_side *side, int32_t face,
-                             const ct_side *other, ct_heap *own, ct_heap *theirs)
+CT_INLINE void spread_points(int stride, const ct_grid *grid, int solved, const ct_side *side,
+                             int32_t face, const ct_side *other, ct_heap *own, ct_heap *theirs)
 {
   const ct_point *point = &side->points[(int64_t)face * side->fixed->rule.count];
   for (int q = 0; q < side->fixed->rule.count; q++, point++) {
-    if (!ct_point_has_force(point)) continue;
+    double force[4];
+    if (!has_force(point, solved)) continue;
+    force_of(point, solved, force);
     // -- N_a F on the own face, -N̄_b F on the other (eq:contact-force)
-    const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-    ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, own);
-    if (other != NULL)
-      ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, back, theirs);
+    ct_heap_add(stride, grid, nodes_of(side->search, face), side->fixed->N[q], force, own);
+    if (other == NULL) continue;
+    for (int c = 0; c < 3; c++) force[c] = -force[c];
+    ct_heap_add(stride, grid, nodes_of(other->search, point->other), point->N, force, theirs);
   }
 }
 
 /* Whether the points of a face are the four of a 2 x 2 rule, have forces, and meet one face. */
-CT_INLINE int are_four(const ct_side *side, const ct_point *point)
+CT_INLINE int are_four(const ct_side *side, int solved, const ct_point *point)
 {
   int four = side->fixed->rule.count == 4;
   for (int q = 0; four && q < 4; q++)
-    four = ct_point_has_force(&point[q]) && point[q].other == point[0].other;
+    four = has_force(&point[q], solved) && point[q].other == point[0].other;
   return four;
 }
 
-/* Whether the points of a face at a plane are these four, and have forces. */
-CT_INLINE int press_four(const ct_side *side, const ct_point *p)
-{
-  return side->fixed->rule.count == 4 && p[0].row.force > 0.0 && p[1].row.force > 0.0 &&
-         p[2].row.force > 0.0 && p[3].row.force > 0.0;
-}
-
 /* The same as `spread_points` for such points, together. */
-CT_INLINE void spread_four(int stride, const ct_grid *grid, const ct_side *side, int32_t face,
-                           const ct_side *other, ct_heap *own, ct_heap *theirs)
+CT_INLINE void spread_four(int stride, const ct_grid *grid, int solved, const ct_side *side,
+                           int32_t face, const ct_side *other, ct_heap *own, ct_heap *theirs)
 {
   const ct_point *point = &side->points[4 * (int64_t)face];
-  const double *N[4], *N_bar[4], *force[4], *against[4];
-  double back[4][3];
-  for (int q = 0; q < 4; q++) {
-    for (int c = 0; c < 3; c++) back[q][c] = -point[q].force[c];
-    N[q] = side->fixed->N[q], N_bar[q] = point[q].N;
-    force[q] = point[q].force, against[q] = back[q];
-  }
-  ct_heap_add_four(stride, grid, nodes_of(side->search, face), N, force, own);
-  if (other != NULL)
-    ct_heap_add_four(stride, grid, nodes_of(other->search, point->other), N_bar, against, theirs);
+  const double(*N)[8] = side->fixed->N,
+        *const own_N[4] = {N[0], N[1], N[2], N[3]},
+        *const N_bar[4] = {point[0].N, point[1].N, point[2].N, point[3].N};
+  double force[4][4];
+  for (int q = 0; q < 4; q++) force_of(&point[q], solved, force[q]);
+  ct_heap_add_four(stride == 4 ? 4 : own->count, grid, nodes_of(side->search, face),
+                   own_N, 1.0, force, own);
+  if (other == NULL) return;
+  ct_heap_add_four(stride == 4 ? 4 : theirs->count, grid, nodes_of(other->search, point->other),
+                   N_bar, -1.0, force, theirs);
 }
 
-CT_INLINE void spread_faces(int stride, const ct_grid *grid, ct_side *side, ct_side *other)
+CT_INLINE void spread_faces(int stride, const ct_grid *grid, int solved, ct_side *side,
+                            ct_side *other)
 {
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
   for (int32_t face = 0; face < side->search->face_count; face++)
-    if (are_four(side, &side->points[(int64_t)face * side->fixed->rule.count]))
-      spread_four(stride, grid, side, face, other, &own, &theirs);
-    else spread_points(stride, grid, side, face, other, &own, &theirs);
+    if (are_four(side, solved, &side->points[(int64_t)face * side->fixed->rule.count]))
+      spread_four(stride, grid, solved, side, face, other, &own, &theirs);
+    else spread_points(stride, grid, solved, side, face, other, &own, &theirs);
   ct_heap_bring(stride, &own, NULL);
   ct_heap_bring(stride, &theirs, NULL);
 }
@@ -312,23 +334,34 @@ CT_INLINE void spread_faces(int stride, const ct_grid *grid, ct_side *side, ct_s
 /* Add the forces of one side's points to its nodes and, unless it is null, to those of the other
  * side, in sums that do not depend on their order (eq:contact-force). */
 CT_CLONES
-static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
+static void spread(const ct_grid *grid, int solved, ct_side *side, ct_side *other)
 {
-  if (side->search->per <= 4 && (other == NULL || other->search->per <= 4))
-    spread_faces(4, grid, side, other);
-  else spread_faces(8, grid, side, other);
+  const int four = side->search->per == 4 && (other == NULL || other->search->per == 4);
+  if (four && solved) spread_faces(4, grid, 1, side, other);
+  else if (four) spread_faces(4, grid, 0, side, other);
+  else spread_faces(8, grid, solved, side, other);
 }
 
 /* Add the forces of an obstacle's stations to the nodes of its surface. */
-static void spread_stations(const ct_grid *grid, const ct_side *stations, ct_side *surface)
+static void spread_stations(const ct_grid *grid, int solved, const ct_side *stations,
+                            ct_side *surface)
 {
   ct_heap heap = heap_of(surface);
   for (int64_t i = 0; i < stations->fixed->point_count; i++) {
     const ct_point *point = &stations->points[i];
-    if (!ct_point_has_force(point)) continue;
-    ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, point->force, &heap);
+    double force[4];
+    if (!has_force(point, solved)) continue;
+    force_of(point, solved, force);
+    ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, force, &heap);
   }
   ct_heap_bring(8, &heap, NULL);
+}
+
+/* Whether the points of a face at a plane are these four, and have forces. */
+CT_INLINE int press_four(const ct_side *side, const ct_point *p)
+{
+  return side->fixed->rule.count == 4 && p[0].row.force > 0.0 && p[1].row.force > 0.0 &&
+         p[2].row.force > 0.0 && p[3].row.force > 0.0;
 }
 
 /* Add terms to the sums at the nodes of a face with `per` nodes. */
@@ -401,8 +434,8 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     // At a plane the sums of sizes need a third of the arrays.
     size_t size = (plane && top > 0.0 ? 1 : 3) * (size_t)sides[s].search->node_count;
-    memset(sides[s].force, 0, size * sizeof(double));
-    if (!plane) memset(sides[s].force_fine, 0, size * sizeof(double));
+    ct_clear(sides[s].force, size);
+    if (!plane) ct_clear(sides[s].force_fine, size);
   }
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
@@ -416,8 +449,8 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
     return CT_OK;
   }
   for (int s = 0; s < fixed->sides; s++)
-    if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, &sides[s], &sides[0]);
-    else spread(&grid, &sides[s], ct_contact_other(contact, s));
+    if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, contact->solved, &sides[s], &sides[0]);
+    else spread(&grid, contact->solved, &sides[s], ct_contact_other(contact, s));
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     ct_pieces_sum(sides[s].pieces, sides[s].force, 3 * (int64_t)sides[s].search->node_count);
     ct_pieces_sum(sides[s].pieces, sides[s].force_fine, 3 * (int64_t)sides[s].search->node_count);

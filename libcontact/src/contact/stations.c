@@ -124,6 +124,7 @@ static double measure(const station *s, const double r[3], const double normal[3
 static void lose(ct_point *p, ct_point_status status)
 {
   p->other = -1;
+  p->xi[0] = p->xi[1] = 0.0;
   p->status = status;
   p->last_known = p->known;
   p->row.gap = p->known = NAN;
@@ -138,6 +139,7 @@ static void keep(const station *s, ct_point *p, const ct_nearest *found, double 
   memset(p->N, 0, sizeof p->N);
   ct_segment_shape(s->search->kind, found->xi, p->N);
   p->row.own = ct_side_row_nodes(s->contact->gaps.side[0].fixed, found->face);
+  p->along = NAN;
   p->last_known = p->known;
   p->row.gap = p->known = gap;
   for (int c = 0; c < 3; c++) p->outward[c] = p->row.normal[c] = n[c], p->d[c] = -gap * n[c];

@@ -16,13 +16,14 @@ static inline void node_motion(const ct_side *side, int64_t n, double d[3])
 /* Largest motion of a node since then, relative to a given one. */
 static double largest_motion(const ct_side *side, const double shared[3])
 {
+  const double *x = side->search->x, *built = side->x_built,
+               *end = x + 3 * (int64_t)side->search->node_count;
   double top = 0.0;
-  for (int64_t n = 0; n < side->search->node_count; n++) {
+  for (; x < end; x += 3, built += 3) {
     double d[3];
-    node_motion(side, n, d);
-    for (int c = 0; c < 3; c++) d[c] -= shared[c];
-    double square = ct_vector_dot(d, d);
-    if (square > top) top = square;
+    for (int c = 0; c < 3; c++) d[c] = (x[c] - built[c]) - shared[c];
+    const double square = ct_vector_dot(d, d);
+    top = square > top ? square : top;
   }
   return sqrt(top);
 }
@@ -211,10 +212,14 @@ static double depth_of(const ct_point *point)
  * step of `near` deeper (eq:tunnelling). */
 static int reaches_deepest(const ct_side *side, double near)
 {
-  for (int64_t i = 0; i < side->fixed->point_count; i++)
-    if (depth_of(&side->points[i]) > 0.0 &&
-        depth_of(&side->points[i]) + near > side->listed[i / side->fixed->rule.count])
-      return 0;
+  const int points = side->fixed->rule.count;
+  const ct_point *p = side->points;
+  for (int32_t f = 0; f < side->search->face_count; f++, p += points) {
+    double deepest = 0.0;
+    for (int q = 0; q < points; q++)
+      deepest = depth_of(&p[q]) > deepest ? depth_of(&p[q]) : deepest;
+    if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
+  }
   return 1;
 }
 
@@ -241,9 +246,10 @@ ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error)
 {
   ct_side *a = &gaps->side[0], *b = &gaps->side[gaps->fixed->sides - 1];
   // -- The lists still hold all that can come near (eq:skin)
-  gaps->since = gaps->built && gaps->begun ? relative_motion(a, b) : 0.0;
-  if (gaps->built && gaps->begun && reaches_deepest(a, gaps->fixed->near) &&
-      reaches_deepest(b, gaps->fixed->near) && gaps->since <= 0.25 * gaps->fixed->skin)
+  const double reach = ct_gaps_reach(gaps), near = gaps->fixed->near;
+  gaps->since = gaps->built ? relative_motion(a, b) : 0.0;
+  if (gaps->built && reach <= gaps->reach && gaps->since <= 0.25 * gaps->fixed->skin &&
+      reaches_deepest(a, near) && reaches_deepest(b, near))
     return CT_OK;
   gaps->since = 0.0;
   for (int s = 0; s < gaps->fixed->sides; s++) {
@@ -251,11 +257,12 @@ ct_status ct_gaps_list_candidates(ct_gaps *gaps, ct_error *error)
     ct_search_refit(side->search);
     memcpy(side->x_built, side->search->x,
            3 * (size_t)side->search->node_count * sizeof *side->search->x);
-    set_reach(side, ct_gaps_reach(gaps), gaps->fixed->near);
+    set_reach(side, reach, near);
   }
   ct_status status = list_candidates(a, b, gaps->fixed->skin, error);
   if (status == CT_OK && a != b) status = list_candidates(b, a, gaps->fixed->skin, error);
-  gaps->built = status == CT_OK && gaps->begun && !gaps->start;
+  gaps->built = status == CT_OK && gaps->begun; // before that no point has a face
+  gaps->reach = reach;
   if (gaps->built) measure_clear(gaps);
   return status;
 }

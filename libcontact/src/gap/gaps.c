@@ -8,6 +8,7 @@ static void forget_faces(ct_side *side)
 {
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
     p->other = -1;
+    p->xi[0] = p->xi[1] = 0.0;
     p->last_known = p->known;
     p->known = NAN;
     if (p->status != CT_POINT_BURIED) p->status = CT_POINT_NEW;

@@ -43,7 +43,8 @@ typedef struct ct_gaps {
   const ct_gaps_fixed *fixed;
   int begun;    /* whether the points have a status */
   int start;    /* whether this is t = 0 of a scene */
-  int built;    /* whether the candidate lists exist; those of the start are discarded */
+  int built;    /* whether the candidate lists exist */
+  double reach; /* the search distance of points for which they were made */
   double since; /* bound of the motion of the surfaces relative to each other since then */
   double clear; /* not 0: when they were built, no two faces were nearer than the search distance of
                    points plus this (eq:contact-clear) */

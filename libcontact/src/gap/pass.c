@@ -301,10 +301,12 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
                   : found == FAR     ? CT_POINT_BURIED
                                      : CT_POINT_NEW;
   point->other = met ? target : -1;
+  point->along = NAN;
   point->last_known = point->known;
   point->known = known_gap(p, found, target, point);
   if (!met) {
     point->row.gap = NAN;
+    point->xi[0] = point->xi[1] = 0.0;
     return;
   }
   memcpy(point->xi, xi, sizeof point->xi);
@@ -434,6 +436,7 @@ static void search_point(const ct_pass *p, int64_t i)
 static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 {
   unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
+  if (settled == (1u << CT_WARM) - 1) return;
   for (int l = 0; l < count; l++)
     if (!(settled >> l & 1)) search_point(p, first + l);
 }

@@ -85,9 +85,9 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_const
   memset(side, 0, sizeof *side);
   side->fixed = fixed;
   side->points = ct_allocate((size_t)fixed->point_count, sizeof *side->points);
-  side->force = ct_allocate(nodes, 3 * sizeof *side->force);
-  side->force_fine = ct_allocate(nodes, 3 * sizeof *side->force_fine);
-  side->moved = ct_allocate(nodes, 3 * sizeof *side->moved);
+  side->force = ct_allocate(3 * nodes + 1, sizeof *side->force);
+  side->force_fine = ct_allocate(3 * nodes + 1, sizeof *side->force_fine);
+  side->moved = ct_allocate(3 * nodes + 1, sizeof *side->moved);
   if (!side->points || !side->force || !side->force_fine || !side->moved ||
       ct_search_share(fixed->search, &side->search) != CT_OK)
     return CT_ERROR_MEMORY;
@@ -171,10 +171,12 @@ double ct_side_rounding(const ct_side *sides, int count)
 
 void ct_side_place(ct_side *side)
 {
-  for (int64_t d = 0; d < 3 * (int64_t)side->search->node_count; d++) {
-    double x = side->moved[d];
-    side->moved[d] = x - side->search->x[d];
-    side->search->x[d] = x;
+  const int64_t count = 3 * (int64_t)side->search->node_count;
+  double *restrict moved = side->moved, *restrict x = side->search->x;
+  for (int64_t d = 0; d < count; d++) {
+    const double now = moved[d];
+    moved[d] = now - x[d];
+    x[d] = now;
   }
 }
 

@@ -29,13 +29,15 @@ typedef struct ct_point {
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
   int jumped;        /* whether it is inside by more than the motion since then explains */
-  double xi[2];      /* parameters of the closest point on it */
+  double xi[2];      /* parameters of the closest point on it, or 0 */
   double known;      /* signed distance at the last update from the nearest place, in contact or not;
                         NaN: none was near */
   double start;      /* start gap that does not fade (eq:initial-adjust) */
   double admitted;   /* start gap since then, of a point that was found inside (eq:admitted) */
   double force_size; /* size of the force in the last step, if start gaps fade */
   double last_known, last_start; /* the same in the last step */
+  double along; /* motion away from the closest point along the row's normal since the last update;
+                   NaN: not computed */
   double stored_before; /* energy that its row stored and held at the middle of the last step */
   double shift;    /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
   double closed;   /* growth of the shift since the last step */
@@ -44,7 +46,7 @@ typedef struct ct_point {
   double N[8];       /* shape functions of the other face at xi */
   double d[3];       /* ȳ - y */
   double outward[3]; /* normal of the other side at the closest point, of any length */
-  double force[3];   /* on the point's own face; at a plane known with the results */
+  double force[3];   /* on the point's own face; of solved rows for results only */
 } ct_point;
 
 /* Whether a point has a force. */
@@ -89,9 +91,10 @@ typedef struct ct_side {
   ct_search *search;       /* shares the topology of the fixed one */
   ct_point *points;        /* shape (face_count, rule.count) */
   int shifted; /* whether a point may have a start gap now, or had one in the last step */
-  double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
+  double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3), and one
+                                 number more, 0 */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
-                    since the last update, shape (node_count, 3) */
+                    since the last update, shape (node_count, 3), and one number more */
   /* For a side opposite to another one, else null: */
   double *listed;  /* distance to which the candidates of a face are complete, shape (face_count)
                       (eq:skin) */

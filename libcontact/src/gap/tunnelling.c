@@ -108,14 +108,16 @@ ct_status ct_tunnelling_init(ct_gaps_fixed *fixed, int given, double adjust)
 void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const double *values,
                        ct_bounds *box)
 {
-  for (int c = 0; c < 3; c++) box->low[c] = INFINITY, box->high[c] = -INFINITY;
-  for (int32_t n = 0; n < search->node_count; n++) {
+  const int32_t count = search->node_count;
+  ct_bounds all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  for (int32_t n = 0; n < count; n++) {
     const double *v = &values[3 * (int64_t)(nodes != NULL ? nodes[n] : n)];
     for (int c = 0; c < 3; c++) {
-      box->low[c] = v[c] < box->low[c] ? v[c] : box->low[c];
-      box->high[c] = v[c] > box->high[c] ? v[c] : box->high[c];
+      all.low[c] = v[c] < all.low[c] ? v[c] : all.low[c];
+      all.high[c] = v[c] > all.high[c] ? v[c] : all.high[c];
     }
   }
+  *box = all;
 }
 
 /* Largest and smallest distance of the points of one box from those of the other. */

@@ -21,7 +21,9 @@ typedef struct block {
   int32_t status[CT_WARM];
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
-  int held[CT_WARM];                               /* whether it was in contact */
+  double along[CT_WARM];
+  int four[2];       /* whether four lanes each are loaded together (are_four) */
+  ct_point_status last[CT_WARM]; /* its status */
   int rival[CT_WARM];  /* whether another face may be as near */
   int inside[CT_WARM]; /* whether its last face is the nearest one */
   int enters[CT_WARM]; /* whether it comes into contact */
@@ -153,7 +155,8 @@ CT_INLINE void load(const ct_pass *p, int per, block *b)
 CT_CLONES
 static void load_block(const ct_pass *p, block *b)
 {
-  if (are_four(p, b, 0) && are_four(p, b, 4)) {
+  b->four[0] = are_four(p, b, 0), b->four[1] = are_four(p, b, 4);
+  if (b->four[0] && b->four[1]) {
     load_four(p, 0, b);
     load_four(p, 4, b);
   } else if (p->side->search->per == 4) load(p, 4, b);
@@ -179,6 +182,49 @@ CT_INLINE void gaps(int per, block *b)
     b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
     b->direction[l] = x / back, b->direction[8 + l] = y / back, b->direction[16 + l] = z / back;
   }
+}
+
+/* Σ_a N_a u_a of four lanes from one number u for each node. */
+CT_INLINE void sum_nodes(const double *N, int stride, const double *const u[4], int c, double *out)
+{
+  for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
+    *(ct_quad *)&out[k] = (*(const ct_quad *)&N[k] * u[0][c] +
+                           *(const ct_quad *)&N[stride + k] * u[1][c]) +
+                          (*(const ct_quad *)&N[2 * stride + k] * u[2][c] +
+                           *(const ct_quad *)&N[3 * stride + k] * u[3][c]);
+}
+
+/* Motion of the points of four lanes that are loaded together, relative to their closest points,
+ * along the direction of the gap. */
+CT_INLINE void move_four(const ct_pass *p, int l, block *b)
+{
+  const int32_t *theirs = &p->other->search->faces[4 * (int64_t)b->target[l]],
+                *mine = &p->side->search->faces[4 * (int64_t)b->face[l]];
+  const double *const own[4] = {
+      &p->side->moved[3 * (int64_t)mine[0]], &p->side->moved[3 * (int64_t)mine[1]],
+      &p->side->moved[3 * (int64_t)mine[2]], &p->side->moved[3 * (int64_t)mine[3]]};
+  const double *const other[4] = {
+      &p->other->moved[3 * (int64_t)theirs[0]], &p->other->moved[3 * (int64_t)theirs[1]],
+      &p->other->moved[3 * (int64_t)theirs[2]], &p->other->moved[3 * (int64_t)theirs[3]]};
+  double u[3][4], v[3][4];
+  for (int c = 0; c < 3; c++) {
+    sum_nodes(p->side->fixed->across[0], 32, own, c, u[c]);
+    sum_nodes(&b->N[l], CT_WARM, other, c, v[c]);
+  }
+  const double *n = &b->direction[l];
+#pragma omp simd
+  for (int k = 0; k < 4; k++)
+    // -- n·(Σ_a N_a u_a - Σ_b N̄_b u_b) (eq:admitted-store)
+    b->along[l + k] = (n[k] * (u[0][k] - v[0][k]) + n[8 + k] * (u[1][k] - v[1][k])) +
+                      n[16 + k] * (u[2][k] - v[2][k]);
+}
+
+/* The same for all lanes; NaN where they are not loaded together. */
+CT_INLINE void find_motion(const ct_pass *p, block *b)
+{
+  for (int h = 0; h < 2; h++)
+    if (b->four[h]) move_four(p, 4 * h, b);
+    else put(4, NAN, &b->along[4 * h]);
 }
 
 /* Twice the distance of a coordinate outside a box, without a branch: it cannot be on both sides.
@@ -294,7 +340,7 @@ CT_INLINE void settle(const ct_pass *p, block *b)
                    (b->distance[l] < depth) & !b->rival[l] &
                    ((status == CT_OK) | (status == CT_NOT_CERTIFIED) |
                     (status == CT_ITERATION_LIMIT));
-    b->enters[l] = (b->gap[l] < 0.0) & !b->held[l];
+    b->enters[l] = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
   }
 }
 
@@ -304,6 +350,7 @@ static void measure_block(const ct_pass *p, block *b)
   if (p->side->search->per == 4) gaps(4, b);
   else gaps(8, b);
   find_rivals(p, b);
+  find_motion(p, b);
   settle(p, b);
 }
 
@@ -318,7 +365,8 @@ static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
 }
 
 /* Store the result of the point of a lane. Inlined with a known `per`. */
-CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, ct_point *point)
+CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, double coincident,
+                           ct_point *point)
 {
   const double gap = b->gap[l];
   for (int c = 0; c < 3; c++) {
@@ -328,10 +376,11 @@ CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, ct_
   for (int a = 0; a < per; a++) point->N[a] = b->N[8 * a + l];
   for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
   point->jumped = 0;
+  point->along = b->along[l];
   point->last_known = point->known;
   point->row.gap = point->known = gap;
   point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
-  if (fabs(gap) > ct_side_coincident(p->side)) return;
+  if (fabs(gap) > coincident) return;
   for (int c = 0; c < 3; c++) point->outward[c] = b->normal[8 * c + l];
   ct_side_direct(p->side, point);
 }
@@ -341,12 +390,13 @@ CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, ct_
 CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64_t first,
                                 unsigned warm)
 {
+  const double coincident = ct_side_coincident(p->side);
   ct_point *points = &p->side->points[first];
   unsigned settled = 0;
   for (int l = 0; l < CT_WARM; l++) {
     if (!(warm >> l & 1) || !b->inside[l]) continue;
     if (b->enters[l] && is_strange(p, b, l, first + l)) continue;
-    write_point(p, b, per, l, &points[l]);
+    write_point(p, b, per, l, coincident, &points[l]);
     settled |= 1u << l;
   }
   return settled;
@@ -370,17 +420,18 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
   unsigned warm = 0;
   for (int l = 0; l < count; l++, q++, point++) {
     if (q == points) q = 0, face++;
-    b->face[l] = face;
-    b->q[l] = q;
-    b->target[l] = point->other;
+    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
     b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
-    b->held[l] = point->status == CT_POINT_INSIDE;
-    if (point->other >= 0) warm |= 1u << l, some = l;
+    b->last[l] = point->status;
+    warm |= (unsigned)(point->other >= 0) << l;
   }
-  for (int l = 0; warm != (1u << CT_WARM) - 1 && l < CT_WARM && some >= 0; l++) {
+  if (warm == (1u << CT_WARM) - 1) return warm;
+  for (int l = 0; l < count; l++)
+    if (warm >> l & 1) some = l;
+  for (int l = 0; l < CT_WARM && some >= 0; l++) {
     if (warm >> l & 1) continue;
     b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
-    b->held[l] = b->held[some];
+    b->last[l] = b->last[some];
     for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
   }
   return warm;

@@ -8,16 +8,22 @@ PART void put(double *rows, size_t row, int first, mask good, real a)
   if (rows != NULL) store(rows + 8 * row + (size_t)first, pick(good, a, every(NAN)));
 }
 
-/* The polynomials of the pairs from lane `first` on; returns the lanes with valid ones. */
-PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *points, int first,
-                     patches *patch)
+/* The nodes, `per` to a face, and points of the pairs from lane `first` on. */
+PART void load_pairs(int per, const double *nodes, const double *points, int first, real v[8][3],
+                     real p[3])
 {
-  real v[8][3], p[3];
-  int per = ct_face_node_count(kind);
   for (int k = 0; k < 3; k++) {
     p[k] = load(points + 8 * k + first);
     for (int i = 0; i < per; i++) v[i][k] = load(nodes + 8 * (3 * i + k) + first);
   }
+}
+
+/* Their polynomials; returns the lanes with valid ones. */
+PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *points, int first,
+                     patches *patch)
+{
+  real v[8][3], p[3];
+  load_pairs(ct_face_node_count(kind), nodes, points, first, v, p);
   patch->kind = kind;
   return patch_from((const real(*)[3])v, p, patch);
 }

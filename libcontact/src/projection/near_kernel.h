@@ -2,43 +2,41 @@
  * steps of `descend` where all of them are Newton's. The other lanes are left to the search. A
  * source that includes this header defines NEAR, the kernel's name. */
 
-/* Take Newton's steps from xi to a minimum of f in the lanes in which the face is mild, with the
- * bits of `descend`; returns the lanes that arrive. */
+/* Take Newton's steps from xi to a minimum of f in the lanes in which the face is mild and f falls
+ * in each step, with the bits of `descend`; returns the lanes that arrive. */
 PART mask arrive(const patches *patch, const ct_project_options *options, const real xi[2],
                  ends *out)
 {
   enum { STEPS = 6 };
   const double tolerance = options->tolerance, small = 4 * DBL_EPSILON;
-  const real wide = every(1), none = every(0);
+  const real wide = every(1);
   iterates at, trial;
   at.xi[0] = xi[0], at.xi[1] = xi[1];
   evaluate(patch, &at);
-  region r = {.before = every(HUGE_VAL), .stalled = every(HUGE_VAL), .settled = none != none};
-  r.radius = wide, r.status = none, r.active = is_mild(patch, &at);
-  for (int i = 0; i < STEPS && any(r.active); i++) {
+  real before = every(HUGE_VAL);
+  mask active = is_mild(patch, &at), settled = active & not(active);
+  for (int i = 0; i < STEPS && any(active); i++) {
     steps to;
-    r.active &= newton_step(&at, 0, 0, wide, &to);
+    active &= newton_step(&at, 0, 0, wide, &to);
     const real length = most(absolute(to.s[0]), absolute(to.s[1])), square = length * length;
     // -- Done if the step is small, or the next one would be (eq:robust-quadratic)
     const mask done =
-        r.active & ((length <= tolerance) |
-                    ((square <= small) & (square * length <= small * (r.before * r.before))));
+        active & ((length <= tolerance) |
+                  ((square <= small) & (square * length <= small * (before * before))));
     for (int a = 0; a < 2; a++) at.xi[a] = pick(done, to.xi[a], at.xi[a]);
-    r.settled |= done;
-    r.active &= not(done);
-    if (!any(r.active)) break;
+    settled |= done;
+    active &= not(done);
+    if (!any(active)) break;
     trial.xi[0] = to.xi[0], trial.xi[1] = to.xi[1];
     evaluate(patch, &trial);
     // -- Take the step if f falls (eq:robust-accept)
-    mask taken = r.active & (at.f - trial.f >= 0.1 * to.fall), refused = r.active & not(taken);
-    if (any(refused)) taken |= accept_hidden(patch, at.f, to.fall, length, refused, &r);
-    r.active = taken;
-    r.before = pick(taken, length, r.before);
-    take(&at, &trial, sizeof at, taken);
+    active &= at.f - trial.f >= 0.1 * to.fall;
+    before = pick(active, length, before);
+    take(&at, &trial, sizeof at, active);
   }
   for (int a = 0; a < 2; a++) out->xi[a] = at.xi[a];
   out->f = value(patch, out->xi, out->d);
-  return r.settled;
+  return settled;
 }
 
 /* The results of the pairs from lane `first` on; returns one bit for each lane that has them. */
@@ -46,14 +44,16 @@ PART unsigned near_pairs(const double *nodes, const double *points, const double
                          const ct_project_options *options, const ct_batch_closest *closest,
                          int first)
 {
-  real n[3], from[2];
+  real v[8][3], p[3], n[3], from[2];
   patches patch;
   ends found;
   unsigned bits = 0;
-  mask good = take_pairs(CT_Q4, nodes, points, first, &patch);
+  load_pairs(4, nodes, points, first, v, p);
+  quadrilateral((const real(*)[3])v, p, patch.c);
+  patch.kind = CT_Q4;
   for (int a = 0; a < 2; a++) from[a] = load(start + 8 * a + first);
   snap(0, from);
-  good &= arrive(&patch, options, from, &found);
+  mask good = arrive(&patch, options, from, &found);
   good &= normal_at(&patch, found.xi, n) & (found.f < HUGE_VAL);
   store(closest->distance + first, root(found.f));
   for (int a = 0; a < 2; a++) store(closest->xi + 8 * a + first, found.xi[a]);

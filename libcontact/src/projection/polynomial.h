@@ -72,16 +72,11 @@ PART void triangle(const real v[8][3], const real p[3], int quadratic, real c[8]
   }
 }
 
-/* The polynomials of the faces relative to their points, with their sizes. Returns the valid lanes:
- * products of four lengths must stay within double precision; and a sum is finite only if all terms
- * are. */
-PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
+/* Find the sizes of polynomials. Returns the valid lanes: products of four lengths must stay within
+ * double precision; and a sum is finite only if all terms are. */
+PART mask measure_patch(patches *patch)
 {
   real largest[3], far[3], sum[3];
-  // -- Subtract the point first
-  if (ct_is_triangular(patch->kind)) triangle(v, p, patch->kind == CT_T6, patch->c);
-  else quadrilateral(v, p, patch->c);
-  if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
   for (int k = 0; k < 3; k++) {
     far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]),
     sum[k] = far[k] + largest[k];
@@ -94,6 +89,17 @@ PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
   real all = (sum[0] + sum[1]) + sum[2], farthest = most(most(far[0], far[1]), far[2]);
   patch->size = most(most(largest[0], largest[1]), largest[2]);
   return (all < 1e72) & (patch->size > 1e-70) & (patch->size < 1e70) & (farthest < 1e70);
+}
+
+/* The polynomials of the faces relative to their points, with their sizes; returns the valid lanes.
+ */
+PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
+{
+  // -- Subtract the point first
+  if (ct_is_triangular(patch->kind)) triangle(v, p, patch->kind == CT_T6, patch->c);
+  else quadrilateral(v, p, patch->c);
+  if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
+  return measure_patch(patch);
 }
 
 /* d at xi; returns f = d.d. */

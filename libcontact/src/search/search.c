@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/stream.h"
 #include "../base/vector.h"
 
 #include <math.h>
@@ -115,6 +116,8 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
 ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
                           ct_error *error)
 {
+  if (nodes == NULL && ct_largest(x, 3 * (int64_t)search->node_count) <= CT_LARGEST_LENGTH)
+    return CT_OK;
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
       if (!(fabs(x[3 * (int64_t)(nodes == NULL ? n : nodes[n]) + c]) <= CT_LARGEST_LENGTH))
@@ -130,8 +133,32 @@ void ct_search_place(ct_search *search, const double *host)
     memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
 }
 
+/* Boxes of quadrilaterals of four nodes. */
+static void box_corners(ct_search *search)
+{
+  for (int32_t f = 0; f < search->face_count; f++) {
+    const int32_t *node = &search->faces[4 * (int64_t)f];
+    const double *x[4];
+    for (int a = 0; a < 4; a++) x[a] = &search->x[3 * (int64_t)node[a]];
+    ct_bounds box;
+    for (int c = 0; c < 3; c++) {
+      const double low0 = x[0][c] < x[1][c] ? x[0][c] : x[1][c],
+                   low1 = x[2][c] < x[3][c] ? x[2][c] : x[3][c],
+                   high0 = x[0][c] > x[1][c] ? x[0][c] : x[1][c],
+                   high1 = x[2][c] > x[3][c] ? x[2][c] : x[3][c];
+      box.low[c] = low0 < low1 ? low0 : low1;
+      box.high[c] = high0 > high1 ? high0 : high1;
+    }
+    search->boxes[f] = box;
+  }
+}
+
 void ct_search_box(ct_search *search)
 {
+  if (search->kind == CT_Q4) {
+    box_corners(search);
+    return;
+  }
   for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;
     ct_search_face(search, f, &face);
