@@ -232,7 +232,7 @@ static double take_forces(ct_contact *contact)
     const double own = !contact->solved ? ct_side_apply_penalty(side)
                        : needs_forces(contact)
                            ? ct_side_take_rows(side)
-                           : ct_side_largest_force(side, contact->axis);
+                           : ct_side_largest_force(side);
     top = fmax(top, own);
   }
   return top;

@@ -140,11 +140,10 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows);
 
 /* Forces of the points from their solved rows, or of the explicit penalty; return the size of the
- * largest component. And this size alone, of rows whose normals are all `axis`, unless it is null.
- */
+ * largest component. And the largest force of solved rows alone, which no component exceeds. */
 double ct_side_take_rows(ct_side *side);
 double ct_side_apply_penalty(ct_side *side);
-double ct_side_largest_force(const ct_side *side, const double *axis);
+double ct_side_largest_force(const ct_side *side);
 
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
@@ -160,7 +159,7 @@ void ct_contact_complete(ct_contact *contact);
 /* Find the force of the points on an obstacle. */
 void ct_contact_react(ct_contact *contact);
 
-/* Nodal forces of all surfaces from those of the points, whose largest component is `top`. */
+/* Nodal forces of all surfaces from those of the points, of which no component exceeds `top`. */
 ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error);
 
 /* Force on node `n` of a side. */

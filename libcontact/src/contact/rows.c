@@ -24,12 +24,13 @@ static double before_of(const ct_point *p) { return p->stored_before; }
 
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
  * with -λ N̄ n on the other (eq:constraint-force). */
-CT_INLINE int is_listed(const ct_contact *contact, const ct_side *other, const ct_point *point)
+CT_INLINE int is_listed(const ct_contact *contact, const ct_side *other, double reach,
+                        const ct_point *point)
 {
   const ct_constraint *row = &point->row;
   return (other == NULL || point->other >= 0) && !isnan(row->gap) &&
          (contact->axis != NULL || !isnan(row->normal[0])) &&
-         (row->gap <= contact->reach || ct_law_may_release(row));
+         (row->gap <= reach || ct_law_may_release(row));
 }
 
 /* List the rows of the points of a side over another one. */
@@ -39,10 +40,11 @@ static int64_t list_over(const ct_contact *contact, const ct_side *side, const c
   const ct_point *end = side->points + side->fixed->point_count;
   const int32_t *faces = ct_side_row_nodes(other->fixed, 0);
   const int32_t per = other->search->per;
+  const double reach = contact->reach;
   int64_t count = 0;
   for (ct_point *p = side->points; p < end; p++) {
     p->stored_before = stored_of(p);
-    p->listed = is_listed(contact, other, p);
+    p->listed = is_listed(contact, other, reach, p);
     if (p->listed) {
       // Only start gaps change a gap besides the motion of nodes.
       p->row.came = -p->closed, p->row.moved = -p->closing;
@@ -59,13 +61,13 @@ static int64_t list_at(const ct_contact *contact, const ct_side *side, double dt
                        ct_constraint **rows)
 {
   const ct_point *end = side->points + side->fixed->point_count;
-  const double *axis = contact->axis;
+  const double *axis = contact->axis, reach = contact->reach;
   double came = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
          coming = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming);
   int64_t count = 0;
   for (ct_point *p = side->points; p < end; p++) {
     p->stored_before = stored_of(p);
-    p->listed = is_listed(contact, NULL, p);
+    p->listed = is_listed(contact, NULL, reach, p);
     if (p->listed) {
       // -- Motion of the obstacle along the normal, and growth of the start gap
       if (axis == NULL) came = ct_vector_dot(p->row.normal, contact->came);
@@ -107,26 +109,13 @@ double ct_side_take_rows(ct_side *side)
   return top;
 }
 
-/* Inlined with and without an axis. */
-CT_INLINE double largest_force(const ct_side *side, const double *axis)
+double ct_side_largest_force(const ct_side *side)
 {
   const ct_point *end = side->points + side->fixed->point_count;
-  double top[3] = {0.0}, size = 0.0;
-  for (const ct_point *p = side->points; p < end; p++) {
-    size = p->row.force > size ? p->row.force : size;
-    for (int c = 0; axis == NULL && c < 3; c++) {
-      const double own = fabs(p->row.force * p->row.normal[c]);
-      top[c] = own > top[c] ? own : top[c];
-    }
-  }
-  for (int c = 0; axis != NULL && c < 3; c++) top[c] = size * axis[c];
-  return larger(0.0, top);
-}
-
-CT_CLONES
-double ct_side_largest_force(const ct_side *side, const double *axis)
-{
-  return axis != NULL ? largest_force(side, axis) : largest_force(side, NULL);
+  double top = 0.0;
+  for (const ct_point *p = side->points; p < end; p++)
+    top = p->row.force > top ? p->row.force : top;
+  return top;
 }
 
 double ct_side_apply_penalty(ct_side *side)

@@ -379,7 +379,7 @@ CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, dou
   point->along = b->along[l];
   point->last_known = point->known;
   point->row.gap = point->known = gap;
-  point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  point->status = (ct_point_status)(CT_POINT_OUTSIDE + (gap < 0.0)); // or inside, the next one
   if (fabs(gap) > coincident) return;
   for (int c = 0; c < 3; c++) point->outward[c] = b->normal[8 * c + l];
   ct_side_direct(p->side, point);
