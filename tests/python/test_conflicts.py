@@ -155,7 +155,7 @@ def test_the_assumptions_are_those_of_the_scene():
     ):
         assert words in assumed(more) and words not in assumed("")
     assert "undeformed surface" not in assumed(load + "following = true\n")
-    bounces, damped = "do not come to rest", "[damping]\nrate = 1\n"
+    bounces, damped = "does not come to rest", "[damping]\nrate = 1\n"
     assert bounces in assumed(PAIR) and bounces not in assumed(PAIR + damped) + assumed("")
     part = assumed(PAIR + "restitution = 0.5\n")
     assert bounces not in part and "restitution below 1: an impact loses" in part
