@@ -149,3 +149,23 @@ def test_restitution_0_is_the_law_of_the_gaps_alone(beta, fraction):
     x = run.state["bar"].displacement[:, 0]
     places = run.state["bar"].nodes[:, 0] - g
     assert np.abs(x - here[np.rint(places).astype(int)]).max() < 1e-12
+
+
+def test_an_elastic_cube_comes_to_rest_by_damping_alone():
+    """The example of the chapter "Enforcement": the force on the floor after 1000 time units, over the weight."""
+    off = {}
+    for rate in (None, 0.02):
+        scene = ct.Scene(title="cube", units=METRES)
+        scene.add_material("m", young=1.0, poisson=0.3, density=1.0)
+        scene.add_body("cube", material="m", box=box_of([0, 0, 0.02], [4, 4, 4], [4, 4, 4]))
+        scene.add("gravity", acceleration=[0, 0, -1e-4])
+        plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+        scene.add("obstacle", surface="cube.z_min", plane=plane)
+        if rate:
+            scene.add("damping", rate=rate)
+        scene.set_time(end=1500.0, fraction=0.9).set_output(every=4, fields=[])
+        run = scene.run(progress=False, output=False)
+        impulse = run.body_momentum("cube")["obstacle_impulse"][:, 2]
+        force = np.diff(impulse) / np.diff(run.time) / (64 * 1e-4)
+        off[rate] = np.abs(force[run.time[1:] > 1000.0] - 1.0).max()
+    assert off[0.02] < 1e-3 and off[None] > 0.5
