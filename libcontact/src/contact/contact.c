@@ -69,7 +69,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   if (status == CT_OK) {
     contact->fixed = fixed;
     contact->gaps.fixed = &fixed->gaps;
-    contact->reach = HUGE_VAL;
+    contact->reach = HUGE_VAL, contact->part = 1.0;
     contact->terms = ct_allocate((size_t)(fixed->gaps.point_count + fixed->is.node_count),
                                  sizeof *contact->terms);
     status = contact->terms != NULL ? fixed->partner->open(contact) : CT_ERROR_MEMORY;
@@ -165,6 +165,22 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   return now->first ? refuse(contact, error) : CT_OK;
 }
 
+/* After a step that was divided, obstacles and start gaps have moved for longer than the step before
+ * counts now. What points held is lost: the forces of t_n, of which half has acted with the larger
+ * step, are solved for again and would pay it twice. */
+static void find_part(ct_contact *contact, const ct_surface_motion *now)
+{
+  const double since = now->time - contact->record.time;
+  contact->part = 1.0;
+  if (now->first || !(now->before > 0.0 && since > 1.5 * now->before)) return;
+  contact->part = now->before / since;
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+      p->row.impact.reserve = fmin(p->row.impact.reserve, 0.0);
+  }
+}
+
 /* Nodes move from their places in the last step, in the first one from the reference shape, to the
  * current coordinates (eq:gap-bound). */
 static ct_status place(void *state, const ct_surface_motion *now, ct_error *error)
@@ -176,6 +192,7 @@ static ct_status place(void *state, const ct_surface_motion *now, ct_error *erro
   if (at.first) status = begin(contact, &at, error);
   else if (!now->continued || contact->fixed->is.explicit)
     status = ct_contact_load(contact, now->memory, error);
+  find_part(contact, &at);
   return status == CT_OK ? ct_contact_find_gaps(contact, &at, error) : status;
 }
 

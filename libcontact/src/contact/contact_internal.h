@@ -74,6 +74,8 @@ struct ct_contact {
   const ct_contact_fixed *fixed;
   ct_contact_fixed *own; /* the same of a host's contact; else null */
   ct_gaps gaps;
+  double part;    /* of the time since the last step that the step before counts; 1, or less after a
+                     step that was divided */
   double *terms;  /* memory for sums, one number per point and node */
   int solved;     /* whether the forces are those of solved rows */
   int complete;   /* whether what only results need of these rows is known: */

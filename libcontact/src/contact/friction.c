@@ -322,7 +322,7 @@ static void store_point(const call *now, friction_state *s, const batch *b, int 
   for (int c = 0; c < 3; c++) {
     p->e[c] = b->e.part[c][l], p->before[c] = b->before.part[c][l];
     p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last->force[c];
-    p->came[c] = data->rigid ? contact->came[c] : 0.0;
+    p->came[c] = data->rigid ? contact->part * contact->came[c] : 0.0;
     p->coming[c] = data->rigid ? contact->coming[c] : 0.0;
   }
   if (data->other_nodes == 4) store_frame(&b->now, l, 4, point->d, &s->axes[j], p);

@@ -47,7 +47,7 @@ static int64_t list_over(const ct_contact *contact, const ct_side *side, const c
     p->listed = is_listed(contact, other, reach, p);
     if (p->listed) {
       // Only start gaps change a gap besides the motion of nodes.
-      p->row.came = -p->closed, p->row.moved = -p->closing;
+      p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
       p->row.other_count = per;
       p->row.other = &faces[(int64_t)p->other * per];
       rows[count++] = &p->row;
@@ -72,7 +72,7 @@ static int64_t list_at(const ct_contact *contact, const ct_side *side, double dt
       // -- Motion of the obstacle along the normal, and growth of the start gap
       if (axis == NULL) came = ct_vector_dot(p->row.normal, contact->came);
       if (axis == NULL) coming = ct_vector_dot(p->row.normal, contact->coming);
-      p->row.came = -p->closed - came, p->row.moved = -p->closing - coming;
+      p->row.came = contact->part * (-p->closed - came), p->row.moved = -p->closing - coming;
       rows[count++] = &p->row;
     } else ct_law_leave(&p->row, dt);
   }
