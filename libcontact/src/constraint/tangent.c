@@ -453,7 +453,6 @@ static int shorten_slips(ct_solver *s, double gain)
     if (t->wanted[j] >= 0.0) continue;
     t->loss[j] += share * t->terms[j];
     for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
-    t->wanted[j] = 0.0; // it has slipped
   }
   return 1;
 }
@@ -509,6 +508,18 @@ int ct_tangent_begin(ct_solver *s)
   return fix_laws(s) && shift_gaps(s, &change);
 }
 
+/* No forces, and what follows from them. */
+static void clear_forces(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  const size_t size = (size_t)t->count * sizeof(double);
+  for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
+  for (int32_t k = 0; k < t->node_count; k++)
+    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
+  t->shifted = 0;
+  settle(s, 0.0);
+}
+
 /* Iterate until the points together lose energy (eq:slip-loss). Points that stick follow the
  * motion, so an iteration that ends early may gain some; if it still does so at a tight tolerance,
  * their springs pay it. Returns whether the last iteration converged, or -1 if forces are not
@@ -523,8 +534,9 @@ static int find_forces(ct_solver *s)
     const double loss = settle(s, 1.0);
     if (loss >= 0.0) return converged;
     if (converged && least > TIGHT) continue;
-    if (!shorten_slips(s, -loss)) settle(s, 0.0);
-    return converged;
+    if (shorten_slips(s, -loss) || settle(s, 0.0) >= 0.0) return converged;
+    clear_forces(s);
+    return 0;
   }
 }
 
@@ -541,14 +553,9 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
 
 int ct_tangent_drop(ct_solver *s)
 {
-  ct_tangent *t = s->tangent;
   double change;
-  const size_t size = (size_t)t->count * sizeof(double);
-  for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
-  for (int32_t k = 0; k < t->node_count; k++)
-    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
-  t->shifted = 0;
-  settle(s, 0.0);
+  if (!s->tangent->some) return 1;
+  clear_forces(s);
   return shift_gaps(s, &change);
 }
 
