@@ -24,9 +24,8 @@ static void settled(void)
         b.distance[3] = b.gap[3] = k % 2 ? 0.501 : 0.499;
         b.rival[3] = k / 2;
         settle(&p, &b);
-        tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0),
-               "closest point (%g, %g) at %g, %s", place[i], place[j], b.distance[3],
-               k / 2 ? "with a rival" : "alone");
+        tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0), "closest point (%g, %g) at %g, %s",
+               place[i], place[j], b.distance[3], k / 2 ? "with a rival" : "alone");
       }
 }
 
@@ -99,8 +98,7 @@ static double least_distance(const ct_bounds *box, const ct_bounds *others, int 
   for (int f = 1; f < count; f++) {
     double square = 0.0;
     for (int c = 0; c < 3; c++) {
-      const double apart =
-          fmax(others[f].low[c] - box->high[c], box->low[c] - others[f].high[c]);
+      const double apart = fmax(others[f].low[c] - box->high[c], box->low[c] - others[f].high[c]);
       square += apart > 0.0 ? apart * apart : 0.0;
     }
     least = fmin(least, sqrt(square));
@@ -180,7 +178,8 @@ static void last_gap(int per, int theirs)
     N[i / 8][i % 8] = i % 8 < (i < 8 ? per : theirs) ? cos(3.0 * i) : 0.0;
   ct_search search[2] = {{.per = per, .faces = nodes}, {.per = theirs, .faces = nodes}};
   ct_side_fixed side = {.rule.count = 1, .point_count = 1};
-  ct_point point = {.other = 0, .along = NAN, .closed = 0.3, .row = {.gap = -0.1, .normal = {0.6, 0.0, 0.8}}};
+  ct_point point = {
+      .other = 0, .along = NAN, .closed = 0.3, .row = {.gap = -0.1, .normal = {0.6, 0.0, 0.8}}};
   memcpy(point.N, N[1], sizeof point.N);
   point.row.own_shape = N[0];
   ct_contact_fixed fixed = {.partner = &surfaces, .gaps = {.sides = 2}};

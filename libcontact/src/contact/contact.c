@@ -246,10 +246,9 @@ static double take_forces(ct_contact *contact)
   double top = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     ct_side *side = &contact->gaps.side[s];
-    const double own = !contact->solved ? ct_side_apply_penalty(side)
-                       : needs_forces(contact)
-                           ? ct_side_take_rows(side)
-                           : ct_side_largest_force(side);
+    const double own = !contact->solved        ? ct_side_apply_penalty(side)
+                       : needs_forces(contact) ? ct_side_take_rows(side)
+                                               : ct_side_largest_force(side);
     top = fmax(top, own);
   }
   return top;

@@ -85,8 +85,8 @@ struct ct_contact {
   /* Of an obstacle: its position, its motion since the last step and until the next one; and the
    * distance from which a point may reach it until then. */
   double place[3], came[3], coming[3], reach;
-  const double *axis; /* direction of all forces, of a plane; else null */
-  double reaction[3]; /* force on it; if it does not move, known with the energies */
+  const double *axis;   /* direction of all forces, of a plane; else null */
+  double reaction[3];   /* force on it; if it does not move, known with the energies */
   struct ct_host *host; /* of a host that calls ct_contact_step; else null */
 };
 
@@ -153,9 +153,9 @@ double ct_side_potential(const ct_side *sides, int count);
 /* Pay what solved points owe from what others hold (eq:impact-debt). */
 void ct_contact_pay_debts(ct_contact *contact);
 
-/* Find what only results need of solved rows, unless it is known, in all pieces: their energy at t_n
- * (eq:controlled-energy, eq:energy-start), and what they hold of it (eq:impact-reserve); the force
- * on an obstacle that does not move; and the forces of the points. */
+/* Find what only results need of solved rows, unless it is known, in all pieces: their energy at
+ * t_n (eq:controlled-energy, eq:energy-start), and what they hold of it (eq:impact-reserve); the
+ * force on an obstacle that does not move; and the forces of the points. */
 void ct_contact_complete(ct_contact *contact);
 
 /* Find the force of the points on an obstacle. */

@@ -435,8 +435,8 @@ static int are_four(const call *now, const friction_state *s, const int64_t *lis
 }
 
 /* As `add_point`, of four such points together. */
-CT_INLINE void add_four(const call *now, const ct_grid *grid, place at,
-                        const friction_state *s, const heaps *to)
+CT_INLINE void add_four(const call *now, const ct_grid *grid, place at, const friction_state *s,
+                        const heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
   const double *N[4], *N_bar[4], *turn[4];

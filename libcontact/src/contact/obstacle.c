@@ -176,7 +176,8 @@ static void find_heights(const ct_contact *contact, double *height)
   const double *x = contact->gaps.side[0].search->x, *axis = contact->axis;
   const int64_t count = contact->gaps.side[0].search->node_count;
   for (int64_t n = 0; n < count; n++) {
-    const double *at = &x[3 * n], *o = contact->place, r[3] = {at[0] - o[0], at[1] - o[1], at[2] - o[2]};
+    const double *at = &x[3 * n], *o = contact->place,
+                 r[3] = {at[0] - o[0], at[1] - o[1], at[2] - o[2]};
     height[n] = ct_vector_dot(r, axis);
   }
 }

@@ -296,13 +296,12 @@ CT_INLINE void spread_four(int stride, const ct_grid *grid, int solved, const ct
                            int32_t face, const ct_side *other, ct_heap *own, ct_heap *theirs)
 {
   const ct_point *point = &side->points[4 * (int64_t)face];
-  const double(*N)[8] = side->fixed->N,
-        *const own_N[4] = {N[0], N[1], N[2], N[3]},
-        *const N_bar[4] = {point[0].N, point[1].N, point[2].N, point[3].N};
+  const double (*N)[8] = side->fixed->N, *const own_N[4] = {N[0], N[1], N[2], N[3]},
+               *const N_bar[4] = {point[0].N, point[1].N, point[2].N, point[3].N};
   double force[4][4];
   for (int q = 0; q < 4; q++) force_of(&point[q], solved, force[q]);
-  ct_heap_add_four(stride == 4 ? 4 : own->count, grid, nodes_of(side->search, face),
-                   own_N, 1.0, force, own);
+  ct_heap_add_four(stride == 4 ? 4 : own->count, grid, nodes_of(side->search, face), own_N, 1.0,
+                   force, own);
   if (other == NULL) return;
   ct_heap_add_four(stride == 4 ? 4 : theirs->count, grid, nodes_of(other->search, point->other),
                    N_bar, -1.0, force, theirs);
@@ -372,7 +371,7 @@ CT_INLINE void push_face(int stride, int per, const ct_grid *grid, ct_side *side
 {
   const ct_point *p = &side->points[(int64_t)face * side->fixed->rule.count];
   const int32_t *node = nodes_of(side->search, face);
-  const double(*N)[8] = side->fixed->N;
+  const double (*N)[8] = side->fixed->N;
   double term[8];
   if (press_four(side, p)) {
 #pragma omp simd
@@ -438,7 +437,8 @@ ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error)
     return CT_OK;
   }
   for (int s = 0; s < fixed->sides; s++)
-    if (sides[s].fixed->kind == CT_SIDE_STATIONS) spread_stations(&grid, contact->solved, &sides[s], &sides[0]);
+    if (sides[s].fixed->kind == CT_SIDE_STATIONS)
+      spread_stations(&grid, contact->solved, &sides[s], &sides[0]);
     else spread(&grid, contact->solved, &sides[s], ct_contact_other(contact, s));
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     ct_pieces_sum(sides[s].pieces, sides[s].force, 3 * (int64_t)sides[s].search->node_count);

@@ -11,8 +11,7 @@
 /* The interaction of an effect in a state, with the forces of its time; null, with `status` and
  * `error` filled, for an effect of another kind. */
 static void *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
-                            ct_effect_kind kind, const char *what, ct_status *status,
-                            ct_error *error)
+                      ct_effect_kind kind, const char *what, ct_status *status, ct_error *error)
 {
   int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
            problem->effects[effect]->kind == kind;

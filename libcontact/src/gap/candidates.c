@@ -101,8 +101,8 @@ static int32_t only_face(const ct_side *side, int32_t face)
  * farther than their nodes, so there the bound is 0 (eq:rival-distance). */
 static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, double skin)
 {
-  const int linear = side->search->per == side->search->edges &&
-                     other->search->per == other->search->edges;
+  const int linear =
+      side->search->per == side->search->edges && other->search->per == other->search->edges;
   side->alone[face] = linear && side != other ? only_face(side, face) : -1;
   side->distant[face] = 0.0;
   if (side->alone[face] < 0) return;

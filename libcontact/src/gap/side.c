@@ -64,10 +64,9 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->listed, side->x_built,         side->moved,
-                    side->points, side->candidate_first, side->candidates,
-                    side->force,  side->force_fine,      side->near_end,
-                    side->alone,  side->distant};
+  void *blocks[] = {side->listed,          side->x_built,    side->moved,  side->points,
+                    side->candidate_first, side->candidates, side->force,  side->force_fine,
+                    side->near_end,        side->alone,      side->distant};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);

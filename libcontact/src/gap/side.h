@@ -28,23 +28,23 @@ typedef struct ct_point {
   int listed;        /* whether the row is listed in this step */
   int32_t other;     /* face of the other side, or -1 */
   ct_point_status status;
-  int jumped;        /* whether it is inside by more than the motion since then explains */
-  double xi[2];      /* parameters of the closest point on it, or 0 */
-  double known;      /* signed distance at the last update from the nearest place, in contact or not;
-                        NaN: none was near */
-  double start;      /* start gap that does not fade (eq:initial-adjust) */
-  double admitted;   /* start gap since then, of a point that was found inside (eq:admitted) */
-  double force_size; /* size of the force in the last step, if start gaps fade */
+  int jumped;      /* whether it is inside by more than the motion since then explains */
+  double xi[2];    /* parameters of the closest point on it, or 0 */
+  double known;    /* signed distance at the last update from the nearest place, in contact or not;
+                      NaN: none was near */
+  double start;    /* start gap that does not fade (eq:initial-adjust) */
+  double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
+  double force_size;             /* size of the force in the last step, if start gaps fade */
   double last_known, last_start; /* the same in the last step */
   double along; /* motion away from the closest point along the row's normal since the last update;
                    NaN: not computed */
   double stored_before; /* energy that its row stored and held at the middle of the last step */
-  double shift;    /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
-  double closed;   /* growth of the shift since the last step */
-  double closing;  /* its growth until the next step */
-  int claims;      /* whether the point may store energy in this step */
-  double N[8];       /* shape functions of the other face at xi */
-  double d[3];       /* ȳ - y */
+  double shift;   /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
+  double closed;  /* growth of the shift since the last step */
+  double closing; /* its growth until the next step */
+  int claims;     /* whether the point may store energy in this step */
+  double N[8];    /* shape functions of the other face at xi */
+  double d[3];    /* ȳ - y */
   double outward[3]; /* normal of the other side at the closest point, of any length */
   double force[3];   /* on the point's own face; of solved rows for results only */
 } ct_point;
@@ -71,10 +71,10 @@ typedef struct ct_side_fixed {
   ct_side_kind kind;
   ct_search *search; /* at the reference shape */
   ct_rule rule;
-  int on_edges;        /* whether the rule has points on edges and corners */
-  double N[27][8];     /* shape functions at the points of a face */
+  int on_edges;         /* whether the rule has points on edges and corners */
+  double N[27][8];      /* shape functions at the points of a face */
   double across[8][32]; /* the same, those of one node side by side */
-  double dN[27][8][2]; /* and their derivatives */
+  double dN[27][8][2];  /* and their derivatives */
   int64_t point_count;
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
   int32_t *row_faces; /* nodes of the faces as indices in an effect's list of nodes; null: the
@@ -102,9 +102,9 @@ typedef struct ct_side {
   int32_t *candidate_first,
       *candidates; /* candidate faces of the other side for each face, until the next listing ... */
   int32_t *near_end; /* ... those within the skin of its box first: their end, shape (face_count) */
-  int32_t *alone;  /* the face that all points of a face met at that time, or -1, ... */
-  double *distant; /* ... and a lower bound of their distance from the boxes of all others then,
-                      shape (face_count) (eq:rival-distance) */
+  int32_t *alone;    /* the face that all points of a face met at that time, or -1, ... */
+  double *distant;   /* ... and a lower bound of their distance from the boxes of all others then,
+                        shape (face_count) (eq:rival-distance) */
   int32_t candidate_capacity;
 } ct_side;
 

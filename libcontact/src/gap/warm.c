@@ -22,11 +22,11 @@ typedef struct block {
   double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM], /* as in ct_point */
       direction[3 * CT_WARM];                          /* gap vector over minus the gap */
   double along[CT_WARM];
-  int four[2];       /* whether four lanes each are loaded together (are_four) */
+  int four[2];                   /* whether four lanes each are loaded together (are_four) */
   ct_point_status last[CT_WARM]; /* its status */
-  int rival[CT_WARM];  /* whether another face may be as near */
-  int inside[CT_WARM]; /* whether its last face is the nearest one */
-  int enters[CT_WARM]; /* whether it comes into contact */
+  int rival[CT_WARM];            /* whether another face may be as near */
+  int inside[CT_WARM];           /* whether its last face is the nearest one */
+  int enters[CT_WARM];           /* whether it comes into contact */
 } block;
 
 /* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
@@ -100,7 +100,7 @@ CT_INLINE int are_four(const ct_pass *p, const block *b, int l)
 CT_INLINE void sum_four(const ct_side_fixed *side, const double *const x[4], int c, double middle,
                         double *out)
 {
-  const double(*N)[32] = side->across, x0 = x[0][c] - middle, x1 = x[1][c] - middle,
+  const double (*N)[32] = side->across, x0 = x[0][c] - middle, x1 = x[1][c] - middle,
                x2 = x[2][c] - middle, x3 = x[3][c] - middle;
   for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
     *(ct_quad *)&out[k] = (*(const ct_quad *)&N[0][k] * x0 + *(const ct_quad *)&N[1][k] * x1) +
@@ -188,10 +188,10 @@ CT_INLINE void gaps(int per, block *b)
 CT_INLINE void sum_nodes(const double *N, int stride, const double *const u[4], int c, double *out)
 {
   for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
-    *(ct_quad *)&out[k] = (*(const ct_quad *)&N[k] * u[0][c] +
-                           *(const ct_quad *)&N[stride + k] * u[1][c]) +
-                          (*(const ct_quad *)&N[2 * stride + k] * u[2][c] +
-                           *(const ct_quad *)&N[3 * stride + k] * u[3][c]);
+    *(ct_quad *)&out[k] =
+        (*(const ct_quad *)&N[k] * u[0][c] + *(const ct_quad *)&N[stride + k] * u[1][c]) +
+        (*(const ct_quad *)&N[2 * stride + k] * u[2][c] +
+         *(const ct_quad *)&N[3 * stride + k] * u[3][c]);
 }
 
 /* Motion of the points of four lanes that are loaded together, relative to their closest points,
@@ -248,7 +248,8 @@ CT_INLINE lane_group group_from(const block *b, int first, const double *most)
 {
   lane_group g = {.first = first, .end = first + 1};
   double reach = most[first];
-  for (; g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
+  for (;
+       g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
        g.end++)
     reach = most[g.end] > reach ? most[g.end] : reach;
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
@@ -336,10 +337,10 @@ CT_INLINE void settle(const ct_pass *p, block *b)
   for (int l = 0; l < CT_WARM; l++) {
     const int32_t status = b->status[l];
     // -- Inside its face, and no other face is as near (eq:warm-lanes)
-    b->inside[l] = (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) &
-                   (b->distance[l] < depth) & !b->rival[l] &
-                   ((status == CT_OK) | (status == CT_NOT_CERTIFIED) |
-                    (status == CT_ITERATION_LIMIT));
+    b->inside[l] =
+        (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) & (b->distance[l] < depth) &
+        !b->rival[l] &
+        ((status == CT_OK) | (status == CT_NOT_CERTIFIED) | (status == CT_ITERATION_LIMIT));
     b->enters[l] = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
   }
 }
@@ -354,8 +355,8 @@ static void measure_block(const ct_pass *p, block *b)
   settle(p, b);
 }
 
-/* Whether the point of a lane comes in from a side that does not face its face: then the search must
- * classify it. */
+/* Whether the point of a lane comes in from a side that does not face its face: then the search
+ * must classify it. */
 static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
 {
   const double normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};

@@ -44,8 +44,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   contact->solved = 0;
   if (contact->host != NULL) contact->host->current = 0;
   double top = 0.0;
-  for (int s = 0; s < sides; s++)
-    top = fmax(top, ct_side_apply_penalty(&contact->gaps.side[s]));
+  for (int s = 0; s < sides; s++) top = fmax(top, ct_side_apply_penalty(&contact->gaps.side[s]));
   return ct_contact_collect(contact, top, error);
 }
 

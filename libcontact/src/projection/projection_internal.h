@@ -163,8 +163,7 @@ ct_batch_kernel ct_batch_kernel_1, ct_batch_kernel_4, ct_batch_kernel_8;
  * that are finite, as the robust search finds them: distance, xi and normal of the lanes whose bits
  * are returned; the others need the search. */
 typedef unsigned ct_near_kernel(const double *nodes, const double *points, const double *start,
-                                const ct_project_options *options,
-                                const ct_batch_closest *closest);
+                                const ct_project_options *options, const ct_batch_closest *closest);
 ct_near_kernel ct_near_kernel_1, ct_near_kernel_4, ct_near_kernel_8;
 
 /* The widest of these kernels for this machine. */

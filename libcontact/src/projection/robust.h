@@ -213,8 +213,8 @@ PART mask is_mild(const patches *patch, const iterates *at)
   for (int k = 0; k < 3; k++) {
     bent[k] = 0.5 * (c[3][k] * c[3][k]);
     if (patch->kind == CT_Q4) continue;
-    bent[k] += (c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
-               2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]);
+    bent[k] +=
+        (c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]);
   }
   // -- Relative to the tangents: the component of the shorter one perpendicular to the longer one
   // (eq:robust-straight)
