@@ -172,28 +172,40 @@ void ct_admission_limit(ct_contact *contact)
       if (p->claims) admit(side, p);
 }
 
+/* The energy that the points of a side store with an explicit penalty. */
+static void store_claims(const ct_side *side)
+{
+  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+    p->row.impact.stored = p->other >= 0 ? ct_law_claim(&p->row) : 0.0;
+}
+
+/* The energy that the bodies give to the points of a side, as terms of a sum; returns their number.
+ * A row that is not listed has no force. */
+static int64_t list_works(const ct_side *side, int starting, double *terms)
+{
+  const ct_point *end = side->points + side->fixed->point_count;
+  int64_t some = 0;
+  for (const ct_point *p = side->points; p < end; p++) {
+    const ct_constraint *row = &p->row;
+    // -- Minus the work of the row (eq:admitted-account)
+    double term = -0.5 * row->force * (row->after - row->before);
+    if (starting && p->listed) term += ct_law_claim(row);
+    terms[some] = term;
+    some += term != 0.0;
+  }
+  return some;
+}
+
 void ct_admission_count(ct_contact *contact, int starting)
 {
   const int controlled = ct_law_keeps_account(contact->fixed->law.enforcement);
   const ct_side *sides = contact->gaps.side;
   ct_admission *admission = &contact->record.admission;
-  double *terms = contact->terms;
   int64_t some = 0;
-  for (const ct_side *side = sides; side < sides + contact->gaps.fixed->sides; side++) {
-    ct_point *end = side->points + side->fixed->point_count;
-    for (ct_point *p = side->points; p < end; p++) {
-      const ct_constraint *row = &p->row;
-      const int listed = p->other >= 0 && (p->listed || !contact->solved);
-      if (!controlled) p->row.impact.stored = listed ? ct_law_claim(row) : 0.0;
-      if (!listed || !controlled) continue;
-      // -- Minus the work of the row (eq:admitted-account)
-      const double own = -0.5 * row->force * (row->after - row->before),
-                   term = starting ? own + ct_law_claim(row) : own;
-      terms[some] = term;
-      some += term != 0.0;
-    }
-  }
+  for (const ct_side *side = sides; side < sides + contact->gaps.fixed->sides; side++)
+    if (controlled) some += list_works(side, starting, &contact->terms[some]);
+    else store_claims(side);
   admission->received =
-      ct_sum_over(sides[0].pieces, terms, some) + (starting ? 0.0 : admission->received);
+      ct_sum_over(sides[0].pieces, contact->terms, some) + (starting ? 0.0 : admission->received);
   admission->most = fmax(admission->received, starting ? 0.0 : admission->most);
 }

@@ -69,11 +69,11 @@ CT_INLINE void ct_heap_add_four(int count, const ct_grid *grid, const int32_t *n
   for (int a = 0; a < count; a++) {
     double *coarse = &heap->coarse_sum[3 * (int64_t)node[a]],
            *fine = &heap->fine_sum[3 * (int64_t)node[a]];
-    const double N0 = sign * N[0][a], N1 = sign * N[1][a], N2 = sign * N[2][a], N3 = sign * N[3][a];
+    const double N0 = N[0][a], N1 = N[1][a], N2 = N[2][a], N3 = N[3][a];
 #pragma omp simd
     for (int c = 0; c < 4; c++) {
       const double sum =
-          (N0 * force[0][c] + N3 * force[3][c]) + (N1 * force[1][c] + N2 * force[2][c]);
+          sign * ((N0 * force[0][c] + N3 * force[3][c]) + (N1 * force[1][c] + N2 * force[2][c]));
       ct_grid_add(grid, sum, &coarse[c], &fine[c]);
     }
   }
