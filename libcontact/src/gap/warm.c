@@ -246,12 +246,13 @@ typedef struct lane_group {
  * is at most `most`. */
 CT_INLINE lane_group group_from(const block *b, int first, const double *most)
 {
-  lane_group g = {.first = first, .end = first + 1};
+  const int four = first % 4 == 0 && b->four[first / 4];
+  lane_group g = {.first = first, .end = four ? first + 4 : first + 1};
+  while (!four && g.end < CT_WARM && b->face[g.end] == b->face[first] &&
+         b->target[g.end] == b->target[first])
+    g.end++;
   double reach = most[first];
-  for (;
-       g.end < CT_WARM && b->face[g.end] == b->face[first] && b->target[g.end] == b->target[first];
-       g.end++)
-    reach = most[g.end] > reach ? most[g.end] : reach;
+  for (int l = first + 1; l < g.end; l++) reach = most[l] > reach ? most[l] : reach;
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
   g.most = (0.5 + 1e-12) * sqrt(reach);
   return g;
