@@ -1,6 +1,7 @@
 /* The parts of the constraint solver, on random rows, compared with matrices that this file
  * computes itself. The source is included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/solve.c"
+#include "../../libcontact/src/constraint/active.h"
 #include "../../libcontact/src/constraint/matrix.h"
 #include "bodies.h"
 
@@ -42,6 +43,7 @@ static void choose_nodes(rows *r, int j)
 static void fill(rows *r)
 {
   static const ct_row_set half = {ROWS / 2, NODES, NULL, 2 * PER, 0}, set[2] = {half, half};
+  const int alike = pick(3) == 0; // as at a plane
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(set, 2, NODES, place, &r->s), &e);
@@ -64,6 +66,7 @@ static void fill(rows *r)
     double length = 0.0;
     for (int k = 0; k < 3; k++) c->normal[k] = uniform(1.0), length += c->normal[k] * c->normal[k];
     for (int k = 0; k < 3; k++) c->normal[k] /= sqrt(length);
+    if (j > 0 && alike) memcpy(c->normal, r->row[0].normal, sizeof c->normal);
     r->s->rows[j] = c;
   }
   r->s->first[1] = ROWS / 2, r->s->first[2] = ROWS;
@@ -76,7 +79,8 @@ static void fill_dense(rows *r)
   for (int64_t j = 0; j < r->s->count; j++) {
     const ct_constraint *c = r->s->active[j];
     for (int k = 0; k < 3; k++) {
-      for (int a = 0; a < c->own_count; a++) r->G[j][3 * c->own[a] + k] += c->own_shape[a] * c->normal[k];
+      for (int a = 0; a < c->own_count; a++)
+        r->G[j][3 * c->own[a] + k] += c->own_shape[a] * c->normal[k];
       for (int a = 0; a < c->other_count; a++)
         r->G[j][3 * c->other[a] + k] -= c->other_shape[a] * c->normal[k];
     }
@@ -91,7 +95,7 @@ static void fill_dense(rows *r)
 static void prepare(rows *r)
 {
   fill(r);
-  (void)set_up(r->s);
+  (void)ct_active_set_up(r->s);
   fill_dense(r);
 }
 
@@ -122,8 +126,7 @@ static void slopes(void)
       double unit[CT_SOLVER_WIDE * NODES] = {0.0}, column[ROWS];
       unit[CT_SOLVER_WIDE * (d / 3) + d % 3] = 1.0;
       ct_matrix_times(s, s->count, unit, column);
-      for (int64_t j = 0; j < s->count; j++)
-        off_force = worst(off_force, column[j] - r.G[j][d]);
+      for (int64_t j = 0; j < s->count; j++) off_force = worst(off_force, column[j] - r.G[j][d]);
     }
     (void)find_gradient(r.s);
     for (int64_t j = 0; j < s->count; j++) {
@@ -249,7 +252,7 @@ static void near_rows(void)
       most = fmax(most, fmax(fabs(free[j] - c->gap), -c->gap));
     }
     ct_matrix_fill(r.s);
-    choose_active(r.s);
+    ct_active_choose(r.s);
     for (int j = 0, next = 0; j < ROWS; j++) {
       int near = fmin(r.row[j].gap, free[j]) <= 2.0 * most, inside = before_by_hand(&r, j) < 0.0,
           listed = next < r.s->count && r.s->active[next] == &r.row[j];

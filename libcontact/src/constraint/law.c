@@ -103,10 +103,9 @@ static const struct law {
   double (*raise)(const ct_constraint *c, double most);
   /* Factor of the default penalty (eq:penalty-default). */
   double usual;
-} LAWS[] = {
-    [CT_ENFORCE_PENALTY] = {.usual = 4.0},
-    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
-                                      controlled_stores, controlled_raise, 40.0}};
+} LAWS[] = {[CT_ENFORCE_PENALTY] = {.usual = 4.0},
+            [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
+                                              controlled_stores, controlled_raise, 40.0}};
 
 /* A value of ct_enforcement without a row does not compile. */
 typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_COUNT ? 1 : -1];
@@ -209,10 +208,7 @@ void ct_law_fix(const ct_law_rows *of, const double *bound, double fraction, dou
 
 /* Stored impact (eq:impact-reserve). */
 
-CT_INLINE int is_recent(const ct_constraint *c)
-{
-  return c->impact.idle <= 2.0 * c->travel_time;
-}
+CT_INLINE int is_recent(const ct_constraint *c) { return c->impact.idle <= 2.0 * c->travel_time; }
 
 /* Whether a contact shorter than τ has ended: its point does not oscillate with its node any more
  * (eq:release-time). */

@@ -4,6 +4,7 @@
 #include "../base/lanes.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* The members of a row that are read, in groups of four that follow on each other from a member on,
  * and the first array of each group; and those that are written. */
@@ -100,13 +101,12 @@ static void read_rows(const ct_law_rows *to)
 
 void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t count)
 {
-  int one_law = 1;
-  for (int64_t r = 0; r < count; r++) {
-    to->row[r] = rows[r];
-    one_law &= rows[r]->enforcement == rows[0]->enforcement;
-  }
+  unsigned differing = 0;
+  for (int64_t r = 0; r < count; r++)
+    differing |= (unsigned)rows[r]->enforcement ^ (unsigned)rows[0]->enforcement;
+  if (count > 0) memcpy(to->row, rows, (size_t)count * sizeof *rows);
   to->count = count;
-  to->one_law = one_law;
+  to->one_law = differing == 0;
   read_rows(to);
 }
 

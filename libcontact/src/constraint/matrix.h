@@ -18,6 +18,9 @@ void ct_matrix_choose(ct_solver *solver);
 /* `out` = G times a vector at nodes, of the first `count` rows. */
 void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, double *out);
 
+/* The same for a motion of the nodes, whose fourth components may be overwritten. */
+void ct_matrix_motion(const ct_solver *solver, int64_t count, double *x, double *out);
+
 /* `out` = W times forces of the active rows (eq:constraint-problem). Returns 0 if they are not
  * finite. */
 int ct_matrix_apply(ct_solver *solver, const double *force, double *out);

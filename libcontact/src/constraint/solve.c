@@ -1,5 +1,6 @@
 /* The forces of all constraints of a step, solved for together. */
 #include "solve.h"
+#include "active.h"
 #include "law.h"
 #include "law_rows.h"
 #include "matrix.h"
@@ -65,7 +66,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->opened = ct_pool_take(pool, (size_t)s->most, sizeof *s->opened);
   ct_law_rows_create(pool, s->most, s->active, &s->laws);
-  s->groups = ct_pool_take(pool, rows, sizeof *s->groups);
+  s->groups = ct_pool_take(pool, rows + 1, sizeof *s->groups);
   s->listed = ct_pool_take(pool, (size_t)s->most, sizeof *s->listed);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
@@ -74,8 +75,8 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   double **vectors[] = {&s->increment, &s->mobility, &s->last_increment, &s->sums, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, CT_SOLVER_WIDE * sizeof(double));
-  double **numbers[] = {&s->C,     &s->b,         &s->free,  &s->force, &s->gradient,
-                        &s->scale, &s->direction, &s->image, &s->terms, &s->guide, &s->after};
+  double **numbers[] = {&s->C,         &s->b,     &s->free,  &s->force, &s->gradient, &s->scale,
+                        &s->direction, &s->image, &s->terms, &s->guide, &s->after};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   if (pool->failed) return CT_ERROR_MEMORY;
@@ -112,244 +113,6 @@ static int apply(ct_solver *s, const double *force, double *out)
   return 1;
 }
 
-/* At t = 0 there was no step before: g_{-1} = g_0 (eq:energy-start), and the rows remember none. */
-static void forget(ct_solver *s)
-{
-  for (int64_t j = 0; j < s->first[s->set_count]; j++) {
-    ct_constraint *c = s->rows[j];
-    c->before = c->gap;
-    c->impact = (ct_impact){.stored = ct_law_claim(c)};
-  }
-}
-
-/* Gaps at t_{n-1} and t_{n+1}, given the motions of the nodes along the rows. */
-CT_CLONES
-static void move_gaps(const ct_law_rows *of, const double *last, const double *next)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < of->count; j++) {
-    of->before[j] = of->gap[j] - (last[j] + of->came[j]);
-    of->after[j] = of->gap[j] + (next[j] + of->moved[j]);
-  }
-}
-
-/* The largest motion or depth (eq:near-constraints). */
-CT_CLONES
-static double farthest(int64_t count, const double *gap, const double *after)
-{
-  double most = 0.0;
-#pragma omp simd reduction(max : most)
-  for (int64_t j = 0; j < count; j++) {
-    const double motion = fabs(after[j] - gap[j]), depth = -gap[j],
-                 far = motion > depth ? motion : depth;
-    most = far > most ? far : most;
-  }
-  return most;
-}
-
-/* Gaps of all listed rows at t_{n-1} and t_{n+1} without the constraints; returns the largest
- * motion or depth. */
-static double predict_gaps(ct_solver *s)
-{
-  ct_law_rows *of = &s->laws;
-  const int64_t count = s->first[s->set_count];
-  if (s->starts && !s->again) forget(s);
-  ct_law_rows_read(of, s->rows, count);
-  ct_matrix_times(s, count, s->last_increment, s->terms);
-  ct_matrix_times(s, count, s->increment, s->free);
-  move_gaps(of, s->terms, s->free);
-  if (s->starts) memcpy(of->before, of->gap, (size_t)count * sizeof *of->gap);
-  return farthest(count, of->gap, of->after);
-}
-
-/* A row that takes no part in this step. */
-static void drop(const ct_solver *s, int64_t j)
-{
-  ct_constraint *c = s->laws.row[j];
-  c->before = s->laws.before[j];
-  c->after = s->laws.after[j];
-  // The force of a row without a law is given; it has friction.
-  if (!ct_law_has_rows(c->enforcement)) return;
-  c->force = 0.0;
-  if (s->again) c->impact = (ct_impact){.reserve = 0.0};
-  else ct_law_leave(c, s->dt);
-}
-
-/* Forces of the last step, and gaps without those of this one. */
-CT_CLONES
-static void begin_rows(const ct_law_rows *of, double *restrict force, double *restrict free)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < of->count; r++) {
-    force[r] = of->force[r] - of->release[r];
-    free[r] = of->after[r];
-  }
-}
-
-/* Whether no row is farther away than `near`, now or without the force of the step. */
-CT_CLONES
-static int are_near(int64_t count, const double *gap, const double *after, double near)
-{
-  double most = -DBL_MAX;
-#pragma omp simd reduction(max : most)
-  for (int64_t j = 0; j < count; j++) {
-    const double least = after[j] < gap[j] ? after[j] : gap[j];
-    most = least > most ? least : most;
-  }
-  return most <= near;
-}
-
-/* Whether all listed rows have a law; only friction lists others. */
-static int have_laws(const ct_solver *s)
-{
-  const ct_law_rows *of = &s->laws;
-  return s->tangent == NULL || of->count == 0 ||
-         (of->one_law && ct_law_has_rows(of->row[0]->enforcement));
-}
-
-/* Drop the rows without a law, and those that have no force in this step. */
-static void drop_rows(ct_solver *s, double near)
-{
-  ct_law_rows *of = &s->laws;
-  const ct_group *g = s->listed, *end = g + s->group_count;
-  int64_t count = 0, j = 0;
-  int32_t set = 0;
-  memcpy(s->listed, s->groups, (size_t)s->group_count * sizeof *s->groups);
-  s->group_count = s->counted = 0;
-  for (; g < end; g++)
-    for (int32_t i = 0; i < g->rows; i++, j++) {
-      const ct_constraint *c = of->row[j];
-      while (s->first[set] <= j) s->first_point[set++] = count;
-      // -- Inside before, or now, or without the force (eq:near-constraints), or held
-      const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
-                          ct_law_may_release(c),
-                has_law = s->tangent == NULL || ct_law_has_rows(c->enforcement);
-      if (is_near && has_law) {
-        ct_matrix_add(s, g, i);
-        if (count < j) ct_law_rows_move(of, j, count);
-        count++;
-      } else drop(s, j);
-    }
-  while (set <= s->set_count) s->first_point[set++] = count;
-  of->count = count;
-}
-
-/* Choose the rows that take part (eq:near-constraints). */
-static void choose_active(ct_solver *s)
-{
-  ct_law_rows *of = &s->laws;
-  double most = predict_gaps(s);
-  ct_pieces_largest(s->pieces, &most, 1);
-  const double near = 2.0 * most;
-  memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
-  if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
-  s->count = s->point_count = of->count;
-  begin_rows(of, s->force, s->free);
-  if (!s->again) return;
-  // Nothing opens at t = 0, so the place is free; the points close now.
-  memcpy(of->release, of->force, (size_t)s->count * sizeof *of->force);
-  memset(of->pressed, 0, (size_t)s->count * sizeof *of->pressed);
-}
-
-static void set_all(double *numbers, int64_t first, int64_t end, double value)
-{
-  for (int64_t r = first; r < end; r++) numbers[r] = value;
-}
-
-/* The laws of the points in this step, and the bound of each row, into `scale`
- * (eq:constraint-bound). */
-static int fix_laws(ct_solver *s)
-{
-  set_all(s->direction, 0, s->count, 1.0);
-  if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
-  ct_law_fix(&s->laws, s->scale, s->fraction, s->C, s->b);
-  return 1;
-}
-
-/* The force of each row without those of its neighbours (eq:release-time). */
-CT_CLONES
-static void find_alone(int64_t count, const double *free, const double *b, const double *C,
-                       const double *bound, double *restrict alone)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) alone[r] = -(free[r] + b[r]) / (C[r] + bound[r]);
-}
-
-/* A second row for each point that opens in this step. */
-static void list_releases(ct_solver *s)
-{
-  if (s->starts) return;
-  find_alone(s->count, s->free, s->b, s->C, s->scale, s->image);
-  ct_law_find_releases(&s->laws, s->scale, s->dt, s->image, s->terms);
-  if (ct_is_zero(s->terms, s->count)) return;
-  const int64_t groups = s->group_count;
-  for (int64_t k = 0, r = 0; k < groups; k++)
-    for (int32_t i = 0; i < s->groups[k].rows; i++, r++)
-      if (s->terms[r] != 0.0) {
-        ct_matrix_add(s, &s->groups[k], i);
-        s->opened[s->count - s->point_count] = r;
-        s->free[s->count] = s->free[r];
-        s->scale[s->count] = s->scale[r];
-        s->active[s->count++] = s->active[r];
-      }
-}
-
-/* The second rows of each set: their points are in order. */
-static void split_releases(ct_solver *s)
-{
-  int64_t r = s->point_count;
-  for (int32_t k = 0; k < s->set_count; k++) {
-    s->first_release[k] = r;
-    while (r < s->count && s->opened[r - s->point_count] < s->first_point[k + 1]) r++;
-  }
-  s->first_release[s->set_count] = r;
-}
-
-/* Add a second row for each point that opens in this step and gives back what it holds
- * (eq:release-ramp). */
-static int add_releases(ct_solver *s)
-{
-  const int64_t points = s->point_count;
-  list_releases(s);
-  split_releases(s);
-  double some = (double)(s->count - points);
-  ct_pieces_largest(s->pieces, &some, 1);
-  if (some == 0.0) return 1;
-  ct_matrix_choose(s);
-  set_all(s->direction, 0, points, 0.0);
-  set_all(s->direction, points, s->count, 1.0);
-  if (!ct_matrix_bound(s, s->direction, s->terms)) return 0;
-  for (int64_t r = points; r < s->count; r++) {
-    const int64_t own = s->opened[r - points];
-    const ct_constraint c = {.before = s->laws.before[own],
-                             .impact.reserve = s->laws.reserve[own]};
-    const ct_ramp ramp = ct_law_release(&c, s->free[r], s->terms[r], &s->force[r]);
-    s->C[r] = ramp.C;
-    s->b[r] = ramp.b;
-  }
-  for (int64_t r = 0; r < s->count; r++) s->scale[r] += s->terms[r];
-  return 1;
-}
-
-/* -- 1 / D from the bounds (eq:constraint-bound) */
-CT_CLONES
-static void invert(int64_t count, const double *C, double *restrict scale)
-{
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) scale[r] = 1.0 / (scale[r] + C[r]);
-}
-
-/* The rows of the problem, their laws, and the scale of each. */
-static int set_up(ct_solver *s)
-{
-  ct_matrix_fill(s);
-  choose_active(s);
-  ct_matrix_choose(s);
-  if (!fix_laws(s) || !add_releases(s)) return 0;
-  invert(s->count, s->C, s->scale);
-  return 1;
-}
-
 /* Add the gradient without forces. */
 CT_CLONES
 static void add_free(int64_t count, const double *free, const double *b, double *restrict gradient)
@@ -365,6 +128,14 @@ static int find_gradient(ct_solver *s)
   // -- r = (W + C) λ + g_free + b (eq:constraint-function)
   add_free(s->count, s->free, s->b, s->gradient);
   return 1;
+}
+
+/* Whether the gradients of all pieces are finite. */
+static int is_finite(const ct_solver *s)
+{
+  double most = ct_largest(s->gradient, s->count);
+  ct_pieces_largest(s->pieces, &most, 1);
+  return isfinite(most);
 }
 
 /* Σ x_r y_r, independent of the order of the rows. */
@@ -508,11 +279,21 @@ static void find_losses(ct_solver *s)
 }
 
 /* Size of the terms of each loss. */
+CT_CLONES
+static void find_point_sizes(const ct_law_rows *of, const double *force, const double *after,
+                             double *restrict sizes)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++)
+    sizes[r] = force[r] * (fabs(after[r]) + fabs(of->before[r]));
+}
+
 static void find_sizes(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) {
-    const int64_t own = r < s->point_count ? r : s->opened[r - s->point_count];
-    s->terms[r] = s->force[r] * (fabs(s->after[r]) + fabs(s->laws.before[own]));
+  find_point_sizes(&s->laws, s->force, s->after, s->terms);
+  for (int64_t r = s->point_count; r < s->count; r++) {
+    const double before = s->laws.before[s->opened[r - s->point_count]];
+    s->terms[r] = s->force[r] * (fabs(s->after[r]) + fabs(before));
   }
 }
 
@@ -567,7 +348,7 @@ static int find_forces(ct_solver *s)
   const double least = tolerance_of(s);
   double last = 0.0, tolerance = least <= CT_SOLVER_TIGHT ? 10.0 * least : least;
   int first = 1;
-  if (!find_gradient(s) || !isfinite(ct_sum_over(s->pieces, s->gradient, s->count))) return 0;
+  if (!find_gradient(s) || !is_finite(s)) return 0;
   for (;; tolerance = least) {
     double d[MEASURES];
     descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
@@ -630,7 +411,7 @@ static void find_ways(const ct_law_rows *of, int starts, const double *last, dou
 static void settle(ct_solver *s)
 {
   const ct_law_rows *of = &s->laws;
-  set_all(of->release, 0, s->point_count, 0.0);
+  memset(of->release, 0, (size_t)of->count * sizeof *of->release);
   for (int64_t r = s->point_count; r < s->count; r++) {
     const int64_t own = s->opened[r - s->point_count];
     of->release[own] = s->force[r];
@@ -638,8 +419,8 @@ static void settle(ct_solver *s)
   }
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
   find_ways(of, s->starts, s->terms, s->image);
-  set_all(s->guide, 0, s->point_count, 0.0);
-  add_free(s->point_count, s->free, s->b, s->guide);
+  memset(s->guide, 0, (size_t)of->count * sizeof *s->guide);
+  add_free(of->count, s->free, s->b, s->guide);
   ct_law_settle_all(of, s->dt, s->image, s->guide);
 }
 
@@ -659,7 +440,7 @@ int ct_solver_solve(ct_solver *s)
 {
   s->iterations = 0;
   s->converged = 1;
-  if (!set_up(s)) return 0;
+  if (!ct_active_set_up(s)) return 0;
   if (s->tangent != NULL && !ct_tangent_begin(s)) return 0;
   if (!find_all_forces(s)) return 0;
   if (s->tangent != NULL) ct_tangent_store(s);

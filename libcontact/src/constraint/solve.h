@@ -37,8 +37,8 @@ static inline int ct_solver_accepts(double given)
 }
 
 /* Consecutive rows of G with the same nodes, which share the list of their places. A row is b_a n;
- * in G it has its normal and a 0, then b_a of the nodes of its own face and of the other, each
- * filled up to whole quads. */
+ * in G it has its normal and an unused number, then b_a of the nodes of its own face and of the
+ * other, each filled up to whole quads. */
 typedef struct ct_group {
   int64_t first, place; /* of its numbers and of its nodes */
   int32_t own, other;   /* nodes */
@@ -76,11 +76,14 @@ typedef struct ct_solver {
   int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
-  int32_t *shared_nodes;      /* the nodes on which active rows of several pieces act, likewise */
+  int32_t *shared_nodes; /* the nodes on which active rows of several pieces act, likewise */
   int64_t group_count;
   ct_group *groups;           /* of the listed rows, and then of the active ones */
   ct_group *listed;           /* of the listed rows, while the active ones are chosen */
   double *G;                  /* the numbers of all rows */
+  int along;                  /* whether all rows have one normal; then vectors at nodes have their
+                                 part along it as the fourth component */
+  double normal[3];           /* this normal */
   int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
   int64_t count;              /* active rows: of points, and then those of points that open */
   int64_t point_count;        /* active rows of points */

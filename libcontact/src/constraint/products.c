@@ -1,0 +1,282 @@
+/* Products with G, whose nodes lie side by side in the lanes of quads. */
+#include "products.h"
+
+#include "../base/lanes.h"
+
+#include <math.h>
+
+enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4 };
+
+/* What a product takes of a row: b_a n, of vectors at nodes; b_a, of their fourth components, which
+ * are motions or forces along the one normal of all rows; or |b_a|, of fourth components. */
+typedef enum row_part { FULL, ALONG, SIZES } row_part;
+
+/* |x| of each lane. */
+#if defined(__GNUC__)
+typedef int64_t quad_bits __attribute__((vector_size(32), aligned(8), may_alias));
+#define SIZE_OF(x) ((ct_quad)((quad_bits)(x) & INT64_MAX))
+#else
+#define SIZE_OF(x) fabs(x)
+#endif
+
+/* Components of vectors at four nodes, as x, y and z of all. */
+CT_INLINE void turn_nodes(const double *const at[4], ct_quad *out)
+{
+#if CT_ROWS
+  const ct_quad a = *(const ct_quad *)at[0], b = *(const ct_quad *)at[1],
+                c = *(const ct_quad *)at[2], d = *(const ct_quad *)at[3];
+  const ct_quad low = CT_PICK(a, b, 0, 4, 2, 6), low2 = CT_PICK(c, d, 0, 4, 2, 6);
+  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  out[1] = CT_PICK(CT_PICK(a, b, 1, 5, 3, 7), CT_PICK(c, d, 1, 5, 3, 7), 0, 1, 4, 5);
+  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+#else
+  for (int l = 0; l < 4; l++)
+    for (int i = 0; i < 3; i++) ((double *)out)[4 * i + l] = at[l][i];
+#endif
+}
+
+/* Fourth components of vectors at four nodes. */
+CT_INLINE void take_fourth(const double *const at[4], ct_quad *out)
+{
+  const double fourth[4] = {at[0][3], at[1][3], at[2][3], at[3][3]};
+  for (int i = 0; i < PARTS; i++) out[i] = ((const ct_quad *)fourth)[i];
+}
+
+/* The reverse of turn_nodes. */
+CT_INLINE void turn_back(const ct_quad *v, ct_quad *out)
+{
+#if CT_ROWS
+  const ct_quad none = {0.0}, low = CT_PICK(v[0], v[1], 0, 4, 2, 6),
+                high = CT_PICK(v[0], v[1], 1, 5, 3, 7), low2 = CT_PICK(v[2], none, 0, 4, 2, 6),
+                high2 = CT_PICK(v[2], none, 1, 5, 3, 7);
+  out[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  out[1] = CT_PICK(high, high2, 0, 1, 4, 5);
+  out[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+  out[3] = CT_PICK(high, high2, 2, 3, 6, 7);
+#else
+  for (int l = 0; l < 4; l++)
+    for (int i = 0; i < WIDE; i++)
+      ((double *)out)[WIDE * l + i] = i < 3 ? ((const double *)v)[4 * i + l] : 0.0;
+#endif
+}
+
+/* Sums over the lanes of four quads: (0 + 1) + (2 + 3) of each. */
+CT_INLINE void sum_lanes(const ct_quad *t, ct_quad *out)
+{
+#if CT_ROWS
+  const ct_quad a = CT_PICK(t[0], t[1], 0, 4, 2, 6) + CT_PICK(t[0], t[1], 1, 5, 3, 7),
+                b = CT_PICK(t[2], t[3], 0, 4, 2, 6) + CT_PICK(t[2], t[3], 1, 5, 3, 7);
+  *out = CT_PICK(a, b, 0, 1, 4, 5) + CT_PICK(a, b, 2, 3, 6, 7);
+#else
+  for (int r = 0; r < 4; r++) {
+    const double *own = (const double *)&t[PARTS * r];
+    ((double *)out)[r] = (own[0] + own[1]) + (own[2] + own[3]);
+  }
+#endif
+}
+
+/* The node of a row in lane l of the quads of both faces, or -1. */
+CT_INLINE int32_t node_in(int32_t own, int32_t other, int32_t l)
+{
+  const int32_t theirs = l - 4 * ct_quads_of(own);
+  if (theirs < 0) return CT_LANE_NODE[l] < own ? CT_LANE_NODE[l] : -1;
+  return CT_LANE_NODE[theirs] < other ? own + CT_LANE_NODE[theirs] : -1;
+}
+
+/* The vectors at the nodes of both faces: for each quad x, y and z, or the fourth components. */
+CT_INLINE void load_nodes(row_part part, int32_t own, int32_t other, const int32_t *place,
+                          const double *x, ct_quad *at)
+{
+  for (int32_t q = 0; q < ct_quads_of(own) + ct_quads_of(other); q++) {
+    const double *node[4];
+    for (int32_t l = 0; l < 4; l++) {
+      const int32_t a = node_in(own, other, 4 * q + l);
+      node[l] = &x[a < 0 ? 0 : place[a]]; // times 0
+    }
+    if (part == FULL) turn_nodes(node, &at[3 * PARTS * q]);
+    else take_fourth(node, &at[3 * PARTS * q]);
+  }
+}
+
+/* Σ over the lanes of some quads of four rows: b_a times the motion of the node along the normal,
+ * or b_a or |b_a| times its fourth component. */
+CT_INLINE void sum_quads(row_part part, int32_t first, int32_t count, const double *const row[4],
+                         const ct_quad *at, ct_quad *out)
+{
+  for (int32_t q = first; q < first + count; q++) {
+    ct_quad t[4 * PARTS], sum[PARTS];
+    const ct_quad *x = &at[3 * PARTS * q];
+    for (int r = 0; r < 4; r++)
+      for (int i = 0; i < PARTS; i++) {
+        const double *n = row[r];
+        const ct_quad b = ((const ct_quad *)&row[r][4 + 4 * q])[i];
+        t[PARTS * r + i] =
+            part == SIZES   ? SIZE_OF(b) * x[i]
+            : part == ALONG ? x[i] * b
+                            : ((n[0] * x[i] + n[1] * x[PARTS + i]) + n[2] * x[2 * PARTS + i]) * b;
+      }
+    sum_lanes(t, sum);
+    for (int i = 0; i < PARTS; i++)
+      if (q == first) out[i] = sum[i];
+      else out[i] += sum[i];
+  }
+}
+
+/* Rows of G with the same nodes times a vector. Inlined for faces with four and eight nodes, the
+ * most frequent ones, so that the vectors at the nodes stay in registers. */
+CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t rows,
+                          const int32_t *place, const double *G, const double *x, double *out)
+{
+  const int32_t mine = ct_quads_of(own), theirs = ct_quads_of(other),
+                step = 4 * (1 + mine + theirs);
+  const ct_quad none = {0.0};
+  ct_quad at[3 * PARTS * MOST_QUADS], sum[PARTS], more[PARTS];
+  load_nodes(part, own, other, place, x, at);
+  for (int32_t r = 0; r < rows; r += 4, G += 4 * step) {
+    const double *row[4];
+    for (int i = 0; i < 4; i++) row[i] = G + (r + i < rows ? i : 0) * step;
+    for (int i = 0; i < PARTS; i++) sum[i] = more[i] = none;
+    sum_quads(part, 0, mine, row, at, sum);
+    sum_quads(part, mine, theirs, row, at, more);
+    for (int i = 0; theirs > 0 && i < PARTS; i++) sum[i] += more[i];
+    for (int i = 0; i < 4 && r + i < rows; i++) out[r + i] = ((const double *)sum)[i];
+  }
+}
+
+/* G times a vector at nodes. */
+CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count,
+                            const int32_t *places, const double *G, const double *x, double *out)
+{
+  const double *end = out + count;
+  for (const ct_group *e = groups; out < end; out += e->rows, e++) {
+    const int32_t *place = &places[e->place], rows = e->rows;
+    const double *g = &G[e->first];
+    if (e->own == 4 && e->other == 4 && rows == 4) times_rows(part, 4, 4, 4, place, g, x, out);
+    else if (e->own == 4 && e->other == 0 && rows == 4) times_rows(part, 4, 0, 4, place, g, x, out);
+    else if (e->own == 4 && e->other == 4) times_rows(part, 4, 4, rows, place, g, x, out);
+    else if (e->own == 8 && e->other == 8) times_rows(part, 8, 8, rows, place, g, x, out);
+    else times_rows(part, e->own, e->other, rows, place, g, x, out);
+  }
+}
+
+CT_CLONES
+void ct_times_full(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
+                   const double *x, double *out)
+{
+  times_groups(FULL, groups, count, places, G, x, out);
+}
+
+CT_CLONES
+void ct_times_along(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
+                    const double *x, double *out)
+{
+  times_groups(ALONG, groups, count, places, G, x, out);
+}
+
+CT_CLONES
+void ct_times_sizes(const ct_group *groups, int64_t count, const int32_t *places, const double *G,
+                    const double *x, double *out)
+{
+  times_groups(SIZES, groups, count, places, G, x, out);
+}
+
+/* Add one row times its force, or two of them, to the sums of its nodes, as multiples of the coarse
+ * grid's spacing: these sums are exact in any order (eq:order-free-sum). Two rows together need
+ * three operations per number instead of four. */
+CT_INLINE void add_row(row_part part, int32_t quads, int two, double coarse, int32_t step,
+                       const double *row, const double *force, ct_quad *sum)
+{
+  const double *next = row + step;
+  for (int32_t q = 0; q < quads; q++)
+    for (int c = 0; c < (part == FULL ? 3 : 1); c++)
+      for (int i = 0; i < PARTS; i++) {
+        const ct_quad b = ((const ct_quad *)&row[4 + 4 * q])[i];
+        const ct_quad f = part == SIZES   ? SIZE_OF(b) * force[0]
+                          : part == ALONG ? b * force[0]
+                                          : b * (row[c] * force[0]);
+        ct_quad *to = &sum[PARTS * (3 * q + c) + i];
+        if (two) {
+          const ct_quad d = ((const ct_quad *)&next[4 + 4 * q])[i];
+          const ct_quad g = part == SIZES   ? SIZE_OF(d) * force[1]
+                            : part == ALONG ? d * force[1]
+                                            : d * (next[c] * force[1]);
+          *to += (f + coarse) - (coarse - g);
+        } else *to += (f + coarse) - coarse;
+      }
+}
+
+/* Add the sums of the nodes of a group to those of all nodes. */
+CT_INLINE void add_nodes(row_part part, int32_t own, int32_t other, const int32_t *place,
+                         const ct_quad *sum, double *sums)
+{
+  for (int32_t q = 0; q < ct_quads_of(own) + ct_quads_of(other); q++) {
+    const ct_quad none = {0.0};
+    ct_quad node[4 * PARTS];
+    const double *fourth = (const double *)&sum[3 * PARTS * q];
+    for (int i = 0; i < 4 * PARTS; i++) node[i] = none;
+    if (part == FULL) turn_back(&sum[3 * PARTS * q], node);
+    for (int32_t l = 0; l < 4; l++) {
+      const int32_t a = node_in(own, other, 4 * q + l);
+      if (a < 0) continue;
+      const int32_t to = place[a];
+      if (part != FULL) sums[to + 3] += fourth[l];
+      for (int i = 0; part == FULL && i < PARTS; i++)
+        ((ct_quad *)&sums[to])[i] += node[PARTS * l + i];
+    }
+  }
+}
+
+/* Add rows of G with the same nodes, times their forces, to the sums at the nodes. */
+CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other, int32_t rows,
+                        const int32_t *place, const double *G, const double *force, double *sums)
+{
+  const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
+  const ct_quad none = {0.0};
+  ct_quad sum[3 * PARTS * MOST_QUADS];
+  for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
+  int32_t r = 0;
+  for (; r + 1 < rows; r += 2) add_row(part, quads, 1, coarse, step, G + r * step, force + r, sum);
+  if (r < rows) add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+  add_nodes(part, own, other, place, sum, sums);
+}
+
+/* Gᵀ times the forces of rows. */
+CT_INLINE void add_groups(row_part part, double coarse, const ct_group *groups, int64_t count,
+                          const int32_t *places, const double *G, const double *force,
+                          double *restrict sums)
+{
+  for (const ct_group *e = groups; e < groups + count; force += e->rows, e++) {
+    const int32_t *place = &places[e->place], rows = e->rows;
+    const double *g = &G[e->first];
+    if (e->own == 4 && e->other == 4 && rows == 4)
+      add_rows(part, coarse, 4, 4, 4, place, g, force, sums);
+    else if (e->own == 4 && e->other == 0 && rows == 4)
+      add_rows(part, coarse, 4, 0, 4, place, g, force, sums);
+    else if (e->own == 4 && e->other == 4)
+      add_rows(part, coarse, 4, 4, rows, place, g, force, sums);
+    else if (e->own == 8 && e->other == 8)
+      add_rows(part, coarse, 8, 8, rows, place, g, force, sums);
+    else add_rows(part, coarse, e->own, e->other, rows, place, g, force, sums);
+  }
+}
+
+CT_CLONES
+void ct_add_full(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
+                 const double *G, const double *force, double *restrict sums)
+{
+  add_groups(FULL, coarse, groups, count, places, G, force, sums);
+}
+
+CT_CLONES
+void ct_add_along(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
+                  const double *G, const double *force, double *restrict sums)
+{
+  add_groups(ALONG, coarse, groups, count, places, G, force, sums);
+}
+
+CT_CLONES
+void ct_add_sizes(double coarse, const ct_group *groups, int64_t count, const int32_t *places,
+                  const double *G, const double *force, double *restrict sums)
+{
+  add_groups(SIZES, coarse, groups, count, places, G, force, sums);
+}
