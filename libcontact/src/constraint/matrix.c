@@ -46,7 +46,8 @@ CT_INLINE void fill_face(int32_t count, double sign, const double *N, double *b)
 /* Numbers of one row; the place behind the normal, of the gap, has no meaning. */
 CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, double *row)
 {
-  memcpy(row, (const char *)c + offsetof(ct_constraint, normal), 4 * sizeof *row);
+  const double *normal = (const double *)((const char *)c + offsetof(ct_constraint, normal));
+  for (int i = 0; i < PARTS; i++) ((ct_quad *)row)[i] = ((const ct_quad *)normal)[i];
   fill_face(own, 1.0, c->own_shape, row + 4);
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }

@@ -14,25 +14,44 @@ ct_status ct_rows_list_all(ct_solver *solver, ct_rows_list *list, void *user, ct
   return status;
 }
 
-/* Motion of some nodes; `last` is the duration of the last one. */
-CT_CLONES
-static void predict_nodes(int32_t count, const int32_t *nodes, const ct_prediction *p, double last,
-                          double *restrict increment, double *restrict mobility,
-                          double *restrict last_increment)
+/* Motion of one node, into the place of its first component; `last` is the duration of the last
+ * one. Four components are computed side by side; the fourth, of the next node, is then cleared. */
+CT_INLINE void predict_node(const ct_solver *s, const ct_prediction *p, double last, int components,
+                            int64_t place, int64_t dof)
 {
-  const ct_prediction of = *p;
-  const double unit = of.tau * of.force_time;
-  for (int32_t i = 0; i < count; i++) {
-    const int64_t own = CT_SOLVER_WIDE * (int64_t)i, dof = 3 * (int64_t)nodes[i];
-    for (int c = 0; c < 3; c++) {
-      // -- Motion without the constraints, that of a unit force, and the last one
-      // (eq:constraint-problem, eq:host-step)
-      increment[own + c] = ct_prediction_increment(&of, dof + c);
-      mobility[own + c] = unit * of.inverse_mass[dof + c];
-      // -- at t = 0 the motion of a step with the first velocity (eq:reserve-start)
-      last_increment[own + c] = last * of.velocity[dof + c];
-    }
+  double *increment = &s->increment[place], *mobility = &s->mobility[place],
+         *last_increment = &s->last_increment[place];
+#pragma omp simd
+  for (int c = 0; c < components; c++) {
+    // -- Motion without the constraints, that of a unit force, and the last one
+    // (eq:constraint-problem, eq:host-step)
+    increment[c] = ct_prediction_increment(p, dof + c);
+    mobility[c] = p->tau * p->force_time * p->inverse_mass[dof + c];
+    // -- at t = 0 the motion of a step with the first velocity (eq:reserve-start)
+    last_increment[c] = last * p->velocity[dof + c];
   }
+  increment[3] = mobility[3] = last_increment[3] = 0.0;
+}
+
+/* Motion of all nodes. Behind the one with the largest number there may be no other. */
+CT_INLINE void predict_nodes(const ct_solver *s, const ct_prediction *p, double last)
+{
+  for (int64_t i = 0; i < s->node_count; i++) {
+    const int64_t place = CT_SOLVER_WIDE * i, dof = 3 * (int64_t)s->nodes[i];
+    if (s->nodes[i] < s->largest_node) predict_node(s, p, last, 4, place, dof);
+    else predict_node(s, p, last, 3, place, dof);
+  }
+}
+
+/* The same, with a loop for each kind of prediction. */
+CT_CLONES
+static void predict(const ct_solver *solver, const ct_prediction *p, double last)
+{
+  const ct_solver s = *solver;
+  ct_prediction of = *p;
+  if (p->increment != NULL) predict_nodes(&s, &of, last);
+  else if (p->acceleration != NULL) of.increment = NULL, predict_nodes(&s, &of, last);
+  else of.increment = of.acceleration = NULL, predict_nodes(&s, &of, last);
 }
 
 void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
@@ -41,8 +60,7 @@ void ct_rows_predict(ct_solver *solver, const ct_prediction *p)
   solver->dt = p->tau;
   solver->starts = !(p->before > 0.0);
   solver->again = p->again;
-  predict_nodes(solver->node_count, solver->nodes, p, solver->starts ? p->tau : p->before,
-                solver->increment, solver->mobility, solver->last_increment);
+  predict(solver, p, solver->starts ? p->tau : p->before);
 }
 
 ct_status ct_rows_solve(ct_solver *solver, double time, ct_error *error)

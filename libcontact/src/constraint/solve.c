@@ -34,6 +34,7 @@ static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_n
       if (place[node] < 0) {
         place[node] = s->node_count;
         s->nodes[s->node_count++] = node;
+        if (node > s->largest_node) s->largest_node = node;
       }
       s->place[next] = place[node];
     }

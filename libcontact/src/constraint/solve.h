@@ -16,8 +16,8 @@ typedef struct ct_row_set {
   int64_t slips;        /* most rows, of any set, to which this effect adds friction */
 } ct_row_set;
 
-/* Vectors at nodes have a fourth component, 0, so that they fill a register; a row has at most 16
- * nodes. */
+/* Vectors at nodes have a fourth component, so that they fill a register: 0, or the part along the
+ * one normal of all rows. A row has at most 16 nodes. */
 enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
 
 /* Tolerances of the forces: the default; and the largest one that is so tight that energy is not
@@ -56,10 +56,11 @@ typedef struct ct_solver {
   ct_constraint **rows; /* listed rows, set after set */
   int64_t *first;       /* of each set in `rows`, shape (set_count + 1) */
   int32_t node_count;
-  int32_t *nodes;      /* their numbers in the problem */
-  int32_t *first_node; /* of each set in `place`, shape (set_count + 1) */
-  int32_t *place;      /* of the nodes of each set, set after set, among the solver's */
-  double *increment;   /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
+  int32_t *nodes;       /* their numbers in the problem */
+  int32_t largest_node; /* the largest of them */
+  int32_t *first_node;  /* of each set in `place`, shape (set_count + 1) */
+  int32_t *place;       /* of the nodes of each set, set after set, among the solver's */
+  double *increment;    /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
   double
       *mobility;   /* displacement of a degree of freedom by a unit force until t_{n+1}, likewise */
   double fraction; /* of the mobility in a step that does not begin at t = 0 */
