@@ -165,9 +165,9 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   return now->first ? refuse(contact, error) : CT_OK;
 }
 
-/* After a step that was divided, obstacles and start gaps have moved for longer than the step before
- * counts now. What points held is lost: the forces of t_n, of which half has acted with the larger
- * step, are solved for again and would pay it twice. */
+/* After a step that was divided, obstacles and start gaps have moved for longer than the step
+ * before counts now. What points held is lost: the forces of t_n, of which half has acted with the
+ * larger step, are solved for again and would pay it twice. */
 static void find_part(ct_contact *contact, const ct_surface_motion *now)
 {
   const double since = now->time - contact->record.time;
