@@ -260,14 +260,14 @@ def pushed_ball(o: Options) -> Animal:
 
 
 def stack(o: Options) -> Animal:
-    """Three blocks fall 0.001 on each other and on a floor. If they touched at the start, rounding would decide which
+    """Three blocks fall 0.002 on each other and on a floor. If they touched at the start, rounding would decide which
     points are closed, and with it what they hold: turned scenes would agree to 1e-8 only."""
     g = 1.0
     names = ("low", "mid", "top")
     bodies = {}
     for k, name in enumerate(names):
         n = 2 * (o.ratio if k == 1 else 1)
-        at = (0.02 * k, 0, 0.25 + 0.5 * k + 1e-3 * (k + 1))
+        at = (0.02 * k, 0, 0.25 + 0.5 * k + 2e-3 * (k + 1))
         bodies[name] = part(o, mesh(o, (1 - 0.1 * k, 1 - 0.1 * k, 0.5), (n, n, 1), at))
     touches = tuple(Touch((a, "z_max"), (b, "z_min")) for a, b in zip(names, names[1:]))
     animal = Animal(
