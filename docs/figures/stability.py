@@ -55,7 +55,7 @@ def growth():
 
 
 def sweep():
-    """Energy that the default law takes from two plates, and the deepest point, over penalty and step."""
+    """Energy that the default law takes from two elastic plates, and the deepest point, over penalty and step."""
     with (TABLES / "plates.csv").open() as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     figure = Figure(figsize=(7.5, 3.4))
@@ -66,9 +66,9 @@ def sweep():
         own = [row for row in rows if row["step"] == step]
         beta = [row["beta"] for row in own]
         style = {"marker": mark, "ms": 4, "lw": 1.2, "color": colour}
-        lost.semilogx(beta, [100 * row["energy lost"] for row in own], label=f"{step:g}", **style)
+        lost.loglog(beta, [100 * row["energy lost"] for row in own], label=f"{step:g}", **style)
         depth.loglog(beta, [row["points / h"] for row in own], **style)
-    lost.set(xlabel="penalty factor β", ylabel="energy removed, %", ylim=(0, None))
+    lost.set(xlabel="penalty factor β", ylabel="energy lost, %")
     depth.set(xlabel="penalty factor β", ylabel="deepest Gauss point / h")
     figure.legend(
         *lost.get_legend_handles_labels(),
