@@ -20,9 +20,10 @@ enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000, MOST_CHEBYSHEV = 40 };
  * force; a point sticks when its slip is below this many times that change. */
 static const double TOLERANCE = 1e-4, STICK = 10.0;
 
-/* The smallest tolerance to which it goes on while energy appears; and the share of a disc's radius
- * that counts as its edge. */
-static const double TIGHT = 1e-8, ON_EDGE = 1e-9;
+/* The smallest tolerance to which it goes on while energy appears; the share of a disc's radius that
+ * counts as its edge; and the share of the springs' energy above which points that pay with it have
+ * slipped. */
+static const double TIGHT = 1e-8, ON_EDGE = 1e-9, SLIPPED = 0.01;
 
 /* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on; the largest is at most 1. */
 static const double LOWEST = 0.08;
@@ -453,6 +454,7 @@ static int shorten_slips(ct_solver *s, double gain)
     if (t->wanted[j] >= 0.0) continue;
     t->loss[j] += share * t->terms[j];
     for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
+    if (share > SLIPPED) t->wanted[j] = 0.0;
   }
   return 1;
 }
@@ -508,18 +510,6 @@ int ct_tangent_begin(ct_solver *s)
   return fix_laws(s) && shift_gaps(s, &change);
 }
 
-/* No forces, and what follows from them. */
-static void clear_forces(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  const size_t size = (size_t)t->count * sizeof(double);
-  for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
-  for (int32_t k = 0; k < t->node_count; k++)
-    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
-  t->shifted = 0;
-  settle(s, 0.0);
-}
-
 /* Iterate until the points together lose energy (eq:slip-loss). Points that stick follow the
  * motion, so an iteration that ends early may gain some; if it still does so at a tight tolerance,
  * their springs pay it. Returns whether the last iteration converged, or -1 if forces are not
@@ -534,9 +524,8 @@ static int find_forces(ct_solver *s)
     const double loss = settle(s, 1.0);
     if (loss >= 0.0) return converged;
     if (converged && least > TIGHT) continue;
-    if (shorten_slips(s, -loss) || settle(s, 0.0) >= 0.0) return converged;
-    clear_forces(s);
-    return 0;
+    if (!shorten_slips(s, -loss)) settle(s, 0.0);
+    return converged;
   }
 }
 
@@ -553,9 +542,15 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
 
 int ct_tangent_drop(ct_solver *s)
 {
+  ct_tangent *t = s->tangent;
+  const size_t size = (size_t)t->count * sizeof(double);
   double change;
-  if (!s->tangent->some) return 1;
-  clear_forces(s);
+  if (!t->some) return 1;
+  for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
+  for (int32_t k = 0; k < t->node_count; k++)
+    for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
+  t->shifted = 0;
+  settle(s, 0.0);
   return shift_gaps(s, &change);
 }
 
