@@ -91,21 +91,6 @@ static void directions(void)
   tap_ok(far == 0, "places on the far side");
 }
 
-/* Least distance of a box from others but the first, by their corners along each axis. */
-static double least_distance(const ct_bounds *box, const ct_bounds *others, int count)
-{
-  double least = INFINITY;
-  for (int f = 1; f < count; f++) {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++) {
-      const double apart = fmax(others[f].low[c] - box->high[c], box->low[c] - others[f].high[c]);
-      square += apart > 0.0 ? apart * apart : 0.0;
-    }
-    least = fmin(least, sqrt(square));
-  }
-  return least;
-}
-
 /* Eight points of one face and many boxes, those within the skin listed first: the rivals are those
  * of a loop over all boxes (eq:warm-lanes, eq:skin); also where the distance of all boxes from the
  * points is known from before a motion of 0.1 (eq:rival-distance). */
@@ -127,31 +112,34 @@ static void rivals(void)
       for (int f = 0, next = pass * near_end; f < FACES; f++)
         if (ct_bounds_apart(&boxes[f], &grown) == pass) list[next++] = f, near_end += !pass;
     ct_search search = {.boxes = boxes};
-    int32_t alone = trial % 2 ? 0 : -1;
-    double distant = 0.0;
+    int32_t met[CT_WARM];
+    double distant[CT_WARM];
     ct_side side = {.candidate_first = ends,
                     .candidates = list,
                     .near_end = &near_end,
-                    .alone = &alone,
-                    .distant = &distant},
+                    .met = met,
+                    .distant = distant},
             other = {.search = &search};
     const ct_pass p = {.side = &side, .other = &other, .depth = 10.0, .skin = 0.2, .since = 0.1};
     block b = {.target = {0}};
     const double most = 0.8 * pow(0.5, trial % 6);
+    int all = 0;
     for (int l = 0; l < CT_WARM; l++) {
       b.distance[l] = most * (1 + l) / CT_WARM;
       for (int c = 0; c < 3; c++)
         b.points[CT_WARM * c + l] = (c < 2 ? 0.5 : 0.05) * (1.0 + sin(7.0 * trial + 5.0 * l + c));
     }
-    ct_bounds around = {{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}};
-    for (int l = 0; l < CT_WARM; l++)
-      for (int c = 0; c < 3; c++) {
-        around.low[c] = fmin(around.low[c], b.points[CT_WARM * c + l]);
-        around.high[c] = fmax(around.high[c], b.points[CT_WARM * c + l]);
-      }
-    distant = least_distance(&around, boxes, FACES) + 0.1;
+    for (int l = 0; l < CT_WARM; l++) {
+      const double at[3] = {b.points[l], b.points[8 + l], b.points[16 + l]};
+      b.number[l] = l;
+      met[l] = trial % 2 ? 0 : -1;
+      distant[l] = INFINITY;
+      for (int f = 1; f < FACES; f++)
+        distant[l] = fmin(distant[l], ct_bounds_distance(&boxes[f], at) + 0.1);
+      all += trial % 2 && distant[l] > 0.1 + most;
+    }
+    skipped += all == CT_WARM;
     find_rivals(&p, &b);
-    skipped += trial % 2 && distant > 0.1 + most;
     for (int l = 0; l < CT_WARM; l++) {
       int near = 0;
       for (int f = 1; f < FACES; f++)

@@ -70,50 +70,27 @@ static int32_t put_first(const ct_search *search, const ct_bounds *box, int32_t 
   return first;
 }
 
-/* Box of the points of a face. */
-static ct_bounds points_box(const ct_side *side, int32_t face)
-{
-  const int points = side->fixed->rule.count;
-  ct_bounds box = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
-  for (int q = 0; q < points; q++) {
-    double y[3];
-    ct_side_position(side, (int64_t)face * points + q, NULL, y);
-    for (int c = 0; c < 3; c++) {
-      box.low[c] = y[c] < box.low[c] ? y[c] : box.low[c];
-      box.high[c] = y[c] > box.high[c] ? y[c] : box.high[c];
-    }
-  }
-  return box;
-}
-
-/* The only face that the points of a face met in the last update, or -1. */
-static int32_t only_face(const ct_side *side, int32_t face)
-{
-  const int points = side->fixed->rule.count;
-  const ct_point *p = &side->points[(int64_t)face * points];
-  for (int q = 1; q < points; q++)
-    if (p[q].other != p[0].other) return -1;
-  return p[0].other;
-}
-
-/* How far the points of a face are from the boxes of all faces but the one that they meet. A face
- * that is not listed is farther than the skin from the whole face. Boxes of quadratic faces move
- * farther than their nodes, so there the bound is 0 (eq:rival-distance). */
+/* How far each point of a face is from the boxes of all faces but the one that it met. A face that
+ * is not listed is farther than the skin from the whole face. Boxes of quadratic faces move farther
+ * than their nodes, so there the bound is 0 (eq:rival-distance). */
 static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, double skin)
 {
-  const int linear =
-      side->search->per == side->search->edges && other->search->per == other->search->edges;
-  side->alone[face] = linear && side != other ? only_face(side, face) : -1;
-  side->distant[face] = 0.0;
-  if (side->alone[face] < 0) return;
-  const ct_bounds box = points_box(side, face);
-  double least = skin * skin;
-  for (int32_t i = side->candidate_first[face]; i < side->near_end[face]; i++) {
-    const int32_t rival = side->candidates[i];
-    if (rival == side->alone[face]) continue;
-    least = fmin(least, ct_bounds_gap_square(&box, &other->search->boxes[rival]));
+  const int points = side->fixed->rule.count;
+  const int linear = side->search->per == side->search->edges &&
+                     other->search->per == other->search->edges && side != other;
+  for (int64_t p = (int64_t)face * points; p < (int64_t)(face + 1) * points; p++) {
+    double y[3], least = skin * skin;
+    side->met[p] = linear ? side->points[p].other : -1;
+    side->distant[p] = 0.0;
+    if (side->met[p] < 0) continue;
+    ct_side_position(side, p, NULL, y);
+    for (int32_t i = side->candidate_first[face]; i < side->near_end[face]; i++) {
+      const int32_t rival = side->candidates[i];
+      if (rival == side->met[p]) continue;
+      least = fmin(least, ct_bounds_square(&other->search->boxes[rival], y));
+    }
+    side->distant[p] = sqrt(least);
   }
-  side->distant[face] = sqrt(least);
 }
 
 /* List for each face of `side` the faces of `other` within the distance to which its list must be

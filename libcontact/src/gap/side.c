@@ -66,7 +66,7 @@ void ct_side_clear(ct_side *side)
 {
   void *blocks[] = {side->listed,          side->x_built,    side->moved,  side->points,
                     side->candidate_first, side->candidates, side->force,  side->force_fine,
-                    side->near_end,        side->alone,      side->distant};
+                    side->near_end,        side->met,        side->distant};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -114,10 +114,10 @@ ct_status ct_side_equip(ct_side *side)
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->x_built = ct_allocate(nodes, 3 * sizeof *side->x_built);
   side->near_end = ct_allocate(faces, sizeof *side->near_end);
-  side->alone = ct_allocate(faces, sizeof *side->alone);
-  side->distant = ct_allocate(faces, sizeof *side->distant);
+  side->met = ct_allocate((size_t)side->fixed->point_count, sizeof *side->met);
+  side->distant = ct_allocate((size_t)side->fixed->point_count, sizeof *side->distant);
   int whole = side->listed && side->candidate_first && side->candidates && side->near_end &&
-              side->alone && side->distant && side->x_built;
+              side->met && side->distant && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
 }
 

@@ -13,6 +13,7 @@
 /* Eight points with all their results. Numbers of one kind lie side by side, one lane per point. */
 typedef struct block {
   int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
+  int64_t number[CT_WARM];    /* of the point: q of its face */
   double origin[3 * CT_WARM]; /* middle of the face's box: subtracted from the positions and the
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
@@ -275,10 +276,15 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
 
 /* Whether no face but its target can be within the reach of a group, by the distances and the
  * motion since the faces were listed (eq:rival-distance). */
-CT_INLINE int has_no_rival(const ct_pass *p, const lane_group *g, int32_t face, int32_t target)
+CT_INLINE int has_no_rival(const ct_pass *p, const block *b, const lane_group *g)
 {
-  return p->side->alone[face] == target &&
-         (1.0 + 1e-9) * (g->most + p->since) < p->side->distant[face];
+  const double reach = (1.0 + 1e-9) * (g->most + p->since);
+  int none = 1;
+  for (int l = g->first; l < g->end; l++) {
+    const int64_t i = b->number[l];
+    none &= (p->side->met[i] == b->target[l]) & (reach < p->side->distant[i]);
+  }
+  return none;
 }
 
 /* Mark the lanes of a group that are as near to a box as to their closest point. */
@@ -314,7 +320,7 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
   for (lane_group g = {0}; g.end < CT_WARM;) {
     g = group_from(b, g.end, most);
     const int32_t face = b->face[g.first], met = b->target[g.first];
-    if (has_no_rival(p, &g, face, met)) continue;
+    if (has_no_rival(p, b, &g)) continue;
     const ct_bounds reach = reach_box(&g, at);
     // A face within a quarter of the skin was within the skin when the lists were made (eq:skin).
     const int32_t end =
@@ -422,7 +428,7 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
   unsigned warm = 0;
   for (int l = 0; l < count; l++, q++, point++) {
     if (q == points) q = 0, face++;
-    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
+    b->face[l] = face, b->q[l] = q, b->number[l] = first + l, b->target[l] = point->other;
     b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
     b->last[l] = point->status;
     warm |= (unsigned)(point->other >= 0) << l;
@@ -433,7 +439,7 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
   for (int l = 0; l < CT_WARM && some >= 0; l++) {
     if (warm >> l & 1) continue;
     b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
-    b->last[l] = b->last[some];
+    b->number[l] = b->number[some], b->last[l] = b->last[some];
     for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
   }
   return warm;

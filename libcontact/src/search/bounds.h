@@ -49,18 +49,6 @@ static inline int ct_bounds_apart(const ct_bounds *a, const ct_bounds *b)
   return apart;
 }
 
-/* Square of the distance of two boxes, 0 if they have a point in common. */
-static inline double ct_bounds_gap_square(const ct_bounds *a, const ct_bounds *b)
-{
-  double d[3];
-  for (int c = 0; c < 3; c++) {
-    const double below = a->low[c] - b->high[c], above = b->low[c] - a->high[c],
-                 out = below > above ? below : above;
-    d[c] = out > 0.0 ? out : 0.0;
-  }
-  return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
-}
-
 /* The box that contains both. */
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other);
 
