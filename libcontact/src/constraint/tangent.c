@@ -20,9 +20,9 @@ enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000, MOST_CHEBYSHEV = 40 };
  * force; a point sticks when its slip is below this many times that change. */
 static const double TOLERANCE = 1e-4, STICK = 10.0;
 
-/* The smallest tolerance to which it goes on while energy appears; the share of a disc's radius that
- * counts as its edge; and the share of the springs' energy above which points that pay with it have
- * slipped. */
+/* The smallest tolerance to which it goes on while energy appears; the share of a disc's radius
+ * that counts as its edge; and the share of the springs' energy above which points that pay with it
+ * have slipped. */
 static const double TIGHT = 1e-8, ON_EDGE = 1e-9, SLIPPED = 0.01;
 
 /* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on; the largest is at most 1. */
