@@ -76,7 +76,7 @@ module libcontact
     integer(c_int) :: threads, enforcement
     real(c_double) :: dissipation, restitution, travel_time
     integer(c_int) :: points, initial_penetration
-    real(c_double) :: removal_time, adjust
+    real(c_double) :: removal_time, adjust, force_tolerance
   end type
 
   type, bind(C) :: ct_contact_prediction

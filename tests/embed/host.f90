@@ -231,7 +231,7 @@ contains
     type(ct_contact_balance), target :: w
     type(ct_amplitude), target :: m
     type(ct_obstacle_def), target :: g
-    integer(c_int64_t) :: there(94), here(90)
+    integer(c_int64_t) :: there(94), here(91)
     there = -1
     call host_layout(there)
     here = [ &
@@ -254,7 +254,7 @@ contains
       at(c_loc(k%enforcement), c_loc(k)), at(c_loc(k%dissipation), c_loc(k)), &
       at(c_loc(k%restitution), c_loc(k)), at(c_loc(k%travel_time), c_loc(k)), &
       at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial_penetration), c_loc(k)), at(c_loc(k%removal_time), c_loc(k)), &
-      at(c_loc(k%adjust), c_loc(k)), int(c_sizeof(k), c_int64_t), &
+      at(c_loc(k%adjust), c_loc(k)), at(c_loc(k%force_tolerance), c_loc(k)), int(c_sizeof(k), c_int64_t), &
       at(c_loc(q%x_b), c_loc(q)), at(c_loc(q%velocity_a), c_loc(q)), at(c_loc(q%velocity_b), c_loc(q)), &
       at(c_loc(q%force_a), c_loc(q)), at(c_loc(q%force_b), c_loc(q)), at(c_loc(q%inverse_mass_a), c_loc(q)), &
       at(c_loc(q%inverse_mass_b), c_loc(q)), at(c_loc(q%increment_a), c_loc(q)), at(c_loc(q%increment_b), c_loc(q)), &
@@ -279,7 +279,7 @@ contains
     call check(o%method == CT_ROBUST .and. o%tolerance == 1e-10_dp .and. .not. c_associated(o%user) &
                .and. k%method == CT_ROBUST .and. k%tolerance == 1e-10_dp .and. k%threads == 1 &
                .and. k%dissipation == 0.15_dp .and. k%restitution == 1.0_dp .and. k%travel_time == 0.0_dp &
-               .and. k%adjust == 0.0_dp, "defaults arrive as in the headers")
+               .and. k%adjust == 0.0_dp .and. k%force_tolerance == 1e-4_dp, "defaults arrive as in the headers")
   end subroutine
 
   integer(c_int64_t) function at(member, start)

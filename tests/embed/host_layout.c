@@ -53,6 +53,7 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_options, initial_penetration),
                                  PLACE(ct_contact_options, removal_time),
                                  PLACE(ct_contact_options, adjust),
+                                 PLACE(ct_contact_options, force_tolerance),
                                  (int64_t)sizeof(ct_contact_options),
                                  PLACE(ct_contact_prediction, x_b),
                                  PLACE(ct_contact_prediction, velocity_a),

@@ -71,9 +71,11 @@ typedef struct ct_contact_options {
    * nodes at the surface.
    */
   double restitution;
-  /** Time h / c₁ in which a wave crosses an element at the surface [time], :eq:`travel-time` if the
+  /**
+   * Time h / c₁ in which a wave crosses an element at the surface [time], :eq:`travel-time` if the
    * bodies differ. Steps with a `restitution` above 0 need it and refuse 0, the default. A scene
-   * computes it from its bodies. */
+   * computes it from its bodies.
+   */
   double travel_time;
   /** Positions of the points; default: Gauss points. */
   ct_contact_rule points;

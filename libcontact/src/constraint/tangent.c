@@ -249,17 +249,19 @@ static void aim_at(int64_t count, step by, const double *T, const double *slip, 
   }
 }
 
-/* Step round `k` (eq:slip-iteration). `rho` is that of the Chebyshev recursion. */
+/* The coefficients of round `k` (eq:slip-iteration). */
 static step step_of(const ct_tangent *t, int k, double *rho)
 {
   const double lowest = fmin(fmax(t->lowest, LOWEST), 0.999), middle = 0.5 * (1.0 + lowest),
                half = 0.5 * (1.0 - lowest), root = sqrt(t->lowest),
                rate = (1.0 - root) / (1.0 + root);
   if (k == 0) {
+    // -- β_0 = 0, λ_0 = 1/θ, ρ_0 = δ/θ (eq:slip-chebyshev)
     *rho = half / middle;
     return (step){0.0, 1.0 / middle, 0.0};
   }
   if (k >= MOST_CHEBYSHEV) return (step){rate, 1.0, rate};
+  // -- ρ_i = 1 / (2 θ/δ - ρ_{i-1}), β_i = ρ_i ρ_{i-1}, λ_i = 2 ρ_i / δ (eq:slip-chebyshev)
   const double next = 1.0 / (2.0 * middle / half - *rho), last = *rho;
   *rho = next;
   return (step){next * last, 2.0 * next / half, 0.0};
