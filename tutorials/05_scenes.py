@@ -257,9 +257,8 @@ fig.savefig(folder / "scene_block_on_an_incline.png", dpi=150)
 
 # %%
 # The computed velocity oscillates about the closed form: gravity starts at once, so the block
-# bounces and rocks on its soft ground, and friction follows the normal force. The scene takes
-# ``restitution = 0``, as an elastic block without damping would bounce on. Friction is 0.3 of the
-# normal force, so :math:`p_x + 0.3 p_z = 3.6\,m t`.
+# bounces and rocks on its soft ground, and friction follows the normal force, also that with which
+# the block bounces. Friction is 0.3 of the normal force, so :math:`p_x + 0.3 p_z = 3.6\,m t`.
 
 p = records.body_momentum("block")["p"][-1]
 down = (p[0] + 0.3 * p[2]) / mass

@@ -508,6 +508,31 @@ static void incline(double mu, double vx, int slips)
   end(&t);
 }
 
+/* A block that slides strikes a plane: as long as all points slip, friction is mu times the whole
+ * normal force, also that with which a point gives back what its impact took, so the tangential
+ * impulse is mu times the normal one, mu m (1 + e) v_n. (eq:slip-set, eq:release-ramp) */
+static void gross_slip(double restitution, double least)
+{
+  const double mu = 0.2, vx = 3.0, vz = 0.3, mass = 0.3;
+  against t = begin(box_mesh(CT_HEX8, 0, 0, 0.01, 1, 1, 0.3, 4, 3, 2), &SOFT, vx, 0, -vz);
+  add_obstacle(&t,
+               (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1},
+                                 .epsilon = ct_contact_penalty(40.0, 900.0, 0.15),
+                                 .dissipation = 0.15, .restitution = restitution,
+                                 .travel_time = 0.15 / 30.0,
+                                 .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
+               2, 0.01, mu);
+  finish(&t, 0.2, 0.9);
+  while (t.state->time < 0.2) advance(t.problem, t.state, 1);
+  const ct_momentum p = momentum_of(t.problem, t.state, 0);
+  const double e = p.p[2] / (mass * vz), lost = mass * vx - p.p[0];
+  tap_ok(e > least && e <= 1.0, "a sliding block strikes, restitution %g: e = %.3f", restitution,
+         e);
+  tap_close(lost, mu * mass * (1.0 + e) * vz, 1e-12,
+            "restitution %g: it loses the momentum mu m (1 + e) v_n along the plane", restitution);
+  end(&t);
+}
+
 /* Mirrored scenes have mirrored bits, with friction on a moving sphere. */
 static void mirrored(void)
 {
@@ -754,6 +779,8 @@ int main(void)
   too_far(3.0);
   incline(0.3, 0.5, 1);
   incline(0.9, 0.0, 0);
+  gross_slip(0.0, 0.3);
+  gross_slip(1.0, 0.6);
   mirrored();
   hertz();
   tractions(CT_HEX8);

@@ -188,12 +188,12 @@ static void push(const linear *t, int j, double *f)
 /* What the steps of linear scenes show. */
 typedef struct account {
   double growth, friction, rounds;
-  int steps, bad;
+  int steps, bad, releases;
 } account;
 
 /* Take steps, and count the energy; `randomly`: the coefficient of friction is another one in each;
  * `rounds`: most of the iteration, which then stops early. (eq:slip-work, eq:slip-store,
- * eq:slip-guard, eq:slip-stick, eq:slip-loss) */
+ * eq:slip-guard, eq:slip-stick, eq:slip-loss, eq:impact-reserve) */
 static void run_linear(linear *t, int steps, int rounds, int randomly, account *sum)
 {
   double energy = 0.0, start = 0.0;
@@ -203,7 +203,7 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
   double moving[3] = {0.1 * t->dt * uniform(1.0), 0.1 * t->dt * uniform(1.0), 0.0};
   for (int step = 0; step < steps; step++) {
     double f[DOFS], fc[DOFS] = {0.0}, du[DOFS], dl[DOFS], held = 0.0, before = 0.0, next[DOFS];
-    double normals = 0.0, obstacle = 0.0, rub = 0.0, stored = 0.0;
+    double normals = 0.0, obstacle = 0.0, rub = 0.0, stored = 0.0, reserve = 0.0;
     int lost[ROWS];
     ct_solver *s = t->s;
     s->first[1] = 0;
@@ -219,7 +219,8 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
           p->came[k] = p->coming[k], p->coming[k] = moving[k] * cos(0.3 * step);
       c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->came);
       c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->coming);
-      if (lost[j]) ct_slip_open(p), c->force = 0.0;
+      reserve -= c->impact.reserve;
+      if (lost[j]) ct_slip_open(p), normals -= c->impact.stored, ct_law_leave(c, t->dt);
       else s->rows[s->first[1]++] = c;
       before += ct_slip_stored(p);
     }
@@ -258,9 +259,9 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
         }
         rub += 0.5 * (ct_vector_dot(p->force, a) + ct_vector_dot(p->force, b));
       }
-      held += ct_slip_stored(p);
+      held += ct_slip_stored(p), reserve += c->impact.reserve;
+      sum->releases += c->impact.release > 0.0;
       c->gap = g;
-      if (lost[j]) c->force = 0.0;
     }
     stored = held;
     double E = 0.0;
@@ -269,8 +270,9 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
       for (int i = 0; i < DOFS; i++) E += 0.5 * t->u[d] * t->K[d][i] * next[i];
     }
     if (step > 0) {
-      sum->growth = worst(sum->growth,
-                          fmax((E + obstacle - energy) + normals + stored - before, 0.0) / start);
+      sum->growth =
+          worst(sum->growth,
+                fmax((E + obstacle - energy) + normals + reserve + stored - before, 0.0) / start);
       sum->friction = worst(sum->friction, fmax(rub + stored - before, 0.0) / start);
     }
     energy = E;
@@ -278,21 +280,26 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
   }
 }
 
-/* `tolerance` of all forces. */
-static void scenes(double spread, double tolerance, int rounds, int randomly, const char *name)
+/* `tolerance` of all forces; with the restitution 1 impacts are given back. */
+static void scenes(double spread, double tolerance, int rounds, int randomly, double restitution,
+                   const char *name)
 {
   account sum = {.steps = 0};
   for (int k = 0; k < 100; k++) {
     linear t;
     new_linear(&t, spread, 0.1 + 0.88 * fabs(uniform(1.0)), pow(10.0, 0.65 * uniform(1.0) - 0.35));
-    t.s->tolerance = tolerance;
+    t.s->tolerance = tolerance, t.s->dt = t.dt;
+    for (int j = 0; j < t.rows && restitution > 0.0; j++)
+      t.row[j].restitution = restitution, t.row[j].travel_time = t.dt * (1.0 + fabs(uniform(2.0)));
     run_linear(&t, 60, rounds, randomly, &sum);
     ct_pool_free(t.s);
   }
   tap_ok(sum.growth < 1e-11 && sum.friction < 1e-11,
-         "%s, tolerance %.0e, normals %.1f apart: no step adds energy (%.1e, friction alone %.1e); "
-         "%.1f rounds",
-         name, tolerance, spread, sum.growth, sum.friction, sum.rounds / sum.steps);
+         "%s, tolerance %.0e, normals %.1f apart, restitution %g: no step adds energy (%.1e, "
+         "friction alone %.1e); %.1f rounds",
+         name, tolerance, spread, restitution, sum.growth, sum.friction, sum.rounds / sum.steps);
+  tap_ok((sum.releases > 0) == (restitution > 0.0), "%d points give their impact back",
+         sum.releases);
   tap_ok(rounds > 0 && spread == 0.0 ? sum.bad > 0 : 50 * sum.bad < sum.steps,
          "and steps that do not converge are counted (%d of %d)", sum.bad, sum.steps);
 }
@@ -494,12 +501,13 @@ int main(void)
   rotation();
   solution(0.0);
   solution(0.5);
-  for (int k = 0; k < 3; k++) {
-    scenes(0.5 * k, CT_SOLVER_TIGHT, 0, 0, "friction");
-    scenes(0.5 * k, CT_SOLVER_TIGHT, 0, 1, "any coefficient");
-    scenes(0.5 * k, CT_SOLVER_TIGHT, 12, 1, "twelve rounds");
-    scenes(0.5 * k, 1e-3, 0, 1, "any coefficient");
-    scenes(0.5 * k, 0.1, 0, 1, "any coefficient");
+  for (int k = 0; k < 6; k++) {
+    const double spread = 0.5 * (k % 3), e = k < 3 ? 0.0 : 1.0;
+    scenes(spread, CT_SOLVER_TIGHT, 0, 0, e, "friction");
+    scenes(spread, CT_SOLVER_TIGHT, 0, 1, e, "any coefficient");
+    scenes(spread, CT_SOLVER_TIGHT, 12, 1, e, "twelve rounds");
+    scenes(spread, 1e-3, 0, 1, e, "any coefficient");
+    scenes(spread, 0.1, 0, 1, e, "any coefficient");
   }
   crawls();
   return tap_done();

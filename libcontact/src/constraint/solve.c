@@ -367,10 +367,12 @@ static int find_forces(ct_solver *s)
   }
 }
 
-/* Store the forces of the points, without those of the second rows. */
+/* Store the forces of the points, of both rows where there are two: friction is limited by the
+ * whole normal force (eq:slip-set). */
 static void store_forces(ct_solver *s)
 {
   for (int64_t r = 0; r < s->point_count; r++) s->active[r]->force = s->force[r];
+  for (int64_t r = s->point_count; r < s->count; r++) s->active[r]->force += s->force[r];
 }
 
 /* The forces of all active rows and the tangential ones, in turn, until the second no longer change
