@@ -66,6 +66,36 @@ def test_block_stays_below_the_angle_of_friction():
     assert abs(run.momentum[-1]["p"][0]) < 0.05 * 300 * 2
 
 
+def settled(friction, slope):
+    """The block on a slope with this tangent of its angle, default contact. Damping against the velocity settles it.
+    Returns times, mean velocities along the slope and what gravity and friction accelerate the block with together."""
+    g, rate, angle = 10.0, 20.0, np.arctan(slope)
+    data = changed("block_on_an_incline", damping={"rate": rate})
+    data["gravity"]["acceleration"] = [g * np.sin(angle), 0.0, -g * np.cos(angle)]
+    data["time"], data["output"]["every"] = {"end": 1.5}, 1
+    del data["obstacle"][0]["beta"]
+    data["obstacle"][0]["friction"] = friction
+    record = ct.Scene(data).run(progress=False, output=False).body_momentum("block")
+    t, v = record["time"], record["p"][:, 0] / 300.0
+    return t, v, (v[1:] - v[:-1]) / np.diff(t) + 0.5 * rate * (v[1:] + v[:-1])
+
+
+def test_acceleration_above_the_angle_of_friction():
+    """g (sin α - μ cos α) = 0.085749 g, to 0.1 %."""
+    t, _, a = settled(0.5, 0.6)
+    assert a[t[1:] > 1.0].mean() == pytest.approx(10.0 * 0.085749, rel=1e-3)
+
+
+def test_a_block_below_the_angle_of_friction_does_not_creep():
+    """It shifts while it settles, by the elastic slip and its own shear, and then stays."""
+    t, v, _ = settled(0.6, 0.5)
+    late = t[1:] > 1.0
+    shift = np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))
+    assert np.abs(v[1:][late]).max() < 1e-6
+    assert 0.0 < shift[-1] < 0.03 * 0.3
+    assert np.ptp(shift[late]) < 1e-4 * shift[-1]
+
+
 @pytest.mark.parametrize("enforcement, lost", [("penalty", 0.0), ("energy_controlled", 1e-3)])
 def test_hertz(enforcement, lost):
     run = enforced("hertz", enforcement)
