@@ -106,7 +106,7 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   tap_ok(invalid && isnan(b->xi[16 * (NAN_PAIR / 8) + NAN_PAIR % 8]),
          "%s: NaN, a face of no size and 1e200 are reported for their pair alone", FACE_NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
-  b->start[3] = NAN, b->start[12] = HUGE_VAL;
+  for (int i = 0; i < BLOCKS; i++) b->start[16 * i + 3] = NAN, b->start[16 * i + 12] = HUGE_VAL;
   status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest, NULL);
   tap_ok(status == CT_OK && differing(b, b->start, &options) == 0,
          "%s, distortion %g: also with a start", FACE_NAME[kind], distortion);

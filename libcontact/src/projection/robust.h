@@ -408,8 +408,8 @@ RARE int prove_lane(int l, const patches *patch, const ct_project_options *optio
   ct_patch own = face_of(patch, l);
   ct_closest cuts = {{0, 0}, {0, 0, 0}, 0, 0, 0};
   ct_outcome outcome = CT_CLOSER;
-  mask mine = best->f != best->f;
-  set(&mine, l, whole(best->f == best->f, l));
+  mask mine = masked(best->f == best->f, 0);
+  set(&mine, l, whole(not(mine), l));
   for (int i = 0; i < RESTARTS && outcome == CT_CLOSER; i++) {
     ends found;
     double xi[2] = {lane(best->xi[0], l), lane(best->xi[1], l)};
@@ -484,6 +484,7 @@ PART void search(const patches *patch, const ct_project_options *options, int wa
   mask rough =
       descend(patch, options, options->tolerance, from, warm ? 0 : 1, active, count, found);
   if (!any(rough)) return;
+  best = *found;
   search_samples(patch, options, warm, found, rough, count, &best);
   take(found, &best, sizeof best, rough);
 }
