@@ -1,5 +1,6 @@
 /* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
  * restarts, the bound on the step. */
+#include "../../libcontact/src/constraint/tangent.c"
 #include "../../libcontact/src/effect/contact.h"
 #include "bodies.h"
 
@@ -341,8 +342,30 @@ static void refusals(void)
   free_pressed(&smooth);
 }
 
+/* Without bounds, the steps divide the error of one eigenvalue by the polynomial of Chebyshev that
+ * has the bounds of all: T_k(z) / T_k(z_0), z = (θ - x) / δ. (eq:slip-chebyshev) */
+static void chebyshev(void)
+{
+  double off = 0.0;
+  for (double l = 0.1; l < 1.0; l += 0.2)
+    for (double x = l; x <= 1.0; x += 0.05) {
+      const ct_tangent t = {.lowest = l};
+      const double scale = 1.0, z = (0.5 * (1.0 + l) - x) / (0.5 * (1.0 - l)),
+                   z0 = (1.0 + l) / (1.0 - l);
+      double rho = 0.0, T = 1.0, T0 = 0.0, slip0 = 0.0, aim;
+      for (int k = 0; k < 20; k++) {
+        const double slip = x * T, exact = cos((k + 1) * acos(fmax(z, -1.0)));
+        aim_at(1, step_of(&t, k, &rho), &T, &slip, &scale, &T0, &slip0, &aim);
+        T = aim;
+        off = fmax(off, fabs(T - exact / cosh((k + 1) * acosh(z0))));
+      }
+    }
+  tap_ok(off < 1e-12, "steps have the polynomials of Chebyshev, to %.0e", off);
+}
+
 int main(void)
 {
+  chebyshev();
   sticks(CT_HEX8, "hex8");
   slides(CT_HEX8, 1e-3, "hex8");
   slides(CT_HEX20, 0.1, "hex20");
