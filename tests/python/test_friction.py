@@ -1,15 +1,24 @@
-"""Friction between bodies: the partial slip of two bodies after Cattaneo and Mindlin."""
+"""Friction: the partial slip of two bodies after Cattaneo and Mindlin, an oblique impact in gross slip."""
 
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
-from scenes import MILLIMETRES
+from scenes import METRES, MILLIMETRES
 
 import libcontact as ct
+
+FOLDER = Path(__file__).parents[2] / "accuracy"
+sys.path.insert(0, str(FOLDER))
+try:
+    import defaults
+finally:
+    sys.path.remove(str(FOLDER))
 
 GAUSS = np.array([-1.0, 1.0]) / math.sqrt(3.0)
 
@@ -93,3 +102,27 @@ def test_partial_slip_of_two_bodies():
     assert 0.5 < Q / (0.5 * P) < 0.7
     assert c == pytest.approx(math.sqrt(1.0 - Q / (0.5 * P)), rel=1e-2)
     assert run.steps[-1] <= 1.06 * shifted(0.0).steps[-1]
+
+
+def test_a_ball_that_strikes_obliquely_in_gross_slip():
+    """Above the angle below which points stick in the impact of a ball (Maw, Barber, Fawcett), the tangential
+    impulse is μ times the normal one, μ m (1 + e) v_n."""
+    friction, speed, nu = 0.3, 0.003, 0.3
+    kappa, chi = 2 * (1 - nu) / (2 - nu), 3.5 * (1 - nu) / (2 - nu)
+    along = 1.5 * (4 * chi - 1) * friction / kappa * speed
+    nodes, elements = defaults.ball()
+    made = ct.Scene(units=METRES).add_material(
+        "m", young=1.0, poisson=nu, density=1.0, law="st_venant_kirchhoff"
+    )
+    made.add_body("ball", material="m", nodes=nodes, elements=elements, velocity=[along, 0, -speed])
+    made.add(
+        "obstacle",
+        surface="ball.outer",
+        friction=friction,
+        plane={"point": [0, 0, -1.001], "normal": [0, 0, 1]},
+    )
+    run = made.set_time(end=26.0).set_output(every=10**9).run(progress=False)
+    p = run.body_momentum("ball")["p"]
+    along, up = p[-1, 0] - p[0, 0], p[-1, 2] - p[0, 2]
+    assert p[-1, 2] > -0.95 * p[0, 2]
+    assert -along == pytest.approx(friction * up, rel=1e-3)
