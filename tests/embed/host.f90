@@ -272,7 +272,7 @@ contains
       at(c_loc(g%amplitude), c_loc(g)), at(c_loc(g%kind), c_loc(g)), at(c_loc(g%face_count), c_loc(g)), &
       at(c_loc(g%faces), c_loc(g)), &
       int(c_sizeof(g), c_int64_t)]
-    call check(all(there(:90) == here) .and. all(there(91:) == -1), &
+    call check(all(there(:91) == here) .and. all(there(92:) == -1), &
                "each member and each size of ten structs is where C has it")
     o = ct_project_options_default()
     k = ct_contact_options_default()
