@@ -442,7 +442,7 @@ static double settle(ct_solver *s, double may_stick)
 }
 
 /* Shorten the elastic slips of the points that stick, so that their springs give back the energy
- * `gain` less (eq:slip-stick). Returns 0 if they have less. */
+ * `gain` less (eq:slip-paid). Returns 0 if they have less. */
 static int shorten_slips(ct_solver *s, double gain)
 {
   ct_tangent *t = s->tangent;
@@ -450,7 +450,7 @@ static int shorten_slips(ct_solver *s, double gain)
     t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * dot(&t->end, &t->end, j) : 0.0;
   const double stored = ct_sum_over(s->pieces, t->terms, t->count), share = gain / stored;
   if (!(gain < stored)) return 0;
-  // -- e_{n+1} √(1 - gain / stored) (eq:slip-stick)
+  // -- e_{n+1} √(1 - gain / stored) (eq:slip-paid)
   const double factor = sqrt(1.0 - share);
   for (int64_t j = 0; j < t->count; j++) {
     if (t->wanted[j] >= 0.0) continue;
