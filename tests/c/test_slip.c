@@ -304,6 +304,107 @@ static void scenes(double spread, double tolerance, int rounds, int randomly, do
          "and steps that do not converge are counted (%d of %d)", sum.bad, sum.steps);
 }
 
+/* What a row did in a step: its elastic slips one step before the last, the sum of its last slips
+ * and its motion, its motion in the last step, and its reserve before. */
+typedef struct trip {
+  double earlier[3], whole[3], last[3], reserve;
+} trip;
+
+/* Motion of row j along its partner in the last step that was taken. */
+static void last_motion(const linear *t, int j, double out[3])
+{
+  double du[DOFS];
+  for (int d = 0; d < DOFS; d++) du[d] = t->u[d] - t->last[d];
+  tangential_motion(t, j, du, out);
+  for (int i = 0; i < 3 && t->row[j].other_count == 0; i++) out[i] -= t->slip[j].coming[i];
+  ct_vector_make_tangential(t->row[j].normal, out);
+}
+
+/* The energy that row j loses in a step without dissipation, and a size for its rounding.
+ * (eq:slip-loss, eq:slip-work) */
+static double loss_of(const linear *t, int j, const trip *r, double *size)
+{
+  const ct_slip *p = &t->slip[j];
+  double both[3], k4 = 0.25 * p->k, e2 = ct_vector_dot(p->e, p->e),
+                  earlier2 = ct_vector_dot(r->earlier, r->earlier);
+  for (int i = 0; i < 3; i++) both[i] = r->last[i] + (r->whole[i] - p->before[i]);
+  const double W = 0.5 * ct_vector_dot(p->force, both);
+  *size += k4 * (e2 + earlier2 + ct_vector_dot(p->before, p->before)) + r->reserve + fabs(W);
+  return k4 * (earlier2 - e2) + r->reserve - W;
+}
+
+/* Springs that pay, in the steps of scenes. */
+typedef struct payments {
+  double unlike, loss;
+  int small, large, wrong;
+} payments;
+
+/* A step without dissipation: elastic slips that do not follow from the force are the motion,
+ * shortened by one factor, such that nothing is lost if it is below 1; and the points have slipped,
+ * without a reserve, if they pay more than 1 %. Steps with points without a force do not count.
+ * (eq:slip-paid) */
+static void count_payments(const linear *t, const trip trips[ROWS], payments *sum)
+{
+  double factor = -1.0, loss = 0.0, size = 0.0;
+  int stuck = 0, payers = 0;
+  for (int j = 0; j < t->rows; j++) {
+    const ct_slip *p = &t->slip[j];
+    const trip *r = &trips[j];
+    double off = 0.0, e = 0.0, whole = sqrt(ct_vector_dot(r->whole, r->whole));
+    if (ct_vector_dot(p->force, p->force) == 0.0) return;
+    loss += loss_of(t, j, r, &size);
+    for (int i = 0; i < 3; i++) {
+      off = fmax(off, fabs(p->e[i] + 2.0 * p->force[i] / p->k + r->earlier[i]));
+      e = fmax(e, fabs(p->e[i]) + fabs(r->earlier[i]));
+    }
+    if (off <= 1e-9 * e) continue;
+    const double own = sqrt(ct_vector_dot(p->e, p->e)) / whole;
+    if (payers++ > 0) sum->unlike = worst(sum->unlike, own - factor);
+    factor = own, stuck += p->stuck, sum->wrong += p->reserve > 1e-12 * size;
+    for (int i = 0; i < 3; i++)
+      sum->unlike = worst(sum->unlike, (p->e[i] - own * r->whole[i]) / whole);
+  }
+  if (payers == 0 || factor > 1.0 - 1e-8) return;
+  const int large = 1.0 - factor * factor > 0.01;
+  sum->loss = worst(sum->loss, loss / size);
+  sum->wrong += stuck != (large ? 0 : payers);
+  sum->large += large, sum->small += !large;
+}
+
+/* Random scenes without dissipation, step by step. */
+static void springs_pay(void)
+{
+  payments sum = {.small = 0};
+  for (int k = 0; k < 200; k++) {
+    linear t;
+    account all = {.steps = 0};
+    new_linear(&t, 1.0, 0.9, 1.0);
+    t.s->tolerance = 0.1;
+    for (int j = 0; j < t.rows; j++) t.row[j].dissipation = 0.0;
+    for (int step = 0; step < 60; step++) {
+      trip trips[ROWS];
+      for (int j = 0; j < t.rows; j++) {
+        memcpy(trips[j].earlier, t.slip[j].before, sizeof trips[j].earlier);
+        last_motion(&t, j, trips[j].last);
+        trips[j].reserve = t.slip[j].reserve;
+      }
+      run_linear(&t, 1, 0, 0, &all);
+      for (int j = 0; j < t.rows; j++) {
+        last_motion(&t, j, trips[j].whole);
+        for (int i = 0; i < 3; i++) trips[j].whole[i] += t.slip[j].before[i];
+      }
+      count_payments(&t, trips, &sum);
+    }
+    ct_pool_free(t.s);
+  }
+  tap_ok(sum.unlike < 1e-8 && sum.loss < 1e-11,
+         "springs that pay are shortened by one factor (%.1e), and nothing is lost (%.1e)",
+         sum.unlike, sum.loss);
+  tap_ok(sum.wrong == 0 && sum.small > 5 && sum.large > 5,
+         "and points that pay more than 1 %% have slipped (%d steps; %d with less; %d wrong)",
+         sum.large, sum.small, sum.wrong);
+}
+
 /* The size of the entry of node `i` of the scene in row `j`. */
 static double entry(const linear *t, int j, int i)
 {
@@ -509,6 +610,7 @@ int main(void)
     scenes(spread, 1e-3, 0, 1, e, "any coefficient");
     scenes(spread, 0.1, 0, 1, e, "any coefficient");
   }
+  springs_pay();
   crawls();
   return tap_done();
 }
