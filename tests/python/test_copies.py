@@ -127,7 +127,9 @@ def test_a_copy_of_a_run_has_its_tables_and_its_state(way):
     assert same(other, run) and repr(other) == repr(run)
     assert len(other.contact) == 1
     assert np.array_equal(other.contact[0]["raw_pressure"], run.contact[0]["raw_pressure"])
-    np.testing.assert_equal(other.penetration, run.penetration)  # no point is inside: positions of NaN
+    np.testing.assert_equal(
+        other.penetration, run.penetration
+    )  # no point is inside: positions of NaN
     assert (
         other.impulse.keys() == run.impulse.keys()
         and other.dt == run.dt
