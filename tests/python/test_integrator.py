@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.model import INTEGRATORS
+from libcontact.parts import read
 from scenes import METRES, box_of
 
 import libcontact as ct
@@ -119,6 +120,31 @@ def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
 def test_refusals_name_the_key(keys, key):
     with pytest.raises(ct.SceneError, match=key.replace(".", r"\.")):
         plates(**{"integrator": "central_difference", **keys})
+
+
+@pytest.mark.parametrize(
+    "integrator, parameter, held",
+    [
+        ("central_difference", None, 1.0),
+        ("chung_lee", 1.0, 1.0),
+        ("tchamwa_wielgosz", 1.0, 1.0),
+        ("chung_lee", None, 0.0),
+        ("tchamwa_wielgosz", None, 0.0),
+        ("noh_bathe", None, 0.0),
+        ("noh_bathe", 0.5, 0.0),
+    ],
+)
+def test_contacts_hold_energy_only_with_the_leapfrog(integrator, parameter, held):
+    """Only there it is proved that bodies gain nothing by it (eq:impact-reserve); a scene may give another value."""
+    data = plates(integrator).data
+    data["time"] |= {} if parameter is None else {"integrator_parameter": parameter}
+    assert read(data).contact[0].restitution == held
+    data["contact"][0]["restitution"] = 0.5
+    assert read(data).contact[0].restitution == 0.5
+    # The explicit penalty has no such key.
+    del data["contact"][0]["restitution"]
+    data["contact"][0]["enforcement"] = "penalty"
+    read(data)
 
 
 def test_a_step_above_the_limit_of_the_integrator_is_refused():

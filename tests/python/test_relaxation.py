@@ -67,6 +67,9 @@ def test_contacts_come_to_rest():
     given = scene.data
     given["contact"][0]["restitution"] = 1.0
     assert read(given).contact[0].restitution == 1.0
+    del given["contact"][0]["restitution"]
+    given["contact"][0]["enforcement"] = "penalty"  # which has no such key
+    read(given)
     run = scene.run(progress=False)
     assert run.steps[-1] < 400 and run.pressure["contact"][0]["pressure"].min() > 0.98
 

@@ -231,6 +231,17 @@ def test_one_element_behind_the_surface(made, cells, thin):
     assert kinds(made(cells=cells, restitution=1.0)) == []
 
 
+@pytest.mark.parametrize(
+    "keys, advice",
+    [({}, "restitution 1,"), ({"integrator": "noh_bathe"}, 'the integrator "central_difference",')],
+)
+def test_a_thin_body_is_not_advised_to_gain_energy(keys, advice):
+    """With other integrators than the leapfrog bodies may gain what contacts hold."""
+    scene = drop(cells=1, restitution=0.0)
+    scene.set_time(**scene.data["time"] | keys)
+    assert f"for elastic bodies take {advice}" in str(scene.explain().warnings[0])
+
+
 def test_what_a_thin_body_is_said_to_lose_it_loses():
     """With a stiff penalty n elements lose 1/(2 n), plus a part that depends on the phase of the vibration; the warning
     states 50 % for one (eq:thin-loss)."""

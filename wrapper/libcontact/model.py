@@ -348,7 +348,7 @@ class ContactLaw(Table):
         the energy-controlled penalty, :eq:`impact-reserve`. With 1 the impact of elastic bodies
         loses almost nothing, so what bounces comes to rest only by damping; with 0 it stops the layer of nodes at
         the surface, and a body of n layers loses about 1 / (2n) of the energy of the impact, :eq:`thin-loss`.
-        In a scene with dynamic ``relaxation`` the default is 0.
+        In a scene with dynamic ``relaxation``, or with an integrator other than the leapfrog, the default is 0.
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
@@ -657,6 +657,13 @@ class Time(Table):
         """The parameter of the integrator, by default the integrator's own."""
         usual: float = lib.ct_integrator_default(INTEGRATORS[self.integrator]).parameter
         return usual if self.integrator_parameter is None else self.integrator_parameter
+
+    @property
+    def is_leapfrog(self) -> bool:
+        """Whether the integrator moves as the leapfrog, by its name or by its parameter, :eq:`leapfrog`."""
+        stage = ffi.new("ct_stage[2]")
+        count = lib.ct_integrator_stages(ffi.new("ct_integrator *", self.scheme), stage)
+        return (count, stage[0].tau, stage[0].c, stage[0].r, stage[0].l) == (1, 1.0, 1.0, 1.0, 0.0)
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         error = new_error()

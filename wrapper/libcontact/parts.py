@@ -9,7 +9,19 @@ from typing import Any
 
 from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
 from .mesh import FACTS
-from .model import FIELDS, Body, Contact, History, Material, Output, Probe, Run, Support, Time
+from .model import (
+    FEEDS,
+    FIELDS,
+    Body,
+    Contact,
+    History,
+    Material,
+    Output,
+    Probe,
+    Run,
+    Support,
+    Time,
+)
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
@@ -88,7 +100,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in NO_TABLE.items():
         if isinstance(data, dict) and name in data:
             raise (top / name).error(reason)
-    parts = _at_rest(Parts.read(data, top), data)
+    parts = _without_reserve(Parts.read(data, top), data)
     if whole and parts.time is None:
         raise (top / "time").error("is missing")
     for name in ("material", "body", "probe"):
@@ -111,19 +123,23 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     return parts
 
 
-def _at_rest(parts: Parts, data: dict[str, Any]) -> Parts:
-    """The parts, with restitution 0 by default where dynamic relaxation looks for a state of rest: energy that
-    contacts hold and give back would keep their points in motion."""
-    if not parts.relaxed:
+def _without_reserve(parts: Parts, data: dict[str, Any]) -> Parts:
+    """The parts, with restitution 0 by default where contacts should not hold energy and give it back: dynamic
+    relaxation looks for a state of rest, in which their points would stay in motion, and an integrator other than
+    the leapfrog has no proof that bodies gain nothing by it."""
+    if not parts.relaxed and (parts.time is None or parts.time.is_leapfrog):
         return parts
 
-    def resting(name: str) -> Any:
+    def plain(name: str) -> Any:
         pairs = zip(getattr(parts, name), data.get(name, ()))
         return tuple(
-            law if "restitution" in given else replace(law, restitution=0.0) for law, given in pairs
+            law
+            if "restitution" in given or FEEDS[law.enforcement]
+            else replace(law, restitution=0.0)
+            for law, given in pairs
         )
 
-    return replace(parts, contact=resting("contact"), obstacle=resting("obstacle"))
+    return replace(parts, contact=plain("contact"), obstacle=plain("obstacle"))
 
 
 def schema() -> dict[str, Any]:

@@ -413,9 +413,16 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]
             text = f'body "{name}" is about one element thick where it hits, along {axis}: '
             text += f"with restitution {kept:g} about {100 * (1.0 - kept) * hit / moving:.0f} % of the energy "
-            text += "of the impact is lost; for elastic bodies take restitution 1, or divide it into at least 4 elements "
+            text += f"of the impact is lost; for elastic bodies take {_lossless(problem)}, or divide it into at least 4 elements "
             text += "along that direction (n equal ones lose (1 - restitution)/(2 n))"
             yield SceneWarning("thin", text, touch.key)
+
+
+def _lossless(problem: Problem) -> str:
+    """What an impact of elastic bodies takes: with other integrators than the leapfrog bodies may gain what contacts
+    hold."""
+    moves = problem.parts.time.is_leapfrog
+    return "restitution 1" if moves else 'the integrator "central_difference"'
 
 
 def _first_nodes(problem: Problem, touch: Touch) -> Points:
