@@ -75,7 +75,7 @@ def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
     )
 
 
-def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
+def folded(case: str, made: ct.Scene, fraction: float, end: float, expected: str = "passes") -> Row:
     """Run a scene of one body with every step recorded, and classify the run."""
     made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
     (body,) = made._built(None).bodies.values()
@@ -91,6 +91,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
         may_lose=MAY_LOSE,
         scale_name="work",
         momentum_scale=mass * C,
+        expected=expected,
     )
     if row.verdict == "StepTooLarge" and "too stiff" in row.note:
         # The solid, not the contact, needs a smaller step: the library may reject this one.
@@ -213,16 +214,18 @@ def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, f
 
 def rolled_strip(short: bool) -> Iterator[Row]:
     """A loosely wound strip of two and a half turns is pressed flat: its layers come into contact over their
-    length, with sharp bends."""
+    length, with sharp bends. At .9 of the step the leapfrog makes energy at the strain of the loose one, .3 % of the
+    work, and the contact makes none; at .6 neither does (test_stability.py)."""
     rolls = [
         ("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4),
         ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
         ("two through", shapes.spiral(0.3, 0.16, 1.5, 0.1, (60, 1, 2), 0.05), 0.35, 0.35),
     ]
     for name, bricks, way, time in rolls[:1] if short else rolls:
-        for fraction in (0.9,) if short else FRACTIONS:
+        for fraction in FRACTIONS[1:] if short else FRACTIONS:
             made, end = pressed(bricks, way, time)
-            yield folded(f"rolled strip, {name}", made, fraction, end)
+            expected = "energy" if name == "loose" and fraction == 0.9 else "passes"
+            yield folded(f"rolled strip, {name}", made, fraction, end, expected)
 
 
 def crushed_ring(short: bool) -> Iterator[Row]:
