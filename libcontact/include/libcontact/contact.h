@@ -66,15 +66,13 @@ typedef struct ct_contact_options {
   double dissipation;
   /**
    * Share of the energy lost at closing that a point holds and gives back when it opens, 0 ... 1,
-   * :eq:`impact-reserve`; for the energy-controlled penalty. With 1, the default, an elastic impact
-   * loses almost nothing, so bodies come to rest only by damping; with 0 it stops the layer of
-   * nodes at the surface.
+   * :eq:`impact-reserve`; for the energy-controlled penalty. With 1, the default, bodies come to
+   * rest only by damping; with 0 an impact stops the layer of nodes at the surface.
    */
   double restitution;
   /**
    * Time h / c₁ in which a wave crosses an element at the surface [time], :eq:`travel-time` if the
-   * bodies differ. Steps with a `restitution` above 0 need it and refuse 0, the default. A scene
-   * computes it from its bodies.
+   * bodies differ. Steps with a `restitution` above 0 need it and refuse 0, the default.
    */
   double travel_time;
   /** Positions of the points; default: Gauss points. */
