@@ -271,7 +271,7 @@ CT_INLINE void count_time(ct_constraint *c, int pressed, int enters, double dt)
   const int holds = (pressed == 0) & enters & is_fresh(c), goes = pressed | (enters & (t > 0.0)),
             waits = (t > 0.0) & (wait <= 2.0 * c->travel_time);
   c->impact.pressed = holds ? t : goes ? t + (dt + idle) : waits ? t : 0.0;
-  c->impact.idle = holds | goes | (waits == 0) ? 0.0 : wait;
+  c->impact.idle = (holds | goes | (waits == 0)) ? 0.0 : wait;
 }
 
 /* A row takes what it gains: it pays a debt first, and keeps the share e of the rest

@@ -71,8 +71,8 @@ CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constrain
   do {
     fill_row(own, other, row[rows], G);
     for (int i = 0; i < PARTS && i < 3; i++) differ |= ((const ct_quad *)G)[i] != head[i];
-    G += step;
-  } while (++rows < most && has_nodes_of(row[0], row[rows]));
+    G += step, rows++;
+  } while (rows < most && has_nodes_of(row[0], row[rows]));
   find_places(own, row[0]->own, number, rows, s->row_counts, place);
   find_places(other, row[0]->other, number, rows, s->row_counts, place + own);
   for (int32_t r = 0; s->tangent != NULL && r < rows; r++)
