@@ -42,10 +42,9 @@ HAVE_PKG_CONFIG := $(shell command -v $(PKG_CONFIG) 2>/dev/null)
 ADDONS := gsl hdf5
 
 # -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime. -fno-math-errno: roots in lanes, too.
-# -fno-trapping-math: choices in lanes, too; no result depends on it.
 # -Wno-pass-failed: clang says of a loop that it did not make vectors, and need not.
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wno-pass-failed $(if $(CI),-Werror)
-BASE := -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
+BASE := -std=c99 -ffp-contract=off -fno-math-errno $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
 CORE_FLAGS := $(BASE) $(WARNINGS) $(CFLAGS)
 GSL_FLAGS = $(if $(GSL),$(shell $(PKG_CONFIG) --cflags $(GSL)))
 HDF5_FLAGS = $(if $(HDF5),$(shell $(PKG_CONFIG) --cflags $(HDF5)))
@@ -311,7 +310,7 @@ ifneq ($(filter _fuzz,$(MAKECMDGOALS)),)
 FUZZ_CC := $(FUZZ_CC)
 endif
 FUZZ_OBJECTS := $(call object,$(BUILD)/fuzz/obj,$(CORE_SOURCES))
-FUZZ_FLAGS := $(SANITIZE) -std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fopenmp-simd -Ilibcontact/include
+FUZZ_FLAGS := $(SANITIZE) -std=c99 -ffp-contract=off -fno-math-errno -fopenmp-simd -Ilibcontact/include
 $(BUILD)/fuzz/obj/%.o: libcontact/src/%.c
 	@mkdir -p $(@D)
 	@echo "  $(FUZZ_CC) (fuzzer) $<"

@@ -22,7 +22,6 @@ FLAGS = [
     "-D_POSIX_C_SOURCE=199309L",
     "-ffp-contract=off",
     "-fno-math-errno",
-    "-fno-trapping-math",
     "-fvisibility=hidden",
     "-fopenmp-simd",
 ]
