@@ -65,6 +65,14 @@ CT_INLINE void ct_sum_face(int32_t count, ct_quad t[8], ct_quad *out)
 #define CT_CLONES
 #endif
 
+/* A loop whose choices run in lanes: the compiler may compute both sides of each. No result depends
+ * on it; all kernels compiled so would be slower (gcc 12). */
+#if defined(__GNUC__) && !defined(__clang__)
+#define CT_CHOICES __attribute__((optimize("no-trapping-math")))
+#else
+#define CT_CHOICES
+#endif
+
 /* The numbers of 4 consecutive nodes, each three times, for their degrees of freedom; only if
  * CT_ROWS. */
 CT_INLINE void ct_thrice(const double *p, ct_quad t[3])
