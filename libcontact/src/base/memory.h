@@ -32,13 +32,20 @@ void ct_pool_empty(ct_pool *pool);
 /* The same, and the object that begins with the pool; null is allowed. */
 void ct_pool_free(void *object);
 
-/* Set numbers to zero. Pieces of a kilobyte take few instructions each, where libc would begin a
- * string operation. */
+/* Set numbers to zero, and copy bytes. Pieces of a kilobyte take few instructions each, where libc
+ * would begin a string operation. */
+enum { CT_KILOBYTE = 1024 };
 static inline void ct_clear(double *values, size_t count)
 {
-  enum { PIECE = 128 };
+  enum { PIECE = CT_KILOBYTE / sizeof(double) };
   for (size_t i = 0; i < count; i += PIECE)
     memset(&values[i], 0, (count - i < PIECE ? count - i : PIECE) * sizeof *values);
+}
+
+static inline void ct_copy(void *to, const void *from, size_t bytes)
+{
+  for (size_t i = 0; i < bytes; i += CT_KILOBYTE)
+    memcpy((char *)to + i, (const char *)from + i, bytes - i < CT_KILOBYTE ? bytes - i : CT_KILOBYTE);
 }
 
 #endif

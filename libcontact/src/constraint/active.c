@@ -74,15 +74,12 @@ static void drop(const ct_solver *s, int64_t j)
   else ct_law_leave(c, s->dt);
 }
 
-/* Forces of the last step, and gaps without those of this one. */
+/* Forces of the last step. */
 CT_CLONES
-static void begin_rows(const ct_law_rows *of, double *restrict force, double *restrict free)
+static void begin_rows(const ct_law_rows *of, double *restrict force)
 {
 #pragma omp simd
-  for (int64_t r = 0; r < of->count; r++) {
-    force[r] = of->force[r] - of->release[r];
-    free[r] = of->after[r];
-  }
+  for (int64_t r = 0; r < of->count; r++) force[r] = of->force[r] - of->release[r];
 }
 
 /* Whether no row is farther away than `near`, now or without the force of the step. */
@@ -143,7 +140,8 @@ void ct_active_choose(ct_solver *s)
   memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
   if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
-  begin_rows(of, s->force, s->free);
+  begin_rows(of, s->force);
+  ct_copy(s->free, of->after, (size_t)s->count * sizeof *s->free);
   if (!s->again) return;
   // Nothing opens at t = 0, so the place is free; the points close now.
   memcpy(of->release, of->force, (size_t)s->count * sizeof *of->force);

@@ -104,7 +104,7 @@ void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t count
   unsigned differing = 0;
   for (int64_t r = 0; r < count; r++)
     differing |= (unsigned)rows[r]->enforcement ^ (unsigned)rows[0]->enforcement;
-  if (count > 0) memcpy(to->row, rows, (size_t)count * sizeof *rows);
+  ct_copy(to->row, rows, (size_t)count * sizeof *rows);
   to->count = count;
   to->one_law = differing == 0;
   read_rows(to);

@@ -398,15 +398,17 @@ static int find_all_forces(ct_solver *s)
 
 /* Twice the mean motion of each point while the force acts: of two steps, or of half a step with
  * v_0 and v_{1/2}, of which `last` is the motion of the nodes (eq:contact-step-work,
- * eq:reserve-start). */
+ * eq:reserve-start); and its gradient without any force. */
 CT_CLONES
-static void find_ways(const ct_law_rows *of, int starts, const double *last, double *restrict way)
+static void find_ways(const ct_law_rows *of, int starts, const double *last, const double *free,
+                      const double *b, double *restrict way, double *restrict alone)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
     const double begins = 0.5 * ((of->after[r] - of->gap[r]) + (last[r] + of->moved[r])),
                  both = of->after[r] - of->before[r];
     way[r] = starts ? begins : both;
+    alone[r] = free[r] + b[r];
   }
 }
 
@@ -414,16 +416,14 @@ static void find_ways(const ct_law_rows *of, int starts, const double *last, dou
 static void settle(ct_solver *s)
 {
   const ct_law_rows *of = &s->laws;
-  memset(of->release, 0, (size_t)of->count * sizeof *of->release);
+  ct_clear(of->release, (size_t)of->count);
   for (int64_t r = s->point_count; r < s->count; r++) {
     const int64_t own = s->opened[r - s->point_count];
     of->release[own] = s->force[r];
     of->force[own] += s->force[r];
   }
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
-  find_ways(of, s->starts, s->terms, s->image);
-  memset(s->guide, 0, (size_t)of->count * sizeof *s->guide);
-  add_free(of->count, s->free, s->b, s->guide);
+  find_ways(of, s->starts, s->terms, s->free, s->b, s->image, s->guide);
   ct_law_settle_all(of, s->dt, s->image, s->guide);
 }
 
@@ -432,7 +432,7 @@ static void store(ct_solver *s)
 {
   const ct_law_rows *of = &s->laws;
   find_after(of->count, s->gradient, s->b, s->C, s->force, of->after);
-  memcpy(of->force, s->force, (size_t)of->count * sizeof *of->force);
+  ct_copy(of->force, s->force, (size_t)of->count * sizeof *of->force);
   if (!s->again) settle(s);
   ct_law_rows_write(of);
   for (int64_t r = 0; s->again && r < of->count; r++)
