@@ -52,8 +52,6 @@ static double predict_gaps(ct_solver *s)
 {
   ct_law_rows *of = &s->laws;
   const int64_t count = s->first[s->set_count];
-  if (s->starts && !s->again) forget(s);
-  ct_law_rows_read(of, s->rows, count);
   ct_matrix_motion(s, count, s->last_increment, s->terms);
   ct_matrix_motion(s, count, s->increment, s->free);
   move_gaps(of, s->terms, s->free);
@@ -238,6 +236,7 @@ static void invert(int64_t count, const double *C, double *restrict scale)
 /* The rows of the problem, their laws, and the scale of each. */
 int ct_active_set_up(ct_solver *s)
 {
+  if (s->starts && !s->again) forget(s);
   ct_matrix_fill(s);
   ct_active_choose(s);
   ct_matrix_choose(s);

@@ -90,24 +90,28 @@ CT_INLINE void read_one(const columns c)
       c.first[((int64_t)READS[g][1] + i) * c.most] = c.row[0][READS[g][0] + (size_t)i];
 }
 
+/* Read some rows; returns 0 if all have the law of the first. */
 CT_CLONES
-static void read_rows(const ct_law_rows *to)
+static unsigned read_rows(const ct_law_rows *to, int64_t r, int64_t end)
 {
-  const int64_t count = to->count;
-  int64_t r = 0;
-  for (; r + 4 <= count; r += 4) read_four(columns_of(to, r, 4));
-  for (; r < count; r++) read_one(columns_of(to, r, 1));
+  const unsigned law = r < end ? (unsigned)to->row[0]->enforcement : 0;
+  unsigned differing = 0;
+  for (; r + 4 <= end; r += 4) {
+    for (int i = 0; i < 4; i++) differing |= (unsigned)to->row[r + i]->enforcement ^ law;
+    read_four(columns_of(to, r, 4));
+  }
+  for (; r < end; r++) {
+    differing |= (unsigned)to->row[r]->enforcement ^ law;
+    read_one(columns_of(to, r, 1));
+  }
+  return differing;
 }
 
-void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t count)
+void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end)
 {
-  unsigned differing = 0;
-  for (int64_t r = 0; r < count; r++)
-    differing |= (unsigned)rows[r]->enforcement ^ (unsigned)rows[0]->enforcement;
-  ct_copy(to->row, rows, (size_t)count * sizeof *rows);
-  to->count = count;
-  to->one_law = differing == 0;
-  read_rows(to);
+  ct_copy(&to->row[first], &rows[first], (size_t)(end - first) * sizeof *rows);
+  to->count = end;
+  to->one_law = (first == 0 || to->one_law) & (read_rows(to, first, end) == 0);
 }
 
 void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to)

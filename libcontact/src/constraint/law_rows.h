@@ -10,8 +10,8 @@
 /* Memory for at most some rows, from a pool, which may fail; `rows` has a place for each. */
 void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_law_rows *out);
 
-/* Read some rows. */
-void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t count);
+/* Read the rows from `first` to `end` - 1, after those before. */
+void ct_law_rows_read(ct_law_rows *to, ct_constraint *const *rows, int64_t first, int64_t end);
 
 /* Put a row in the place of an earlier one. */
 void ct_law_rows_move(ct_law_rows *rows, int64_t from, int64_t to);

@@ -1,5 +1,6 @@
 /* The matrix G of the constraint problem, and its products. */
 #include "matrix.h"
+#include "law_rows.h"
 #include "products.h"
 #include "slip.h"
 
@@ -11,7 +12,8 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
+/* Rows that are read at a time: they stay in a cache. */
+enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, ROWS = 64 };
 
 /* The bits of a quad, and its lanes. */
 #if defined(__GNUC__)
@@ -91,12 +93,12 @@ static int have_one_normal(ct_solver *s, int differ)
   return most[0] == 0.0 && most[1] == -most[4] && most[2] == -most[5] && most[3] == -most[6];
 }
 
-/* Fill the groups of one set from a group on, which has its places already; returns the one behind
- * them, with its own. */
-CT_INLINE ct_group *fill_set(const ct_solver *s, int32_t set, ct_group *g, int *differ)
+/* Fill the groups of some rows of one set from a group on, which has its places already; returns
+ * the one behind them, with its own. */
+CT_INLINE ct_group *fill_rows(const ct_solver *s, int32_t set, ct_constraint *const *row,
+                              ct_constraint *const *end, ct_group *g, int *differ)
 {
   const int32_t *number = &s->place[s->first_node[set]];
-  ct_constraint *const *row = &s->rows[s->first[set]], *const *end = &s->rows[s->first[set + 1]];
   for (; row < end; row += g[-1].rows) {
     const int32_t own = g->own = row[0]->own_count, other = g->other = row[0]->other_count;
     if (own == 4 && other == 4) *differ |= fill_group(s, number, row, end - row, 4, 4, g);
@@ -116,8 +118,13 @@ void ct_matrix_fill(ct_solver *s)
   ct_group *g = s->groups;
   int differ = 0;
   memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
-  g->first = g->place = 0;
-  for (int32_t k = 0; k < of.set_count; k++) g = fill_set(&of, k, g, &differ);
+  g->first = g->place = s->laws.count = 0;
+  for (int32_t k = 0; k < of.set_count; k++)
+    for (int64_t r = of.first[k], end; r < of.first[k + 1]; r = end) {
+      end = of.first[k + 1] - r < ROWS ? of.first[k + 1] : r + ROWS;
+      g = fill_rows(&of, k, &of.rows[r], &of.rows[end], g, &differ);
+      ct_law_rows_read(&s->laws, of.rows, r, end);
+    }
   s->group_count = g - s->groups;
   s->counted = 1;
   s->along = have_one_normal(s, differ);
