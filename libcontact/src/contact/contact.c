@@ -246,10 +246,7 @@ static double take_forces(ct_contact *contact)
   double top = 0.0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     ct_side *side = &contact->gaps.side[s];
-    const double own = !contact->solved        ? ct_side_apply_penalty(side)
-                       : needs_forces(contact) ? ct_side_take_rows(side)
-                                               : ct_side_largest_force(side);
-    top = fmax(top, own);
+    top = fmax(top, contact->solved ? ct_side_take_rows(side) : ct_side_apply_penalty(side));
   }
   return top;
 }
@@ -262,9 +259,12 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   ct_contact_record *record = &contact->record;
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides, first = !ct_contact_memory_begun(fixed, now->memory);
-  contact->solved = !fixed->is.explicit;
-  const double top = take_forces(contact);
-  if (contact->solved) ct_contact_pay_debts(contact);
+  const int solved = contact->solved = !fixed->is.explicit;
+  ct_largest_row largest = {0.0, 0.0};
+  // Solved points are stored at once, and again if something changes.
+  if (solved) largest = ct_contact_store_points(contact, now->next_memory);
+  const double top = solved && !needs_forces(contact) ? largest.force : take_forces(contact);
+  const int paid = solved && ct_contact_pay_debts(contact, largest.debt);
   if (fixed->admits) ct_admission_count(contact, first || now->before == 0.0);
   if (ct_start_gap_fades(&fixed->start_rule))
     record->removal += ct_start_gap_work(&fixed->start_rule, sides, count, now->time,
@@ -274,8 +274,10 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   contact->complete = 0;
   ct_status status = ct_contact_collect(contact, top, error);
   if (status != CT_OK) return status;
-  if (ct_contact_is_rigid(fixed) && (fixed->moves || !contact->solved)) count_motion(contact);
+  if (ct_contact_is_rigid(fixed) && (fixed->moves || !solved)) count_motion(contact);
   add_sides(contact, force);
+  if (!solved || paid || ct_start_gap_fades(&fixed->start_rule))
+    ct_contact_store_points(contact, now->next_memory);
   ct_contact_store(contact, now->next_memory);
   return CT_OK;
 }

@@ -142,16 +142,16 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows);
 
 /* Forces of the points from their solved rows, or of the explicit penalty; return the size of the
- * largest component. And the largest force of solved rows alone, which no component exceeds. */
+ * largest component. */
 double ct_side_take_rows(ct_side *side);
 double ct_side_apply_penalty(ct_side *side);
-double ct_side_largest_force(const ct_side *side);
 
 /* Energy of the explicit penalty, of the forces of some sides. */
 double ct_side_potential(const ct_side *sides, int count);
 
-/* Pay what solved points owe from what others hold (eq:impact-debt). */
-void ct_contact_pay_debts(ct_contact *contact);
+/* Pay what solved points owe, `debt` at most, from what others hold; returns whether any paid
+ * (eq:impact-debt). */
+int ct_contact_pay_debts(ct_contact *contact, double debt);
 
 /* Find what only results need of solved rows, unless it is known, in all pieces: their energy at
  * t_n (eq:controlled-energy, eq:energy-start), and what they hold of it (eq:impact-reserve); the
@@ -208,6 +208,13 @@ enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
 int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed);
 int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory);
 ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error);
+
+/* Store the points, and what is not of a point. The first returns the largest force and the largest
+ * debt of their rows. */
+typedef struct ct_largest_row {
+  double force, debt;
+} ct_largest_row;
+ct_largest_row ct_contact_store_points(const ct_contact *contact, double *memory);
 void ct_contact_store(const ct_contact *contact, double *memory);
 
 /* Set the start gaps of all points of some sides from their distances on the undeformed shape

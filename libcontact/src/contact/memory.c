@@ -78,10 +78,12 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   return CT_OK;
 }
 
+/* Store the points of a side; returns the largest of some rows and of theirs. */
 CT_CLONES
-static void store_points(int64_t count, const ct_point *restrict point,
-                         ct_point_record *restrict record)
+static ct_largest_row store_points(int64_t count, const ct_point *restrict point,
+                                   ct_point_record *restrict record, ct_largest_row largest)
 {
+  double top = largest.force, least = -largest.debt;
   for (int64_t i = 0; i < count; i++, point++, record++) {
     record->other = (double)point->other + 1.0;
     record->status = (double)(int)point->status;
@@ -93,16 +95,27 @@ static void store_points(int64_t count, const ct_point *restrict point,
     record->force_size = point->force_size;
     record->force = point->row.force;
     record->impact = point->row.impact;
+    top = record->force > top ? record->force : top;
+    least = record->impact.reserve < least ? record->impact.reserve : least;
   }
+  return (ct_largest_row){.force = top, .debt = -least};
+}
+
+ct_largest_row ct_contact_store_points(const ct_contact *contact, double *memory)
+{
+  ct_largest_row largest = {0.0, 0.0};
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    largest = store_points(side->fixed->point_count, side->points,
+                           (ct_point_record *)(void *)memory, largest);
+    memory += CT_RECORD * side->fixed->point_count;
+  }
+  return largest;
 }
 
 void ct_contact_store(const ct_contact *contact, double *memory)
 {
-  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
-    const ct_side *side = &contact->gaps.side[s];
-    store_points(side->fixed->point_count, side->points, (ct_point_record *)(void *)memory);
-    memory += CT_RECORD * side->fixed->point_count;
-  }
+  memory += CT_RECORD * contact->fixed->gaps.point_count;
   memcpy(memory, &contact->record, sizeof contact->record);
   memory += WHOLE;
   for (int s = 0; s < ct_gaps_surfaces(contact->gaps.fixed); s++) {

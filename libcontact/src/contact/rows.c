@@ -23,58 +23,58 @@ static double stored_of(const ct_point *p) { return p->row.impact.stored + reser
 static double before_of(const ct_point *p) { return p->stored_before; }
 
 /* Whether the row of a point is listed: its force λ acts with λ N n on the point's own face and
- * with -λ N̄ n on the other (eq:constraint-force). */
-CT_INLINE int is_listed(const ct_contact *contact, const ct_side *other, double reach,
-                        const ct_point *point)
+ * with -λ N̄ n on the other (eq:constraint-force), if it meets one. */
+CT_INLINE int is_listed(int meets, int directed, double reach, const ct_point *point)
 {
   const ct_constraint *row = &point->row;
-  return (other == NULL || point->other >= 0) && !isnan(row->gap) &&
-         (contact->axis != NULL || !isnan(row->normal[0])) &&
-         (row->gap <= reach || ct_law_may_release(row));
+  if (!(row->gap <= reach) && (isnan(row->gap) || !ct_law_may_release(row))) return 0;
+  return (!meets || point->other >= 0) && (directed || !isnan(row->normal[0]));
 }
 
-/* List the rows of the points of a side over another one. */
-static int64_t list_over(const ct_contact *contact, const ct_side *side, const ct_side *other,
-                         double dt, ct_constraint **rows)
+/* Motions of an obstacle along its one normal, in the last step and the next one. */
+typedef struct along {
+  double came, coming;
+} along;
+
+/* Complete the row of a point over another side: only start gaps change a gap besides the motion of
+ * nodes. */
+CT_INLINE void row_over(const ct_contact *contact, const int32_t *faces, int32_t per, ct_point *p)
 {
-  const ct_point *end = side->points + side->fixed->point_count;
-  const int32_t *faces = ct_side_row_nodes(other->fixed, 0);
-  const int32_t per = other->search->per;
-  const double reach = contact->reach;
-  int64_t count = 0;
-  for (ct_point *p = side->points; p < end; p++) {
-    p->stored_before = stored_of(p);
-    p->listed = is_listed(contact, other, reach, p);
-    if (p->listed) {
-      // Only start gaps change a gap besides the motion of nodes.
-      p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
-      p->row.other_count = per;
-      p->row.other = &faces[(int64_t)p->other * per];
-      rows[count++] = &p->row;
-    } else ct_law_leave(&p->row, dt);
-  }
-  return count;
+  p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
+  p->row.other_count = per;
+  p->row.other = &faces[(int64_t)p->other * per];
 }
 
-/* List the rows of the points of a side at an obstacle. */
-static int64_t list_at(const ct_contact *contact, const ct_side *side, double dt,
-                       ct_constraint **rows)
+/* Complete the row of a point at an obstacle. */
+CT_INLINE void row_at(const ct_contact *contact, along m, ct_point *p)
+{
+  // -- Motion of the obstacle along the normal, and growth of the start gap
+  if (contact->axis == NULL) m.came = ct_vector_dot(p->row.normal, contact->came);
+  if (contact->axis == NULL) m.coming = ct_vector_dot(p->row.normal, contact->coming);
+  p->row.came = contact->part * (-p->closed - m.came), p->row.moved = -p->closing - m.coming;
+}
+
+/* List the rows of the points of a side over another one, or at an obstacle. Inlined for each. */
+CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, const ct_side *other,
+                            double dt, ct_constraint **rows)
 {
   const ct_point *end = side->points + side->fixed->point_count;
+  const int32_t *faces = other == NULL ? NULL : ct_side_row_nodes(other->fixed, 0);
+  const int32_t per = other == NULL ? 0 : other->search->per;
   const double *axis = contact->axis, reach = contact->reach;
-  double came = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
-         coming = axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming);
+  const along m = {axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
+                   axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming)};
   int64_t count = 0;
   for (ct_point *p = side->points; p < end; p++) {
     p->stored_before = stored_of(p);
-    p->listed = is_listed(contact, NULL, reach, p);
-    if (p->listed) {
-      // -- Motion of the obstacle along the normal, and growth of the start gap
-      if (axis == NULL) came = ct_vector_dot(p->row.normal, contact->came);
-      if (axis == NULL) coming = ct_vector_dot(p->row.normal, contact->coming);
-      p->row.came = contact->part * (-p->closed - came), p->row.moved = -p->closing - coming;
-      rows[count++] = &p->row;
-    } else ct_law_leave(&p->row, dt);
+    p->listed = is_listed(other != NULL, axis != NULL, reach, p);
+    if (!p->listed) {
+      ct_law_leave(&p->row, dt);
+      continue;
+    }
+    if (other != NULL) row_over(contact, faces, per, p);
+    else row_at(contact, m, p);
+    rows[count++] = &p->row;
   }
   return count;
 }
@@ -84,8 +84,8 @@ int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **row
   int64_t count = 0;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s], *other = ct_contact_other(contact, s);
-    count += other != NULL ? list_over(contact, side, other, dt, &rows[count])
-                           : list_at(contact, side, dt, &rows[count]);
+    if (other != NULL) count += list_side(contact, side, other, dt, &rows[count]);
+    else count += list_side(contact, side, NULL, dt, &rows[count]);
   }
   return count;
 }
@@ -106,15 +106,6 @@ double ct_side_take_rows(ct_side *side)
     for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
     top = larger(top, p->force);
   }
-  return top;
-}
-
-double ct_side_largest_force(const ct_side *side)
-{
-  const ct_point *end = side->points + side->fixed->point_count;
-  double top = 0.0;
-  for (const ct_point *p = side->points; p < end; p++)
-    top = p->row.force > top ? p->row.force : top;
   return top;
 }
 
@@ -172,28 +163,14 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
 
-/* The largest debt of a point. */
-static double largest_debt(const ct_contact *contact)
-{
-  double least = 0.0;
-  for (int s = 0; s < contact->fixed->gaps.sides; s++) {
-    const ct_side *side = &contact->gaps.side[s];
-    const ct_point *end = side->points + side->fixed->point_count;
-    for (const ct_point *p = side->points; p < end; p++)
-      least = p->row.impact.reserve < least ? p->row.impact.reserve : least;
-  }
-  double debt = -least;
-  ct_pieces_largest(contact->gaps.side[0].pieces, &debt, 1);
-  return debt;
-}
-
 /* Pay what points owe from what others hold, in the same proportion (eq:impact-debt). */
-void ct_contact_pay_debts(ct_contact *contact)
+int ct_contact_pay_debts(ct_contact *contact, double largest)
 {
-  if (contact->fixed->law.restitution == 0.0 || largest_debt(contact) == 0.0) return;
-  const double debt = sum_energy(contact, debt_of);
+  if (contact->fixed->law.restitution == 0.0) return 0;
+  ct_pieces_largest(contact->gaps.side[0].pieces, &largest, 1);
+  const double debt = largest > 0.0 ? sum_energy(contact, debt_of) : 0.0;
   const double held = debt > 0.0 ? sum_energy(contact, reserve_of) : 0.0;
-  if (!(held > 0.0)) return;
+  if (!(held > 0.0)) return 0;
   // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
   const double paid = fmin(debt, held), keep = 1.0 - paid / held, owe = 1.0 - paid / debt;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
@@ -201,6 +178,7 @@ void ct_contact_pay_debts(ct_contact *contact)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
       p->row.impact.reserve *= p->row.impact.reserve > 0.0 ? keep : owe;
   }
+  return 1;
 }
 
 void ct_contact_complete(ct_contact *contact)
