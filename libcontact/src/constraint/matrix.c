@@ -169,19 +169,26 @@ static void join_nodes(ct_solver *s)
       memcpy(&s->sums[s->shared_nodes[k]], &s->moved[WIDE * (int64_t)k], size);
 }
 
-/* The same for sums along the one normal of all rows, which are fourth components; those of `moved`
- * become the motions along it. */
+/* The same for sums along the one normal n of all rows, which are fourth components; those of
+ * `moved` become the motions along it. Fourth components of mobilities are n · A n. */
 CT_CLONES
-static void move_along(int32_t count, const int32_t *place, const double *normal,
-                       const double *mobility, double *restrict sums, double *restrict moved)
+static void move_along(int32_t count, const int32_t *place, const double *mobility,
+                       double *restrict sums, double *restrict moved)
 {
   for (int32_t k = 0; k < count; k++) {
-    const double *A = &mobility[place[k]];
-    double *to = &moved[place[k]], *sum = &sums[place[k] + 3];
-    // -- A (Gᵀ λ), of which all forces have one direction (eq:constraint-problem)
-    for (int c = 0; c < 3; c++) to[c] = *sum * normal[c] * A[c];
-    to[3] = (normal[0] * to[0] + normal[1] * to[1]) + normal[2] * to[2];
-    *sum = 0.0;
+    const int32_t to = place[k] + 3;
+    // -- n · A n (Gᵀ λ), of which all forces have one direction (eq:constraint-problem)
+    moved[to] = mobility[to] * sums[to];
+    sums[to] = 0.0;
+  }
+}
+
+/* The mobilities along the normal. */
+static void project_mobility(int32_t count, const int32_t *place, const double *n, double *mobility)
+{
+  for (int32_t k = 0; k < count; k++) {
+    double *A = &mobility[place[k]];
+    A[3] = (n[0] * n[0] * A[0] + n[1] * n[1] * A[1]) + n[2] * n[2] * A[2];
   }
 }
 
@@ -200,10 +207,8 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force)
 
 int ct_matrix_push(ct_solver *s, const double *force)
 {
-  const int32_t count = s->active_node_count;
-  if (!add_forces(s, s->along ? ct_add_along : ct_add_full, force)) return 0;
-  if (s->along) move_along(count, s->active_nodes, s->normal, s->mobility, s->sums, s->moved);
-  else move_active_nodes(count, s->active_nodes, s->mobility, s->sums, s->moved);
+  if (!add_forces(s, ct_add_full, force)) return 0;
+  move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
   return 1;
 }
 
@@ -256,6 +261,7 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
   if (!add_forces(s, ct_add_sizes, ones)) return 0;
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
   ct_times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
+  if (s->along) project_mobility(s->active_node_count, s->active_nodes, s->normal, s->mobility);
   return 1;
 }
 
@@ -280,12 +286,21 @@ void ct_matrix_motion(const ct_solver *s, int64_t count, double *x, double *out)
   ct_times_along(s->groups, count, s->entry_place, s->G, x, out);
 }
 
+/* Motions along the one normal of all rows, as fourth components of `moved`. */
+static int slide(ct_solver *s, const double *force)
+{
+  if (!add_forces(s, ct_add_along, force)) return 0;
+  move_along(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
+  return 1;
+}
+
 int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 {
+  const int along = s->along;
   // -- W λ = G (A Gᵀ λ) (eq:constraint-problem)
-  if (!ct_matrix_push(s, force)) return 0;
-  (s->along ? ct_times_along : ct_times_full)(s->groups, s->count, s->entry_place, s->G, s->moved,
-                                              out);
+  if (!(along ? slide(s, force) : ct_matrix_push(s, force))) return 0;
+  (along ? ct_times_along : ct_times_full)(s->groups, s->count, s->entry_place, s->G, s->moved,
+                                           out);
   return 1;
 }
 

@@ -6,7 +6,6 @@
 
 #include <libcontact/base.h>
 
-#include <float.h>
 #include <math.h>
 
 /* Fraction of the energy in an account by which all points may exceed it: on curved faces the gap
@@ -17,15 +16,12 @@ static const double SLACK = 1e-3;
 /* Depth from which on such points are reported, as a fraction of the largest face. */
 static const double DEEP = 0.01;
 
-/* Change of a distance between two steps that may be rounding. */
-static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
-
 /* The present start gap of a point, without that of the start. */
 static double later(const ct_side *side, const ct_point *p)
 {
   double open = fmin(p->row.gap, p->last_known - p->shift);
   // -- Released as it opens (eq:initial-release)
-  return open > p->admitted + unsure(side) ? fmin(open, 0.0) : p->admitted;
+  return open > p->admitted + ct_side_unsure(side) ? fmin(open, 0.0) : p->admitted;
 }
 
 void ct_admission_shift(ct_side *sides, int count, int counted)
@@ -39,7 +35,7 @@ void ct_admission_shift(ct_side *sides, int count, int counted)
       p->admitted = p->other < 0 ? 0.0 : later(side, p);
       p->shift += p->admitted;
       p->row.gap -= p->admitted;
-      if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
+      if (fabs(p->row.gap) <= ct_side_unsure(side)) p->row.gap = 0.0;
     }
   }
 }
@@ -66,7 +62,7 @@ static void admit(ct_side *side, ct_point *p)
   p->shift -= rise;
   p->row.gap += rise;
   p->row.before += rise;
-  if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
+  if (fabs(p->row.gap) <= ct_side_unsure(side)) p->row.gap = 0.0;
 }
 
 /* Count a point that was found inside, if it is deep. */

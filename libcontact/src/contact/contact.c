@@ -159,7 +159,8 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   if (status == CT_OK && now->before > 0.0 && !now->first)
     status = fixed->partner->check(contact, now, error);
   if (status != CT_OK) return status;
-  if (ct_start_gap_counts(rule)) ct_start_gap_shift(rule, sides, count, now, contact->record.time);
+  if (ct_start_gap_counts(rule) && !ct_contact_rounds(contact))
+    ct_start_gap_shift(rule, sides, count, now, contact->record.time);
   if (fixed->admits) ct_admission_shift(sides, count, ct_start_gap_counts(rule));
   if (fixed->admits && !now->first && now->before > 0.0) ct_admission_limit(contact);
   return now->first ? refuse(contact, error) : CT_OK;

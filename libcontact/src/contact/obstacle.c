@@ -136,11 +136,13 @@ CT_INLINE void meet_face(int per, int points, const ct_side_fixed *side, const i
   }
 }
 
-/* Store the gap of a point over a plane; its vector to the plane only if it is wanted. */
-CT_INLINE void keep_gap(ct_point *point, double gap, const double *wanted)
+/* Store the gap of a point over a plane, 0 if it is at most `nothing`; its vector to the plane only
+ * if it is wanted. */
+CT_INLINE void keep_gap(ct_point *point, double gap, double nothing, const double *wanted)
 {
   point->last_known = point->known;
-  point->row.gap = point->known = gap;
+  point->known = gap;
+  point->row.gap = fabs(gap) <= nothing ? 0.0 : gap;
   point->status = gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; wanted != NULL && c < 3; c++) point->d[c] = -gap * wanted[c];
@@ -155,6 +157,7 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
   const int points = side->fixed->rule.count, per = search->per, four = per == 4 && points == 4;
   // The vectors are for start gaps and the explicit penalty.
   const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
+  const double nothing = ct_contact_rounds(contact) ? ct_side_unsure(side) : -1.0;
   ct_point *point = side->points;
   for (int32_t f = 0; f < search->face_count; f++, point += points) {
     const int32_t *node = &search->faces[(int64_t)f * per];
@@ -162,10 +165,10 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
     if (side->owned != NULL && !side->owned[f]) continue;
     if (four) {
       meet_face(4, 4, side->fixed, node, height, gap);
-      for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], wanted);
+      for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], nothing, wanted);
     } else {
       meet_face(per, points, side->fixed, node, height, gap);
-      for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], wanted);
+      for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], nothing, wanted);
     }
   }
 }

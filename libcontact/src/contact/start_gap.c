@@ -5,7 +5,6 @@
 #include "../base/vector.h"
 #include "contact_internal.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -77,10 +76,6 @@ static int is_facing(const ct_side *side, int64_t i)
          ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
 }
 
-/* Change of the distance of a point at rest from one step to the next, because its closest point
- * comes from another iteration. */
-static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
-
 /* Distance of a touching point along the normal: the error of its closest point is tangential. */
 static double touching_gap(const ct_side *side, const ct_point *point)
 {
@@ -108,7 +103,7 @@ static double later_gap(const ct_start_rule *rule, const ct_side *side, double s
 {
   // -- Released once it has opened for two steps (eq:initial-release)
   double open = fmin(gap, last) - rule->adjust;
-  if (s == 0.0 || !(open > s * share + unsure(side))) return s;
+  if (s == 0.0 || !(open > s * share + ct_side_unsure(side))) return s;
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
 }
 
@@ -145,7 +140,7 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
          next_share = left(rule, now->time + now->dt);
   for (ct_side *side = sides; side < sides + count; side++) {
     const ct_point *end = side->points + side->fixed->point_count;
-    const double nothing = unsure(side);
+    const double nothing = ct_side_unsure(side);
     const int shifted = side->shifted;
     if (shifted) side->shifted = 0;
     for (ct_point *p = side->points; p < end; p++) {

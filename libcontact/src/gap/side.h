@@ -8,6 +8,8 @@
 #include "../base/pieces.h"
 #include "../search/search_internal.h"
 
+#include <float.h>
+
 /* A method that compares distances finds the closest point to the root of the rounding, as a
  * fraction of a face; the gap of a touching point has the same error. */
 static const double CT_CLOSEST_POINT_ERROR = 1e-6;
@@ -167,6 +169,13 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
  * shape, and the place; negative or NaN if it is not inside. */
 double ct_side_depth(const ct_side *side, const ct_search *other, int32_t face, const double xi[2],
                      double y[3]);
+
+/* Size of a change of a distance between two steps that may be rounding: the closest point of a
+ * point at rest comes from another iteration. */
+static inline double ct_side_unsure(const ct_side *side)
+{
+  return 16.0 * DBL_EPSILON * side->search->size;
+}
 
 /* Distance below which a point and its closest point coincide: the gap vector has no direction. */
 static inline double ct_side_coincident(const ct_side *side) { return 1e-12 * side->search->size; }
