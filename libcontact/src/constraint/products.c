@@ -143,20 +143,42 @@ CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t row
   }
 }
 
+/* Whether a group has some numbers of nodes and rows. */
+CT_INLINE int is_like(const ct_group *g, int32_t own, int32_t other, int32_t rows)
+{
+  return (g->own == own) & (g->other == other) & (g->rows == rows);
+}
+
+/* Vectors of a product: at the nodes, and at the rows from those of a group on. */
+typedef struct factors {
+  const int32_t *places;
+  const double *G, *x;
+  double *out, *end;
+} factors;
+
+/* The product of groups with the same numbers of nodes and rows, which follow on each other: most
+ * do, so that these numbers are constants in a loop. Returns the group behind them. */
+CT_INLINE const ct_group *times_like(row_part part, int32_t own, int32_t other, int32_t rows,
+                                     const ct_group *e, factors *f)
+{
+  do {
+    times_rows(part, own, other, rows, &f->places[e->place], &f->G[e->first], f->x, f->out);
+    f->out += rows, e++;
+  } while (f->out < f->end && is_like(e, own, other, rows));
+  return e;
+}
+
 /* G times a vector at nodes. */
 CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count,
                             const int32_t *places, const double *G, const double *x, double *out)
 {
-  const double *end = out + count;
-  for (const ct_group *e = groups; out < end; out += e->rows, e++) {
-    const int32_t *place = &places[e->place], rows = e->rows;
-    const double *g = &G[e->first];
-    if (e->own == 4 && e->other == 4 && rows == 4) times_rows(part, 4, 4, 4, place, g, x, out);
-    else if (e->own == 4 && e->other == 0 && rows == 4) times_rows(part, 4, 0, 4, place, g, x, out);
-    else if (e->own == 4 && e->other == 4) times_rows(part, 4, 4, rows, place, g, x, out);
-    else if (e->own == 8 && e->other == 8) times_rows(part, 8, 8, rows, place, g, x, out);
-    else times_rows(part, e->own, e->other, rows, place, g, x, out);
-  }
+  factors f = {places, G, x, out, out + count};
+  for (const ct_group *e = groups; f.out < f.end;)
+    if (is_like(e, 4, 4, 4)) e = times_like(part, 4, 4, 4, e, &f);
+    else if (is_like(e, 4, 0, 4)) e = times_like(part, 4, 0, 4, e, &f);
+    else if (e->own == 4 && e->other == 4) e = times_like(part, 4, 4, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8) e = times_like(part, 8, 8, e->rows, e, &f);
+    else e = times_like(part, e->own, e->other, e->rows, e, &f);
 }
 
 CT_CLONES
@@ -240,24 +262,38 @@ CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other
   add_nodes(part, own, other, place, sum, sums);
 }
 
+/* Vectors of such sums: the forces from those of a group on, and at the nodes. */
+typedef struct forces {
+  const int32_t *places;
+  const double *G, *force;
+  double *sums;
+  const ct_group *end;
+} forces;
+
+/* Add the rows of groups with the same numbers of nodes and rows, as times_like. */
+CT_INLINE const ct_group *add_like(row_part part, double coarse, int32_t own, int32_t other,
+                                   int32_t rows, const ct_group *e, forces *f)
+{
+  do {
+    add_rows(part, coarse, own, other, rows, &f->places[e->place], &f->G[e->first], f->force,
+             f->sums);
+    f->force += rows, e++;
+  } while (e < f->end && is_like(e, own, other, rows));
+  return e;
+}
+
 /* Gᵀ times the forces of rows. */
 CT_INLINE void add_groups(row_part part, double coarse, const ct_group *groups, int64_t count,
                           const int32_t *places, const double *G, const double *force,
                           double *restrict sums)
 {
-  for (const ct_group *e = groups; e < groups + count; force += e->rows, e++) {
-    const int32_t *place = &places[e->place], rows = e->rows;
-    const double *g = &G[e->first];
-    if (e->own == 4 && e->other == 4 && rows == 4)
-      add_rows(part, coarse, 4, 4, 4, place, g, force, sums);
-    else if (e->own == 4 && e->other == 0 && rows == 4)
-      add_rows(part, coarse, 4, 0, 4, place, g, force, sums);
-    else if (e->own == 4 && e->other == 4)
-      add_rows(part, coarse, 4, 4, rows, place, g, force, sums);
-    else if (e->own == 8 && e->other == 8)
-      add_rows(part, coarse, 8, 8, rows, place, g, force, sums);
-    else add_rows(part, coarse, e->own, e->other, rows, place, g, force, sums);
-  }
+  forces f = {places, G, force, sums, groups + count};
+  for (const ct_group *e = groups; e < f.end;)
+    if (is_like(e, 4, 4, 4)) e = add_like(part, coarse, 4, 4, 4, e, &f);
+    else if (is_like(e, 4, 0, 4)) e = add_like(part, coarse, 4, 0, 4, e, &f);
+    else if (e->own == 4 && e->other == 4) e = add_like(part, coarse, 4, 4, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8) e = add_like(part, coarse, 8, 8, e->rows, e, &f);
+    else e = add_like(part, coarse, e->own, e->other, e->rows, e, &f);
 }
 
 CT_CLONES
