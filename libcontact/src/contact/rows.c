@@ -288,11 +288,12 @@ CT_INLINE void spread_four(int stride, const ct_grid *grid, int solved, const ct
 CT_INLINE void spread_faces(int stride, const ct_grid *grid, int solved, ct_side *side,
                             ct_side *other)
 {
+  const ct_grid at = *grid; // which need not be read again after each number that is written
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
   for (int32_t face = 0; face < side->search->face_count; face++)
     if (are_four(side, solved, &side->points[(int64_t)face * side->fixed->rule.count]))
-      spread_four(stride, grid, solved, side, face, other, &own, &theirs);
-    else spread_points(stride, grid, solved, side, face, other, &own, &theirs);
+      spread_four(stride, &at, solved, side, face, other, &own, &theirs);
+    else spread_points(stride, &at, solved, side, face, other, &own, &theirs);
   ct_heap_bring(stride, &own, NULL);
   ct_heap_bring(stride, &theirs, NULL);
 }
@@ -374,10 +375,11 @@ static void push_plane(const ct_grid *grid, ct_side *side, const double axis[3])
 {
   const int64_t count = side->search->node_count;
   const int per = side->search->per;
+  const ct_grid at = *grid; // as above
   double *coarse = side->force, *fine = side->force_fine;
   for (int32_t face = 0; face < side->search->face_count; face++)
-    if (per == 4) push_face(4, 4, grid, side, face);
-    else push_face(8, per, grid, side, face);
+    if (per == 4) push_face(4, 4, &at, side, face);
+    else push_face(8, per, &at, side, face);
   ct_pieces_sum(side->pieces, coarse, count);
   ct_pieces_sum(side->pieces, fine, count);
   // The sizes are in the first third of the array; from the last node on, none is overwritten
