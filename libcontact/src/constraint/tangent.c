@@ -9,6 +9,7 @@
 #include "law.h"
 #include "matrix.h"
 #include "tangent_matrix.h"
+#include "tangent_settle.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,13 +18,8 @@
 enum { WIDE = CT_SOLVER_WIDE, MOST_ROUNDS = 1000, MOST_CHEBYSHEV = 40 };
 
 /* The iteration ends when the largest change of a force is below this fraction of the largest
- * force; a point sticks when its slip is below this many times that change. */
-static const double TOLERANCE = 1e-4, STICK = 10.0;
-
-/* The smallest tolerance to which it goes on while energy appears; the share of a disc's radius
- * that counts as its edge; and the share of the springs' energy above which points that pay with it
- * have slipped. */
-static const double TIGHT = 1e-8, ON_EDGE = 1e-9, SLIPPED = 0.01;
+ * force, or, while energy appears, a smaller one. */
+static const double TOLERANCE = 1e-4, TIGHT = 1e-8;
 
 /* Smallest eigenvalue of D⁻¹ (W + C) that Chebyshev steps count on; the largest is at most 1. */
 static const double LOWEST = 0.08;
@@ -85,12 +81,6 @@ static ct_slip_set set_of(const ct_tangent *t, int64_t j)
   ct_slip_set set = {.limit = t->limit[j], .most = t->most[j]};
   ct_columns_get(&t->c, j, set.c);
   return set;
-}
-
-/* The product of two vectors of row j. */
-CT_INLINE double dot(const ct_columns *a, const ct_columns *b, int64_t j)
-{
-  return (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
 }
 
 /* `to` = forces without the parts beyond their discs, and `beyond` = 1 where they are still beyond
@@ -328,7 +318,7 @@ static int shift_gaps(ct_solver *s, double *change)
 static double product(ct_solver *s, const ct_columns *a, const ct_columns *b)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) t->terms[j] = dot(a, b, j);
+  for (int64_t j = 0; j < t->count; j++) t->terms[j] = ct_columns_dot(a, b, j);
   return ct_sum_over(s->pieces, t->terms, t->count);
 }
 
@@ -359,132 +349,6 @@ static void shorten_forces(ct_solver *s)
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] *= theta;
   t->shifted = 0;
-}
-
-/* The reserves that the points want for the next step; -1 for points that stick: the iteration does
- * not resolve their slips, and their forces are within the discs or not against the slips
- * (eq:slip-stick). Computed without branches; `may_stick` is 1 or 0. */
-CT_CLONES
-static void find_wanted(const ct_tangent *t, double may_stick, double *restrict wanted)
-{
-  const double reach = may_stick * STICK * t->tolerance * t->size_of_force;
-  const double *limit = t->limit, *scale = t->scale, *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2],
-               *X = t->slip.x[0], *Y = t->slip.x[1], *Z = t->slip.x[2];
-#pragma omp simd
-  for (int64_t j = 0; j < t->count; j++) {
-    // -- |Δs| <= 10 ε D max |T|, and |T| < μ λ or T · Δs >= 0 (eq:slip-stick)
-    const double most = reach / scale[j], edge = (1.0 - ON_EDGE) * limit[j],
-                 slow = most * most - ((X[j] * X[j] + Y[j] * Y[j]) + Z[j] * Z[j]),
-                 within = edge * edge - ((x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]),
-                 along = (x[j] * X[j] + y[j] * Y[j]) + z[j] * Z[j],
-                 held = within > along ? within : along, sticks = slow < held ? slow : held;
-    // -- R = -½ T · slip (eq:slip-store)
-    const double R = -0.5 * along, next = R > 0.0 ? R : 0.0;
-    wanted[j] = sticks >= 0.0 ? -1.0 : next;
-  }
-}
-
-/* One component of the elastic slips at the end of the step. */
-CT_CLONES
-static void find_ends(int64_t count, const double *C, const double *T, const double *kappa,
-                      const double *e0, const double *slip, const double *wanted,
-                      double *restrict end)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) {
-    const double law = -C[j] * T[j] - kappa[j] * e0[j], own = wanted[j] < 0.0 ? slip[j] : 0.0;
-    // -- e_n + D₊ where it sticks, D₊ being Δs - C T - e_n - κ e_{n-1} (eq:slip-residual)
-    end[j] = law + own;
-  }
-}
-
-/* The energies of all rows. */
-CT_CLONES
-static void find_works(const ct_tangent *t)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < t->count; j++) {
-    const double spring = t->C[j] * dot(&t->T, &t->T, j) +
-                          (dot(&t->T, &t->e, j) + t->kappa[j] * dot(&t->T, &t->e0, j)),
-                 after = dot(&t->T, &t->slip, j) - spring, earlier = dot(&t->T, &t->last, j);
-    // -- ½ T · (D₊ + D₋) (eq:slip-work)
-    t->work[j] = 0.5 * (after + earlier);
-    // -- ¼ T · (D₊ - D₋) (eq:slip-held)
-    t->lag[j] = 0.25 * (after - earlier);
-    // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
-    t->loss[j] = 0.25 * t->k[j] * (dot(&t->e0, &t->e0, j) - dot(&t->end, &t->end, j)) +
-                 (t->reserve[j] - t->work[j]);
-  }
-}
-
-/* Energy that all rows lose together (eq:slip-loss), 0 where it is rounding. */
-static double find_loss(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  const double loss = ct_sum_over(s->pieces, t->loss, t->count);
-  if (loss >= 0.0) return loss;
-  for (int64_t j = 0; j < t->count; j++)
-    t->terms[j] = 0.25 * t->k[j] * (dot(&t->e, &t->e, j) + dot(&t->e0, &t->e0, j)) +
-                  fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
-  const double size = ct_sum_over(s->pieces, t->terms, t->count);
-  return loss >= -8.0 * DBL_EPSILON * size ? 0.0 : loss;
-}
-
-/* Elastic slips and energies of all rows; returns what they lose together. */
-static double settle(ct_solver *s, double may_stick)
-{
-  ct_tangent *t = s->tangent;
-  find_wanted(t, may_stick, t->wanted);
-  for (int c = 0; c < 3; c++)
-    find_ends(t->count, t->C, t->T.x[c], t->kappa, t->e0.x[c], t->slip.x[c], t->wanted,
-              t->end.x[c]);
-  find_works(t);
-  return find_loss(s);
-}
-
-/* Shorten the elastic slips of the points that stick, so that their springs give back the energy
- * `gain` less (eq:slip-paid). Returns 0 if they have less. */
-static int shorten_slips(ct_solver *s, double gain)
-{
-  ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++)
-    t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * dot(&t->end, &t->end, j) : 0.0;
-  const double stored = ct_sum_over(s->pieces, t->terms, t->count), share = gain / stored;
-  if (!(gain < stored)) return 0;
-  // -- e_{n+1} √(1 - gain / stored) (eq:slip-paid)
-  const double factor = sqrt(1.0 - share);
-  for (int64_t j = 0; j < t->count; j++) {
-    if (t->wanted[j] >= 0.0) continue;
-    t->loss[j] += share * t->terms[j];
-    for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
-    if (share > SLIPPED) t->wanted[j] = 0.0;
-  }
-  return 1;
-}
-
-/* The part of the wanted reserves that the losses of the step pay (eq:slip-stick). */
-static double part_of_reserves(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) t->terms[j] = fmax(t->wanted[j], 0.0);
-  const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
-               lost = ct_sum_over(s->pieces, t->loss, t->count);
-  return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
-}
-
-/* Store the force of a row, its elastic slips, and its part of the reserve it wants. */
-static void store_row(const ct_tangent *t, int64_t j, double part)
-{
-  ct_slip *p = t->rows[j].slip;
-  const double wanted = t->wanted[j];
-  for (int i = 0; i < 3; i++) {
-    p->force[i] = t->T.x[i][j];
-    p->before[i] = t->e.x[i][j];
-    p->e[i] = t->end.x[i][j];
-  }
-  p->work = t->work[j], p->lag = t->lag[j];
-  p->stuck = wanted < 0.0;
-  p->reserve = wanted > 0.0 ? part * wanted : 0.0;
 }
 
 /* Whether a normal force has changed so much that the limits must follow it. */
@@ -524,10 +388,10 @@ static int find_forces(ct_solver *s)
     const int rounds = iterate(s, least), converged = rounds < t->most_rounds;
     if (rounds < 0) return -1;
     shorten_forces(s);
-    const double loss = settle(s, 1.0);
+    const double loss = ct_tangent_settle(s, 1.0);
     if (loss >= 0.0) return converged;
     if (converged && least > TIGHT) continue;
-    if (!shorten_slips(s, -loss)) settle(s, 0.0);
+    if (!ct_tangent_shorten_slips(s, -loss)) ct_tangent_settle(s, 0.0);
     return converged;
   }
 }
@@ -553,19 +417,6 @@ int ct_tangent_drop(ct_solver *s)
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
   t->shifted = 0;
-  settle(s, 0.0);
+  ct_tangent_settle(s, 0.0);
   return shift_gaps(s, &change);
-}
-
-void ct_tangent_store(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  if (!t->some) return;
-  const double part = part_of_reserves(s);
-  for (int64_t j = 0; j < t->count; j++) {
-    const int acts =
-        t->limit[j] > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
-    if (acts) store_row(t, j, part);
-    else ct_slip_open(t->rows[j].slip);
-  }
 }

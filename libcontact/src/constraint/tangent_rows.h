@@ -71,6 +71,12 @@ static inline void ct_columns_get(const ct_columns *of, int64_t j, double v[3])
   for (int c = 0; c < 3; c++) v[c] = of->x[c][j];
 }
 
+/* The product of two vectors of row j. */
+static inline double ct_columns_dot(const ct_columns *a, const ct_columns *b, int64_t j)
+{
+  return (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
+}
+
 /* List the active rows with friction, and those with a given force, with the motion of the last
  * step and the force of the guess; the points of other rows are open. */
 void ct_tangent_list(ct_solver *solver);

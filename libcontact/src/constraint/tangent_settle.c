@@ -1,0 +1,153 @@
+/* What the tangential forces of a step store and lose: elastic slips, works and reserves of all
+ * points (eq:slip-store, eq:slip-loss). */
+#include "tangent_settle.h"
+
+#include "../base/lanes.h"
+#include "../base/stream.h"
+#include "../base/vector.h"
+#include "tangent.h"
+#include "tangent_rows.h"
+
+#include <float.h>
+#include <math.h>
+
+/* A point sticks when its slip is below this many times the tolerated change of its force. The
+ * share of a disc's radius that counts as its edge; and the share of the springs' energy above
+ * which points that pay with it have slipped. */
+static const double STICK = 10.0, ON_EDGE = 1e-9, SLIPPED = 0.01;
+
+/* The reserves that the points want for the next step; -1 for points that stick: the iteration does
+ * not resolve their slips, and their forces are within the discs or not against the slips
+ * (eq:slip-stick). Computed without branches; `may_stick` is 1 or 0. */
+CT_CLONES
+static void find_wanted(const ct_tangent *t, double may_stick, double *restrict wanted)
+{
+  const double reach = may_stick * STICK * t->tolerance * t->size_of_force;
+  const double *limit = t->limit, *scale = t->scale, *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2],
+               *X = t->slip.x[0], *Y = t->slip.x[1], *Z = t->slip.x[2];
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    // -- |Δs| <= 10 ε D max |T|, and |T| < μ λ or T · Δs >= 0 (eq:slip-stick)
+    const double most = reach / scale[j], edge = (1.0 - ON_EDGE) * limit[j],
+                 slow = most * most - ((X[j] * X[j] + Y[j] * Y[j]) + Z[j] * Z[j]),
+                 within = edge * edge - ((x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]),
+                 along = (x[j] * X[j] + y[j] * Y[j]) + z[j] * Z[j],
+                 held = within > along ? within : along, sticks = slow < held ? slow : held;
+    // -- R = -½ T · slip (eq:slip-store)
+    const double R = -0.5 * along, next = R > 0.0 ? R : 0.0;
+    wanted[j] = sticks >= 0.0 ? -1.0 : next;
+  }
+}
+
+/* One component of the elastic slips at the end of the step. */
+CT_CLONES
+static void find_ends(int64_t count, const double *C, const double *T, const double *kappa,
+                      const double *e0, const double *slip, const double *wanted,
+                      double *restrict end)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) {
+    const double law = -C[j] * T[j] - kappa[j] * e0[j], own = wanted[j] < 0.0 ? slip[j] : 0.0;
+    // -- e_n + D₊ where it sticks, D₊ being Δs - C T - e_n - κ e_{n-1} (eq:slip-residual)
+    end[j] = law + own;
+  }
+}
+
+/* The energies of all rows. */
+CT_CLONES
+static void find_works(const ct_tangent *t)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    const double spring = t->C[j] * ct_columns_dot(&t->T, &t->T, j) +
+                          (ct_columns_dot(&t->T, &t->e, j) + t->kappa[j] * ct_columns_dot(&t->T, &t->e0, j)),
+                 after = ct_columns_dot(&t->T, &t->slip, j) - spring, earlier = ct_columns_dot(&t->T, &t->last, j);
+    // -- ½ T · (D₊ + D₋) (eq:slip-work)
+    t->work[j] = 0.5 * (after + earlier);
+    // -- ¼ T · (D₊ - D₋) (eq:slip-held)
+    t->lag[j] = 0.25 * (after - earlier);
+    // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
+    t->loss[j] = 0.25 * t->k[j] * (ct_columns_dot(&t->e0, &t->e0, j) - ct_columns_dot(&t->end, &t->end, j)) +
+                 (t->reserve[j] - t->work[j]);
+  }
+}
+
+/* Energy that all rows lose together (eq:slip-loss), 0 where it is rounding. */
+static double find_loss(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  const double loss = ct_sum_over(s->pieces, t->loss, t->count);
+  if (loss >= 0.0) return loss;
+  for (int64_t j = 0; j < t->count; j++)
+    t->terms[j] = 0.25 * t->k[j] * (ct_columns_dot(&t->e, &t->e, j) + ct_columns_dot(&t->e0, &t->e0, j)) +
+                  fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
+  const double size = ct_sum_over(s->pieces, t->terms, t->count);
+  return loss >= -8.0 * DBL_EPSILON * size ? 0.0 : loss;
+}
+
+double ct_tangent_settle(ct_solver *s, double may_stick)
+{
+  ct_tangent *t = s->tangent;
+  find_wanted(t, may_stick, t->wanted);
+  for (int c = 0; c < 3; c++)
+    find_ends(t->count, t->C, t->T.x[c], t->kappa, t->e0.x[c], t->slip.x[c], t->wanted,
+              t->end.x[c]);
+  find_works(t);
+  return find_loss(s);
+}
+
+int ct_tangent_shorten_slips(ct_solver *s, double gain)
+{
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++)
+    t->terms[j] = t->wanted[j] < 0.0 ? 0.25 * t->k[j] * ct_columns_dot(&t->end, &t->end, j) : 0.0;
+  const double stored = ct_sum_over(s->pieces, t->terms, t->count), share = gain / stored;
+  if (!(gain < stored)) return 0;
+  // -- e_{n+1} √(1 - gain / stored) (eq:slip-paid)
+  const double factor = sqrt(1.0 - share);
+  for (int64_t j = 0; j < t->count; j++) {
+    if (t->wanted[j] >= 0.0) continue;
+    t->loss[j] += share * t->terms[j];
+    for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
+    if (share > SLIPPED) t->wanted[j] = 0.0;
+  }
+  return 1;
+}
+
+/* The part of the wanted reserves that the losses of the step pay (eq:slip-stick). */
+static double part_of_reserves(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  for (int64_t j = 0; j < t->count; j++) t->terms[j] = fmax(t->wanted[j], 0.0);
+  const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
+               lost = ct_sum_over(s->pieces, t->loss, t->count);
+  return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
+}
+
+/* Store the force of a row, its elastic slips, and its part of the reserve it wants. */
+static void store_row(const ct_tangent *t, int64_t j, double part)
+{
+  ct_slip *p = t->rows[j].slip;
+  const double wanted = t->wanted[j];
+  for (int i = 0; i < 3; i++) {
+    p->force[i] = t->T.x[i][j];
+    p->before[i] = t->e.x[i][j];
+    p->e[i] = t->end.x[i][j];
+  }
+  p->work = t->work[j], p->lag = t->lag[j];
+  p->stuck = wanted < 0.0;
+  p->reserve = wanted > 0.0 ? part * wanted : 0.0;
+}
+
+void ct_tangent_store(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  if (!t->some) return;
+  const double part = part_of_reserves(s);
+  for (int64_t j = 0; j < t->count; j++) {
+    const int acts =
+        t->limit[j] > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
+    if (acts) store_row(t, j, part);
+    else ct_slip_open(t->rows[j].slip);
+  }
+}
