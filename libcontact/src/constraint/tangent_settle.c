@@ -60,15 +60,18 @@ static void find_works(const ct_tangent *t)
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
     const double spring = t->C[j] * ct_columns_dot(&t->T, &t->T, j) +
-                          (ct_columns_dot(&t->T, &t->e, j) + t->kappa[j] * ct_columns_dot(&t->T, &t->e0, j)),
-                 after = ct_columns_dot(&t->T, &t->slip, j) - spring, earlier = ct_columns_dot(&t->T, &t->last, j);
+                          (ct_columns_dot(&t->T, &t->e, j) +
+                           t->kappa[j] * ct_columns_dot(&t->T, &t->e0, j)),
+                 after = ct_columns_dot(&t->T, &t->slip, j) - spring,
+                 earlier = ct_columns_dot(&t->T, &t->last, j);
     // -- ½ T · (D₊ + D₋) (eq:slip-work)
     t->work[j] = 0.5 * (after + earlier);
     // -- ¼ T · (D₊ - D₋) (eq:slip-held)
     t->lag[j] = 0.25 * (after - earlier);
     // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
-    t->loss[j] = 0.25 * t->k[j] * (ct_columns_dot(&t->e0, &t->e0, j) - ct_columns_dot(&t->end, &t->end, j)) +
-                 (t->reserve[j] - t->work[j]);
+    t->loss[j] =
+        0.25 * t->k[j] * (ct_columns_dot(&t->e0, &t->e0, j) - ct_columns_dot(&t->end, &t->end, j)) +
+        (t->reserve[j] - t->work[j]);
   }
 }
 
@@ -79,8 +82,9 @@ static double find_loss(ct_solver *s)
   const double loss = ct_sum_over(s->pieces, t->loss, t->count);
   if (loss >= 0.0) return loss;
   for (int64_t j = 0; j < t->count; j++)
-    t->terms[j] = 0.25 * t->k[j] * (ct_columns_dot(&t->e, &t->e, j) + ct_columns_dot(&t->e0, &t->e0, j)) +
-                  fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
+    t->terms[j] =
+        0.25 * t->k[j] * (ct_columns_dot(&t->e, &t->e, j) + ct_columns_dot(&t->e0, &t->e0, j)) +
+        fabs(t->work[j]) + 2.0 * fabs(t->lag[j]);
   const double size = ct_sum_over(s->pieces, t->terms, t->count);
   return loss >= -8.0 * DBL_EPSILON * size ? 0.0 : loss;
 }

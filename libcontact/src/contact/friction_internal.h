@@ -1,0 +1,101 @@
+#ifndef CT_SRC_CONTACT_FRICTION_INTERNAL_H
+#define CT_SRC_CONTACT_FRICTION_INTERNAL_H
+
+#include "../base/memory.h"
+#include "../constraint/slip.h"
+#include "contact_internal.h"
+
+/* Constant data: friction acts on a contact or, if `rigid`, on an obstacle, with one or two sides.
+ */
+typedef struct ct_friction {
+  ct_interaction is;
+  double mu, rho;
+  int rigid, sides, explicit;
+  int other_nodes; /* largest number of nodes of a partner's face */
+  const ct_side_fixed *side[2];
+  int64_t points;
+} ct_friction;
+
+/* Memory of an elastic slip: its components along the tangents and the normal of the partner's
+ * face, or at an obstacle along the axes, and its length (eq:friction-components). */
+typedef struct ct_slip_memory {
+  double part[3], length;
+} ct_slip_memory;
+
+/* Memory of friction for one point. */
+typedef struct ct_slip_record {
+  double other;    /* face of the other side plus one, 1 at an obstacle; 0: open */
+  double place[2]; /* parameters of the closest point on that face */
+  ct_slip_memory e, before;
+  double reserve, stuck;
+  double force[3];
+} ct_slip_record;
+
+/* And behind all points: whether there was an earlier call, and what they stored at the middle of
+ * its step and had dissipated by then; force of friction on an obstacle in it, and the work of its
+ * motion against it. */
+typedef struct ct_friction_tail {
+  double begun, stored, lost, reaction[3], motion;
+} ct_friction_tail;
+enum {
+  CT_FRICTION_RECORD = sizeof(ct_slip_record) / sizeof(double),
+  CT_FRICTION_TAIL = sizeof(ct_friction_tail) / sizeof(double)
+};
+
+/* Axes of the partner's face at the closest point: the vectors a^i (eq:friction-components) and the
+ * unit normal; all 0 where the face has none. */
+typedef struct ct_face_axes {
+  double dual[2][3], n[3];
+} ct_face_axes;
+
+typedef struct ct_friction_state {
+  ct_pool pool;
+  const ct_friction *data;
+  ct_slip *points;
+  int64_t listed_count;
+  int64_t *listed;         /* the points whose rows are listed in this step */
+  ct_face_axes *axes;      /* of each point, from the list of rows to the forces */
+  double (*turn)[8];       /* w_b · T of each point, for the nodes of the other face */
+  const ct_pieces *pieces; /* those of the sides */
+  double *coarse, *fine;   /* sums at the nodes, and one number more, 0 */
+  double *terms;           /* one number per point or node */
+  ct_friction_tail tail;
+  double held, dissipated; /* at t_n */
+} ct_friction_state;
+
+/* Data shared by the points of one call: the sides now. */
+typedef struct ct_friction_call {
+  const ct_friction *data;
+  const ct_surface_motion *at;
+  const ct_side *side[2];
+} ct_friction_call;
+
+/* One listed point: point `i` of side `s`, the number `j` of all. */
+typedef struct ct_friction_place {
+  int s;
+  int64_t i, j;
+} ct_friction_place;
+
+static inline ct_friction_place ct_friction_place_of(const ct_friction_call *now, int64_t j)
+{
+  const int64_t first = now->data->side[0]->point_count;
+  return j < first ? (ct_friction_place){0, j, j} : (ct_friction_place){1, j - first, j};
+}
+
+static inline const ct_search *ct_friction_other(const ct_friction_call *now, int s)
+{
+  return now->side[now->data->sides - 1 - s]->search;
+}
+
+/* Give eight listed points, from one on, their friction in the next step. */
+void ct_friction_prepare(const ct_friction_call *now, ct_friction_state *state, int64_t first);
+
+/* Store what the next step needs of a listed point. */
+void ct_friction_store(const ct_friction_call *now, ct_friction_state *state, ct_friction_place at);
+
+/* Tractions and couples of all points at the nodes, in sums that do not depend on their order
+ * (eq:slip-row). */
+ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_state *state, int32_t nodes,
+                             double *force, ct_error *error);
+
+#endif
