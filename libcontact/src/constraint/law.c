@@ -165,9 +165,12 @@ CT_INLINE double damping(double zeta, double stiffness, double mobility)
   return fabs(a) <= DBL_MAX ? a : 0.0;
 }
 
-double ct_law_damping(double zeta, double stiffness, double mobility)
+CT_CLONES
+void ct_law_dampings(int64_t count, const double *zeta, const double *stiffness,
+                     const double *mobility, double fraction, double *restrict a)
 {
-  return damping(zeta, stiffness, mobility);
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) a[r] = damping(zeta[r], stiffness[r], mobility[r] / fraction);
 }
 
 CT_INLINE double dashpot(const ct_constraint *c, double mobility)

@@ -31,8 +31,10 @@ int ct_law_keeps_account(ct_enforcement law);
 /* The law of a row in the next step, after all its values at t_n are set. */
 ct_ramp ct_law_ramp(const ct_constraint *row);
 
-/* The coefficient a of a dashpot with the damping ratio `zeta` on a spring (eq:surface-damping). */
-double ct_law_damping(double zeta, double stiffness, double mobility);
+/* The coefficients a of dashpots with the damping ratios `zeta` on springs, for steps in which
+ * forces act on a `fraction` of the time (eq:surface-damping). */
+void ct_law_dampings(int64_t count, const double *zeta, const double *stiffness,
+                     const double *mobility, double fraction, double *a);
 
 /* The coefficient a of the dashpot of a row; `mobility` is the change of its gap by unit forces on
  * all points around it (eq:surface-damping). */

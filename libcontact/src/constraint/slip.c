@@ -12,28 +12,6 @@ void ct_slip_open(ct_slip *s)
   for (int i = 0; i < 3; i++) s->e[i] = s->before[i] = s->force[i] = 0.0;
 }
 
-ct_slip_law ct_slip_law_of(const ct_slip *s, double a)
-{
-  // -- C = 2 / (k (1 + a)), κ = (1 - a) / (1 + a) (eq:slip-residual)
-  return (ct_slip_law){.C = 2.0 / (s->k * (1.0 + a)), .kappa = (1.0 - a) / (1.0 + a)};
-}
-
-ct_slip_set ct_slip_set_of(const ct_slip *s, double normal_force, const double last[3])
-{
-  static const double ROUNDING = 1e-13;
-  ct_slip_set set = {.limit = s->mu * normal_force, .most = 2.0 * fmax(s->reserve, 0.0)};
-  double size = 0.0, length = 0.0;
-  if (s->stuck) return set;
-  for (int i = 0; i < 3; i++) {
-    // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
-    set.c[i] = last[i] - (s->e[i] - s->before[i]);
-    size = fmax(size, fabs(last[i]) + fabs(s->e[i]) + fabs(s->before[i]));
-    length = fmax(length, fabs(set.c[i]));
-  }
-  if (!(length > ROUNDING * size)) set.c[0] = set.c[1] = set.c[2] = 0.0;
-  return set;
-}
-
 /* Shorten a vector to a length. */
 static void shorten(double length, double v[3])
 {

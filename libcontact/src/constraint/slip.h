@@ -32,22 +32,10 @@ typedef struct ct_slip {
 /* A point without a normal force: its spring is empty, as that of a new point. */
 void ct_slip_open(ct_slip *slip);
 
-/* The law of a step: C T + e_n + κ e_{n-1} + D = slip of the step (eq:slip-residual). */
-typedef struct ct_slip_law {
-  double C, kappa;
-} ct_slip_law;
-
-/* `a` is the coefficient of the dashpot (eq:surface-damping). */
-ct_slip_law ct_slip_law_of(const ct_slip *slip, double a);
-
 /* The allowed forces of a step: |T| <= limit and T · c <= most (eq:slip-set). */
 typedef struct ct_slip_set {
   double limit, most, c[3];
 } ct_slip_set;
-
-/* The set of a point with the normal force `normal_force`, whose motion in the last step was
- * `last`. */
-ct_slip_set ct_slip_set_of(const ct_slip *slip, double normal_force, const double last[3]);
 
 /* The factor of a force with the square `size2` that shortens it to a limit. */
 static inline double ct_slip_part(double limit, double size2)

@@ -6,8 +6,8 @@
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
-#include "law.h"
 #include "matrix.h"
+#include "tangent_laws.h"
 #include "tangent_matrix.h"
 #include "tangent_settle.h"
 
@@ -44,35 +44,13 @@ void ct_tangent_create(ct_solver *s, int64_t most)
                            &t->slip0,  &t->aim,  &t->next, &t->c, &t->e,     &t->e0,   &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
-  double **numbers[] = {&t->limit, &t->most,    &t->k,    &t->C,   &t->kappa, &t->scale,
-                        &t->terms, &t->reserve, &t->work, &t->lag, &t->loss,  &t->wanted};
+  double **numbers[] = {&t->limit,   &t->most, &t->k,   &t->C,    &t->kappa,  &t->scale, &t->terms,
+                        &t->reserve, &t->work, &t->lag, &t->loss, &t->wanted, &t->stuck, &t->zeta};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
   t->size = ct_pool_take(pool, rows, CT_ROW_NODES * sizeof(double));
   t->shift = ct_pool_take(pool, 2 * (size_t)s->most, sizeof *t->shift);
-}
-
-/* The laws of the listed rows. Returns 0 if they are not finite. */
-static int fix_laws(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  double slowest = -1.0;
-  if (!ct_tangent_bound(s)) return 0;
-  for (int64_t j = 0; j < t->count; j++) {
-    const ct_tangent_row *r = &t->rows[j];
-    const ct_slip_law law = ct_slip_law_of(
-        r->slip, ct_law_damping(r->row->dissipation, r->slip->k, t->scale[j] / s->fraction));
-    // -- 1 / D, with the compliance
-    t->scale[j] = 1.0 / (t->scale[j] + law.C);
-    t->C[j] = law.C, t->kappa[j] = law.kappa;
-    const double ratio = -law.C * t->scale[j];
-    slowest = ratio > slowest ? ratio : slowest;
-  }
-  // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
-  ct_pieces_largest(s->pieces, &slowest, 1);
-  t->lowest = -slowest;
-  return 1;
 }
 
 /* The set of a row. */
@@ -123,45 +101,31 @@ static void project(const ct_tangent *t, const ct_columns *from, const ct_column
 CT_CLONES
 static void compare(int64_t count, const double *from, const double *to, double size[2])
 {
-  double most = 0.0, top = 0.0, wrong = 0.0;
-#pragma omp simd reduction(max : most, top) reduction(+ : wrong)
+  double most = 0.0, top = 0.0, sum = 0.0;
+#pragma omp simd reduction(max : most, top) reduction(+ : sum)
   for (int64_t j = 0; j < count; j++) {
     const double change = fabs(to[j] - from[j]), force = fabs(to[j]);
     most = change > most ? change : most;
     top = force > top ? force : top;
-    wrong += change != change ? 1.0 : 0.0;
+    sum += change;
   }
-  if (wrong > 0.0) most = NAN;
+  if (isnan(sum)) most = NAN;
   size[0] = most > size[0] || isnan(most) ? most : size[0];
   size[1] = top > size[1] ? top : size[1];
 }
 
-static void compare_all(const ct_tangent *t, const ct_columns *from, const ct_columns *to,
-                        double size[2])
-{
-  for (int c = 0; c < 3; c++) compare(t->count, from->x[c], to->x[c], size);
-}
-
-/* The sets of the present normal forces, in the first pass; later only their limits. Projects the
- * forces on them. */
-static void fix_limits(ct_solver *s, int whole)
+/* The limits of the present normal forces. Projects the forces on the sets. */
+static void fix_limits(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double measures[2] = {0.0, 0.0}, size[2] = {0.0, 0.0}; // the largest limit, whether T has changed
   for (int64_t j = 0; j < t->count; j++) {
     const ct_tangent_row *r = &t->rows[j];
-    if (whole) {
-      double last[3];
-      ct_columns_get(&t->last, j, last);
-      const ct_slip_set set = ct_slip_set_of(r->slip, r->row->force, last);
-      t->most[j] = set.most;
-      ct_columns_set(&t->c, j, set.c);
-    }
     t->limit[j] = r->slip->mu * r->row->force;
     measures[0] = t->limit[j] > measures[0] ? t->limit[j] : measures[0];
   }
   project(t, &t->T, &t->next);
-  compare_all(t, &t->T, &t->next, size);
+  for (int c = 0; c < 3; c++) compare(t->count, t->T.x[c], t->next.x[c], size);
   measures[1] = size[0] != 0.0;
   ct_pieces_largest(s->pieces, measures, 2);
   t->top = measures[0];
@@ -204,8 +168,11 @@ static int find_drift(ct_solver *s)
   return 1;
 }
 
-/* One component of the slip of the step: (W + C) T + q (eq:slip-residual). And the force that a
- * unit step leads to, before its projection. */
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
+/* One component of the slips of the step, and of the forces to which a unit step down them leads,
+ * before their projection. */
 CT_CLONES
 static void find_slip(int64_t count, const double *image, const double *C, const double *T,
                       const double *q, const double *scale, double *restrict slip,
@@ -213,9 +180,47 @@ static void find_slip(int64_t count, const double *image, const double *C, const
 {
 #pragma omp simd
   for (int64_t j = 0; j < count; j++) {
+    // -- (W + C) T + q (eq:slip-residual)
     slip[j] = (image[j] + C[j] * T[j]) + q[j];
     aim[j] = T[j] - scale[j] * slip[j];
   }
+}
+
+/* Largest change of a force from `T` to the forces `aim` after their projection on discs alone, and
+ * the largest force then; NaN if one is. Returns whether a force is beyond its chord. */
+CT_CLONES
+static int measure(const ct_tangent *t, double size[2])
+{
+  const double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], *cx = t->c.x[0], *cy = t->c.x[1],
+               *cz = t->c.x[2], *limit = t->limit, *chord = t->most, *aimx = t->aim.x[0],
+               *aimy = t->aim.x[1], *aimz = t->aim.x[2];
+  double most = 0.0, top = 0.0, sum = 0.0, any = 0.0;
+#pragma omp simd reduction(max : most, top, any) reduction(+ : sum)
+  for (int64_t j = 0; j < t->count; j++) {
+    const double size2 = (aimx[j] * aimx[j] + aimy[j] * aimy[j]) + aimz[j] * aimz[j],
+                 part = ct_slip_part(limit[j], size2), X = aimx[j] * part, Y = aimy[j] * part,
+                 Z = aimz[j] * part, over = ((X * cx[j] + Y * cy[j]) + Z * cz[j]) - chord[j];
+    any = larger(over, any);
+    most = larger(larger(larger(fabs(X - x[j]), fabs(Y - y[j])), fabs(Z - z[j])), most);
+    top = larger(larger(larger(fabs(X), fabs(Y)), fabs(Z)), top);
+    sum += (X + Y) + Z;
+  }
+  size[0] = isnan(sum) ? NAN : most, size[1] = larger(top, size[1]);
+  return any > 0.0;
+}
+
+/* The slips of the step, the largest change of a force in a unit step down them, and the largest
+ * force then, at least the given one. */
+static void find_slips(const ct_tangent *t, double size[2])
+{
+  const double least = size[1];
+  for (int c = 0; c < 3; c++)
+    find_slip(t->count, t->image.x[c], t->C, t->T.x[c], t->q.x[c], t->scale, t->slip.x[c],
+              t->aim.x[c]);
+  if (!measure(t, size)) return;
+  project(t, &t->aim, &t->next);
+  size[0] = 0.0, size[1] = least;
+  for (int c = 0; c < 3; c++) compare(t->count, t->T.x[c], t->next.x[c], size);
 }
 
 /* A step of the iteration: share of the last change of a force, length, and share of the last
@@ -277,11 +282,7 @@ static int iterate(ct_solver *s, double least)
     double size[2] = {0.0, LEAST * t->top};
     if (!t->current && !ct_tangent_apply(s)) return -1;
     t->current = 1;
-    for (int c = 0; c < 3; c++)
-      find_slip(t->count, t->image.x[c], t->C, t->T.x[c], t->q.x[c], t->scale, t->slip.x[c],
-                t->aim.x[c]);
-    project(t, &t->aim, &t->next);
-    compare_all(t, &t->T, &t->next, size);
+    find_slips(t, size);
     ct_pieces_largest(s->pieces, size, 2);
     if (!isfinite(size[0])) return -1;
     t->size_of_force = size[1];
@@ -290,25 +291,38 @@ static int iterate(ct_solver *s, double least)
   }
 }
 
+/* Let the gaps `free` and the gradient follow the tangential forces, from `shift` on. Writes the
+ * largest change of a normal force that this causes, and the largest of these forces. */
+CT_CLONES
+static void follow(const ct_solver *s, double *restrict shift, double *restrict free,
+                   double *restrict gradient, double size[2])
+{
+  const double *scale = s->scale, *force = s->force, *next = s->terms;
+  double most = 0.0, top = 0.0;
+#pragma omp simd reduction(max : most, top)
+  for (int64_t r = 0; r < s->count; r++) {
+    const double more = next[r] - shift[r], change = fabs(more) * scale[r];
+    shift[r] = next[r];
+    free[r] += more;
+    gradient[r] += more;
+    most = change > most ? change : most;
+    top = force[r] > top ? force[r] : top;
+  }
+  size[0] = most, size[1] = top;
+}
+
 /* Let the gaps of all active rows follow the tangential forces. Writes the largest change of a
  * normal force that this causes, as a fraction of the largest. Returns 0 if it is not finite. */
 static int shift_gaps(ct_solver *s, double *change)
 {
   ct_tangent *t = s->tangent;
-  double most[2] = {0.0, 0.0};
+  double most[2];
   *change = 0.0;
   if (t->shifted) return 1;
   if (!t->current && !ct_tangent_apply(s)) return 0;
   t->current = t->shifted = 1;
   ct_matrix_times(s, s->count, t->moved, s->terms);
-  for (int64_t r = 0; r < s->count; r++) {
-    const double more = s->terms[r] - t->shift[r], force = fabs(more) * s->scale[r];
-    t->shift[r] = s->terms[r];
-    s->free[r] += more;
-    s->gradient[r] += more;
-    most[0] = force > most[0] ? force : most[0];
-    most[1] = s->force[r] > most[1] ? s->force[r] : most[1];
-  }
+  follow(s, t->shift, s->free, s->gradient, most);
   ct_pieces_largest(s->pieces, most, 2);
   *change = most[0] > 0.0 ? most[0] / most[1] : 0.0;
   return 1;
@@ -374,7 +388,7 @@ int ct_tangent_begin(ct_solver *s)
   if (!t->some) return 1;
   memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);
   memcpy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
-  return fix_laws(s) && shift_gaps(s, &change);
+  return ct_tangent_fix_laws(s) && shift_gaps(s, &change);
 }
 
 /* Iterate until the points together lose energy (eq:slip-loss). Points that stick follow the
@@ -400,7 +414,8 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
 {
   ct_tangent *t = s->tangent;
   if (!t->some) return 1;
-  if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s, pass == 0);
+  if (pass == 0) ct_tangent_fix_chords(t);
+  if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s);
   if (!find_drift(s)) return 0;
   const int converged = find_forces(s);
   s->converged = s->converged && converged;

@@ -54,7 +54,8 @@ static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *
   ct_columns_set(&t->normal, j, c->normal);
   ct_columns_set(&t->e, j, c->slip->e);
   ct_columns_set(&t->e0, j, c->slip->before);
-  t->k[j] = c->slip->k, t->reserve[j] = c->slip->reserve;
+  t->k[j] = c->slip->k, t->zeta[j] = c->dissipation;
+  t->reserve[j] = c->slip->reserve, t->stuck[j] = c->slip->stuck;
   if (head == NULL || head->place != r->place) return r;
   head->alike++;
   return head;

@@ -42,7 +42,9 @@ typedef struct ct_tangent {
   ct_columns c;               /* slip of the last step, of the sets (eq:slip-set) */
   double *limit, *most;       /* of the sets */
   double *k, *C, *kappa;      /* of the laws (eq:slip-residual) */
+  double *zeta;               /* damping ratios of their dashpots */
   double *reserve;            /* R of the last step */
+  double *stuck;              /* 1 where the point stuck in it, else 0 */
   double *work, *lag;         /* of the forces of this step, as of ct_slip */
   double *loss;               /* S₋ - S₊ - W without the next reserve */
   double *wanted;             /* this reserve; -1 where the point sticks */

@@ -122,7 +122,7 @@ int ct_tangent_shorten_slips(ct_solver *s, double gain)
 static double part_of_reserves(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) t->terms[j] = fmax(t->wanted[j], 0.0);
+  for (int64_t j = 0; j < t->count; j++) t->terms[j] = t->wanted[j] > 0.0 ? t->wanted[j] : 0.0;
   const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
                lost = ct_sum_over(s->pieces, t->loss, t->count);
   return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;

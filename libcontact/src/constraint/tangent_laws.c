@@ -1,0 +1,83 @@
+/* The laws of the tangential forces in a step. */
+#include "tangent_laws.h"
+
+#include "../base/lanes.h"
+#include "law.h"
+#include "tangent_matrix.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The springs of all rows with the dashpots `a`, and 1 / D with their compliances. Returns the
+ * largest -D⁻¹ C. */
+CT_CLONES
+static double fix_springs(int64_t count, const double *k, const double *a, double *restrict C,
+                          double *restrict kappa, double *restrict scale)
+{
+  double slowest = -1.0;
+#pragma omp simd reduction(max : slowest)
+  for (int64_t j = 0; j < count; j++) {
+    // -- C = 2 / (k (1 + a)), κ = (1 - a) / (1 + a) (eq:slip-residual)
+    C[j] = 2.0 / (k[j] * (1.0 + a[j]));
+    kappa[j] = (1.0 - a[j]) / (1.0 + a[j]);
+    scale[j] = 1.0 / (scale[j] + C[j]);
+    const double ratio = -C[j] * scale[j];
+    slowest = ratio > slowest ? ratio : slowest;
+  }
+  return slowest;
+}
+
+int ct_tangent_fix_laws(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  if (!ct_tangent_bound(s)) return 0;
+  ct_law_dampings(t->count, t->zeta, t->k, t->scale, s->fraction, t->terms);
+  double slowest = fix_springs(t->count, t->k, t->terms, t->C, t->kappa, t->scale);
+  // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
+  ct_pieces_largest(s->pieces, &slowest, 1);
+  t->lowest = -slowest;
+  return 1;
+}
+
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
+/* One component of the slips of the last step, the sizes of their terms, and their own. */
+CT_CLONES
+static void find_chords(int64_t count, const double *last, const double *e, const double *e0,
+                        double *restrict c, double *restrict size, double *restrict length)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) {
+    // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
+    c[j] = last[j] - (e[j] - e0[j]);
+    size[j] = larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), size[j]);
+    length[j] = larger(fabs(c[j]), length[j]);
+  }
+}
+
+/* A point that moved by rounding has not slipped; nor has one that stuck. The length is at most
+ * the size. */
+CT_CLONES
+static void drop_chords(const ct_tangent *t, const double *size, const double *length)
+{
+  static const double ROUNDING = 1e-13;
+  const double *stuck = t->stuck, *reserve = t->reserve;
+  double *x = t->c.x[0], *y = t->c.x[1], *z = t->c.x[2], *most = t->most;
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    const double keep = length[j] > (ROUNDING + 2.0 * stuck[j]) * size[j] ? 1.0 : 0.0;
+    x[j] *= keep, y[j] *= keep, z[j] *= keep;
+    most[j] = 2.0 * larger(reserve[j], 0.0);
+  }
+}
+
+void ct_tangent_fix_chords(const ct_tangent *t)
+{
+  double *size = t->terms, *length = t->wanted;
+  memset(size, 0, (size_t)t->count * sizeof *size);
+  memset(length, 0, (size_t)t->count * sizeof *length);
+  for (int c = 0; c < 3; c++)
+    find_chords(t->count, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
+  drop_chords(t, size, length);
+}
