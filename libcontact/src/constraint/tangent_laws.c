@@ -6,7 +6,6 @@
 #include "tangent_matrix.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The springs of all rows with the dashpots `a`, and 1 / D with their compliances. Returns the
  * largest -D⁻¹ C. */
@@ -42,42 +41,41 @@ int ct_tangent_fix_laws(ct_solver *s)
 /* The larger of two numbers. */
 CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-/* One component of the slips of the last step, the sizes of their terms, and their own. */
+/* One component of the slips of the last step, the sizes of their terms, and theirs; `keep` is 0
+ * for the first component, and then 1. */
 CT_CLONES
-static void find_chords(int64_t count, const double *last, const double *e, const double *e0,
-                        double *restrict c, double *restrict size, double *restrict length)
+static void find_chords(int64_t count, double keep, const double *last, const double *e,
+                        const double *e0, double *restrict c, double *restrict size,
+                        double *restrict length)
 {
 #pragma omp simd
   for (int64_t j = 0; j < count; j++) {
     // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
     c[j] = last[j] - (e[j] - e0[j]);
-    size[j] = larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), size[j]);
-    length[j] = larger(fabs(c[j]), length[j]);
+    size[j] = larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), keep * size[j]);
+    length[j] = larger(fabs(c[j]), keep * length[j]);
   }
 }
 
 /* A point that moved by rounding has not slipped; nor has one that stuck. The length is at most
  * the size. */
 CT_CLONES
-static void drop_chords(const ct_tangent *t, const double *size, const double *length)
+static void drop_chords(int64_t count, const double *stuck, const double *size,
+                        const double *length, double *restrict c)
 {
   static const double ROUNDING = 1e-13;
-  const double *stuck = t->stuck, *reserve = t->reserve;
-  double *x = t->c.x[0], *y = t->c.x[1], *z = t->c.x[2], *most = t->most;
 #pragma omp simd
-  for (int64_t j = 0; j < t->count; j++) {
-    const double keep = length[j] > (ROUNDING + 2.0 * stuck[j]) * size[j] ? 1.0 : 0.0;
-    x[j] *= keep, y[j] *= keep, z[j] *= keep;
-    most[j] = 2.0 * larger(reserve[j], 0.0);
+  for (int64_t j = 0; j < count; j++) {
+    const double own = c[j];
+    c[j] = length[j] > (ROUNDING + 2.0 * stuck[j]) * size[j] ? own : 0.0;
   }
 }
 
 void ct_tangent_fix_chords(const ct_tangent *t)
 {
   double *size = t->terms, *length = t->wanted;
-  memset(size, 0, (size_t)t->count * sizeof *size);
-  memset(length, 0, (size_t)t->count * sizeof *length);
   for (int c = 0; c < 3; c++)
-    find_chords(t->count, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
-  drop_chords(t, size, length);
+    find_chords(t->count, c > 0, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
+  for (int c = 0; c < 3; c++) drop_chords(t->count, t->stuck, size, length, t->c.x[c]);
+  for (int64_t j = 0; j < t->count; j++) t->most[j] = 2.0 * larger(t->reserve[j], 0.0);
 }

@@ -14,23 +14,42 @@ enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
 /* Where the numbers of four rows begin, each four doubles. */
 enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4 };
 
-/* Numbers of one face of four rows: N_a for each of its nodes. */
-static void fill_shape(const double *N, int32_t lane, double *to)
+/* `to[4 i + j]` = number i of vector j. */
+CT_INLINE void transpose(const double *const from[4], int count, double *to)
 {
-  for (int32_t a = 0; a < 4; a++) to[4 * a + lane] = N[a];
+#if CT_ROWS
+  const ct_quad a = *(const ct_quad *)from[0], b = *(const ct_quad *)from[1],
+                c = *(const ct_quad *)from[2], d = *(const ct_quad *)from[3],
+                low = CT_PICK(a, b, 0, 4, 2, 6), high = CT_PICK(a, b, 1, 5, 3, 7),
+                next = CT_PICK(c, d, 0, 4, 2, 6), last = CT_PICK(c, d, 1, 5, 3, 7);
+  ct_quad *out = (ct_quad *)to;
+  out[0] = CT_PICK(low, next, 0, 1, 4, 5), out[1] = CT_PICK(high, last, 0, 1, 4, 5);
+  out[2] = CT_PICK(low, next, 2, 3, 6, 7);
+  if (count > 3) out[3] = CT_PICK(high, last, 2, 3, 6, 7);
+#else
+  for (int i = 0; i < count; i++)
+    for (int j = 0; j < 4; j++) to[4 * i + j] = from[j][i];
+#endif
 }
 
-static void fill_row(const ct_tangent_row *r, int32_t lane, double *to)
+/* The numbers of four rows. */
+CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
 {
-  const ct_slip *p = r->slip;
-  fill_shape(r->row->own_shape, lane, to);
+  const double *from[4];
+  for (int j = 0; j < 4; j++) from[j] = r[j].row->own_shape;
+  transpose(from, 4, to);
   if (r->row->other_count == 0) return;
-  fill_shape(r->row->other_shape, lane, to + OTHER);
-  for (int c = 0; c < 3; c++) to[LEVER + 4 * c + lane] = p->lever[c];
-  for (int32_t b = 0; b < 4; b++)
-    for (int c = 0; c < 3; c++) to[WEIGHT + 4 * (3 * b + c) + lane] = p->weight[b][c];
+  for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
+  transpose(from, 4, to + OTHER);
+  for (int j = 0; j < 4; j++) from[j] = r[j].slip->lever;
+  transpose(from, 3, to + LEVER);
+  for (int b = 0; b < 4; b++) {
+    for (int j = 0; j < 4; j++) from[j] = r[j].slip->weight[b];
+    transpose(from, 3, to + WEIGHT + 12 * b);
+  }
 }
 
+CT_CLONES
 void ct_tangent_fill(ct_tangent *t)
 {
   for (int64_t j = 0, end; j < t->count; j = end) {
@@ -39,8 +58,7 @@ void ct_tangent_fill(ct_tangent *t)
     if (r->row->own_count != 4 || (r->row->other_count & ~4) != 0) continue;
     for (; r + 4 <= &t->rows[end]; r += 4) {
       r->together = 4;
-      for (int32_t lane = 0; lane < 4; lane++)
-        fill_row(&r[lane], lane, &t->lanes[LANES * (r - t->rows)]);
+      fill_four(r, &t->lanes[LANES * (r - t->rows)]);
     }
   }
 }

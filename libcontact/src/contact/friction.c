@@ -61,7 +61,7 @@ static void treat(ct_friction_state *s, const ct_friction_call *now, int solved)
   for (int64_t first = 0; first < s->listed_count; first += CT_BATCH) {
     if (!solved) ct_friction_prepare(now, s, first);
     for (int64_t n = first; solved && n < first + CT_BATCH && n < s->listed_count; n++)
-      ct_friction_store(now, s, ct_friction_place_of(now, s->listed[n]));
+      ct_friction_store(now, s, n);
   }
 }
 
@@ -85,25 +85,15 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
   return count;
 }
 
-/* Σ of one number of each listed point. */
-static double sum_points(ct_friction_state *s, double (*of)(const ct_slip *p))
-{
-  for (int64_t n = 0; n < s->listed_count; n++) s->terms[n] = of(&s->points[s->listed[n]]);
-  return ct_sum_over(s->pieces, s->terms, s->listed_count);
-}
-
-static double work_of(const ct_slip *p) { return p->work; }
-static double lag_of(const ct_slip *p) { return p->lag; }
-
 /* What friction stores and has dissipated at t_n (eq:slip-held, eq:friction-dissipation). */
 static void count_energy(ct_friction_state *s)
 {
   ct_friction_tail *tail = &s->tail;
-  const double before = tail->stored, after = sum_points(s, ct_slip_stored),
-               lost = (before - after) - sum_points(s, work_of);
+  const double before = tail->stored, after = ct_sum_over(s->pieces, s->stored, s->listed_count),
+               lost = (before - after) - ct_sum_over(s->pieces, s->work, s->listed_count);
   const int begun = tail->begun != 0.0;
   // -- The mean of the stores of two half steps (eq:slip-held)
-  s->held = begun ? 0.5 * (before + after) + sum_points(s, lag_of) : 0.0;
+  s->held = begun ? 0.5 * (before + after) + ct_sum_over(s->pieces, s->lag, s->listed_count) : 0.0;
   s->dissipated = begun ? tail->lost + 0.5 * lost : 0.0;
   tail->begun = 1.0;
   tail->stored = after;
@@ -144,7 +134,10 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
   s->listed = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->listed);
   s->turn = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->turn);
-  s->axes = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->axes);
+  s->axes = ct_pool_take(&s->pool, (size_t)data->points / CT_BATCH + 1, sizeof *s->axes);
+  double **energies[] = {&s->stored, &s->work, &s->lag};
+  for (int i = 0; i < 3; i++)
+    *energies[i] = ct_pool_take(&s->pool, (size_t)data->points, sizeof(double));
   s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
   s->coarse = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
   s->fine = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
@@ -207,11 +200,13 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
   data->rigid = ct_contact_is_rigid(fixed);
   data->explicit = on->explicit;
   data->sides = ct_gaps_surfaces(&fixed->gaps);
+  data->quads = !data->rigid;
   for (int k = 0; k < data->sides; k++) {
     data->side[k] = &fixed->gaps.side[k];
     data->points += data->side[k]->point_count;
     if (!data->rigid && data->side[k]->search->per > data->other_nodes)
       data->other_nodes = data->side[k]->search->per;
+    data->quads &= data->side[k]->search->kind == CT_Q4;
   }
   data->is = describe(data, on);
   *out = &data->is;

@@ -33,21 +33,15 @@ CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid 
   ct_heap_add(stride, grid, node, s->turn[at.j], lever, &to->theirs);
 }
 
-/* Whether four listed points from the given one on are those of one face, with forces, and meet one
- * face. */
-static int are_four(const ct_friction_call *now, const ct_friction_state *s, const int64_t *listed,
-                    int64_t left)
+/* Whether four listed points from the given one on are those of one face and meet one face. */
+static int are_four(const ct_friction_call *now, const int64_t *listed, int64_t left)
 {
   const ct_friction_place first = ct_friction_place_of(now, *listed);
   const ct_point *point = &now->side[first.s]->points[first.i];
   if (left < 4 || listed[3] != *listed + 3 || now->data->side[first.s]->point_count <= first.i + 3)
     return 0;
-  for (int q = 0; q < 4; q++) {
-    const double *T = s->points[first.j + q].force;
-    if (point[q].row.own != point->row.own || point[q].other != point->other ||
-        ct_vector_dot(T, T) == 0.0)
-      return 0;
-  }
+  for (int q = 1; q < 4; q++)
+    if (point[q].row.own != point->row.own || point[q].other != point->other) return 0;
   return now->data->side[first.s]->rule.count == 4;
 }
 
@@ -82,7 +76,7 @@ CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct
               {s->coarse, s->fine, other->search->per, NULL, {0}, {0}}};
   for (int64_t n = 0; n < s->listed_count;) {
     const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
-    const int four = at.s == k && are_four(now, s, &s->listed[n], s->listed_count - n);
+    const int four = at.s == k && are_four(now, &s->listed[n], s->listed_count - n);
     if (four) add_four(now, grid, at, s, &to);
     else if (at.s == k) add_point(stride, now, grid, at, s, &to);
     n += four ? 4 : 1;

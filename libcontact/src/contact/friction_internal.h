@@ -1,6 +1,7 @@
 #ifndef CT_SRC_CONTACT_FRICTION_INTERNAL_H
 #define CT_SRC_CONTACT_FRICTION_INTERNAL_H
 
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../constraint/slip.h"
 #include "contact_internal.h"
@@ -12,6 +13,7 @@ typedef struct ct_friction {
   double mu, rho;
   int rigid, sides, explicit;
   int other_nodes; /* largest number of nodes of a partner's face */
+  int quads;       /* whether all of these have four */
   const ct_side_fixed *side[2];
   int64_t points;
 } ct_friction;
@@ -42,10 +44,10 @@ enum {
   CT_FRICTION_TAIL = sizeof(ct_friction_tail) / sizeof(double)
 };
 
-/* Axes of the partner's face at the closest point: the vectors a^i (eq:friction-components) and the
- * unit normal; all 0 where the face has none. */
+/* Axes of the partners' faces at the closest points of eight listed points, side by side: the
+ * vectors a^i (eq:friction-components) and the unit normal a³; all 0 where the face has none. */
 typedef struct ct_face_axes {
-  double dual[2][3], n[3];
+  double a[3][3][CT_BATCH];
 } ct_face_axes;
 
 typedef struct ct_friction_state {
@@ -54,11 +56,13 @@ typedef struct ct_friction_state {
   ct_slip *points;
   int64_t listed_count;
   int64_t *listed;         /* the points whose rows are listed in this step */
-  ct_face_axes *axes;      /* of each point, from the list of rows to the forces */
+  ct_face_axes *axes;      /* of the listed points, from the list of rows to the forces */
   double (*turn)[8];       /* w_b · T of each point, for the nodes of the other face */
   const ct_pieces *pieces; /* those of the sides */
   double *coarse, *fine;   /* sums at the nodes, and one number more, 0 */
   double *terms;           /* one number per point or node */
+  double *stored, *work,
+      *lag; /* of the listed points (eq:slip-store, eq:slip-work, eq:slip-held) */
   ct_friction_tail tail;
   double held, dissipated; /* at t_n */
 } ct_friction_state;
@@ -90,8 +94,8 @@ static inline const ct_search *ct_friction_other(const ct_friction_call *now, in
 /* Give eight listed points, from one on, their friction in the next step. */
 void ct_friction_prepare(const ct_friction_call *now, ct_friction_state *state, int64_t first);
 
-/* Store what the next step needs of a listed point. */
-void ct_friction_store(const ct_friction_call *now, ct_friction_state *state, ct_friction_place at);
+/* Store what the next step needs of the listed point number `n`, and its energies. */
+void ct_friction_store(const ct_friction_call *now, ct_friction_state *state, int64_t n);
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
  * (eq:slip-row). */

@@ -56,13 +56,14 @@ void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8])
 void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 {
   fill(dN[0], 16, 0);
-  if (kind == CT_Q4 || kind == CT_Q8) {
+  if (kind == CT_Q4) {
+    ct_shape_gradient_q4(xi[0], xi[1], dN[0], 1);
+  } else if (kind == CT_Q8) {
     for (int i = 0; i < 4; i++) {
       const double *c = CORNER[i];
       double x = c[0] * xi[0], y = c[1] * xi[1];
-      dN[i][0] = 0.25 * c[0] * (1 + y) * (kind == CT_Q4 ? 1 : 2 * x + y);
-      dN[i][1] = 0.25 * c[1] * (1 + x) * (kind == CT_Q4 ? 1 : x + 2 * y);
-      if (kind == CT_Q4) continue;
+      dN[i][0] = 0.25 * c[0] * (1 + y) * (2 * x + y);
+      dN[i][1] = 0.25 * c[1] * (1 + x) * (x + 2 * y);
       int along;
       double r, s;
       side_axes(i, xi, &along, &r, &s);

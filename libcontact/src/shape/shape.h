@@ -22,6 +22,17 @@ CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N,
   }
 }
 
+/* First derivatives of a quadrilateral with four nodes at one place; a number of them is `stride`
+ * behind the last. */
+static inline void ct_shape_gradient_q4(double xi, double eta, double *dN, int stride)
+{
+  static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  for (int i = 0; i < 4; i++) {
+    dN[stride * (2 * i)] = 0.25 * CORNER[i][0] * (1 + CORNER[i][1] * eta);
+    dN[stride * (2 * i + 1)] = 0.25 * CORNER[i][1] * (1 + CORNER[i][0] * xi);
+  }
+}
+
 /* First derivatives dN[i][a] = dN_i/dxi_a. */
 void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2]);
 
