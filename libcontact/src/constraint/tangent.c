@@ -131,7 +131,7 @@ static void fix_limits(ct_solver *s)
   t->top = measures[0];
   if (measures[1] == 0.0) return;
   for (int c = 0; c < 3; c++) memcpy(t->T.x[c], t->next.x[c], (size_t)t->count * sizeof(double));
-  t->current = t->shifted = 0;
+  t->pushed = t->current = t->shifted = 0;
 }
 
 /* One component of q = D + e_n + κ e_{n-1} without friction (eq:slip-residual), from D. */
@@ -268,7 +268,7 @@ static void take_step(ct_tangent *t, step by)
   for (int c = 0; c < 3; c++)
     aim_at(t->count, by, t->T.x[c], t->slip.x[c], t->scale, t->T0.x[c], t->slip0.x[c], t->aim.x[c]);
   project(t, &t->aim, &t->T);
-  t->current = t->shifted = 0;
+  t->pushed = t->current = t->shifted = 0;
 }
 
 /* Solve for the tangential forces with the present normal ones. Forces that already meet twice
@@ -280,8 +280,7 @@ static int iterate(ct_solver *s, double least)
   double rho = 0.0, tolerance = 2.0 * least;
   for (int k = 0;; k++, tolerance = least) {
     double size[2] = {0.0, LEAST * t->top};
-    if (!t->current && !ct_tangent_apply(s)) return -1;
-    t->current = 1;
+    if (!ct_tangent_apply(s)) return -1;
     find_slips(t, size);
     ct_pieces_largest(s->pieces, size, 2);
     if (!isfinite(size[0])) return -1;
@@ -319,8 +318,8 @@ static int shift_gaps(ct_solver *s, double *change)
   double most[2];
   *change = 0.0;
   if (t->shifted) return 1;
-  if (!t->current && !ct_tangent_apply(s)) return 0;
-  t->current = t->shifted = 1;
+  if (!ct_tangent_push(s)) return 0;
+  t->shifted = 1;
   ct_matrix_times(s, s->count, t->moved, s->terms);
   follow(s, t->shift, s->free, s->gradient, most);
   ct_pieces_largest(s->pieces, most, 2);
@@ -383,7 +382,7 @@ int ct_tangent_begin(ct_solver *s)
   ct_tangent *t = s->tangent;
   double change;
   t->tolerance = fmax(TOLERANCE, s->tolerance);
-  t->current = t->shifted = 0;
+  t->pushed = t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
   memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);

@@ -267,11 +267,12 @@ static void join_sums(ct_solver *s)
   if (s->pieces != NULL) ct_pieces_sum(s->pieces, s->tangent->sums, WIDE * (int64_t)s->node_count);
 }
 
-int ct_tangent_apply(ct_solver *s)
+int ct_tangent_push(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   ct_grid grid;
   double top = 0.0;
+  if (t->pushed) return 1;
   for (int c = 0; c < 3; c++) top = fmax(top, ct_largest(t->T.x[c], t->count));
   ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
@@ -279,8 +280,18 @@ int ct_tangent_apply(ct_solver *s)
   push_rows(grid.coarse, t);
   join_sums(s);
   ct_matrix_move(t->node_count, t->nodes, s->mobility, t->sums, t->moved);
-  ct_tangent_motion(t, t->moved, &t->image);
   s->iterations++;
+  t->pushed = 1;
+  return 1;
+}
+
+int ct_tangent_apply(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  if (t->current) return 1;
+  if (!ct_tangent_push(s)) return 0;
+  ct_tangent_motion(t, t->moved, &t->image);
+  t->current = 1;
   return 1;
 }
 

@@ -16,7 +16,11 @@ void ct_tangent_fill(ct_tangent *tangent);
  * nodes. */
 void ct_tangent_motion(const ct_tangent *tangent, const double *x, const ct_columns *out);
 
-/* `image` = W times the forces T. Returns 0 if they are not finite. */
+/* `moved` = motion of the nodes by the forces T, if it is not current. Returns 0 if they are not
+ * finite. */
+int ct_tangent_push(ct_solver *solver);
+
+/* `image` = W times the forces T, if it is not current. Returns 0 if they are not finite. */
 int ct_tangent_apply(ct_solver *solver);
 
 /* The bound D of each row of W (eq:slip-bound) becomes `scale`. Returns 0 if it is not finite. */

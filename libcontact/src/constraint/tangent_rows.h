@@ -53,6 +53,7 @@ typedef struct ct_tangent {
   double *shift;              /* of the gaps of active rows by tangential forces */
   int some_rigid;             /* whether there are rows of obstacles, which may move */
   int some;                   /* whether any piece has rows */
+  int pushed;                 /* whether `moved` is that of T */
   int current;                /* whether `image` is that of T */
   int shifted;                /* whether `shift` is that of T */
   double top;                 /* the largest limit */

@@ -269,8 +269,8 @@ static void store_point(const ct_friction_call *now, ct_friction_state *s, const
   const ct_slip_record *last = &b->last[l];
   const int64_t j = b->at[l].j;
   ct_slip *p = &s->points[j];
-  ct_slip_open(p);
   point->row.slip = p;
+  p->work = p->lag = 0.0;
   p->mu = data->mu;
   p->k = data->rho * point->row.stiffness;
   p->reserve = last->reserve, p->stuck = last->stuck != 0.0;
