@@ -216,7 +216,7 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
       p->work = 0.0;
       if (c->other_count == 0)
         for (int k = 0; k < 3; k++)
-          p->came[k] = p->coming[k], p->coming[k] = moving[k] * cos(0.3 * step);
+          p->came[k] = p->coming[k], p->coming[k] = moving[k] * cos(0.3 * step), p->moves = 1;
       c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->came);
       c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->coming);
       reserve -= c->impact.reserve;
@@ -533,7 +533,7 @@ static void take_step(linear *t, double moves)
 {
   double f[DOFS] = {0.0}, fc[DOFS] = {0.0};
   ct_slip *p = &t->slip[0];
-  p->came[0] = p->coming[0], p->coming[0] = moves;
+  p->came[0] = p->coming[0], p->coming[0] = moves, p->moves = 1;
   for (int c = 0; c < 3; c++) p->force[c] = -p->k * p->e[c];
   for (int d = 0; d < DOFS; d++) {
     f[d] = t->load[d] - t->K[d][d] * t->u[d];

@@ -15,8 +15,9 @@ typedef struct ct_slip {
   double lever[4];     /* d = ȳ - y, from the point to its partner */
   double weight[8][4]; /* w_b: the force T adds -(w_b · T) d on node b of the partner
                           (eq:slip-row) */
-  double came[3];      /* motion of an obstacle since the last step */
+  double came[3];      /* motion of an obstacle since the last step, if it `moves` */
   double coming[3];    /* and until the next one */
+  int moves;           /* whether the point meets an obstacle that moves */
   int stuck;           /* whether the point stuck in the last step; the solver replaces it */
   double e[3];         /* elastic slip e_n; the solver replaces it with e_{n+1} */
   double before[3];    /* e_{n-1}; the solver replaces it with e_n */

@@ -155,15 +155,7 @@ static int find_drift(ct_solver *s)
         t->drift[at + c] = s->increment[at + c] + s->moved[at + c];
   }
   ct_tangent_motion(t, t->drift, &t->q);
-  for (int64_t j = 0; j < t->count && t->some_rigid; j++) {
-    const ct_tangent_row *r = &t->rows[j];
-    double q[3];
-    if (r->row->other_count > 0) continue;
-    ct_columns_get(&t->q, j, q);
-    for (int i = 0; i < 3; i++) q[i] -= r->slip->coming[i];
-    ct_vector_make_tangential(r->row->normal, q);
-    ct_columns_set(&t->q, j, q);
-  }
+  ct_tangent_take_off(t, 1, &t->q);
   for (int c = 0; c < 3; c++) add_slips(t->count, t->e.x[c], t->kappa, t->e0.x[c], t->q.x[c]);
   return 1;
 }

@@ -6,6 +6,8 @@
 #include "matrix.h"
 #include "tangent_matrix.h"
 
+#include <string.h>
+
 enum { WIDE = CT_SOLVER_WIDE };
 
 /* The sums of all pieces. */
@@ -50,7 +52,7 @@ static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *
   *r = (ct_tangent_row){c, c->slip, &s->entry_place[c->slip->place], 1, 1};
   ct_vector_make_tangential(c->normal, T);
   ct_columns_set(&t->T, j, T);
-  t->some_rigid |= c->other_count == 0;
+  t->some_move |= c->slip->moves;
   ct_columns_set(&t->normal, j, c->normal);
   ct_columns_set(&t->e, j, c->slip->e);
   ct_columns_set(&t->e0, j, c->slip->before);
@@ -61,21 +63,28 @@ static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *
   return head;
 }
 
-/* The motion of the last step, along the present rows (eq:slip-set). */
+void ct_tangent_take_off(const ct_tangent *t, int next, const ct_columns *motion)
+{
+  for (int64_t j = 0; j < t->count && t->some_move; j++) {
+    const ct_slip *slip = t->rows[j].slip;
+    const double *way = next ? slip->coming : slip->came;
+    double D[3];
+    if (!slip->moves) continue;
+    ct_columns_get(motion, j, D);
+    for (int i = 0; i < 3; i++) D[i] -= way[i];
+    ct_vector_make_tangential(t->rows[j].row->normal, D);
+    ct_columns_set(motion, j, D);
+  }
+}
+
+/* The motion D₋ of the last step, along the present rows (eq:slip-set). */
 static void find_last(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
+  for (int c = 0; c < 3 && s->starts; c++)
+    memset(t->last.x[c], 0, (size_t)t->count * sizeof(double));
   if (!s->starts) ct_tangent_motion(t, s->last_increment, &t->last);
-  for (int64_t j = 0; j < t->count && (s->starts || t->some_rigid); j++) {
-    const ct_tangent_row *r = &t->rows[j];
-    double last[3] = {0.0};
-    if (!s->starts && r->row->other_count > 0) continue;
-    if (!s->starts) ct_columns_get(&t->last, j, last);
-    // -- D₋ (eq:slip-set)
-    for (int i = 0; i < 3; i++) last[i] -= r->slip->came[i];
-    if (r->row->other_count == 0) ct_vector_make_tangential(r->row->normal, last);
-    ct_columns_set(&t->last, j, last);
-  }
+  ct_tangent_take_off(t, 0, &t->last);
 }
 
 void ct_tangent_list(ct_solver *s)
@@ -83,7 +92,7 @@ void ct_tangent_list(ct_solver *s)
   ct_tangent *t = s->tangent;
   ct_constraint **active = s->active, **end = s->active + s->point_count;
   ct_tangent_row *head = NULL;
-  t->count = t->some_rigid = 0;
+  t->count = t->some_move = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
     const int is_active = active < end && *active == c;

@@ -51,7 +51,7 @@ typedef struct ct_tangent {
   double *scale;              /* 1 / D (eq:slip-bound) */
   double *terms;              /* a number per row */
   double *shift;              /* of the gaps of active rows by tangential forces */
-  int some_rigid;             /* whether there are rows of obstacles, which may move */
+  int some_move;              /* whether there are rows of obstacles that move */
   int some;                   /* whether any piece has rows */
   int pushed;                 /* whether `moved` is that of T */
   int current;                /* whether `image` is that of T */
@@ -79,6 +79,10 @@ static inline double ct_columns_dot(const ct_columns *a, const ct_columns *b, in
 {
   return (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
 }
+
+/* Take the motion of the obstacles, since the last step or until the next one, off that of the
+ * points. */
+void ct_tangent_take_off(const ct_tangent *tangent, int next, const ct_columns *motion);
 
 /* List the active rows with friction, and those with a given force, with the motion of the last
  * step and the force of the guess; the points of other rows are open. */

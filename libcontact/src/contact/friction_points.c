@@ -272,13 +272,15 @@ static void store_point(const ct_friction_call *now, ct_friction_state *s, const
   point->row.slip = p;
   p->work = p->lag = 0.0;
   p->mu = data->mu;
+  p->moves = data->rigid && contact->fixed->moves;
   p->k = data->rho * point->row.stiffness;
   p->reserve = last->reserve, p->stuck = last->stuck != 0.0;
   for (int c = 0; c < 3; c++) {
     p->e[c] = b->e.part[c][l], p->before[c] = b->before.part[c][l];
     p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last->force[c];
-    p->came[c] = data->rigid ? contact->part * contact->came[c] : 0.0;
-    p->coming[c] = data->rigid ? contact->coming[c] : 0.0;
+    if (!p->moves) continue;
+    p->came[c] = contact->part * contact->came[c];
+    p->coming[c] = contact->coming[c];
   }
   if (data->quads) store_weights(&b->now, l, 4, point->d, p);
   else if (!data->rigid)
