@@ -111,7 +111,6 @@ int ct_tangent_shorten_slips(ct_solver *s, double gain)
   const double factor = sqrt(1.0 - share);
   for (int64_t j = 0; j < t->count; j++) {
     if (t->wanted[j] >= 0.0) continue;
-    t->loss[j] += share * t->terms[j];
     for (int c = 0; c < 3; c++) t->end.x[c][j] *= factor;
     if (share > SLIPPED) t->wanted[j] = 0.0;
   }
