@@ -355,6 +355,17 @@ void ct_law_leave(ct_constraint *c, double dt)
   count_time(c, 0, 0, dt);
 }
 
+void ct_law_divide(const ct_constraint *c, double part, ct_impact *memory)
+{
+  const double last = c->gap - c->before, bend = c->after - 2.0 * c->gap + c->before;
+  // -- g'_{n-1}, one smaller step before (eq:divided-work)
+  const double before = c->gap - part * (last + 0.5 * (1.0 - part) * bend);
+  ct_constraint then = {.restitution = c->restitution, .impact = *memory};
+  // -- ½ λ (g'_{n-1} - g_{n-1}) (eq:divided-work)
+  take(&then, -0.5 * c->force * (before - c->before));
+  *memory = then.impact;
+}
+
 static double stored_between(const ct_constraint *c, double g0, double g1)
 {
   return LAWS[c->enforcement].stored(c, g0, g1);

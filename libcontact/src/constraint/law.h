@@ -66,6 +66,10 @@ ct_ramp ct_law_release(const ct_constraint *row, double free, double bound, doub
 void ct_law_settle(ct_constraint *row, double dt, double x, int enters);
 void ct_law_leave(ct_constraint *row, double dt);
 
+/* Count in the memory before the step the work of its force on the change of velocity by which the
+ * step is divided to this part (eq:divided-work). */
+void ct_law_divide(const ct_constraint *row, double part, ct_impact *memory);
+
 /* The same after a second solution for t = 0, whose first one had the given force; the memory is
  * that of the first one (eq:reserve-start). */
 void ct_law_settle_again(ct_constraint *row, double dt, double first);

@@ -167,19 +167,12 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
 }
 
 /* After a step that was divided, obstacles and start gaps have moved for longer than the step
- * before counts now. What points held is lost: the forces of t_n, of which half has acted with the
- * larger step, are solved for again and would pay it twice. */
+ * before counts now. */
 static void find_part(ct_contact *contact, const ct_surface_motion *now)
 {
   const double since = now->time - contact->record.time;
-  contact->part = 1.0;
-  if (now->first || !(now->before > 0.0 && since > 1.5 * now->before)) return;
-  contact->part = now->before / since;
-  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
-    const ct_side *side = &contact->gaps.side[s];
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      p->row.impact.reserve = fmin(p->row.impact.reserve, 0.0);
-  }
+  const int divided = !now->first && now->before > 0.0 && since > 1.5 * now->before;
+  contact->part = divided ? now->before / since : 1.0;
 }
 
 /* Nodes move from their places in the last step, in the first one from the reference shape, to the
@@ -229,7 +222,8 @@ static void count_motion(ct_contact *contact)
   ct_contact_react(contact);
   for (int c = 0; c < 3; c++) {
     // -- Minus the mean force on the obstacle times its motion (eq:obstacle-work)
-    record->motion -= 0.5 * (contact->reaction[c] + record->reaction[c]) * contact->came[c];
+    record->motion -=
+        0.5 * (contact->part * contact->reaction[c] + record->reaction[c]) * contact->came[c];
     record->reaction[c] = contact->reaction[c];
   }
 }
@@ -289,6 +283,11 @@ double ct_contact_own_energy(const ct_contact *contact)
                          : ct_side_potential(contact->gaps.side, contact->gaps.fixed->sides);
 }
 
+static void divide(const void *state, double part, double *memory)
+{
+  ct_contact_divide(state, part, memory);
+}
+
 static void find_energy(void *state, ct_interaction_energy *energy)
 {
   ct_contact *contact = state;
@@ -326,4 +325,5 @@ const ct_interaction_calls ct_contact_calls = {.free = free_fixed,
                                                .list_rows = list_rows,
                                                .find_forces = find_forces,
                                                .find_energy = find_energy,
+                                               .divide = divide,
                                                .find_springs = find_springs};

@@ -225,6 +225,10 @@ typedef struct ct_largest_row {
 ct_largest_row ct_contact_store_points(const ct_contact *contact, double *memory);
 void ct_contact_store(const ct_contact *contact, double *memory);
 
+/* Count in a memory from before the step the work of the present forces on the change of velocity
+ * by which the step is divided to this part (eq:divided-work). */
+void ct_contact_divide(const ct_contact *contact, double part, double *memory);
+
 /* Set the start gaps of all points of some sides from their distances on the undeformed shape
  * (eq:initial-adjust). */
 void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count);

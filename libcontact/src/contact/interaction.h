@@ -60,6 +60,9 @@ typedef struct ct_interaction_calls {
                            ct_error *error);
   /* Energies, after `find_forces`; in pieces they are asked for in all of them. */
   void (*find_energy)(void *state, ct_interaction_energy *energy);
+  /* Count the work of the forces in `memory`, which held that of the last step, if the step is
+   * divided to this part (eq:divided-work). Null for friction. */
+  void (*divide)(const void *state, double part, double *memory);
   /* Bound of ω² of all points as springs (eq:contact-bound). Null for friction. */
   ct_status (*find_springs)(const void *state, ct_masses mass, double *omega2);
 } ct_interaction_calls;

@@ -3,6 +3,7 @@
 #include "contact_internal.h"
 
 #include "../base/lanes.h"
+#include "../constraint/law.h"
 
 enum { WHOLE = sizeof(ct_contact_record) / sizeof(double) };
 
@@ -123,4 +124,24 @@ void ct_contact_store(const ct_contact *contact, double *memory)
     memcpy(memory, contact->gaps.side[s].search->x, count * sizeof *memory);
     memory += count;
   }
+}
+
+/* The work of an obstacle's motion until one smaller step before, by the force whose part has acted
+ * (eq:divided-work). */
+static void divide_motion(const ct_contact *contact, double part, ct_contact_record *record)
+{
+  for (int c = 0; c < 3; c++)
+    record->motion -= 0.5 * (1.0 - part) * contact->reaction[c] * contact->came[c];
+}
+
+void ct_contact_divide(const ct_contact *contact, double part, double *memory)
+{
+  ct_point_record *record = (ct_point_record *)(void *)memory;
+  for (int s = 0; s < contact->gaps.fixed->sides; s++) {
+    const ct_side *side = &contact->gaps.side[s];
+    const ct_point *end = side->points + side->fixed->point_count;
+    for (const ct_point *p = side->points; p < end; p++, record++)
+      if (contact->solved && p->listed) ct_law_divide(&p->row, part, &record->impact);
+  }
+  if (contact->fixed->moves) divide_motion(contact, part, (ct_contact_record *)(void *)record);
 }

@@ -102,6 +102,11 @@ static ct_status touch_reserve(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
+static void touch_divide(const ct_effect *effect, const ct_view *view, double dt, double *memory)
+{
+  interaction_of(effect)->calls->divide(ct_touch_state(view->scratch), dt / view->dt, memory);
+}
+
 static ct_status touch_bound(const ct_effect *effect, const ct_view *view, double *omega2,
                              ct_error *error)
 {
@@ -153,7 +158,7 @@ static const ct_effect_calls TOUCH = {
     .free_scratch = free_scratch,
     .free_data = free_data,
     .bounds = {.omega2 = touch_bound},
-    .constraints = {.list = touch_constrain, .reserve = touch_reserve}};
+    .constraints = {.list = touch_constrain, .reserve = touch_reserve, .divide = touch_divide}};
 static const ct_effect_calls FRICTION = {.force = touch_force,
                                          .create_scratch = create_scratch,
                                          .free_scratch = free_scratch,

@@ -28,6 +28,18 @@ static void move_velocities(const ct_problem *problem, const ct_state *from, ct_
         ct_kick(from->velocity[d], less, problem->inverse_mass[d], from->workspace->total[d]);
 }
 
+/* The work of constraints on the change of velocity, in their memory. */
+static void move_memory(const ct_problem *problem, const ct_state *from, ct_state *to)
+{
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->calls->constraints.divide == NULL || from->step == 0) continue;
+    const ct_view view = ct_workspace_view(from->problem, from, k);
+    effect->calls->constraints.divide(effect, &view, problem->dt,
+                                      to->memory + ct_state_starts(problem, k).memory);
+  }
+}
+
 /* Sums from which the smaller step computes the same work and impulse as the larger one. */
 static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
                          int64_t parts)
@@ -86,6 +98,7 @@ ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_
   to->step = parts * from->step;
   to->time = (double)to->step * problem->dt;
   move_velocities(problem, from, to);
+  move_memory(problem, from, to);
   // -- The kinetic energy of the scheme depends on the step; the balance continues from its last
   // value (eq:step-change)
   to->kinetic_start = 0.0;
