@@ -15,6 +15,7 @@ DESCRIBED = [
     "libcontact.contact",
     "libcontact.exact",
     "libcontact.mesh",
+    "libcontact.meshes",
     "libcontact.projection",
 ]
 DESCRIBED += ["libcontact.run", "libcontact.search", "libcontact.state"]

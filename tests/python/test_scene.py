@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import captured
-from libcontact.mesh import Mesh, read_vtkhdf
+from libcontact.mesh import Mesh
+from libcontact.meshes import read_mesh
 from libcontact.schema import Place, Rows, SceneError
 from libcontact.units import Units
 from scenes import EDGES, METRES, MILLIMETRES, STEEL, box_of
@@ -497,13 +498,13 @@ def test_a_mesh_is_read_from_beside_the_scene_file_and_found_from_elsewhere(tmp_
 def test_grids_that_are_no_bricks_are_refused(tmp_path):
     path = tmp_path / "grid.vtkhdf"
     for kind, changes, reason in [
-        (10, {}, "VTK types"),
+        (42, {}, "VTK types"),
         (12, {"Offsets": [0, 7]}, "Offsets"),
         (12, {"NumberOfPoints": [4, 4]}, "2 parts"),
     ]:
         write_grid(path, CUBE, np.arange(8)[None], kind, **changes)
         with pytest.raises(ValueError, match=reason):
-            read_vtkhdf(path)
+            read_mesh(path)
 
 
 @pytest.mark.parametrize(

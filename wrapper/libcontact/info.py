@@ -6,7 +6,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from .mesh import Mesh, open_hdf5, read_vtkhdf
+from .mesh import Mesh, open_hdf5
+from .meshes import read_mesh
 from .results import in_file
 from .run import Run
 from .scene import Scene
@@ -65,9 +66,9 @@ def _run(path: Path) -> dict[str, Any]:
 
 
 def _mesh(path: Path) -> dict[str, Any]:
-    nodes, elements = read_vtkhdf(path)
-    body = _body("", Mesh.copy(nodes, elements), None)
-    low, high = (getattr(nodes, end)(axis=0).tolist() for end in ("min", "max"))
+    found = read_mesh(path)
+    body = _body("", Mesh.copy(found.nodes, found.elements), None)
+    low, high = (getattr(found.nodes, end)(axis=0).tolist() for end in ("min", "max"))
     return {"kind": "mesh", "bodies": [body], "from": low, "to": high}
 
 

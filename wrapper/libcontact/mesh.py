@@ -1,5 +1,4 @@
-"""Meshes of bricks: numpy views of arrays of the C library, reading from VTKHDF, and location of
-points."""
+"""Meshes of bricks: numpy views of arrays of the C library, and location of points."""
 
 from __future__ import annotations
 
@@ -17,12 +16,11 @@ from .bridge import Floats, Ints, Rows, ask, call, doubles, ints, names
 from .errors import NotBuiltIn, check
 from .schema import check_file
 
-__all__ = ["Mesh", "read_vtkhdf"]
+__all__ = ["Mesh"]
 
 KINDS = names("ct_brick_kind")
 FACTS = {name: lib.ct_brick_facts_of(kind) for name, kind in KINDS.items()}
 WIDTH: dict[str, int] = {name: facts.node_count for name, facts in FACTS.items()}
-VTK_TYPE = {facts.vtk: name for name, facts in FACTS.items()}
 LAYERS = names("ct_layers")
 
 
@@ -334,65 +332,6 @@ def open_hdf5(path: str | Path, mode: str = "r") -> Any:
 def text_in(value: Any) -> str:
     """A text of an HDF5 file."""
     return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
-
-
-def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
-    """
-    Read the mesh of a VTKHDF file: one part, an unstructured grid of one kind of bricks. From a
-    transient file it reads the first step.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file. All its cells are of VTK's type 12 (hex8), or all of type 25 (hex20).
-
-    Returns
-    -------
-    nodes : ndarray, shape (n, 3)
-        Coordinates [length].
-    elements : ndarray of int, shape (cells, 8 or 20)
-        Node numbers in VTK's order.
-
-    Raises
-    ------
-    ValueError
-        The file can't be read or does not contain such a mesh.
-    NotBuiltIn
-        h5py is not installed.
-    """
-
-    def wrong(reason: str) -> ValueError:
-        return ValueError(f'"{path}" {reason}')
-
-    with open_hdf5(path) as file:
-        group = file.get("VTKHDF")
-        if not hasattr(group, "attrs") or not hasattr(group, "keys"):
-            raise wrong("has no group VTKHDF")
-        kind = text_in(group.attrs.get("Type", b""))
-        if kind != "UnstructuredGrid":
-            raise wrong(f'contains "{kind}", not an UnstructuredGrid')
-        wanted = ("NumberOfPoints", "NumberOfCells", "Points", "Connectivity", "Offsets", "Types")
-        for name in wanted:
-            if not hasattr(group.get(name), "nbytes"):
-                raise wrong(f"lacks VTKHDF/{name}")
-        size, room = sum(group[name].nbytes for name in wanted) / 1e9, physical_memory() / 1e9
-        if size > room:
-            raise wrong(
-                f"contains a mesh of {size:.3g} GB, and this machine has {room:.3g} GB of memory"
-            )
-        parts, cells, points, connectivity, offsets, types = (group[name][()] for name in wanted)
-        if "Steps" not in group and len(parts) != 1:
-            raise wrong(f"has {len(parts)} parts; one is needed")
-    nodes, count = int(parts[0]), int(cells[0])
-    kinds = sorted(set(types[:count].tolist()))
-    if len(kinds) != 1 or kinds[0] not in VTK_TYPE:
-        raise wrong(f"has cells of the VTK types {kinds}; all must be of one of {VTK_TYPE}")
-    width = WIDTH[VTK_TYPE[kinds[0]]]
-    if not np.array_equal(offsets[: count + 1], width * np.arange(count + 1)):
-        raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes per cell')
-    if len(connectivity) < count * width or len(points) < nodes:
-        raise wrong("is cut short")
-    return points[:nodes], connectivity[: count * width].reshape(count, width)
 
 
 def physical_memory() -> float:

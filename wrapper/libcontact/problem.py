@@ -17,22 +17,12 @@ from ._core import ffi, lib
 from .bridge import Floats, Ints, ask, call, doubles, names, point_rows
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
-from .mesh import (
-    FACTS,
-    KINDS,
-    WIDTH,
-    Mesh,
-    c_box,
-    c_mesh,
-    c_ring,
-    physical_memory,
-    read_vtkhdf,
-    row_length,
-)
+from .mesh import FACTS, KINDS, WIDTH, Mesh, c_box, c_mesh, c_ring, physical_memory, row_length
+from .meshes import read_mesh
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts
 from .probes import locate
-from .schema import Place, Rows, SceneError, Table, word
+from .schema import SceneError, Table, word
 
 MOST_STEPS = 10**12
 # With shorter rows the layers follow one another along z: many short rows cost more than layers save.
@@ -304,10 +294,8 @@ class Problem:
         """Nodes and elements of a body, from the scene or its mesh file, checked against the other keys."""
         if body.mesh is not None:
             path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
-            at, (nodes, elements) = Place(key, self.file), read_vtkhdf(path)
-            nodes = Rows(3).read(nodes, at)
-            elements = Rows(*WIDTH.values(), whole=True).read(elements, at)
-            body = replace(body, mesh=None, nodes=nodes, elements=elements)
+            mesh = read_mesh(path)
+            body = replace(body, mesh=None, nodes=mesh.nodes, elements=mesh.elements)
             for name, reason in body.refusals():
                 raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
         unused = np.flatnonzero(np.bincount(body.elements.ravel(), minlength=len(body.nodes)) == 0)

@@ -1,0 +1,107 @@
+"""Meshes from files of other programs: Gmsh, Abaqus, Exodus, VTK."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from ..errors import NotBuiltIn
+from . import abaqus, exodus, gmsh, vtk
+from .convert import MeshData, Report, convert
+from .raw import Raw, Reading
+
+__all__ = ["MeshData", "Report", "read_mesh"]
+
+# What reads a file, by the ending of its name.
+FORMATS: dict[str, Callable[[Reading], Raw]] = {
+    ".vtkhdf": vtk.read_vtkhdf,
+    ".msh": gmsh.read,
+    ".vtu": vtk.read_vtu,
+    ".inp": abaqus.read,
+    ".g": exodus.read,
+    ".e": exodus.read,
+    ".exo": exodus.read,
+    ".gen": exodus.read,
+    ".ex2": exodus.read,
+}
+MOST_LAYERS = 10_000
+
+
+def read_mesh(
+    path: str | Path,
+    *,
+    part: str | None = None,
+    scale: float = 1.0,
+    extrude: tuple[float, int] | None = None,
+) -> MeshData:
+    """
+    Read the bricks of a mesh file and its named sets.
+
+    Wedges and tetrahedra become bricks: a wedge three, a tetrahedron four; bricks are split along the axes that their
+    neighbours need. Surfaces and lines of named groups become sets of faces and nodes.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file of Gmsh (``.msh``, version 2.2 or 4.1), Abaqus (``.inp``), Exodus (``.g``, ``.e``, ``.exo``), or VTK
+        (``.vtu``, ``.vtkhdf``).
+    part : str, optional
+        Name of a set of elements: a physical group, a part, an instance or an ELSET of Abaqus, or a block of Exodus.
+        Only its elements are read.
+    scale : float, default 1
+        Coordinates are multiplied by it.
+    extrude : (float, int), optional
+        Height [length of the file] and number of layers: a mesh of quadrilaterals and triangles in a plane z = const
+        is extruded along z.
+
+    Returns
+    -------
+    MeshData
+        Nodes, elements and sets.
+
+    Raises
+    ------
+    ValueError
+        The file can't be read, or an element is inverted or listed twice. The text names the file, and line and
+        element where it can.
+    NotBuiltIn
+        A package that reads this format is not installed.
+    """
+    path = Path(path)
+    read = FORMATS.get(path.suffix.lower())
+    if read is None and _is_hdf5(path):
+        read = vtk.read_vtkhdf
+    if read is None:
+        known = ", ".join(FORMATS)
+        raise ValueError(f'"{path}": the ending must be one of {known}')
+    if not (math.isfinite(scale) and scale > 0.0):
+        raise ValueError(f'"{path}": scale is {scale:g}; it must be positive')
+    if extrude is not None:
+        height, layers = extrude
+        if not (math.isfinite(height) and height > 0.0 and 1 <= layers <= MOST_LAYERS):
+            text = f"extrude is {[height, layers]}; a positive height and 1 to {MOST_LAYERS} layers"
+            raise ValueError(f'"{path}": {text} are needed')
+    reading = Reading(path)
+    try:
+        return convert(read(reading), part, scale, extrude)
+    except NotBuiltIn:
+        raise
+    except ValueError as error:
+        if str(path) in str(error) or any(str(file) in str(error) for file in reading.files):
+            raise
+        raise reading.wrong(f"is damaged: {error}") from None
+    except MemoryError:
+        raise reading.wrong("needs more memory than there is") from None
+    except (Exception, SystemExit) as error:
+        # What the libraries that read damaged files raise: anything.
+        text = f"is damaged: {type(error).__name__} {error}".strip()
+        raise reading.wrong(text) from None
+
+
+def _is_hdf5(path: Path) -> bool:
+    try:
+        with open(path, "rb") as file:
+            return file.read(4) == exodus.HDF5
+    except OSError:
+        return False
