@@ -166,6 +166,41 @@ static void faces_in_planes(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
+static void refused_sides(const ct_mesh *m, int count, const int32_t *sides, int64_t element,
+                          int64_t point, const char *word)
+{
+  int32_t face[16];
+  ct_error e = {0};
+  ct_status status = ct_mesh_side_faces(m, count, sides, face, &e);
+  tap_ok(status == CT_ERROR_ARGUMENT && e.element == element && e.point == point &&
+             strstr(e.text, word) != NULL,
+         "%s: sides are refused: %s", KIND[m->kind], e.text);
+}
+
+/* A set of elements and sides has the faces that lie in the planes of these sides. */
+static void faces_of_sides(ct_brick_kind kind)
+{
+  const double size[3] = {3, 4, 5};
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
+  int per = kind == CT_HEX8 ? 4 : 8, off = 0;
+  int32_t want[8 * 20], got[8 * 20], owner[20], sides[40];
+  for (int side = 0; side < 6; side++) {
+    int count = ct_mesh_plane_faces(m, side / 2, side % 2 ? size[side / 2] : 0.0, want, owner);
+    for (int i = 0; i < count; i++) sides[2 * i] = owner[i], sides[2 * i + 1] = side;
+    off += ct_mesh_side_faces(m, count, sides, got, NULL) != CT_OK ||
+           memcmp(got, want, (size_t)(per * count) * sizeof *got) != 0;
+  }
+  tap_ok(off == 0, "%s: faces by element and side are those in the plane (%d sides are not)",
+         KIND[kind], off);
+  // Elements 0 and 1 have the side 1 of the first in common.
+  refused_sides(m, 2, (const int32_t[]){0, 0, 0, 1}, 0, 1, "inside");
+  refused_sides(m, 2, (const int32_t[]){0, 0, 0, 0}, 0, 1, "twice");
+  refused_sides(m, 1, (const int32_t[]){0, 6}, -1, 0, "sides are 0 to 5");
+  refused_sides(m, 1, (const int32_t[]){60, 0}, -1, 0, "elements 0 to 59");
+  refused_sides(m, 1, (const int32_t[]){-1, 0}, -1, 0, "elements 0 to 59");
+  ct_mesh_free(m);
+}
+
 static void turned_faces(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 3, 3, 3);
@@ -222,6 +257,14 @@ static void refusals(ct_brick_kind kind)
   refused(m, CT_ERROR_ARGUMENT, 3, -1, "names node", "a node number too large");
   three[2] = -1;
   refused(m, CT_ERROR_ARGUMENT, 3, -1, "names node", "a negative node number");
+  memcpy(three, keep, sizeof(int32_t) * (size_t)per);
+
+  // The second element again, with its axes turned.
+  const int32_t *one = &m->elements[per];
+  for (int a = 0; a < 4; a++) three[a] = one[(a + 1) % 4], three[4 + a] = one[4 + (a + 1) % 4];
+  for (int a = 0; kind == CT_HEX20 && a < 4; a++)
+    for (int b = 8; b < 20; b += 4) three[b + a] = one[b + (a + 1) % 4];
+  refused(m, CT_ERROR_ARGUMENT, 3, -1, "corners of element 1", "an element that is listed twice");
   memcpy(three, keep, sizeof(int32_t) * (size_t)per);
 
   old = m->nodes[3 * 5 + 1];
@@ -461,6 +504,7 @@ int main(void)
     mirrored_boxes((ct_brick_kind)kind);
     faces((ct_brick_kind)kind);
     faces_in_planes((ct_brick_kind)kind);
+    faces_of_sides((ct_brick_kind)kind);
     refusals((ct_brick_kind)kind);
     corners((ct_brick_kind)kind);
     random_bricks((ct_brick_kind)kind);

@@ -134,12 +134,12 @@ CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_e
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
- * Check a mesh. ``CT_ERROR_ARGUMENT``: a node number out of range; ``CT_INVALID``: a coordinate is
- * not finite. ``CT_ERROR_GEOMETRY``: the Jacobian determinant of an element is not positive at a
- * Gauss point or at a node. `error` then names the first such element and its Gauss point; its text
- * names the corner or mid-side node and gives the number of all such elements. At a node the
- * determinant may be zero if an edge has collapsed or a mid-side node is at the quarter point,
- * :eq:`jacobian-nodes`.
+ * Check a mesh. ``CT_ERROR_ARGUMENT``: a node number out of range, or two elements with the same
+ * corners; ``CT_INVALID``: a coordinate is not finite. ``CT_ERROR_GEOMETRY``: the Jacobian
+ * determinant of an element is not positive at a Gauss point or at a node. `error` then names the
+ * first such element and its Gauss point; its text names the corner or mid-side node and gives the
+ * number of all such elements. At a node the determinant may be zero if an edge has collapsed or a
+ * mid-side node is at the quarter point, :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
@@ -168,6 +168,16 @@ CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, 
 /** All faces of the mesh that belong to one element only; outputs and return values as in
  * `ct_mesh_plane_faces`. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
+
+/**
+ * Faces of a set that is given, as in most formats, by elements and their sides: `sides`, shape
+ * (count, 2), has the number of an element and its side, 0 to 5 for ξ = -1, ξ = 1, η = -1, η = 1, ζ
+ * = -1, ζ = 1. Writes node numbers, counter-clockwise from outside, to `faces`, shape (count, 4 or
+ * 8). ``CT_ERROR_ARGUMENT``: a number out of range, a side that is inside the body, or one that is
+ * listed twice (`error` names element and number in the list; `faces` is then undefined).
+ */
+CT_API ct_status ct_mesh_side_faces(const ct_mesh *mesh, int32_t count, const int32_t *sides,
+                                    int32_t *faces, ct_error *error);
 
 /** How the consistent mass matrix is made diagonal. */
 typedef enum ct_lumping {

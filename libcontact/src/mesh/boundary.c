@@ -1,4 +1,5 @@
 /* The outer faces of a mesh: those that belong to one element only. */
+#include "../base/error.h"
 #include "../base/memory.h"
 #include "mesh_internal.h"
 
@@ -97,23 +98,28 @@ static double plane_tolerance(const ct_mesh *mesh)
   return 1e-9 * size;
 }
 
-/* Copy the outer faces whose nodes are all `in`, by element and side. The list contains both sides
- * of an inner face or none. */
+/* The sides whose nodes are all `in`, by element and side, the inner ones marked: both sides of an
+ * inner face are listed or none. Null: no memory. */
+static side *sides_in(const ct_mesh *mesh, int local[6][8], const unsigned char *in, size_t *count)
+{
+  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
+  *count = list_sides(mesh, local, in, NULL);
+  side *sides = *count > INT32_MAX ? NULL : ct_allocate(*count, sizeof *sides);
+  if (sides != NULL) list_sides(mesh, local, in, sides);
+  if (sides != NULL && mark_inner(sides, *count) == CT_OK) return sides;
+  ct_release(sides);
+  return NULL;
+}
+
+/* Copy the outer faces whose nodes are all `in`, by element and side. */
 static int32_t collect(const ct_mesh *mesh, const unsigned char *in, int32_t *faces,
                        int32_t *owners)
 {
   int local[6][8];
   int32_t kept = 0;
-  size_t per_face = (size_t)per_side(mesh);
-  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
-  size_t count = list_sides(mesh, local, in, NULL);
-  if (count > INT32_MAX) return -CT_ERROR_MEMORY;
-  side *sides = ct_allocate(count, sizeof *sides);
-  if (sides != NULL) list_sides(mesh, local, in, sides);
-  if (sides == NULL || mark_inner(sides, count) != CT_OK) {
-    ct_release(sides);
-    return -CT_ERROR_MEMORY;
-  }
+  size_t per_face = (size_t)per_side(mesh), count;
+  side *sides = sides_in(mesh, local, in, &count);
+  if (sides == NULL) return -CT_ERROR_MEMORY;
   for (size_t i = 0; i < count; i++) {
     int32_t node[8];
     if (sides[i].number < 0) continue;
@@ -152,6 +158,71 @@ int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t
 int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners)
 {
   return mesh == NULL ? -CT_ERROR_ARGUMENT : faces_in(mesh, -1, 0.0, faces, owners);
+}
+
+/* Write the faces of listed sides and mark their nodes. */
+static ct_status enter_sides(const ct_mesh *mesh, int32_t count, const int32_t *sides,
+                             unsigned char *in, int32_t *faces, ct_error *error)
+{
+  const size_t per = (size_t)ct_brick_node_count(mesh->kind), per_face = (size_t)per_side(mesh);
+  for (int32_t i = 0; i < count; i++, faces += per_face) {
+    const int32_t element = sides[2 * (int64_t)i], number = sides[2 * (int64_t)i + 1];
+    int local[8];
+    if (element < 0 || element >= mesh->element_count || number < 0 || number > 5)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i},
+                     "face %d is side %d of element %d; sides are 0 to 5, elements 0 to %d", (int)i,
+                     (int)number, (int)element, (int)mesh->element_count - 1);
+    ct_brick_face(mesh->kind, number, local);
+    for (size_t a = 0; a < per_face; a++) {
+      faces[a] = mesh->elements[(size_t)element * per + (size_t)local[a]];
+      in[faces[a]] = 1;
+    }
+  }
+  return CT_OK;
+}
+
+/* Refuse a listed side that another element has, too, and one that is listed twice. `outer`: one
+ * byte per side of the mesh, 1 for outer ones. */
+static ct_status check_sides(int32_t count, const int32_t *sides, unsigned char *outer,
+                             ct_error *error)
+{
+  for (int32_t i = 0; i < count; i++) {
+    const int32_t element = sides[2 * (int64_t)i], number = sides[2 * (int64_t)i + 1];
+    unsigned char *is = &outer[6 * (int64_t)element + number];
+    if (*is != 1)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, element, i},
+                     *is == 0 ? "side %d of element %d is inside the body: another element has it, "
+                                "too, so it is no part of a surface"
+                              : "side %d of element %d is listed twice",
+                     (int)number, (int)element);
+    *is = 2;
+  }
+  return CT_OK;
+}
+
+ct_status ct_mesh_side_faces(const ct_mesh *mesh, int32_t count, const int32_t *sides,
+                             int32_t *faces, ct_error *error)
+{
+  if (mesh == NULL || mesh->elements == NULL || sides == NULL || faces == NULL)
+    return CT_REFUSE_NULL(error);
+  ct_status status = ct_mesh_check_numbers(mesh, error);
+  if (status != CT_OK) return status;
+  int local[6][8];
+  size_t found = 0;
+  side *all = NULL;
+  unsigned char *in = ct_allocate((size_t)mesh->node_count, 1),
+                *outer = ct_allocate((size_t)mesh->element_count, 6);
+  if (in == NULL || outer == NULL) status = CT_NO_MEMORY(error, "the sides of a mesh");
+  if (status == CT_OK) status = enter_sides(mesh, count, sides, in, faces, error);
+  if (status == CT_OK) all = sides_in(mesh, local, in, &found);
+  if (status == CT_OK && all == NULL) status = CT_NO_MEMORY(error, "the sides of a mesh");
+  for (size_t i = 0; status == CT_OK && i < found; i++)
+    if (all[i].number >= 0) outer[6 * (int64_t)all[i].element + all[i].number] = 1;
+  if (status == CT_OK) status = check_sides(count, sides, outer, error);
+  ct_release(all);
+  ct_release(outer);
+  ct_release(in);
+  return status;
 }
 
 int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes)

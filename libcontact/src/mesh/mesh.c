@@ -482,7 +482,7 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
     status = element_check(mesh, &rule, e, error);
     if (status == CT_ERROR_GEOMETRY && error != NULL) count_bad(mesh, &rule, e, error);
   }
-  return status;
+  return status == CT_OK ? ct_mesh_check_twins(mesh, error) : status;
 }
 
 /* Square of the shortest edge of the elements from `e` on, one per lane; edges of zero length do

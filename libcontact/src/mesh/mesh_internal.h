@@ -20,6 +20,9 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_s
  */
 ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error);
 
+/* CT_ERROR_ARGUMENT if two elements of a mesh with valid numbers have the same corners. */
+ct_status ct_mesh_check_twins(const ct_mesh *mesh, ct_error *error);
+
 /* The octant around local node `a` of a brick in which the brick lies: bit 0 is set when it lies on
  * the side of positive ξ. */
 int ct_brick_octant(ct_brick_kind kind, int a);
