@@ -27,6 +27,7 @@ typedef struct body_row {
   int64_t first_cell, cell_count;
   double young, poisson, density;
   int32_t law, also_empty; /* law: 0, small strain, in files older than the laws */
+  uint64_t elements;       /* hash of the node numbers of its elements; 0 in older files */
 } body_row;
 
 static const ct_row_type BODY_ROW = {
@@ -40,13 +41,15 @@ static const ct_row_type BODY_ROW = {
      CT_FIELD(body_row, young, CT_REAL, "Young's modulus"),
      CT_FIELD(body_row, poisson, CT_REAL, "Poisson's ratio"),
      CT_FIELD(body_row, density, CT_REAL, "density"),
-     CT_FIELD(body_row, law, CT_INT32, "material law")}};
+     CT_FIELD(body_row, law, CT_INT32, "material law"),
+     CT_FIELD(body_row, elements, CT_WORD, "list of elements")}};
 
 /* One row of /libcontact/effects. */
 typedef struct effect_row {
   char name[CT_NAME_SIZE];
   int32_t node_count, stores; /* whether the effect has a stored energy */
   int64_t memory_count;
+  uint64_t nodes; /* hash of its node numbers; 0 if it acts on all, and in older files */
 } effect_row;
 
 static const ct_row_type EFFECT_ROW = {
@@ -54,7 +57,8 @@ static const ct_row_type EFFECT_ROW = {
     {CT_FIELD(effect_row, name, CT_NAME, "name"),
      CT_FIELD(effect_row, node_count, CT_INT32, "number of nodes"),
      CT_FIELD(effect_row, stores, CT_INT32, NULL),
-     CT_FIELD(effect_row, memory_count, CT_INT64, "number of values of memory")}};
+     CT_FIELD(effect_row, memory_count, CT_INT64, "number of values of memory"),
+     CT_FIELD(effect_row, nodes, CT_WORD, "set of nodes")}};
 
 /* -- What the problem has -- */
 
@@ -71,6 +75,14 @@ static void fill_attributes(const ct_problem *problem, attribute attributes[ATTR
   memcpy(attributes, all, sizeof all);
 }
 
+/* A hash of numbers in their order (FNV-1a), never 0. */
+static uint64_t hash_of(const int32_t *numbers, int64_t count)
+{
+  uint64_t hash = 0xcbf29ce484222325ULL;
+  for (int64_t i = 0; i < count; i++) hash = (hash ^ (uint32_t)numbers[i]) * 0x100000001b3ULL;
+  return hash | 1;
+}
+
 static void fill_bodies(const ct_problem *problem, void *rows)
 {
   body_row *row = rows;
@@ -78,15 +90,18 @@ static void fill_bodies(const ct_problem *problem, void *rows)
   for (int32_t b = 0; b < problem->body_count; cell += row++->cell_count, b++) {
     const ct_body *body = &problem->bodies[b];
     const ct_material *material = &body->material;
-    *row = (body_row){.kind = (int32_t)body->mesh->kind,
-                      .first_node = body->first_node,
-                      .node_count = body->mesh->node_count,
-                      .first_cell = cell,
-                      .cell_count = body->mesh->element_count,
-                      .young = material->young,
-                      .poisson = material->poisson,
-                      .density = material->density,
-                      .law = (int32_t)material->law};
+    *row = (body_row){
+        .kind = (int32_t)body->mesh->kind,
+        .first_node = body->first_node,
+        .node_count = body->mesh->node_count,
+        .first_cell = cell,
+        .cell_count = body->mesh->element_count,
+        .young = material->young,
+        .poisson = material->poisson,
+        .density = material->density,
+        .law = (int32_t)material->law,
+        .elements = hash_of(body->mesh->elements, (int64_t)ct_brick_node_count(body->mesh->kind) *
+                                                      body->mesh->element_count)};
     snprintf(row->name, sizeof row->name, "%.63s", body->name);
   }
 }
@@ -100,6 +115,7 @@ static void fill_effects(const ct_problem *problem, void *rows)
     row->node_count = effect->nodes == NULL ? problem->node_count : effect->node_count;
     row->stores = effect->calls->energy != NULL;
     row->memory_count = effect->memory_count;
+    row->nodes = effect->nodes == NULL ? 0 : hash_of(effect->nodes, effect->node_count);
   }
 }
 
@@ -152,14 +168,20 @@ static void compare_attribute(ct_task *task, const attribute *is, const char *wh
                  whose, is->value);
 }
 
+/* Whether a field differs. A hash that is 0 in the file is unknown. */
+static int differs(const ct_field *f, const char *is, const char *was)
+{
+  static const uint64_t unknown = 0;
+  if (f->label == NULL || memcmp(is + f->offset, was + f->offset, f->size) == 0) return 0;
+  return f->kind != CT_WORD || memcmp(was + f->offset, &unknown, sizeof unknown) != 0;
+}
+
 /* Two rows of a table agree in each field that has a label. */
 static void compare_row(ct_task *task, const table *t, int number, const char *is, const char *was)
 {
   const ct_field *f = t->row->field;
   const ct_place where = {t == &TABLE[BODIES] ? number : -1, -1, -1};
-  while (f->name != NULL &&
-         (f->label == NULL || memcmp(is + f->offset, was + f->offset, f->size) == 0))
-    f++;
+  while (f->name != NULL && !differs(f, is, was)) f++;
   if (f->name != NULL)
     ct_task_fail(task, CT_ERROR_FILE, where,
                  "the file belongs to another problem: %s %d '%.63s' (in the file '%.63s') has "
@@ -185,7 +207,9 @@ static void compare_points(ct_task *task, const ct_problem *problem, double *poi
   const hsize_t shape[2] = {(hsize_t)problem->node_count, 3};
   ct_hdf5_read_array(task, "VTKHDF/Points", H5T_NATIVE_DOUBLE, 2, shape, points);
   for (int64_t i = 0; i < 3 * (int64_t)problem->node_count && task->status == CT_OK; i++) {
-    const ct_place where = {-1, -1, i / 3};
+    int32_t b = problem->body_count - 1;
+    while (b > 0 && problem->bodies[b].first_node > i / 3) b--;
+    const ct_place where = {b, -1, i / 3};
     if (points[i] != problem->reference[i])
       ct_task_fail(task, CT_ERROR_FILE, where,
                    "the file belongs to another problem: node %ld has another position",
