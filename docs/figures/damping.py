@@ -6,10 +6,10 @@ from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED
 from shared.scenes import bar, done, scene_of
 
 
-def decay(young, rate):
+def decay(young, **damping):
     """The fraction of critical damping of a cube that swings along its length, from the peaks of a run, and its ω."""
     scene = bar(scene_of(young=young), cells=1, velocity=[1e-3, 0, 0])
-    scene.add_support("bar.x_min", fix="x").add("damping", rate=rate)
+    scene.add_support("bar.x_min", fix="x").add("damping", **damping)
     scene.add_probe("end", body="bar", point=[1, 0, 0], quantities=["displacement"])
     omega = np.sqrt(2 * young)
     run = done(scene.set_time(end=40 / omega, dt=0.02 / omega))
@@ -27,8 +27,12 @@ def ratios():
     ax.loglog(omega, rate / (2 * omega), label="α M", color=BLUE)
     ax.loglog(omega, slow * omega / 2, label="β K", color=ORANGE)
     ax.loglog(omega, rate / (2 * omega) + slow * omega / 2, "k--", lw=1, label="α M + β K")
-    found = np.array([decay(young, rate) for young in (0.2, 1, 5, 25, 125)])
-    ax.loglog(*found.T, "o", color=BLUE, label="α M, runs")
+    for colour, label, keys in (
+        (BLUE, "α M, runs", {"rate": rate}),
+        (ORANGE, "β K, runs", {"stiffness": slow}),
+    ):
+        found = np.array([decay(young, **keys) for young in (0.2, 1, 5, 25, 125)])
+        ax.loglog(*found.T, "o", color=colour, label=label)
     ax.set(xlabel="ω of the mode", ylabel="damping ratio ζ", xlim=(0.3, 30), ylim=(1e-3, 1))
     ax.legend(loc="center left")
     return figure

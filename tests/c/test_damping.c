@@ -244,6 +244,231 @@ static void unrest_of_free_bodies(void)
   ct_mesh_free(mesh);
 }
 
+/* A scene of one body with damping in proportion to stiffness, and a velocity at each node. */
+static ct_scene *damped_scene(const ct_mesh *mesh, ct_solid_kernel kernel, double coefficient,
+                              const double *velocities)
+{
+  ct_scene_body def = {.name = "damped",
+                       .mesh = mesh,
+                       .material = SOFT,
+                       .kernel = kernel,
+                       .velocities = velocities,
+                       .stiffness_damping = coefficient};
+  ct_scene *scene = new_scene();
+  ct_error error;
+  need(ct_scene_add_body(scene, &def, NULL, &error), &error);
+  return scene;
+}
+
+/* The damping forces at the start of a run, and the velocity that they belong to. */
+static void start_forces(const ct_mesh *mesh, int threads, double coefficient, const double *v0,
+                         double *force, double *v)
+{
+  ct_scene *scene = damped_scene(mesh, CT_KERNEL_AUTO, coefficient, v0);
+  ct_error error;
+  set_threads(scene, threads);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.01}, NULL, NULL);
+  ct_state *state = new_state(problem);
+  need(ct_state_force(problem, state, 1, force, &error), &error);
+  memcpy(v, state->velocity, 3 * (size_t)mesh->node_count * sizeof *v);
+  ct_state_free(state);
+  ct_scene_free(scene);
+}
+
+/* Add the forces of all elements in their readable form, times a factor. */
+static void add_element_forces(const ct_mesh *mesh, double factor, const double *v, double *sum)
+{
+  const int per = ct_brick_node_count(mesh->kind);
+  ct_error error;
+  for (int e = 0; e < mesh->element_count; e++) {
+    double x[60], u[60], f[60];
+    take_element(mesh, e, mesh->nodes, x);
+    take_element(mesh, e, v, u);
+    need(ct_solid_element_force(mesh->kind, x, u, &SOFT, f, NULL, &error), &error);
+    for (int a = 0; a < 3 * per; a++)
+      sum[3 * mesh->elements[e * per + a / 3] + a % 3] += factor * f[a];
+  }
+}
+
+/* The force is beta times that of the elements in their readable form at a displacement equal to
+ * the velocity, for any shape of both bricks and for boxes (eq:stiffness-damping-force). */
+static void stiffness_force(void)
+{
+  const double beta = 0.03;
+  for (int k = 0; k < 4; k++) {
+    ct_mesh *mesh = box_mesh(k < 2 ? CT_HEX8 : CT_HEX20, 0, 0, 0, 2, 1, 3, 9, 2, 3);
+    if (k % 2 == 0) distort(mesh, 0.1);
+    const int32_t dofs = 3 * mesh->node_count;
+    double *v0 = numbers(dofs), *v = numbers(dofs), *want = numbers(dofs), *one = numbers(dofs),
+           *two = numbers(dofs);
+    for (int d = 0; d < dofs; d++) v0[d] = uniform(1.0);
+    start_forces(mesh, 1, beta, v0, one, v);
+    start_forces(mesh, 2, beta, v0, two, v);
+    add_element_forces(mesh, beta, v, want);
+    tap_ok(memcmp(one, two, (size_t)dofs * sizeof *one) == 0,
+           "damping in proportion to stiffness: 1 and 2 threads have the same bits");
+    tap_close(largest_difference(one, want, dofs) / largest(want, dofs), 0.0, 1e-13,
+              "its force is -beta K v (%s, %s)", ct_brick_facts_of(mesh->kind)->name,
+              k % 2 == 0 ? "distorted" : "boxes");
+    free_all(v0, v, want, one, two);
+    ct_mesh_free(mesh);
+  }
+}
+
+/* One layer in plane strain: the same motion as with the kernel for boxes. */
+static void stiffness_in_plane_strain(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 3, 2, 0.5, 12, 8, 1);
+  const int32_t dofs = 3 * mesh->node_count;
+  double *v = numbers(dofs), *u = numbers(dofs), off = 0.0;
+  for (int n = 0; n < dofs / 3; n++)
+    for (int c = 0; c < 2; c++)
+      v[3 * n + c] = sin(2.0 * mesh->nodes[3 * n] + c) * cos(mesh->nodes[3 * n + 1]);
+  for (int plane = 0; plane < 2; plane++) {
+    ct_scene *scene = damped_scene(mesh, plane ? CT_KERNEL_PLANE : CT_KERNEL_BOX, 0.01, v);
+    add_support(scene, 0, mesh, -1, 0.0, "z", 0.0);
+    const ct_problem *problem = build(scene, (ct_scene_time){.end = 1.0, .dt = 1e-3}, NULL, NULL);
+    ct_state *state = new_state(problem);
+    advance(problem, state, 200);
+    if (plane) off = largest_difference(u, state->displacement, dofs) / largest(u, dofs);
+    else memcpy(u, state->displacement, (size_t)dofs * sizeof *u);
+    ct_state_free(state);
+    ct_scene_free(scene);
+  }
+  tap_close(off, 0.0, 1e-12, "in plane strain the motion is that of the boxes");
+  free_all(v, u);
+  ct_mesh_free(mesh);
+}
+
+/* A run of 3000 steps of one free brick, at a part of its stable step: the strain energy at the end
+ * over the largest one in the first 20 steps, and the growth of the total energy in these. */
+static double grown(double beta, double fraction, double *stable, double *gain)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.7, 0.8, 1, 1, 1);
+  double v[24], strain = 0.0;
+  ct_stable_step step;
+  for (int d = 0; d < 24; d++) v[d] = uniform(1.0);
+  ct_scene *scene = damped_scene(mesh, CT_KERNEL_AUTO, beta, v);
+  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, &step);
+  ct_error error;
+  p.dt = fraction * step.dt;
+  ct_state *state = new_state(&p);
+  const ct_energy first = energy_of(&p, state);
+  *stable = step.dt;
+  *gain = 0.0;
+  for (int n = 0; n < 20; n++) {
+    need(ct_step(&p, state, &error), &error);
+    const ct_energy now = energy_of(&p, state);
+    strain = fmax(strain, now.strain);
+    *gain = fmax(*gain, now.total / first.total - 1.0);
+  }
+  for (int n = 20; n < 3000; n++) need(ct_step(&p, state, &error), &error);
+  strain =
+      largest(state->displacement, 24) < 1e100 ? energy_of(&p, state).strain / strain : INFINITY;
+  close_run(state, scene, mesh);
+  return strain;
+}
+
+/* The stable step is (2 / omega)(sqrt(1 + xi^2) - xi) with xi = beta omega / 2, from the undamped
+ * one: just below it the fastest mode decays, above it grows (eq:stiffness-damping-bound). */
+static void stiffness_bound(void)
+{
+  double free_step, gain;
+  (void)grown(0.0, 0.5, &free_step, &gain);
+  const double omega = 2.0 / free_step;
+  for (int k = 0; k < 3; k++) {
+    const double xi = k == 0 ? 0.1 : k == 1 ? 1.0 : 10.0, beta = 2.0 * xi / omega;
+    double step, low = grown(beta, 0.999, &step, &gain), same, lost,
+                 high = grown(beta, 1.02, &same, &lost);
+    tap_close(step / (free_step * (sqrt(1.0 + xi * xi) - xi)), 1.0, 1e-12,
+              "the stable step at xi = %g is %.3f of the undamped one", xi, step / free_step);
+    tap_ok(low < 1e-3 && gain < 1e-12,
+           "at .999 of it the motion decays (%.2g), without gain (%.1e)", low, gain);
+    tap_ok(!(high < 1e10), "at 1.02 of it it grows (%.2g)", high);
+  }
+}
+
+/* A standing wave of a bar with nu = 0: u = a(t) cos(k x), with the loop of one oscillator of
+ * omega = (2 c / h) sin(k h / 2) and damping beta omega^2 written here; and its decay is near
+ * exp(-beta omega^2 t / 2) (eq:stiffness-damping-ratio). The work of the damping is the loss. */
+static void standing_wave(void)
+{
+  enum { CELLS = 20, WAVES = 3 };
+  static const ct_material bar = {.young = 900.0, .poisson = 0.0, .density = 1.0};
+  const double h = 0.5, k = acos(-1.0) * WAVES / (CELLS * h),
+               omega = 2.0 * 30.0 / h * sin(0.5 * k * h), beta = 0.1 / omega;
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, CELLS * h, h, h, CELLS, 1, 1);
+  const int32_t dofs = 3 * mesh->node_count;
+  double *v = numbers(dofs), off = 0.0, a = 0.0;
+  for (int n = 0; n < dofs / 3; n++) v[3 * n] = cos(k * mesh->nodes[3 * n]);
+  ct_scene_body def = {.mesh = mesh, .material = bar, .velocities = v, .stiffness_damping = beta};
+  ct_scene *scene = new_scene();
+  ct_error error;
+  need(ct_scene_add_body(scene, &def, NULL, &error), &error);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 40.0 / omega, .fraction = 0.3}, NULL, NULL);
+  ct_state *state = new_state(p);
+  ct_energy first = energy_of(p, state), now;
+  // The first kick goes half a step back with the damping of the velocity at t = 0.
+  double s = 1.0 + 0.5 * p->dt * beta * omega * omega, peak = 0.0;
+  while (state->time < 39.9 / omega) {
+    advance(p, state, 1);
+    s -= p->dt * (omega * omega * a + beta * omega * omega * s);
+    a += p->dt * s;
+    off = worst(off, state->displacement[0] - a);
+    if (state->time > 35.0 / omega) peak = fmax(peak, fabs(a));
+  }
+  now = energy_of(p, state);
+  double work;
+  need(ct_energy_work(p, state, 1, &work, &error), &error);
+  tap_close(off * omega, 0.0, 1e-11, "a standing wave moves like one damped oscillator");
+  // The last peak is at most half a period before 39.9 / omega.
+  tap_ok(peak * omega < exp(-0.05 * 35.0) && peak * omega > exp(-0.05 * 39.9) * 0.9,
+         "and decays like exp(-beta omega^2 t / 2), to %.3f", peak * omega);
+  tap_ok(work < 0.0 && strcmp(p->effects[1]->label, "damping") == 0, "damping takes energy (%g)",
+         work);
+  tap_close((first.total - now.total) / first.total, 0.0, 1e-12, "its work is the loss of energy");
+  tap_close(now.balance / first.kinetic, 0.0, 1e-13, "and the work balance closes");
+  free(v);
+  close_run(state, scene, mesh);
+}
+
+/* Free flight and a body without damping feel nothing, and wrong coefficients are refused. */
+static void stiffness_leaves(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_scene_body def = {.name = "one",
+                       .mesh = mesh,
+                       .material = SOFT,
+                       .velocity = {3, -4, 1},
+                       .stiffness_damping = 0.1};
+  ct_scene *scene = new_scene();
+  ct_error e = {0};
+  need(ct_scene_add_body(scene, &def, NULL, &e), &e);
+  add_body(scene, "two", mesh, &SOFT, CT_KERNEL_AUTO, 0, 1, 0);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
+  ct_state *state = new_state(p);
+  advance(p, state, 20);
+  tap_ok(p->effects[1]->node_count == mesh->node_count, "damping acts on one of two bodies");
+  tap_ok(state->velocity[0] == 3.0 && state->velocity[1] == -4.0, "free flight is not damped");
+  ct_state_free(state);
+  ct_scene_free(scene);
+  scene = new_scene();
+  for (int k = 0; k < 2; k++) {
+    def.stiffness_damping = k == 0 ? -1.0 : INFINITY;
+    tap_ok(ct_scene_add_body(scene, &def, NULL, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  }
+  def.stiffness_damping = 0.1;
+  def.material.law = CT_NEO_HOOKEAN;
+  const ct_scene_time time = {.end = 1.0, .fraction = 0.5};
+  need(ct_scene_add_body(scene, &def, NULL, &e), &e);
+  tap_ok(ct_scene_build(scene, &time, &p, &(int64_t){0}, NULL, &e) == CT_ERROR_UNSUPPORTED, "%s",
+         e.text);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
 int main(void)
 {
   decay();
@@ -252,5 +477,10 @@ int main(void)
   residual_by_hand();
   relaxation();
   unrest_of_free_bodies();
+  stiffness_force();
+  stiffness_in_plane_strain();
+  stiffness_bound();
+  standing_wave();
+  stiffness_leaves();
   return tap_done();
 }

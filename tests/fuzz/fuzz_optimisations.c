@@ -246,6 +246,8 @@ static void add_body(run *r, dice *d, int number)
                         .lumping = lumping,
                         .kernel = kernel,
                         .velocity = {velocity[0], velocity[1], velocity[2]}};
+  if (!r->plain && material.law == CT_LINEAR && chance(d, 8))
+    body.stiffness_damping = between(d, 0.0, 0.02);
   // -- Some nodes, or all of them, have velocities of their own
   int own = !r->plain && chance(d, 6);
   double *each = own ? room((size_t)b->mesh->node_count, 3 * sizeof *each) : NULL;

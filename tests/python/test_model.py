@@ -69,7 +69,7 @@ title = "all keys"
 units = { length = "m", mass = "kg", time = "s" }
 material = [{ name = "soft", young = 900.0, poisson = 0.3, density = 1.0, law = "neo_hookean" }, { name = "hard", young = 9000, poisson = 0.3, density = 1 }]
 gravity = { acceleration = [0, 0, -9.81], bodies = ["a", "b"] }
-damping = { rate = 0.5 }
+damping = { rate = 0.5, stiffness = 1e-5, bodies = ["a"] }
 viscosity = { linear = 0.1, quadratic = 1.0, bodies = ["a"] }
 time = { end = 0.01, fraction = 0.5, integrator = "chung_lee", integrator_parameter = 1.03, stable_step = "elements", force_tolerance = 1e-6, energy_limit = 0.5, look_every = 12 }
 output = { file = "all.vtkhdf", fields = ["stress"], every = 3, filter = 0 }
@@ -162,7 +162,7 @@ def test_the_full_scene_is_one():
     # They replace other keys.
     assert missing == set(
         """
-        body.mesh contact.beta damping.bodies damping.relaxation obstacle.dissipation obstacle.restitution
+        body.mesh contact.beta damping.relaxation obstacle.dissipation obstacle.restitution
         obstacle.enforcement obstacle.epsilon obstacle.friction obstacle.tangent output.times
         time.courant time.dt time.end_c1t_over time.until_static
     """.split()

@@ -80,7 +80,7 @@ class Parts(Table):
     @property
     def relaxed(self) -> bool:
         """Whether dynamic relaxation looks for a state of rest."""
-        return self.damping is not None and self.damping.rate is None
+        return self.damping is not None and bool(self.damping.relaxation)
 
     def histories(self) -> list[History]:
         """The histories of loads, obstacles and supports."""
@@ -186,12 +186,17 @@ def acts_on(effect: Any, name: str) -> bool:
 
 
 def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
-    """Refuse viscosity for quadratic elements, and a load along the thickness of a body with the plane kernel."""
+    """Refuse viscosity for quadratic elements, damping by stiffness for large strain, and a load along the
+    thickness of a body with the plane kernel."""
     if added.name == "viscosity" and not FACTS[body.bricks or "hex8"].trilinear:
         yield (
             f"{added.key}.bodies",
             f'"{body.name}" is of {body.bricks}; bulk viscosity is for hex8',
         )
+    law = parts.materials[body.material].law
+    if added.name == "damping" and added.given.stiffness and law != "linear":
+        why = f'is for the law "linear", and "{body.name}" has "{law}"; give a rate, or name other bodies in "bodies"'
+        yield f"{added.key}.stiffness", why
     held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
     cells = body.box.cells if body.box and body.kernel == "plane" else ()
     thin = [k for k, n in enumerate(cells) if n == 1 and "xyz"[k] in held]

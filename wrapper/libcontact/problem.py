@@ -20,7 +20,7 @@ from .errors import Error, check, new_error, text_of
 from .mesh import FACTS, KINDS, WIDTH, Mesh, c_box, c_mesh, c_ring, physical_memory, row_length
 from .meshes import read_mesh
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
-from .parts import Parts
+from .parts import Parts, acts_on
 from .probes import locate
 from .schema import SceneError, Table, word
 
@@ -333,6 +333,9 @@ class Problem:
         members["material"] = given.c("ct_material")
         if body.integration == "reduced":
             members["kernel"] = lib.CT_KERNEL_REDUCED
+        damping = self.parts.damping
+        if damping is not None and damping.stiffness and acts_on(damping, body.name):
+            members["stiffness_damping"] = damping.stiffness
         if held is not None and body.spin is not None:
             members["velocities"] = ffi.from_buffer("double[]", _spinning(body, held.nodes))
         new = ffi.new("ct_scene_body *", members)

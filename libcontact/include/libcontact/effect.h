@@ -211,6 +211,32 @@ CT_API ct_damping_def ct_damping_def_default(void);
 CT_API ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *problem,
                                           ct_effect **effect, ct_error *error);
 
+/** Damping in proportion to stiffness. */
+typedef struct ct_stiffness_damping_def {
+  /** Set by `ct_stiffness_damping_def_default`. */
+  int32_t cookie;
+  /** The effect of all bodies, from `ct_solid_create_effect`; it must outlive this one. */
+  const ct_effect *solid;
+  /** Coefficient β >= 0 of each body [time], shape (number of bodies); 0: the body is not damped.
+   */
+  const double *coefficients;
+} ct_stiffness_damping_def;
+
+/** A definition with its cookie set and all other members zero. */
+CT_API ct_stiffness_damping_def ct_stiffness_damping_def_default(void);
+
+/**
+ * Create the effect "damping" in proportion to stiffness: f = -β K v_{n-1/2},
+ * :eq:`stiffness-damping-force`. Its stored energy is 0; its negative work is in the energy
+ * balance. It costs one more force evaluation of its bodies per step, and shortens the stable step,
+ * :eq:`stiffness-damping-bound`. `ct_scene_build` creates it for bodies with `stiffness_damping`.
+ * ``CT_INVALID``: a coefficient is negative or not finite; ``CT_ERROR_ARGUMENT``: all are 0;
+ * ``CT_ERROR_UNSUPPORTED``: a damped body has a law other than ``CT_LINEAR``.
+ */
+CT_API ct_status ct_stiffness_damping_create_effect(const ct_stiffness_damping_def *def,
+                                                    const ct_problem *problem, ct_effect **effect,
+                                                    ct_error *error);
+
 /**
  * Bulk viscosity: a pressure against compression that spreads a wave front over a few elements,
  * :eq:`bulk-viscosity`. It dissipates energy, which the energy balance shows as negative work of

@@ -93,8 +93,10 @@ typedef enum ct_effect_kind {
   /** `ct_viscosity_create_effect` */
   CT_EFFECT_VISCOSITY = 11,
   /** `ct_absorb_create_effect` */
-  CT_EFFECT_ABSORB = 12
-  /* 13 was the averaged mass, which is gone: the next kind is 14. */
+  CT_EFFECT_ABSORB = 12,
+  /* 13 was the averaged mass, which is gone. */
+  /** `ct_stiffness_damping_create_effect` */
+  CT_EFFECT_STIFFNESS_DAMPING = 14
 } ct_effect_kind;
 
 /**

@@ -38,6 +38,9 @@ typedef struct ct_scene_body {
   /** Coefficient Q of the hourglass control with CT_KERNEL_REDUCED [-], :eq:`hourglass-stiffness`;
    * 0: the default. */
   double hourglass;
+  /** Coefficient β of damping in proportion to stiffness [time], :eq:`stiffness-damping-force`; 0:
+   * none, at no cost. */
+  double stiffness_damping;
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */

@@ -16,14 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct solid_data {
-  int32_t part_count;
-  ct_solid_part *parts;
-  int64_t value_count, ring_stride; /* of all, and of one thread's ring */
-  int64_t flops;                    /* of a step in which nothing sleeps */
-  int64_t batch_count;
-  int sleeps; /* whether elements of some part may sleep */
-} solid_data;
+typedef struct ct_solid_data solid_data;
 
 static void free_data(void *data)
 {
@@ -65,18 +58,12 @@ static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *v
 {
   const ct_solid_part *part = &solid->parts[i];
   const ct_solid_scratch *scratch = view->scratch;
-  ct_part_call call = {.part = part,
-                       .given = view->displacement + 3 * (int64_t)part->first_node,
-                       .ordered = ct_part_ordered(part, scratch->values),
-                       .f = force + 3 * (int64_t)part->first_node,
-                       .ring_stride = solid->ring_stride,
-                       .batch = ct_sleep_batches(scratch->sleep, i)};
-  call.displacement = call.ordered != NULL ? call.ordered : call.given;
+  const int64_t first = 3 * (int64_t)part->first_node;
+  ct_part_call call = ct_part_task(part, view->displacement + first, scratch->values,
+                                   solid->ring_stride, force + first);
+  call.batch = ct_sleep_batches(scratch->sleep, i);
   if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
-  int plane = part->plane != NULL && ct_plane_holds(&call);
-  call.ring = plane ? part->plane : part->ring;
-  call.batches = plane ? ct_plane_batches : part->batches;
-  call.values = scratch->values + (plane ? 0 : part->first_value);
+  ct_plane_take(&call, scratch->values);
   call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
   return call;
 }

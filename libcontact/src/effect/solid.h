@@ -3,6 +3,18 @@
 
 #include <libcontact/effect.h>
 
+#include "../solid/part.h"
+
+/* Data of an effect of the kind CT_EFFECT_SOLID. */
+typedef struct ct_solid_data {
+  int32_t part_count;
+  ct_solid_part *parts;
+  int64_t value_count, ring_stride; /* of all, and of one thread's ring */
+  int64_t flops;                    /* of a step in which nothing sleeps */
+  int64_t batch_count;
+  int sleeps; /* whether elements of some part may sleep */
+} ct_solid_data;
+
 /* ct_solid_create_effect for meshes that have passed ct_mesh_check. */
 ct_status ct_solid_create_checked(const ct_solid_def *def, ct_effect **effect, ct_error *error);
 

@@ -113,15 +113,8 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   for (int32_t i = 0; i < d->body_count; i++) {
     const ct_solid_part *part = &d->parts[i];
     const int64_t flops = (int64_t)FLOPS * part->mesh->element_count;
-    ct_part_call call = {.part = part,
-                         .ring = part->ring,
-                         .batches = viscous_batches,
-                         .given = view->velocity + 3 * (int64_t)part->first_node,
-                         .ordered = ct_part_ordered(part, values),
-                         .values = values + part->first_value,
-                         .f = force,
-                         .ring_stride = d->ring_stride};
-    call.displacement = call.ordered != NULL ? call.ordered : call.given;
+    ct_part_call call = ct_part_task(part, view->velocity + 3 * (int64_t)part->first_node, values,
+                                     d->ring_stride, force);
     ct_part_forces(&call, 1, ct_threads_for(ct_threads_of(view->settings), flops, CT_LEAST_FLOPS));
     force += 3 * (int64_t)part->mesh->node_count;
   }
@@ -233,7 +226,10 @@ static ct_status prepare_body(viscous_data *d, const ct_body *from, const double
                          .linear = d->linear,
                          .quadratic = d->quadratic};
   ct_material_speeds(&from->material, &body->c1, &c2);
-  *part = (ct_solid_part){.mesh = from->mesh, .first_node = from->first_node, .viscous = body};
+  *part = (ct_solid_part){.mesh = from->mesh,
+                          .first_node = from->first_node,
+                          .batches = viscous_batches,
+                          .viscous = body};
   ct_status status = ct_mesh_check(body->mesh, error);
   if (status == CT_OK) status = ct_part_lay_out(part, error);
   if (status != CT_OK) return status;

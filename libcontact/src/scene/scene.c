@@ -152,6 +152,10 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
     return CT_REFUSE(error,
                      "body %s: hourglass must be 0 (the default) or positive and finite, not %g",
                      name, def->hourglass);
+  if (!(def->stiffness_damping >= 0.0) || !isfinite(def->stiffness_damping))
+    return CT_REFUSE(error,
+                     "body %s: stiffness_damping must be 0 (none) or positive and finite, not %g",
+                     name, def->stiffness_damping);
   return ct_material_check(&def->material, error);
 }
 
@@ -446,6 +450,24 @@ static ct_status make_solid(ct_scene *scene, ct_error *error)
   return status;
 }
 
+/* Create the damping in proportion to stiffness, if any body has it. */
+static ct_status make_stiffness_damping(ct_scene *scene, ct_effect **effect, ct_error *error)
+{
+  double *coefficients = ct_allocate((size_t)scene->body_count, sizeof *coefficients), most = 0.0;
+  if (coefficients == NULL) return CT_NO_MEMORY(error, "the damping");
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    coefficients[i] = scene->parts[i].given.stiffness_damping;
+    most = fmax(most, coefficients[i]);
+  }
+  ct_stiffness_damping_def def = ct_stiffness_damping_def_default();
+  def.solid = scene->effects[0];
+  def.coefficients = coefficients;
+  ct_status status =
+      most > 0.0 ? ct_stiffness_damping_create_effect(&def, &scene->problem, effect, error) : CT_OK;
+  ct_release(coefficients);
+  return status;
+}
+
 static double shortest_edge(const ct_scene *scene, const ct_scene_contact *contact)
 {
   return fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
@@ -546,8 +568,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
-  ct_effect *supports = NULL, *hourglass = NULL;
-  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3,
+  ct_effect *supports = NULL, *hourglass = NULL, *damping = NULL;
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 4,
                                sizeof *scene->effects);
   if (scene->effects == NULL) return CT_NO_MEMORY(error, "the effects");
   // The kernels depend on the supports, so these are created first; they are the last effects.
@@ -556,6 +578,8 @@ static ct_status make_effects(ct_scene *scene, ct_error *error)
   if (status == CT_OK) (*count)++;
   if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
   if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
+  if (status == CT_OK) status = make_stiffness_damping(scene, &damping, error);
+  if (damping != NULL) scene->effects[(*count)++] = damping;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++)
     status = ct_blame(error, make_contact(scene, &scene->contacts[i], error), CT_PART_CONTACT, i);
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++)

@@ -2,8 +2,24 @@
 #include "call.h"
 
 #include "../base/threads.h"
+#include "part.h"
 
 #include <string.h>
+
+ct_part_call ct_part_task(const ct_solid_part *part, const double *given, double *values,
+                          int64_t ring_stride, double *f)
+{
+  ct_part_call call = {.part = part,
+                       .ring = part->ring,
+                       .batches = part->batches,
+                       .given = given,
+                       .ordered = ct_part_ordered(part, values),
+                       .values = values + part->first_value,
+                       .f = f,
+                       .ring_stride = ring_stride};
+  call.displacement = call.ordered != NULL ? call.ordered : given;
+  return call;
+}
 
 /* Set the forces of a skipped batch to zero. */
 static void clear_batch(const ct_part_call *call, int32_t b, double *values)

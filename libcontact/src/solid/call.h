@@ -24,6 +24,12 @@ typedef struct ct_part_call {
                    be zero */
 } ct_part_call;
 
+/* The task of a part: its forces f from the values `given` at its nodes, which are displacements,
+ * or velocities for the forces of dashpots; all elements are active. `values` is the array of all
+ * parts (ct_parts_place). */
+ct_part_call ct_part_task(const ct_solid_part *part, const double *given, double *values,
+                          int64_t ring_stride, double *f);
+
 /* Copy the displacements that are `given` into the order of those bodies that have their own; nodes
  * that are not summed may be omitted. */
 void ct_part_arrange(const ct_part_call *calls, int32_t count, int threads);

@@ -31,6 +31,14 @@ int ct_plane_holds(const ct_part_call *call)
   return 1;
 }
 
+void ct_plane_take(ct_part_call *call, double *values)
+{
+  if (call->part->plane == NULL || !ct_plane_holds(call)) return;
+  call->ring = call->part->plane;
+  call->batches = ct_plane_batches;
+  call->values = values;
+}
+
 /* Constants of all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p,
  * q and the fixed axis. */
 typedef struct constants {

@@ -7,6 +7,10 @@
  * summed. */
 int ct_plane_holds(const ct_part_call *call);
 
+/* Let the plane of a part compute its forces, if it has one and that is possible; `values` as for
+ * ct_part_task. */
+void ct_plane_take(ct_part_call *call, double *values);
+
 /* Forces of the lower layer, into the ring of the part's plane. */
 ct_solid_batches ct_plane_batches;
 
