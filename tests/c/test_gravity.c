@@ -110,6 +110,49 @@ static void rows_of_nodes(void)
   close_run(state, scene, mesh);
 }
 
+/* Weight that grows from 0 in a time T: a free body falls g (t³ - dt² t) / (6 T), the sum of its
+ * steps, and the force at each node is m g t / T; the work of the weight is what the motion has
+ * (eq:gravity-amplitude). */
+static void growing(void)
+{
+  const double T = 2.0, g = -10.0, time[2] = {0.0, T}, value[2] = {0.0, 1.0};
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);
+  ct_scene *scene = new_scene_with("one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_gravity_def gravity = {COOKIE, .acceleration = {0.0, 0.0, g},
+                            .amplitude = {.count = 2, .time = time, .value = value}};
+  const ct_problem *p = falling(scene, &gravity, 1.0);
+  ct_error e;
+  ct_state *state = new_state(p);
+  const ct_energy first = energy_of(p, state);
+  double off = 0.0, apart = 0.0, lost = 0.0, work, *force = numbers(3 * p->node_count);
+  while (state->time < 0.999) {
+    advance(p, state, 1);
+    const double t = state->time, want = g * (t * t * t - p->dt * p->dt * t) / (6.0 * T);
+    need(ct_state_force(p, state, 1, force, &e), &e);
+    need(ct_energy_work(p, state, 1, &work, &e), &e);
+    for (int32_t n = 0; n < p->node_count; n++) {
+      off = worst(off, state->displacement[3 * n + 2] - want);
+      apart = worst(apart, force[3 * n + 2] - p->mass[n] * g * t / T);
+    }
+    const ct_energy now = energy_of(p, state);
+    lost = worst(lost, now.total - first.total);
+    lost = worst(lost, now.kinetic - first.kinetic - work);
+  }
+  tap_close(off, 0.0, 1e-12, "weight that grows: the fall is g (t^3 - dt^2 t) / 6 T");
+  tap_close(apart, 0.0, 1e-12, "and the force m g t / T");
+  tap_ok(work > 1.0, "the weight has done work (%g)", work);
+  tap_close(lost / work, 0.0, 1e-12, "which the motion has");
+  free(force);
+  ct_state_free(state);
+  const double back[2] = {1.0, 0.0};
+  gravity.amplitude.time = back;
+  ct_effect *effect = NULL;
+  tap_ok(ct_gravity_create_effect(&gravity, p, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+         "%s", e.text);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
 static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -142,6 +185,7 @@ int main(void)
 {
   free_fall();
   rows_of_nodes();
+  growing();
   refusals();
   return tap_done();
 }

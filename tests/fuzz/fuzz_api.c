@@ -349,7 +349,8 @@ static ct_effect *body_effect(play *p, int body)
   bodies[0] = d->wild && chance(d, 10) ? 9 : body;
   switch (below(d, 4)) {
   case 0: {
-    ct_gravity_def gravity = {COOKIE, {real(d), real(d), real(d)}, bodies, count};
+    ct_gravity_def gravity = {COOKIE, {real(d), real(d), real(d)}, bodies, count, {0}};
+    if (chance(d, 3)) gravity.amplitude = any_history(p);
     (void)TRY(ct_gravity_create_effect(&gravity, p->joined, &effect, &e));
     break;
   }

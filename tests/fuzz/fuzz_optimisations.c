@@ -439,7 +439,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
     faces[i] = b->side[side][i] + r->joined->bodies[*number].first_node;
   tell("  effect %d on body %d, side %d\n", what, (int)*number, side);
   if (what == 0) {
-    ct_gravity_def gravity = {COOKIE, {0.01 * real(d), 0.01 * real(d), 0.0}, number, 1};
+    ct_gravity_def gravity = {COOKIE, {0.01 * real(d), 0.01 * real(d), 0.0}, number, 1, {0}};
     return ct_gravity_create_effect(&gravity, r->joined, effect, &r->error);
   }
   if (what == 1) {

@@ -47,6 +47,41 @@ def test_gravity_of_some_bodies_leaves_the_others():
     )
 
 
+HEIGHT, PERIOD = 1.0, 4.0 / np.sqrt(1e6 / 1000)
+
+
+def impulse_of_sudden_weight(t):
+    """The integral of the triangular wave (eq:laid-block) from 0 to t."""
+    whole, rest = np.divmod(np.maximum(t, 0.0), PERIOD)
+    fall = np.maximum(rest - PERIOD / 2, 0.0)
+    return (
+        whole * PERIOD
+        + 2 * np.minimum(rest, PERIOD / 2) ** 2 / PERIOD
+        + 2 * fall * (1 - fall / PERIOD)
+    )
+
+
+@pytest.mark.parametrize("ramp, apart", [(0.5, 0.04), (2.5, 0.01), (4.0, 0.004), (10.0, 0.004)])
+def test_a_block_that_is_laid_on_a_floor_does_not_bounce(ramp, apart):
+    """The force on the floor is the mean of the wave of a sudden weight over the time in which the weight grows
+    (eq:laid-block, eq:laid-slowly). Ten elements smooth its kinks, which a ramp of half a period shows most."""
+    scene = ct.Scene(units=METRES)
+    scene.add_material("soft", young=1e6, poisson=0.0, density=1000.0)
+    scene.add_body("block", material="soft", box=box_of([0, 0, 0], [0.3, 0.3, HEIGHT], [2, 2, 10]))
+    scene.add("obstacle", surface="block.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]})
+    end = ramp * PERIOD
+    scene.add("gravity", acceleration=[0, 0, -10], history={"time": [0, end], "value": [0, 1]})
+    scene.add_probe("floor", resultant="obstacle").set_time(end=end + 3 * PERIOD, fraction=0.9)
+    run = scene.run(progress=False)
+    t, force = run.probes["floor"]["time"], run.probes["floor"]["force"][:, 2] / (1000 * 0.09 * 10)
+    exact = (impulse_of_sudden_weight(t) - impulse_of_sudden_weight(t - end)) / end
+    np.testing.assert_allclose(force, exact, atol=apart)
+    assert abs(force[t > end] - 1).max() < 1 / (4 * ramp) + apart
+    assert np.ptp(force[t > end]) < 2 * apart or ramp % 1
+    assert run.energy["gravity"][-1] != 0 and "gravity" in run.energy.dtype.names
+    np.testing.assert_allclose(run.energy["balance"], 0, atol=1e-9)
+
+
 def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
     """The stress at x is the traction at the end, delayed by the distance over c = 30."""
     scene = bar(cells=200).add(

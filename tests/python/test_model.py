@@ -68,7 +68,7 @@ FULL = tomllib.loads("""
 title = "all keys"
 units = { length = "m", mass = "kg", time = "s" }
 material = [{ name = "soft", young = 900.0, poisson = 0.3, density = 1.0, law = "neo_hookean" }, { name = "hard", young = 9000, poisson = 0.3, density = 1 }]
-gravity = { acceleration = [0, 0, -9.81], bodies = ["a", "b"] }
+gravity = { acceleration = [0, 0, -9.81], bodies = ["a", "b"], history = { time = [0, 1], value = [0, 1] } }
 damping = { rate = 0.5, stiffness = 1e-5, bodies = ["a"] }
 viscosity = { linear = 0.1, quadratic = 1.0, bodies = ["a"] }
 time = { end = 0.01, fraction = 0.5, integrator = "chung_lee", integrator_parameter = 1.03, stable_step = "elements", force_tolerance = 1e-6, energy_limit = 0.5, look_every = 12 }
@@ -472,7 +472,7 @@ def test_the_book_has_a_table_of_every_key():
         for name, field in table.keys().items()
         if hasattr(field.metadata["kind"], "model")
     }
-    alike = {"load.history", "obstacle.history"}  # as support.history
+    alike = {"gravity.history", "load.history", "obstacle.history"}  # as support.history
     assert shown == {*MANY, *ONCE} | inner - alike
 
 

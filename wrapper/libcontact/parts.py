@@ -83,7 +83,7 @@ class Parts(Table):
         return self.damping is not None and bool(self.damping.relaxation)
 
     def histories(self) -> list[History]:
-        """The histories of loads, obstacles and supports."""
+        """The histories of gravity, loads, obstacles and supports."""
         return [table for _, table in walk(self, Place()) if isinstance(table, History)]
 
 

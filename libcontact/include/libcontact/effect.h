@@ -158,7 +158,7 @@ CT_API ct_motion_def ct_motion_def_default(void);
 CT_API ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
 
-/** A uniform acceleration of bodies. */
+/** A uniform acceleration of bodies, with an amplitude in time. */
 typedef struct ct_gravity_def {
   /** Set by `ct_gravity_def_default`. */
   int32_t cookie;
@@ -168,6 +168,8 @@ typedef struct ct_gravity_def {
   const int32_t *bodies;
   /** Number of bodies in `bodies`. */
   int32_t body_count;
+  /** Factor of the acceleration in time; no points: 1 at all times. */
+  ct_amplitude amplitude;
 } ct_gravity_def;
 
 /** A definition with its cookie set and all other members zero. */
@@ -175,8 +177,10 @@ CT_API ct_gravity_def ct_gravity_def_default(void);
 
 /**
  * Create the effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`.
- * `problem` comes from `ct_scene_join`. ``CT_ERROR_ARGUMENT``: an unknown body; ``CT_INVALID``: the
- * acceleration is not finite.
+ * With an amplitude the weight has no potential; its stored energy is then 0, and its work is in
+ * the energy balance, :eq:`gravity-amplitude`. The amplitude is copied. `problem` comes from
+ * `ct_scene_join`. ``CT_ERROR_ARGUMENT``: an unknown body, or an amplitude whose times descend;
+ * ``CT_INVALID``: a number is not finite.
  */
 CT_API ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *problem,
                                           ct_effect **effect, ct_error *error);

@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../base/lanes.h"
 #include "../base/memory.h"
@@ -15,6 +16,7 @@ typedef struct gravity_data {
   double acceleration[3];
   int32_t *nodes;
   const double *mass; /* of the problem */
+  ct_amplitude amplitude;
 } gravity_data;
 
 /* Forces of consecutive nodes, of four at a time. */
@@ -41,10 +43,14 @@ static ct_status gravity_force(const ct_effect *effect, const ct_view *view, dou
                                ct_error *error)
 {
   const gravity_data *data = effect->data;
-  (void)view, (void)error;
+  // -- The acceleration at this time (eq:gravity-amplitude)
+  const double factor = ct_amplitude_value(&data->amplitude, view->time),
+               g[3] = {factor * data->acceleration[0], factor * data->acceleration[1],
+                       factor * data->acceleration[2]};
+  (void)error;
   for (int32_t i = 0, end; i < effect->node_count; i = end) {
     end = i + ct_row_length(&data->nodes[i], effect->node_count - i);
-    weigh(end - i, &data->mass[data->nodes[i]], data->acceleration, &force[3 * (int64_t)i]);
+    weigh(end - i, &data->mass[data->nodes[i]], g, &force[3 * (int64_t)i]);
   }
   return CT_OK;
 }
@@ -69,8 +75,11 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-static const ct_effect_calls CALLS = {
-    .force = gravity_force, .energy = gravity_energy, .free_data = ct_pool_free};
+/* Constant weight has a potential, weight that changes in time has none. */
+static const ct_effect_calls CONSTANT = {.force = gravity_force,
+                                         .energy = gravity_energy,
+                                         .free_data = ct_pool_free},
+                             CHANGING = {.force = gravity_force, .free_data = ct_pool_free};
 
 ct_gravity_def ct_gravity_def_default(void) { return (ct_gravity_def){.cookie = CT_DEF_COOKIE}; }
 
@@ -82,17 +91,20 @@ ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *
       ct_effect_begin(def, problem, effect, "gravity", sizeof *data, &status, error);
   if (data == NULL) return status;
   data->mass = problem->mass;
+  data->amplitude = def->amplitude;
   memcpy(data->acceleration, def->acceleration, sizeof data->acceleration);
   int32_t count = 0;
   status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "gravity", &data->pool,
                                 &data->nodes, &count, error);
+  if (status == CT_OK) status = ct_amplitude_copy(&data->pool, &data->amplitude, error);
+  if (status == CT_OK && data->pool.failed) status = CT_NO_MEMORY(error, "gravity");
   for (int c = 0; c < 3; c++)
     if (!isfinite(def->acceleration[c]))
       status = ct_fail(error, CT_INVALID, CT_NOWHERE, "gravity: acceleration %c is not finite",
                        "xyz"[c]);
   ct_effect filled = {.kind = CT_EFFECT_GRAVITY,
                       .label = "gravity",
-                      .calls = &CALLS,
+                      .calls = def->amplitude.count == 0 ? &CONSTANT : &CHANGING,
                       .data = data,
                       .nodes = data->nodes,
                       .node_count = count,

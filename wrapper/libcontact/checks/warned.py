@@ -388,7 +388,7 @@ def _acted_on(problem: Problem) -> set[str]:
         if drives or support.history or gravity_on(problem, support.set.body).any():
             out.add(support.set.body)
     for effect in parts.effects:
-        if effect.name not in HARMLESS:
+        if effect.name not in HARMLESS or getattr(effect.given, "history", None):
             out |= {name for name in parts.bodies if acts_on(effect.given, name)}
     return out
 
