@@ -90,6 +90,7 @@ name = "b"
 material = "soft"
 ring = { centre = [5, 0, 0], radius = [0.5, 1.0], width = 0.5, cells = [1, 8, 1] }
 spin = { axis = [0, 0, 1], rate = 3.0, centre = [5, 0, 0] }
+initial = { displacement = [0.1, 0, 0], gradient = [[0, 0.01, 0], [0, 0, 0], [0, 0, 0]], angle = 0.5, axis = [1, 0, 0], centre = [5, 0, 0] }
 [[body]]
 name = "c"
 material = "hard"

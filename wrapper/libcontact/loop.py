@@ -653,7 +653,9 @@ class Loop:
         for name, body in problem.bodies.items():
             fields: dict[str, Any] = {"displacement": u[body.nodes]}
             fields |= {field: partial(_rows, values, body.nodes) for field, values in made.items()}
-            bodies[name] = BodyState(name, body.mesh, body.material, **fields)
+            initial = problem.parts.bodies[name].initial
+            stress = initial and initial.stress
+            bodies[name] = BodyState(name, body.mesh, body.material, stress, **fields)
         return State(state.time, state.step, bodies)
 
 

@@ -5,6 +5,7 @@ this module and from ``libcontact.effects``.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -180,6 +181,75 @@ class Spin(Table):
             yield "axis", "is 0; it must have a direction"
 
 
+class Initial(Table):
+    """
+    The state of a body at the start: a point X begins at centre + R (1 + gradient) (X - centre) +
+    displacement, where R turns by ``angle`` about ``axis`` (:eq:`initial-displacement`).
+
+    Attributes
+    ----------
+    displacement
+        Displacement of the whole body.
+    gradient
+        Displacement gradient: three rows with the derivatives of one component along x, y and z.
+    angle
+        Angle of rotation in radians, after the deformation by ``gradient``. The law ``"linear"`` does
+        not allow it.
+    axis
+        Axis of the rotation.
+    centre
+        Centre of deformation and rotation.
+    displacements
+        Instead of all these, the displacement of each node (n, 3); meant for Python.
+    stress
+        Stress that the body has without displacement: xx yy zz xy yz zx (:eq:`initial-stress`), for
+        the law ``"linear"``.
+    """
+
+    displacement: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    gradient: Any = key(Each(VECTOR, VECTOR, VECTOR), default=None, says="0")
+    angle: float = key(Number(), default=0.0)
+    axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
+    centre: Vector | None = key(
+        VECTOR, unit="length", default=None, says="the middle of its bounds"
+    )
+    displacements: Any = key(Rows(3), unit="length", default=None, says="none")
+    stress: Any = key(Each(*[Number()] * 6), unit="stress", default=None, says="0")
+
+    @property
+    def moves(self) -> bool:
+        """Whether it gives a displacement by the formula."""
+        return bool(any(self.displacement) or self.gradient is not None or self.angle)
+
+    @property
+    def displaces(self) -> bool:
+        """Whether it gives a displacement."""
+        return self.moves or self.displacements is not None
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if not any(self.axis):
+            yield "axis", "is 0; it must have a direction"
+        if self.displacements is not None and self.moves:
+            yield "displacements", "cannot stand beside displacement, gradient or angle"
+        if self.stress is None and not self.displaces:
+            yield "", "gives no displacement, gradient, angle, displacements or stress"
+
+    def at(self, nodes: NDArray[Any]) -> NDArray[Any] | None:
+        """Displacements (n, 3) of the nodes (n, 3) of the body; None: there are none."""
+        if self.displacements is not None or not self.moves:
+            return self.displacements  # type: ignore[no-any-return]
+        middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
+        r = nodes - (middle if self.centre is None else np.array(self.centre))
+        stretched = r if self.gradient is None else r @ np.array(self.gradient).T
+        stretched = stretched if self.gradient is None else stretched + r
+        e = np.array(self.axis) / np.linalg.norm(self.axis)
+        # 2 sin²(φ/2) in place of 1 - cos φ: small angles keep their digits.
+        across = np.cross(e, stretched)
+        turned = math.sin(self.angle) * across
+        turned += 2.0 * math.sin(0.5 * self.angle) ** 2 * np.cross(e, across)
+        return np.ascontiguousarray((stretched - r) + turned + np.array(self.displacement))
+
+
 class Body(Table):
     """
     A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
@@ -209,6 +279,8 @@ class Body(Table):
     spin
         Rotation at t = 0, in addition to ``velocity``. The law ``"linear"`` does not allow it,
         because there a rotation causes false strain.
+    initial
+        Displacement, rotation and stress at t = 0 (:doc:`/theory/initial`).
     lumping
         How the mass matrix is made diagonal; hex20 does not allow row sum.
     kernel
@@ -239,6 +311,7 @@ class Body(Table):
     )
     velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
     spin: Any = key(Nested(Spin), default=None, says="none")
+    initial: Any = key(Nested(Initial), default=None, says="none")
     lumping: str | None = key(
         Choice(without(LUMPINGS, "default")),
         default=None,
@@ -281,9 +354,14 @@ class Body(Table):
                 dict.fromkeys(SMALL_STRAIN_ONLY, "is for small strain")
             ):
                 yield key, f"{reason}; {other}"
-        elif self.spin is not None:
+            if self.initial is not None and self.initial.stress is not None:
+                why = f"is for small strain; {other}, so give the gradient that causes the stress"
+                yield "initial.stress", why
+            return
+        turns = {"spin": self.spin, "initial.angle": self.initial and self.initial.angle}
+        for name in [name for name, turn in turns.items() if turn]:
             why = f"turns the body, {other}, with which a rotation causes false strain"
-            yield "spin", f"{why}; give it the law {LARGE}"
+            yield name, f"{why}; give it the law {LARGE}"
 
     def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
         """The ones among the given words that the body uses, each with the reason against it."""

@@ -287,7 +287,8 @@ class Problem:
             ring = Mesh(ask("ct_mesh **", lib.ct_mesh_create_ring, kind, c_ring(body.ring)))
             return {"mesh": ring.pointer}, ring
         box = c_box(body.box, self.layers(body))
-        made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if body.spin else None
+        needed = body.spin or (body.initial and body.initial.displaces)
+        made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if needed else None
         return {"kind": kind, "box": box[0]}, made
 
     def _arrays(self, body: Body, key: str) -> Arrays:
@@ -336,10 +337,26 @@ class Problem:
         damping = self.parts.damping
         if damping is not None and damping.stiffness and acts_on(damping, body.name):
             members["stiffness_damping"] = damping.stiffness
-        if held is not None and body.spin is not None:
-            members["velocities"] = ffi.from_buffer("double[]", _spinning(body, held.nodes))
+        if body.initial is not None and body.initial.stress is not None:
+            members["initial_stress"] = body.initial.stress
+        if held is not None:
+            members |= self._motion(i, body, held.nodes)
         new = ffi.new("ct_scene_body *", members)
         self._call(key, lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
+
+    def _motion(self, i: int, body: Body, nodes: Floats) -> dict[str, Any]:
+        """The displacement and the velocity of each node at the start, as members of a ``ct_scene_body``."""
+        out = dict[str, Any]()
+        shift = None if body.initial is None else body.initial.at(nodes)
+        if shift is not None:
+            if shift.shape != nodes.shape:
+                reason = f"has {len(shift)} rows, and the body has {len(nodes)} nodes"
+                raise self._error(reason, f"body[{i}].initial.displacements")
+            out["displacements"] = ffi.from_buffer("double[]", shift)
+            nodes = nodes + shift
+        if body.spin is not None:
+            out["velocities"] = ffi.from_buffer("double[]", _spinning(body, nodes))
+        return out
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
@@ -671,7 +688,8 @@ def new_state(problem: Problem) -> Any:
 
 
 def _spinning(body: Body, nodes: Floats) -> NDArray[Any]:
-    """Velocity of each node of a body with translation and spin, v + ω × (X - centre)."""
+    """Velocity of each node of a body with translation and spin, v + ω × (x - centre), from the positions
+    x at the start."""
     centre = (
         0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
         if body.spin.centre is None

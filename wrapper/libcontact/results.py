@@ -120,7 +120,15 @@ def _state(file: Any, record: int) -> State:
     """The bodies at one record."""
     own, vtk = file["libcontact"], file["VTKHDF"]
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
-    return State(time, step, _bodies(vtk, own["body"][()], record))
+    scene = text_in(own["scene"][()]) if "scene" in own else ""
+    return State(time, step, _bodies(vtk, own["body"][()], record, _initial_stresses(scene)))
+
+
+def _initial_stresses(scene: str) -> dict[str, Any]:
+    """The initial stress of each body that has one."""
+    bodies = tomllib.loads(scene)["body"] if "initial" in scene else []
+    found = {body["name"]: body.get("initial", {}).get("stress") for body in bodies}
+    return {name: stress for name, stress in found.items() if stress}
 
 
 class NotInFile(dict[str, Any]):
@@ -160,7 +168,7 @@ def _energy(own: Any, count: int) -> Rows:
     return energy_table(energy, [text_in(name) for name in effects["name"]], values)
 
 
-def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
+def _bodies(vtk: Any, rows: Rows, record: int, stresses: dict[str, Any]) -> dict[str, BodyState]:
     points, connectivity, offsets = (
         vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
     )
@@ -184,7 +192,8 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
         mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), text_in(row["name"])
         part = {"PointData": nodes, "CellData": cells}
         cut = {key: values[part[groups[key]]] for key, values in fields.items()}
-        out[name] = BodyState(name, mesh, Material("", **constants, law=law), **cut)
+        material = Material("", **constants, law=law)
+        out[name] = BodyState(name, mesh, material, stresses.get(name), **cut)
     return out
 
 

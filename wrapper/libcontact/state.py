@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,8 @@ class BodyState:
         Its reference configuration.
     material : Material or None
         Its material.
+    initial_stress : sequence or None
+        Its stress without displacement, xx yy zz xy yz zx [stress]; None: 0.
     """
 
     def __init__(
@@ -68,10 +70,12 @@ class BodyState:
         name: str,
         mesh: Mesh,
         material: Material | None,
+        initial_stress: Sequence[float] | None = None,
         **fields: Floats | Callable[[], Floats] | None,
     ):
         """A field is its values, or a function that computes them on first use."""
         self.name, self.mesh, self.material, self._fields = name, mesh, material, fields
+        self.initial_stress = initial_stress
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy or a pickle contains the values, not the functions.
@@ -105,6 +109,8 @@ class BodyState:
             values = self._fields[field] = np.empty((len(self.elements), 6))
             u, law = doubles(self.displacement), c_material(self.material)
             call(lib.ct_solid_stress, self.mesh.pointer, law, u, doubles(values))
+            if self.initial_stress is not None:
+                values += np.array(self.initial_stress)
         if callable(values):
             values = self._fields[field] = values()
         values.flags.writeable = False
@@ -118,7 +124,7 @@ class BodyState:
         if not names:
             raise ValueError(f'body "{self.name}": nothing was filtered; set [output] filter')
         fields = {name.removesuffix("_filtered"): self._field(name) for name in names}
-        return BodyState(self.name, self.mesh, self.material, **fields)
+        return BodyState(self.name, self.mesh, self.material, self.initial_stress, **fields)
 
     @property
     def nodes(self) -> Floats:

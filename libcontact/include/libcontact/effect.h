@@ -241,6 +241,28 @@ CT_API ct_status ct_stiffness_damping_create_effect(const ct_stiffness_damping_d
                                                     const ct_problem *problem, ct_effect **effect,
                                                     ct_error *error);
 
+/** Initial stress of bodies. */
+typedef struct ct_initial_stress_def {
+  /** Set by `ct_initial_stress_def_default`. */
+  int32_t cookie;
+  /** The effect of all bodies, from `ct_solid_create_effect`. */
+  const ct_effect *solid;
+} ct_initial_stress_def;
+
+/** A definition with its cookie set and all other members zero. */
+CT_API ct_initial_stress_def ct_initial_stress_def_default(void);
+
+/**
+ * Create the effect "initial_stress": the constant nodal forces :eq:`initial-stress-force` of the
+ * stress `initial_stress` of the problem's bodies, with the potential
+ * :eq:`initial-stress-potential`. `ct_scene_build` creates it for bodies that have one.
+ * ``CT_INVALID``: a stress is not finite; ``CT_ERROR_ARGUMENT``: no body has one;
+ * ``CT_ERROR_UNSUPPORTED``: a body with one has a law other than ``CT_LINEAR``.
+ */
+CT_API ct_status ct_initial_stress_create_effect(const ct_initial_stress_def *def,
+                                                 const ct_problem *problem, ct_effect **effect,
+                                                 ct_error *error);
+
 /**
  * Bulk viscosity: a pressure against compression that spreads a wave front over a few elements,
  * :eq:`bulk-viscosity`. It dissipates energy, which the energy balance shows as negative work of

@@ -96,7 +96,9 @@ typedef enum ct_effect_kind {
   CT_EFFECT_ABSORB = 12,
   /* 13 was the averaged mass, which is gone. */
   /** `ct_stiffness_damping_create_effect` */
-  CT_EFFECT_STIFFNESS_DAMPING = 14
+  CT_EFFECT_STIFFNESS_DAMPING = 14,
+  /** `ct_initial_stress_create_effect` */
+  CT_EFFECT_INITIAL_STRESS = 15
 } ct_effect_kind;
 
 /**
@@ -354,6 +356,8 @@ typedef struct ct_body {
   ct_material material;
   /** Its nodes are first_node ... first_node + mesh->node_count - 1 of the problem. */
   int32_t first_node;
+  /** Its stress without displacement, xx yy zz xy yz zx [stress], :eq:`initial-stress`. */
+  double initial_stress[6];
 } ct_body;
 
 /**
@@ -398,6 +402,8 @@ typedef struct ct_problem {
    * fraction of the largest force, :eq:`energy-stop`; 0: 1e-4.
    */
   double force_tolerance;
+  /** Displacement at t = 0 [length], shape (node_count, 3); null: none. */
+  const double *initial_displacement;
 } ct_problem;
 
 CT_END_DECLS

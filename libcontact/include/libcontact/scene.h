@@ -41,6 +41,11 @@ typedef struct ct_scene_body {
   /** Coefficient β of damping in proportion to stiffness [time], :eq:`stiffness-damping-force`; 0:
    * none, at no cost. */
   double stiffness_damping;
+  /** Null, or the displacement of each node at t = 0 [length], shape (node_count, 3), copied. */
+  const double *displacements;
+  /** Uniform stress of the body without displacement, xx yy zz xy yz zx [stress],
+   * :eq:`initial-stress`; 0: none, at no cost. */
+  double initial_stress[6];
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */

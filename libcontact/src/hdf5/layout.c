@@ -103,7 +103,8 @@ static ct_status stress_rows(const ct_problem *problem, const double *displaceme
     status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
                              values, error);
     if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
-    values += 6 * (end - from);
+    // -- The initial stress comes on top (eq:initial-stress)
+    for (int64_t k = 0; k < 6 * (end - from); k++) *values++ += body->initial_stress[k % 6];
   }
   return status;
 }

@@ -19,7 +19,7 @@
 typedef struct scene_body {
   ct_scene_body given; /* without its mesh and arrays */
   ct_mesh *mesh;
-  double *velocities; /* of each node, or null */
+  double *velocities, *displacements; /* of each node, or null */
 } scene_body;
 
 typedef struct scene_contact {
@@ -42,7 +42,7 @@ struct ct_scene {
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
-  double *reference, *mass, *inverse_mass, *velocity;
+  double *reference, *mass, *inverse_mass, *velocity, *displacement;
 };
 
 /* A table of `count` rows with capacity for one more; unchanged if out of memory. */
@@ -122,20 +122,29 @@ void ct_scene_free(ct_scene *scene)
   ct_pool_free(scene);
 }
 
-static ct_status check_velocities(const ct_scene_body *def, int32_t nodes, const char *name,
-                                  ct_error *error)
+/* A vector of each node, or null. */
+static ct_status check_rows(const double *rows, const char *what, int32_t nodes, const char *name,
+                            ct_error *error)
+{
+  const int64_t count = rows == NULL ? 0 : 3 * (int64_t)nodes;
+  for (int64_t d = 0; d < count; d++)
+    if (!isfinite(rows[d]))
+      return ct_fail(error, CT_INVALID, (ct_place){-1, -1, d / 3},
+                     "body %s: %s %c of node %d is not finite", name, what, "xyz"[d % 3],
+                     (int)(d / 3));
+  return CT_OK;
+}
+
+static ct_status check_motion(const ct_scene_body *def, int32_t nodes, const char *name,
+                              ct_error *error)
 {
   for (int c = 0; c < 3; c++)
     if (!isfinite(def->velocity[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name,
                      "xyz"[c]);
-  int64_t count = def->velocities == NULL ? 0 : 3 * (int64_t)nodes;
-  for (int64_t d = 0; d < count; d++)
-    if (!isfinite(def->velocities[d]))
-      return ct_fail(error, CT_INVALID, (ct_place){-1, -1, d / 3},
-                     "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3],
-                     (int)(d / 3));
-  return CT_OK;
+  ct_status status = check_rows(def->velocities, "velocity", nodes, name, error);
+  return status == CT_OK ? check_rows(def->displacements, "displacement", nodes, name, error)
+                         : status;
 }
 
 static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def, const char *name,
@@ -170,11 +179,13 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
                                                           &part->mesh, error);
   if (status == CT_OK) part->mesh->settings = source.settings;
   if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
-  if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
+  if (status == CT_OK) status = check_motion(def, part->mesh->node_count, name, error);
   if (status == CT_OK) {
+    const size_t bytes = 3 * (size_t)part->mesh->node_count * sizeof(double);
     if (def->velocities != NULL)
-      part->velocities = ct_pool_copy(&scene->pool, def->velocities,
-                                      3 * (size_t)part->mesh->node_count * sizeof(double));
+      part->velocities = ct_pool_copy(&scene->pool, def->velocities, bytes);
+    if (def->displacements != NULL)
+      part->displacements = ct_pool_copy(&scene->pool, def->displacements, bytes);
     scene->bodies = grow(scene, scene->bodies, scene->body_count, sizeof *scene->bodies);
     scene->parts = grow(scene, scene->parts, scene->body_count, sizeof *scene->parts);
     status = check_memory(scene, "a body", error);
@@ -199,6 +210,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *
   snprintf(entry->name, sizeof entry->name, "%s", name);
   entry->mesh = part.mesh;
   entry->material = def->material;
+  memcpy(entry->initial_stress, def->initial_stress, sizeof entry->initial_stress);
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++)
     entry->first_node += scene->bodies[i].mesh->node_count;
@@ -344,6 +356,21 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
   return CT_OK;
 }
 
+/* The displacements at t = 0 of all bodies, if any body has some. */
+static ct_status start_displacements(ct_scene *scene, size_t nodes, ct_error *error)
+{
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const scene_body *part = &scene->parts[i];
+    if (part->displacements == NULL) continue;
+    if (scene->displacement == NULL)
+      scene->displacement = ct_pool_take(&scene->pool, nodes, 3 * sizeof(double));
+    if (scene->displacement != NULL)
+      memcpy(&scene->displacement[3 * (size_t)scene->bodies[i].first_node], part->displacements,
+             3 * (size_t)part->mesh->node_count * sizeof(double));
+  }
+  return check_memory(scene, "the displacements", error);
+}
+
 static ct_status join_bodies(ct_scene *scene, ct_error *error)
 {
   ct_status status = CT_OK;
@@ -362,6 +389,7 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   if (status == CT_OK) status = check_memory(scene, "the nodes", error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
     status = start_body(scene, i, error);
+  if (status == CT_OK) status = start_displacements(scene, n, error);
   if (status != CT_OK) return status;
   // From here on the bodies' meshes share the coordinates of the problem.
   for (int32_t i = 0; i < scene->body_count; i++) {
@@ -378,6 +406,7 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
                                 .mass = scene->mass,
                                 .inverse_mass = scene->inverse_mass,
                                 .initial_velocity = scene->velocity,
+                                .initial_displacement = scene->displacement,
                                 .settings = scene->problem.settings};
   return CT_OK;
 }
@@ -466,6 +495,18 @@ static ct_status make_stiffness_damping(ct_scene *scene, ct_effect **effect, ct_
       most > 0.0 ? ct_stiffness_damping_create_effect(&def, &scene->problem, effect, error) : CT_OK;
   ct_release(coefficients);
   return status;
+}
+
+/* Create the forces of initial stress, if any body has one. */
+static ct_status make_initial_stress(ct_scene *scene, ct_effect **effect, ct_error *error)
+{
+  ct_initial_stress_def def = ct_initial_stress_def_default();
+  def.solid = scene->effects[0];
+  for (int32_t i = 0; i < scene->body_count; i++)
+    for (int k = 0; k < 6; k++)
+      if (scene->bodies[i].initial_stress[k] != 0.0)
+        return ct_initial_stress_create_effect(&def, &scene->problem, effect, error);
+  return CT_OK;
 }
 
 static double shortest_edge(const ct_scene *scene, const ct_scene_contact *contact)
@@ -568,8 +609,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
-  ct_effect *supports = NULL, *hourglass = NULL, *damping = NULL;
-  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 4,
+  ct_effect *supports = NULL, *hourglass = NULL, *damping = NULL, *stress = NULL;
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 5,
                                sizeof *scene->effects);
   if (scene->effects == NULL) return CT_NO_MEMORY(error, "the effects");
   // The kernels depend on the supports, so these are created first; they are the last effects.
@@ -580,6 +621,8 @@ static ct_status make_effects(ct_scene *scene, ct_error *error)
   if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
   if (status == CT_OK) status = make_stiffness_damping(scene, &damping, error);
   if (damping != NULL) scene->effects[(*count)++] = damping;
+  if (status == CT_OK) status = make_initial_stress(scene, &stress, error);
+  if (stress != NULL) scene->effects[(*count)++] = stress;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++)
     status = ct_blame(error, make_contact(scene, &scene->contacts[i], error), CT_PART_CONTACT, i);
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++)

@@ -253,6 +253,7 @@ static void take_stress(const ct_probes *probes, const probe *p, const ct_state 
   if (ct_solid_element_stress(body->mesh->kind, &x[0][0], &u[0][0], &body->material, centre, stress,
                               NULL) != CT_OK)
     for (int i = 0; i < 6; i++) stress[i] = NAN;
+  for (int i = 0; i < 6; i++) stress[i] += body->initial_stress[i];
   int32_t all = p->column[CT_QUANTITY_STRESS], mean = p->column[CT_QUANTITY_PRESSURE];
   if (all >= 0) memcpy(&row[all], stress, sizeof stress);
   if (mean >= 0) row[mean] = (0.0 - ((stress[0] + stress[1]) + stress[2])) / 3.0;

@@ -301,15 +301,19 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   }
 }
 
-/* The initial velocity; each thread is the first to write the nodes that it will move. */
-static void start_velocities(const ct_problem *problem, ct_state *state)
+/* The initial motion; each thread is the first to write the nodes that it will move. */
+static void start_motion(const ct_problem *problem, ct_state *state)
 {
   int64_t dofs = 3 * (int64_t)problem->node_count;
 #ifdef _OPENMP
   int threads = ct_threads_for(problem->settings.threads, dofs, LEAST_DOFS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int64_t d = 0; d < dofs; d++) state->velocity[d] = problem->initial_velocity[d];
+  for (int64_t d = 0; d < dofs; d++) {
+    state->velocity[d] = problem->initial_velocity[d];
+    if (problem->initial_displacement != NULL)
+      state->displacement[d] = problem->initial_displacement[d];
+  }
 }
 
 ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *error)
@@ -320,7 +324,7 @@ ct_status ct_state_begin(const ct_problem *problem, ct_state **out, ct_error *er
   status = ct_state_allocate(problem, &state, error);
   if (status == CT_OK) status = ct_state_equip(state, error);
   if (status == CT_OK) {
-    start_velocities(problem, state);
+    start_motion(problem, state);
     state->workspace->starting = 1;
     state->workspace->start_dt = problem->dt;
     status = ct_workspace_forces(problem, state, error);

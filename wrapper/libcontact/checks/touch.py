@@ -59,6 +59,22 @@ def first_touch(problem: Problem) -> list[Touch]:
     return pairs + [_obstacle(problem, f"obstacle[{i}]", given) for i, given in obstacles]
 
 
+def started(problem: Problem, body: str) -> Array:
+    """Positions (n, 3) of the nodes of a body at the start."""
+    nodes, initial = problem.bodies[body].mesh.nodes, problem.parts.bodies[body].initial
+    shift = None if initial is None else initial.at(nodes)
+    return nodes if shift is None else nodes + shift
+
+
+def _bounds(problem: Problem, body: str) -> tuple[Array, Array]:
+    """Corners (3,), (3,) of the bounding box of a body at the start."""
+    if problem.parts.bodies[body].initial is None:
+        low, high = problem.bodies[body].mesh.bounds
+        return low, high
+    x = started(problem, body)
+    return x.min(axis=0), x.max(axis=0)
+
+
 def gravity_on(problem: Problem, body: str) -> Array:
     """Return the acceleration (3,) of a body by gravity."""
     gravity = problem.parts.gravity
@@ -71,7 +87,7 @@ def _pair(problem: Problem, key: str, given: Contact) -> Touch:
     (a, _), (b, _) = given.surfaces
     if a == b:
         return Touch(key, given, given.surfaces, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
-    (low_a, high_a), (low_b, high_b) = (problem.bodies[name].mesh.bounds for name in (a, b))
+    (low_a, high_a), (low_b, high_b) = (_bounds(problem, name) for name in (a, b))
     apart = np.maximum(low_b - high_a, low_a - high_b)
     gaps, k = np.maximum(apart, 0.0), int(np.argmax(apart))
     side = np.where(low_b > low_a, 1.0, -1.0)
@@ -86,7 +102,7 @@ def _obstacle(problem: Problem, key: str, given: Any) -> Touch:
     that a history moves."""
     body, face = given.surface
     mesh = problem.bodies[body].mesh
-    gaps, normals = given.gaps(mesh.nodes[mesh.face_nodes(face)])
+    gaps, normals = given.gaps(started(problem, body)[mesh.face_nodes(face)])
     normal, gap = -normals[np.argmin(gaps)], max(float(gaps.min()), 0.0)
     velocity, gravity = _motion(problem, body)
     time, closing = _meet(gap, (velocity - given.velocity) @ normal, gravity @ normal)

@@ -23,7 +23,7 @@ from ..problem import BuiltBody, Problem, contact_points, new_state, penetration
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run
-from .touch import Touch, first_touch, gravity_on
+from .touch import Touch, first_touch, gravity_on, started
 
 Points = dict[str, NDArray[np.int32]]
 
@@ -287,23 +287,27 @@ def _behind(problem: Problem, given: Any) -> str:
     behind a plane, or its whole surface is inside a sphere or cylinder by more than an element."""
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
-        behind = given.gaps(mesh.nodes.mean(axis=0, keepdims=True))[0][0] < 0.0
+        nodes = started(problem, given.surface[0])
+        behind = given.gaps(nodes.mean(axis=0, keepdims=True))[0][0] < 0.0
         return "behind the plane; reverse its normal" if behind else ""
     inside = given.gaps(_surface(problem, given.surface))[0].max() < -mesh.shortest_edge
     return f"inside the {given.shape}; move it, or make the radius smaller" if inside else ""
 
 
 def _surface(problem: Problem, surface: tuple[str, str]) -> NDArray[Any]:
-    """Coordinates (n, 3) of the nodes of a surface."""
+    """Positions (n, 3) of the nodes of a surface at the start."""
     mesh = problem.bodies[surface[0]].mesh
-    return mesh.nodes[mesh.face_nodes(surface[1])]
+    return started(problem, surface[0])[mesh.face_nodes(surface[1])]
 
 
 # Bodies in the same place.
 
 
 def _same_place(problem: Problem) -> Iterator[SceneWarning]:
+    moved = {body.name for body in problem.parts.body if body.initial and body.initial.displaces}
     for (_, a), (i, b) in combinations(enumerate(problem.bodies.values()), 2):
+        if {a.name, b.name} & moved:
+            continue
         share = _common_fraction(problem, a, b)
         if share >= COMMON:
             text = f'bodies "{a.name}" and "{b.name}" occupy the same space: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
@@ -378,7 +382,7 @@ def _never_meet(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWar
 def _acted_on(problem: Problem) -> set[str]:
     """The bodies that are not in free flight, so that their motion before a contact is unknown."""
     parts, out = problem.parts, {own.body for own in problem.own}
-    out |= {name for name, body in parts.bodies.items() if body.spin is not None}
+    out |= {name for name, body in parts.bodies.items() if body.spin or body.initial}
     out |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
     for support in parts.support:
         velocity = parts.bodies[support.set.body].velocity
@@ -432,7 +436,7 @@ def _first_nodes(problem: Problem, touch: Touch) -> Points:
     for k, (name, face) in enumerate(touch.surfaces):
         mesh = problem.bodies[name].mesh
         nodes, slack = mesh.face_nodes(face), 1e-3 * mesh.shortest_edge
-        x = mesh.nodes[nodes]
+        x = started(problem, name)[nodes]
         if len(touch.surfaces) == 1:
             ahead, before = -touch.given.gaps(x)[0], np.ones(len(x), bool)
         else:
