@@ -45,24 +45,46 @@ static int are_four(const ct_friction_call *now, const int64_t *listed, int64_t 
   return now->data->side[first.s]->rule.count == 4;
 }
 
+/* Tractions and couples of four points, on a face of the other side with `count` nodes; summed
+ * first, as in `ct_heap_add_four`. */
+CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
+                          const ct_point *point, const ct_slip *slip, double (*const turn)[8],
+                          const ct_heap *heap)
+{
+  for (int b = 0; b < count; b++) {
+    double *coarse = &heap->coarse_sum[3 * (int64_t)node[b]],
+           *fine = &heap->fine_sum[3 * (int64_t)node[b]], v[4][4];
+    for (int q = 0; q < 4; q++)
+#pragma omp simd
+      for (int c = 0; c < 4; c++)
+        // -- -N̄_b T - (w_b · T) d (eq:slip-row)
+        v[q][c] = -(point[q].N[b] * slip[q].force[c]) - turn[q][b] * slip[q].lever[c];
+#pragma omp simd
+    for (int c = 0; c < 4; c++)
+      ct_grid_add(grid, (v[0][c] + v[3][c]) + (v[1][c] + v[2][c]), &coarse[c], &fine[c]);
+  }
+}
+
 /* As `add_point`, of four such points together. */
 CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, ct_friction_place at,
                         const ct_friction_state *s, const heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
-  const double *N[4], *N_bar[4], *turn[4];
-  double force[4][4] = {{0.0}}, lever[4][4] = {{0.0}};
+  const ct_slip *slip = &s->points[at.j];
+  const double *N[4];
+  double force[4][4];
   for (int q = 0; q < 4; q++) {
-    const ct_slip *p = &s->points[at.j + q];
-    for (int c = 0; c < 3; c++) force[q][c] = p->force[c], lever[q][c] = p->lever[c];
-    N[q] = point[q].row.own_shape, N_bar[q] = point[q].N, turn[q] = s->turn[at.j + q];
+    memcpy(force[q], slip[q].force, sizeof force[q]);
+    N[q] = point[q].row.own_shape;
   }
-  // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
-  ct_heap_add_four(to->own.count, grid, point->row.own, N, 1.0, force, &to->own);
+  // -- N_a T on the own face (eq:slip-row)
+  const int own = to->own.count;
+  ct_heap_add_four(own == 4 ? 4 : own, grid, point->row.own, N, 1.0, force, &to->own);
   if (now->data->rigid) return;
   const int32_t *node = ct_side_row_nodes(to->other, point->other);
-  ct_heap_add_four(to->theirs.count, grid, node, N_bar, -1.0, force, &to->theirs);
-  ct_heap_add_four(to->theirs.count, grid, node, turn, -1.0, lever, &to->theirs);
+  const int count = to->theirs.count;
+  if (count == 4) add_theirs(4, grid, node, point, slip, &s->turn[at.j], &to->theirs);
+  else add_theirs(count, grid, node, point, slip, &s->turn[at.j], &to->theirs);
 }
 
 /* Add the tractions and couples of the listed points of side `k` to the sums at the nodes. */
