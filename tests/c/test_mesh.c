@@ -497,6 +497,39 @@ static void unlike_edges(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
+/* Two wedges, one on the other, whose bricks are collapsed at different corners: the triangle
+ * between them is inside, and a side that is collapsed to an edge is no face. */
+static void wedge_faces(void)
+{
+  double nodes[9][3];
+  int32_t elements[2][8] = {{0, 1, 2, 2, 3, 4, 5, 5}, {4, 5, 3, 3, 7, 8, 6, 6}}, faces[12][4],
+          owners[12];
+  for (int n = 0; n < 9; n++)
+    nodes[n][0] = n % 3 == 1, nodes[n][1] = n % 3 == 2, nodes[n][2] = n / 3;
+  ct_mesh m = {CT_HEX8, 9, 2, nodes[0], elements[0], NULL};
+  accepted(&m, "two wedges as bricks with a collapsed side");
+  int32_t count = ct_mesh_outer_faces(&m, faces[0], owners);
+  double sum[3] = {0, 0, 0}, area = 0;
+  for (int i = 0; i < count; i++) {
+    double u[3], v[3], square = 0;
+    for (int d = 0; d < 3; d++) {
+      u[d] = nodes[faces[i][2]][d] - nodes[faces[i][0]][d];
+      v[d] = nodes[faces[i][3]][d] - nodes[faces[i][1]][d];
+    }
+    for (int d = 0; d < 3; d++) {
+      double n = (u[(d + 1) % 3] * v[(d + 2) % 3] - u[(d + 2) % 3] * v[(d + 1) % 3]) / 2;
+      sum[d] += n, square += n * n;
+    }
+    area += sqrt(square);
+  }
+  tap_ok(count == 8, "two triangles and six rectangles are outside (%d faces)", count);
+  tap_close(area, 1.0 + 4.0 + 2.0 * sqrt(2.0), 1e-15, "they have the area of the prism");
+  tap_ok(fabs(sum[0]) + fabs(sum[1]) + fabs(sum[2]) < 1e-15, "and close it");
+  tap_ok(ct_mesh_plane_faces(&m, 2, 1.0, NULL, NULL) == 0 &&
+             ct_mesh_plane_faces(&m, 2, 2.0, NULL, NULL) == 1,
+         "no face is between the wedges, and one on top");
+}
+
 int main(void)
 {
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
@@ -513,6 +546,7 @@ int main(void)
     unlike_edges((ct_brick_kind)kind);
   }
   turned_faces();
+  wedge_faces();
   box_refused(0.0, 1, 0.0, "no height");
   box_refused(-1.0, 1, 0.0, "a negative height");
   box_refused(NAN, 1, 0.0, "a height that is NaN");

@@ -77,13 +77,15 @@ def polygon(points):
     return twice / 2.0, sum(math.dist(a, b) for a, b in pairwise(ring))
 
 
-def outer_nodes(mesh):
-    """Nodes of faces that one element has alone."""
+def outer_faces(mesh):
+    """Faces that one element has alone, without those that are collapsed to an edge."""
     faces = mesh.elements[:, FACES].reshape(-1, 4)
-    _, first, count = np.unique(
-        np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    return np.unique(faces[first[count == 1]])
+    keys = np.sort(faces, axis=1)
+    keys[:, 1:][np.diff(keys, axis=1) == 0] = -1
+    keys = np.sort(keys, axis=1)
+    faces, keys = faces[keys[:, 1] >= 0], keys[keys[:, 1] >= 0]
+    _, first, count = np.unique(keys, axis=0, return_index=True, return_counts=True)
+    return faces[first[count == 1]]
 
 
 def check_patch(mesh):
@@ -91,7 +93,7 @@ def check_patch(mesh):
     total, _ = gradients(mesh)
     force = np.zeros(mesh.nodes.shape)
     np.add.at(force, mesh.elements[:, :8], total)
-    inner = np.setdiff1d(np.arange(len(force)), outer_nodes(mesh))
+    inner = np.setdiff1d(np.arange(len(force)), np.unique(outer_faces(mesh)))
     assert inner.size and np.abs(force[inner]).max() < 1e-13 * np.abs(total).max()
 
 
@@ -153,7 +155,7 @@ def test_a_cam_of_bricks_and_wedges_becomes_bricks(folder, file):
         polygon([(1.2 * x, y) for x, y in made.regular(20, 1.0)]),
         polygon(made.regular(8, 0.35)),
     )
-    assert mesh.report.read["wedge6"] > 0 and mesh.report.read["hex8"] > 0 and mesh.report.split
+    assert mesh.report.read["wedge6"] > 0 and mesh.report.read["hex8"] > 0
     assert volume(mesh) == pytest.approx(0.5 * (outer - hole), rel=1e-12)
     for name, exact in (
         ("bottom", outer - hole),
@@ -163,6 +165,8 @@ def test_a_cam_of_bricks_and_wedges_becomes_bricks(folder, file):
     ):
         assert area(mesh, name) == pytest.approx(exact, rel=1e-12), name
     assert set(np.unique(mesh.nodes[:, 2])) == {0.0, 0.25, 0.5}  # the layers are not split
+    # A wedge stays one element: a brick with a collapsed side.
+    assert len(mesh.elements) == sum(mesh.report.read.values()) and not mesh.report.split
     check_patch(mesh)
 
 
@@ -177,6 +181,69 @@ def test_tetrahedra_become_four_bricks_each(folder):
         "line2"
     ] + 1
     check_patch(mesh)
+
+
+# A wedge with a tetrahedron on it, three bricks in a row beside it, and one beside the row.
+MIXED = """*Node
+1, 0, 0, 0
+2, 1, 0, 0
+3, 0, 1, 0
+4, 0, 0, 1
+5, 1, 0, 1
+6, 0, 1, 1
+7, .25, .25, 2
+11, 0, -1, 0
+12, 1, -1, 0
+13, 0, -1, 1
+14, 1, -1, 1
+21, 0, -2, 0
+22, 1, -2, 0
+23, 0, -2, 1
+24, 1, -2, 1
+31, 2, 0, 0
+32, 2, -1, 0
+33, 2, 0, 1
+34, 2, -1, 1
+*Element, type=C3D6, elset=Wedge
+1, 1, 2, 3, 4, 5, 6
+*Element, type=C3D4, elset=Tet
+2, 4, 5, 6, 7
+*Element, type=C3D8, elset=Row
+3, 11, 12, 2, 1, 13, 14, 5, 4
+4, 21, 22, 12, 11, 23, 24, 14, 13
+*Element, type=C3D8, elset=Beside
+5, 12, 32, 31, 2, 14, 34, 33, 5
+*Surface, name=Front
+Row, S4
+Beside, S3
+*Surface, name=Below
+Wedge, S1
+*Nset, nset=Low
+1, 2, 11, 12
+"""
+
+
+def test_a_tetrahedron_splits_its_neighbours_as_far_as_they_must_be(tmp_path):
+    path = tmp_path / "mixed.inp"
+    path.write_text(MIXED)
+    mesh = read_mesh(path)
+    counts = {name: len(found) for name, found in mesh.element_sets.items()}
+    assert counts == {"Wedge": 3, "Tet": 4, "Row": 4, "Beside": 1}
+    for name, exact in (("Wedge", 1 / 2), ("Tet", 1 / 6), ("Row", 2.0), ("Beside", 1.0)):
+        assert volume(mesh, name) == pytest.approx(exact, rel=1e-12)
+    assert area(mesh, "Below") == pytest.approx(0.5) and len(mesh.face_sets["Below"]) == 3
+    assert area(mesh, "Front") == pytest.approx(3.0)
+    assert sorted(mesh.nodes[mesh.node_sets["Low"]].tolist()) == [
+        [0.0, -1.0, 0.0], [0.0, 0.0, 0.0], [0.5, -1.0, 0.0], [0.5, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 0.0]
+    ]  # fmt: skip
+    # No inner face is left open: the outer faces have the area of the body's surface.
+    a, b, c, d = mesh.nodes[outer_faces(mesh)].transpose(1, 0, 2)
+    sides = math.hypot(0.25, 1.0) * 2 / 2 + math.sqrt(2) * math.hypot(0.5 / math.sqrt(2), 1.0) / 2
+    exact = 0.5 + 1.0 + math.sqrt(2) + sides + 8.0 + 5.0  # wedge, tetrahedron, row, beside
+    assert np.linalg.norm(np.cross(c - a, d - b), axis=1).sum() / 2 == pytest.approx(
+        exact, rel=1e-12
+    )
+    assert 0.1 < mesh.report.step_factor < 0.5
 
 
 def test_quadratic_bricks_have_their_nodes_in_the_order_of_vtk(folder):

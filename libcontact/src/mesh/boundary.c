@@ -8,7 +8,8 @@
 #include <string.h>
 
 typedef struct side {
-  int32_t corner[4]; /* ascending, so that both owners of an inner face agree */
+  int32_t corner[4]; /* distinct ones, ascending, so that both owners of an inner face agree; -1 in
+                        front of them where a corner is collapsed */
   int32_t element;
   int32_t number; /* of the side of the element; -1: another element also has the face */
   int32_t next;   /* the previous side with the same hash, or -1 */
@@ -16,10 +17,12 @@ typedef struct side {
 
 static side side_of(const int32_t node[8], int32_t element, int number)
 {
-  side s = {{0, 0, 0, 0}, element, number, -1};
+  side s = {{-1, -1, -1, -1}, element, number, -1};
   for (int i = 0; i < 4; i++) {
-    int j = i;
-    for (; j > 0 && s.corner[j - 1] > node[i]; j--) s.corner[j] = s.corner[j - 1];
+    int j = 0;
+    for (int k = 0; k < 4; k++) j |= s.corner[k] == node[i];
+    if (j) continue;
+    for (j = 0; j < 3 && s.corner[j + 1] < node[i]; j++) s.corner[j] = s.corner[j + 1];
     s.corner[j] = node[i];
   }
   return s;
@@ -41,8 +44,8 @@ static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, in
     node[a] = mesh->elements[(size_t)element * per + (size_t)local[number][a]];
 }
 
-/* Write the sides whose nodes are all `in`, for inner faces both; returns their number. Null
- * `sides`: only count. */
+/* Write the sides whose nodes are all `in`, for inner faces both, and no side without area; returns
+ * their number. Null `sides`: only count. */
 static size_t list_sides(const ct_mesh *mesh, int local[6][8], const unsigned char *in, side *sides)
 {
   int per = ct_brick_node_count(mesh->kind), per_face = per_side(mesh);
@@ -55,11 +58,11 @@ static size_t list_sides(const ct_mesh *mesh, int local[6][8], const unsigned ch
       int inside = 1;
       for (int a = 0; inside && a < per_face; a++) inside = in[n[local[number][a]]];
       if (!inside) continue;
-      if (sides != NULL) {
-        int32_t node[8];
-        side_nodes(mesh, local, e, number, node);
-        sides[count] = side_of(node, e, number);
-      }
+      int32_t node[8];
+      side_nodes(mesh, local, e, number, node);
+      const side found = side_of(node, e, number);
+      if (found.corner[1] < 0) continue; // collapsed to an edge, as in a wedge
+      if (sides != NULL) sides[count] = found;
       count++;
     }
   }

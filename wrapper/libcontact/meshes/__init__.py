@@ -38,8 +38,8 @@ def read_mesh(
     """
     Read the bricks of a mesh file and its named sets.
 
-    Wedges and tetrahedra become bricks: a wedge three, a tetrahedron four; bricks are split along the axes that their
-    neighbours need. Surfaces and lines of named groups become sets of faces and nodes.
+    A tetrahedron is split into four bricks, and its neighbours as far as they must be. A wedge that need not be split
+    becomes a brick with a collapsed side. Surfaces and lines of named groups become sets of faces and nodes.
 
     Parameters
     ----------

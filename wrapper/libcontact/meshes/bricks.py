@@ -1,9 +1,10 @@
-"""Bricks of wedges, tetrahedra and surfaces: splitting and extrusion.
+"""Bricks of wedges, tetrahedra and surfaces.
 
-A wedge becomes three bricks by splitting its triangles at their centres and the middles of their edges, a tetrahedron
-four. An edge that is split must be split in every cell that has it, and so must the opposite edge of each quadrilateral
-that has it. So a brick is split along those of its three axes whose edges are: into 1, 2, 4 or 8. A mesh that was
-extruded is thus split in its plane and keeps its layers.
+A tetrahedron becomes four bricks, by splitting its edges in the middle and its faces at their centres. An edge that is
+split must be split in every cell that has it. So is then the opposite edge of each quadrilateral that has it, and the
+other edges of each triangle. A brick is split along those of its three axes whose edges are: into 1, 2, 4 or 8. A wedge
+whose triangles are split becomes three bricks, or six if its height is split, too. A wedge whose triangles are not
+split stays one: a brick with a collapsed side, which has the shape functions of the wedge.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ Point = tuple[int, ...]
 # The corner of VTK's brick at each place of a lattice of 2 x 2 x 2.
 VTK: dict[tuple[int, ...], int] = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3}
 VTK |= {(*place[:2], 1): corner + 4 for place, corner in list(VTK.items())}
-# Edges of the cells, in classes that are split together: those of a brick along its three axes, the vertical ones of a
-# wedge and each one of its triangles with the one above it.
+# Edges of the cells, in classes that are split together: those of a brick along its three axes, those along the height
+# of a wedge and those of its triangles, each of a tetrahedron.
 CLASSES = {
     "hex8": (
         ((0, 1), (3, 2), (4, 5), (7, 6)),
         ((0, 3), (1, 2), (4, 7), (5, 6)),
         ((0, 4), (1, 5), (2, 6), (3, 7)),
     ),
-    "wedge6": (((0, 3), (1, 4), (2, 5)), ((0, 1), (3, 4)), ((1, 2), (4, 5)), ((2, 0), (5, 3))),
+    "wedge6": (((0, 3), (1, 4), (2, 5)), ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3))),
     "tet4": tuple((edge,) for edge in itertools.combinations(range(4), 2)),
 }
-# The first class that is split in every cell of this kind.
-ALWAYS = {"hex8": 3, "wedge6": 1, "tet4": 0}
+# A wedge as a brick with a collapsed side.
+COLLAPSED = (0, 1, 2, 2, 3, 4, 5, 5)
 
 
 def _points(cell: Iterable[int]) -> Point:
@@ -52,6 +53,8 @@ def children(kind: str, split: tuple[bool, ...]) -> tuple[tuple[Point, ...], ...
         )
     if kind == "wedge6":
         levels = [((0, 0), (0, 1)), ((0, 1), (1, 1))] if split[0] else [((0, 0), (1, 1))]
+        if not split[1]:
+            return tuple(_whole_wedge(*level) for level in levels)
         return tuple(_corner_of_wedge(a, *level) for level in levels for a in range(3))
     return tuple(_corner_of_tet(a) for a in range(4))
 
@@ -70,6 +73,14 @@ def _brick(split: tuple[bool, ...], cell: tuple[int, ...]) -> tuple[Point, ...]:
             VTK[place] for place in itertools.product(*(ends(a, s) for a, s in enumerate(corner)))
         )
         for corner in corners
+    )
+
+
+def _whole_wedge(low: tuple[int, int], high: tuple[int, int]) -> tuple[Point, ...]:
+    """A wedge between two of its levels."""
+    return tuple(
+        _points(corner % 3 + 3 * z for z in (low if i < 4 else high))
+        for i, corner in enumerate(COLLAPSED)
     )
 
 
@@ -102,7 +113,7 @@ def faces(kind: str, split: tuple[bool, ...]) -> tuple[tuple[tuple[int, int], ..
                 (number, side)
                 for number, child in enumerate(children(kind, split))
                 for side, four in enumerate(BRICK)
-                if all(set(child[i]) <= inside for i in four)
+                if all(set(child[i]) <= inside for i in four) and len({child[i] for i in four}) > 2
             )
         )
     return tuple(found)
@@ -170,8 +181,8 @@ class Split:
         )
         split, k = np.zeros(count, bool), 0
         for block in self.blocks:
-            for number in range(len(CLASSES[block.kind])):
-                if number >= ALWAYS[block.kind]:
+            for _ in CLASSES[block.kind]:
+                if block.kind == "tet4":
                     split[label[found[k]]] = True
                 k += 1
         out, k = [], 0

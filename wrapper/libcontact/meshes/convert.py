@@ -9,19 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from .._core import lib
 from ..bridge import Floats, Ints
-from ..errors import Error
-from ..mesh import Mesh
+from ..errors import Error, bare
+from ..mesh import Mesh, c_mesh
 from ..schema import suggestion
-from .bricks import Split, extruded
+from .bricks import COLLAPSED, Split, extruded
 from .raw import BRICK, KINDS, Block, Numbers, Raw
 
-# Collapsed bricks with the shape of other cells.
-COLLAPSED = {
-    "hex8": list(range(8)),
-    "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
-    "tet4": [0, 1, 2, 2, 3, 3, 3, 3],
-}
+# Bricks with the shape of other cells, with collapsed sides.
+SHAPES = {"hex8": list(range(8)), "wedge6": list(COLLAPSED), "tet4": [0, 1, 2, 2, 3, 3, 3, 3]}
 
 
 @dataclass(frozen=True)
@@ -40,8 +37,8 @@ class Report:
     split : bool
         Whether cells were split into bricks.
     step_factor : float
-        Estimated factor by which splitting reduces the stable step: the smallest volume per largest face of the
-        elements, after and before; 1 without splitting.
+        Estimated factor by which splitting reduces the stable step: the shortest edge after and before; 1 without
+        splitting.
     notes : tuple of str
         What else a user should know.
     """
@@ -327,20 +324,23 @@ def _finish(
     raw: Raw, chosen: Chosen, scale: float, read: dict[str, int], dropped: Counter[str]
 ) -> MeshData:
     """Split, renumber, scale and check."""
-    split = any(block.kind in ("wedge6", "tet4") for block in chosen.blocks)
-    factor = 1.0
+    factor, split = 1.0, "tet4" in read
     nodes, faces, cells = chosen.nodes, chosen.faces, chosen.elements
-    elements = np.concatenate([block.nodes for block in chosen.blocks]) if not split else None
-    parents = np.arange(len(elements)) if elements is not None else None
-    if elements is None:
+    if split or any(block.kind == "wedge6" for block in chosen.blocks):
+        shapes = [block.nodes[:, SHAPES[block.kind]] for block in chosen.blocks]
+        whole = np.concatenate(shapes).astype(np.int32)
+        _check(raw, chosen, nodes, whole, np.arange(len(whole)))
         made = Split(nodes, chosen.blocks)
-        _check(raw, chosen, nodes, *_collapsed(chosen.blocks))
-        factor = _height(made.nodes, made.elements) / _height(nodes, _collapsed(chosen.blocks)[0])
-        nodes, elements, parents = made.nodes, made.elements, made.parents
+        elements, parents = made.elements, made.parents
+        if split:
+            factor = shortest(made.nodes, elements) / shortest(nodes, whole)
+        nodes = made.nodes
         faces = {name: made.of_faces(pairs) for name, pairs in faces.items()}
         cells = {name: made.of_cells(found) for name, found in cells.items()}
         _split_nodes(made, chosen)
-    assert parents is not None
+    else:
+        elements = np.concatenate([block.nodes for block in chosen.blocks])
+        parents = np.arange(len(elements))
     used = np.zeros(len(nodes), bool)
     used[elements] = True
     number = np.cumsum(used) - 1
@@ -365,34 +365,10 @@ def _split_nodes(made: Split, chosen: Chosen) -> None:
         chosen.sets[name] = np.union1d(nodes, made.between(inside))
 
 
-def _collapsed(blocks: list[Block]) -> tuple[Ints, Numbers]:
-    """Cells as bricks, with collapsed edges where they are none, and their own numbers."""
-    found = np.concatenate([block.nodes[:, COLLAPSED[block.kind]] for block in blocks])
-    return np.ascontiguousarray(found, np.int32), np.arange(len(found))
-
-
-def _height(nodes: Floats, elements: Any) -> float:
-    """The smallest volume per largest face of any element [length]."""
-    x = nodes[elements[:, :8]]
-    areas = np.stack(
-        [
-            np.linalg.norm(np.cross(x[:, c] - x[:, a], x[:, d] - x[:, b]), axis=1) / 2.0
-            for a, b, c, d in BRICK
-        ]
-    )
-    return float((volumes(x) / areas.max(axis=0)).min())
-
-
-def volumes(x: Floats) -> Floats:
-    """Volumes of trilinear bricks with the corners x, shape (m, 8, 3)."""
-    total = np.zeros(len(x))
-    middle = x.mean(axis=1)
-    for a, b, c, d in BRICK:
-        # A bilinear face and a point span a sixth of the vector area of the face times its mean, plus a product.
-        p, q, r, s = (x[:, i] - middle for i in (a, b, c, d))
-        normal = np.cross(r - p, s - q)
-        total += np.einsum("ij,ij->i", normal, p + q + r + s) / 24.0
-    return total
+def shortest(nodes: Floats, elements: Any) -> float:
+    """The shortest edge of any element [length]."""
+    elements = np.ascontiguousarray(elements, np.int32)
+    return float(lib.ct_mesh_shortest_edge(c_mesh(np.ascontiguousarray(nodes), elements)))
 
 
 def _check(raw: Raw, chosen: Chosen, nodes: Floats, elements: Ints, parents: Numbers) -> None:
@@ -410,7 +386,8 @@ def _check(raw: Raw, chosen: Chosen, nodes: Floats, elements: Ints, parents: Num
     except Error as error:
         at = error.element
         name, line = who(at) if at is not None else ("", 0)
-        text = re.sub(rf"\belement {at}\b", name, str(error)) if name else str(error)
+        text = re.sub(r" \(node \d+\)", "", bare(str(error)))  # of the mesh, not of the file
+        text = re.sub(rf"\belement {at}\b", name, text) if name else text
         raise raw.reading.wrong(text, line) from None
 
 
