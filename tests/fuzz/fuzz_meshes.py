@@ -47,7 +47,7 @@ LINES = (
     b"*SURFACE, NAME=S\nX, S3",
     b"$Nodes\n99999999999",
     b"$Entities\n9 9 9 9",
-    b"$PhysicalNames\n1\n3 1 \"x\"\n$EndPhysicalNames",
+    b'$PhysicalNames\n1\n3 1 "x"\n$EndPhysicalNames',
 )
 DECK = b"""*Heading
 *Part, name=Block
@@ -99,8 +99,13 @@ def good_files(folder: Path) -> dict[str, list[str]]:
     wedge = [[9, 0, 0], [10, 0, 0], [9, 1, 0], [9, 0, 1], [10, 0, 1], [9, 1, 1]]
     cells = [("hexahedron", mesh.elements), ("wedge", len(mesh.nodes) + np.arange(6)[None])]
     data = {"body": [np.arange(len(mesh.elements)) % 3, np.array([7])]}
-    for name, options in (("plain.vtu", {"binary": False}), ("packed.vtu", {"compression": "zlib"})):
-        meshio.Mesh(np.vstack([mesh.nodes, wedge]), cells, cell_data=data).write(folder / name, **options)
+    for name, options in (
+        ("plain.vtu", {"binary": False}),
+        ("packed.vtu", {"compression": "zlib"}),
+    ):
+        meshio.Mesh(np.vstack([mesh.nodes, wedge]), cells, cell_data=data).write(
+            folder / name, **options
+        )
     with h5py.File(folder / "cam.vtkhdf", "w") as file:
         group = file.create_group("VTKHDF")
         group.attrs["Version"], group.attrs["Type"] = (2, 2), np.bytes_("UnstructuredGrid")
@@ -117,7 +122,15 @@ def good_files(folder: Path) -> dict[str, list[str]]:
         }.items():
             group[name] = np.asarray(values)
     return {
-        "msh": ["gears.msh", "rings.msh", "notch.msh", "notch22.msh", "cam.msh", "tets.msh", "hex20.msh"],
+        "msh": [
+            "gears.msh",
+            "rings.msh",
+            "notch.msh",
+            "notch22.msh",
+            "cam.msh",
+            "tets.msh",
+            "hex20.msh",
+        ],
         "inp": ["deck.inp", "deck.inp", "cam.inp"],
         "vtu": ["plain.vtu", "packed.vtu"],
         "exodus": ["blocks.g", "blocks3.g"],
@@ -193,7 +206,11 @@ def try_file(chance: random.Random, folder: Path, name: str, counts: dict[str, i
         assert path.name in text or "deck.inp" in text, text  # an error in a file that is included
         kind = "refused with a line" if ", line " in str(error) else "refused"
     signal.alarm(0)
-    outside = [each for each in OPENED if not each.startswith((str(path.parent), sys.prefix, sys.base_prefix))]
+    outside = [
+        each
+        for each in OPENED
+        if not each.startswith((str(path.parent), sys.prefix, sys.base_prefix))
+    ]
     assert not outside, outside
     counts[kind] = counts.get(kind, 0) + 1
 

@@ -1,9 +1,8 @@
 """
 The fuzz campaign: ``run_fuzz.py SECONDS FOLDER [PROGRAM SAVINGS]``, used by ``make fuzz``. The time is shared by random
 calls of the whole C library (PROGRAM, with sanitizers), random scenes with and without optimisations (likewise), and
-random scenes and results files. Seeds go on where the last campaign ended, counts add up in ``FOLDER/counts.json``;
-each part prints its seeds, and a failure the seed that shows
-it.
+random scenes and results files; changed mesh files come with every round. Seeds go on where the last campaign ended,
+counts add up in ``FOLDER/counts.json``; each part prints its seeds, and a failure the seed that shows it.
 """
 
 from __future__ import annotations
@@ -88,6 +87,20 @@ def scenes(seconds: float, seed: int, folder: Path) -> dict:
     return json.loads(done.stdout.splitlines()[-1])
 
 
+def meshes(seed: int, folder: Path) -> dict:
+    """Changed mesh files, 300 of each format, whatever time they take (about ten seconds)."""
+    done = subprocess.run(
+        [sys.executable, str(HERE / "fuzz_meshes.py"), "300", str(seed), str(folder)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+    )
+    if done.returncode:
+        raise SystemExit(f"fuzz_meshes.py ended with {done.returncode}\n{done.stderr[-6000:]}")
+    print(f"seeds from {seed}: {done.stdout.strip()}", flush=True)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
 def main() -> None:
     seconds, folder = float(sys.argv[1]), Path(sys.argv[2])
     programs = sys.argv[3:]
@@ -97,7 +110,10 @@ def main() -> None:
     left = seconds
     while left > 0:
         part = min(left, BATCH)
-        calls = {"scenes": lambda s, n: scenes(s, n, folder)}
+        calls = {
+            "scenes": lambda s, n: scenes(s, n, folder),
+            "meshes": lambda s, n: meshes(n, folder),
+        }
         if programs:
             calls["api"] = lambda s, n: api(programs[0], s, n, folder)
             calls["savings"] = lambda s, n: savings(programs[1], s, n, folder)

@@ -1,13 +1,19 @@
 """Mesh files of other programs: volumes and areas against closed forms, sets, conversion to bricks, refusals."""
 
+import json
 import math
 import sys
 import zipfile
 from itertools import pairwise
 from pathlib import Path
 
+import h5py
+import meshio
 import numpy as np
 import pytest
+from libcontact.command import main
+from libcontact.errors import NotBuiltIn
+from libcontact.mesh import Mesh
 from libcontact.meshes import read_mesh
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -301,3 +307,330 @@ def test_blocks_and_sets_of_exodus(folder, file):
         and set(right.face_sets) == {"front", "side_set_8"}
         and not right.node_sets
     )
+
+
+DECK = """*Heading
+ two blocks, one on the other and turned
+*Part, name=Block
+*Node, nset=Low
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 1., 0.
+4, , 1.
+*Node, nset=Top
+5, 0., 0., 1.
+6, 2., 0., 1.
+7, 2., 1., 1.
+8, 0., 1., 1.
+*Element, type=C3D8R, elset=All
+1, 1, 2, 3, 4,
+5, 6, 7, 8
+*Nset, nset=Generated, generate
+1, 7, 2
+*Surface, type=ELEMENT, name=Lid
+ALL, S2
+*End Part
+*Assembly, name=A
+*Instance, name=Lower, part=Block
+*End Instance
+*Instance, name=Upper, part=block
+0., 0., 1.
+0., 0., 0., 0., 0., 1., 90.
+*End Instance
+*Node
+99, 0., 0., 9.
+*Element, type=MASS, elset=Point
+500, 99
+*Nset, nset=Reference
+99,
+*Nset, nset=Held, instance=Lower
+low
+*Elset, elset=_S1, internal, instance=Upper
+ 1,
+*Surface, name=Meet
+_S1, S1
+Lower.All, S2
+*End Assembly
+*Material, name=Steel
+*Elastic
+ 210e9, .3
+"""
+
+
+def deck(tmp_path, text=DECK):
+    path = tmp_path / "deck.inp"
+    path.write_text(text)
+    return path
+
+
+def test_parts_instances_and_surfaces_of_abaqus(tmp_path):
+    mesh = read_mesh(deck(tmp_path))
+    assert len(mesh.elements) == 2 and volume(mesh) == pytest.approx(4.0, rel=1e-15)
+    assert set(mesh.element_sets) >= {"Lower", "Upper", "Block", "Lower.All", "Upper.All"}
+    upper = mesh.nodes[mesh.elements[mesh.element_sets["Upper"][0]]]
+    # (x, y, z) goes to (-y, x, z + 1); a quarter turn is exact.
+    assert np.array_equal(upper.min(axis=0), [-1, 0, 1]) and np.array_equal(
+        upper.max(axis=0), [0, 2, 2]
+    )
+    assert np.all(corners(mesh, "Upper.Lid")[..., 2] == 2.0) and area(mesh, "Upper.Lid") == 2.0
+    assert np.all(corners(mesh, "Meet")[..., 2] == 1.0) and area(mesh, "Meet") == 4.0
+    assert mesh.nodes[mesh.node_sets["Held"]].tolist() == [
+        [0, 0, 0],
+        [2, 0, 0],
+        [2, 1, 0],
+        [0, 1, 0],
+    ]
+    assert len(mesh.node_sets["Lower.Generated"]) == 4
+    assert mesh.report.dropped["MASS"] == 1 and "Reference" in mesh.report.notes[0]
+    one = read_mesh(deck(tmp_path), part="upper")
+    assert set(one.node_sets) == {"Low", "Top", "Generated"} and set(one.face_sets) == {
+        "Lid",
+        "Meet",
+    }
+    assert len(one.elements) == 1 and area(one, "Meet") == 2.0
+
+
+def test_a_file_is_included_only_from_its_own_folder(tmp_path):
+    inner = tmp_path / "in"
+    inner.mkdir()
+    nodes, rest = (
+        DECK[DECK.index("1, 0.") : DECK.index("*Node, nset=Top")],
+        DECK.index("*Node, nset=Top"),
+    )
+    head = DECK[: DECK.index("1, 0.")]
+    for where, name in ((inner, "nodes.txt"), (tmp_path, "outside.txt")):
+        (where / name).write_text(nodes)
+    (inner / "sub").mkdir()
+    (inner / "sub" / "nodes.txt").write_text(nodes)
+    (inner / "link.txt").symlink_to(tmp_path / "outside.txt")
+    wanted = read_mesh(deck(tmp_path))
+    for source in ("nodes.txt", "sub/nodes.txt"):
+        for card in (f"*INCLUDE, INPUT={source}\n", f"*INCLUDE, INPUT={source}"):
+            mesh = read_mesh(deck(inner, head + card.rstrip() + "\n" + DECK[rest:]))
+            assert np.array_equal(mesh.nodes, wanted.nodes)
+    for source in ("../outside.txt", "/etc/passwd", str(tmp_path / "outside.txt"), "link.txt", ""):
+        with pytest.raises(ValueError, match=r'deck.inp", line 5: .* is not in the folder'):
+            read_mesh(deck(inner, f"{head}*INCLUDE, INPUT={source}\n{DECK[rest:]}"))
+    with pytest.raises(ValueError, match="included within itself"):
+        read_mesh(deck(inner, head + "*INCLUDE, INPUT=deck.inp\n"))
+    (inner / "loop.txt").write_text("*INCLUDE, INPUT=loop.txt\n")
+    with pytest.raises(ValueError, match="included within itself"):
+        read_mesh(deck(inner, head + "*INCLUDE, INPUT=loop.txt\n"))
+
+
+CUBE = "*Node\n" + "".join(
+    f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(((np.array(HEX) + 1) / 2).tolist(), 1)
+)
+BRICK = "*Element, type=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
+
+
+@pytest.mark.parametrize(
+    "text, reason",
+    [
+        (
+            CUBE + BRICK.replace("5, 6, 7, 8", "5, 6, 7, 9"),
+            "line 11: element 1 has node 9, which is not",
+        ),
+        (CUBE + BRICK + "1, 1, 2, 3, 4, 5, 6, 7, 8\n", "line 12: element 1 is defined twice"),
+        (
+            CUBE + BRICK + "2, 2, 3, 4, 1, 6, 7, 8, 5\n",
+            "line 12: element 2 has the same nodes as element 1",
+        ),
+        (CUBE + BRICK.replace("1, 2, 3, 4,", "4, 3, 2, 1,"), "line 11: element 1 is inverted"),
+        (CUBE.replace(", 1.0\n", ", 0.0\n") + BRICK, "line 11: element 1 is collapsed"),
+        (CUBE + "1, 0, 0, 0\n" + BRICK, "line 10: node 1 is defined twice"),
+        (
+            CUBE.replace("0.0", "nan", 1) + BRICK,
+            "line 2: coordinates: a number of .* is not finite",
+        ),
+        (CUBE + BRICK.replace("3, 4", "x, 4"), "line 11: element: .* are no whole numbers"),
+        (CUBE + BRICK + "*Nset, nset=none\n", 'the node set "none" is empty'),
+        (CUBE + BRICK + "*Elset, elset=e\n7\n", 'line 12: the set "e" has element 7, which is not'),
+        (CUBE + BRICK + "*Elset, elset=e\nf\n", 'line 13: no set "F" is defined above'),
+        (
+            CUBE + BRICK + "*Nset, nset=n, generate\n1, 2000000000\n",
+            "line 12: 1 to 2000000000 by 1 are",
+        ),
+        (CUBE + BRICK + "*Surface, name=s\n1, S7\n", "line 13: hex8 has no face S7"),
+        (CUBE + BRICK.replace("5, 6, 7, 8", "5, 6"), "line 11: element .* has too few nodes"),
+        (CUBE + BRICK.replace("C3D8", "C3D5").replace(", 6, 7, 8", ""), "element 1 is a pyramid5"),
+        (CUBE + "*Element, type=SPRINGA\n1, 1, 2\n", r"has no elements that are read \(SPRINGA\)"),
+        (CUBE + "*Instance, name=a, part=b\n", 'line 10: no part "B" is defined above'),
+        (CUBE.replace("*Node", "*Node, system=C") + BRICK, "line 1: only coordinates of SYSTEM=R"),
+    ],
+)
+def test_a_mistake_in_a_text_file_is_named_with_its_line(tmp_path, text, reason):
+    with pytest.raises(ValueError, match=f'deck.inp".*{reason}'):
+        read_mesh(deck(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    "kind, width, cure",
+    [
+        ("C3D10", 10, "ElementOrder = 1"),
+        ("C3D15", 15, "ElementOrder = 1"),
+        ("C3D27", 27, "SecondOrderIncomplete"),
+    ],
+)
+def test_kinds_that_do_not_become_bricks_are_refused_with_a_cure(tmp_path, kind, width, cure):
+    nodes = "".join(f"{i}, {i}, 0, 0\n" for i in range(1, width + 1))
+    row = ", ".join(map(str, range(1, width + 1)))
+    with pytest.raises(
+        ValueError, match=rf"element 7 is a \w+, which does not become bricks: .*{cure}"
+    ):
+        read_mesh(deck(tmp_path, f"*Node\n{nodes}*Element, type={kind}\n7, {row}\n"))
+
+
+def test_a_face_of_three_elements_is_refused(tmp_path):
+    text = (
+        CUBE
+        + "9, 2, 0, 0\n10, 2, 1, 0\n11, 2, 0, 1\n12, 2, 1, 1\n13, 3, 0, 0\n14, 3, 1, 0\n15, 3, 0, 1\n16, 3, 1, 1\n"
+    )
+    bricks = "2, 2, 9, 10, 3, 6, 11, 12, 7\n3, 2, 13, 14, 3, 6, 15, 16, 7\n"
+    with pytest.raises(
+        ValueError, match="line 21: element 3 shares a face with both element 1 and element 2"
+    ):
+        read_mesh(deck(tmp_path, text + BRICK + bricks))
+
+
+def test_no_other_file_is_opened_through_hdf5(folder, tmp_path):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    with zipfile.ZipFile(DATA / "meshes.zip") as archive:
+        archive.extract("blocks.g", outside)
+        archive.extract("blocks.g", tmp_path)
+    for make in (
+        lambda file: h5py.ExternalLink(outside / "blocks.g", "connect1"),
+        lambda file: h5py.SoftLink("/connect2"),
+    ):
+        with h5py.File(tmp_path / "blocks.g", "r+") as file:
+            del file["connect1"]
+            file["connect1"] = make(file)
+        with pytest.raises(ValueError, match='blocks.g": connect1 is a link'):
+            read_mesh(tmp_path / "blocks.g")
+    with h5py.File(tmp_path / "blocks.g", "r+") as file:
+        del file["coordx"]
+        (outside / "raw").write_bytes(bytes(96))
+        file.create_dataset("coordx", (12,), "f8", external=[(str(outside / "raw"), 0, 96)])
+    with pytest.raises(ValueError, match="coordx are in another file"):
+        read_mesh(tmp_path / "blocks.g")
+
+
+def test_a_count_that_the_file_cannot_hold_is_refused(folder, tmp_path):
+    with zipfile.ZipFile(DATA / "meshes.zip") as archive:
+        archive.extract("blocks.g", tmp_path)
+    with h5py.File(tmp_path / "blocks.g", "r+") as file:
+        del file["connect1"]
+        file.create_dataset("connect1", (10**9, 8), "i4", chunks=(1000, 8))
+    with pytest.raises(
+        ValueError, match=r"blocks.g\": connect1 need 3.2e\+04 MB, but the file has"
+    ):
+        read_mesh(tmp_path / "blocks.g")
+
+
+def test_gmsh_and_meshio_read_the_same_mesh(folder, tmp_path):
+    """Another program's reader: nodes, kinds and groups of all files of Gmsh."""
+    for file in ("gears.msh", "rings.msh", "notch.msh", "notch22.msh", "hex20.msh"):
+        mine, other = read_mesh(folder / file), meshio.read(folder / file)
+        for kind in ("hexahedron", "hexahedron20"):
+            cells = other.get_cells_type(kind)
+            if len(cells):
+                count = mine.report.read["hex8" if kind == "hexahedron" else "hex20"]
+                found = mine.nodes[mine.elements[:count]]
+                key = lambda x: sorted(map(str, x.round(12).tolist()))  # noqa: E731
+                assert len(cells) == count and key(found) == key(other.points[cells])
+
+
+def test_vtu_keeps_bodies_as_sets(folder, tmp_path):
+    mesh = read_mesh(folder / "gears.msh")
+    body = np.zeros(len(mesh.elements), int)
+    body[mesh.element_sets["small"]] = 1
+    path = tmp_path / "gears.vtu"
+    meshio.Mesh(mesh.nodes, [("hexahedron", mesh.elements)], cell_data={"body": [body]}).write(path)
+    found = read_mesh(path, part="body_1")
+    assert volume(found) == pytest.approx(volume(mesh, "small"), rel=1e-14)
+    whole = read_mesh(path)
+    assert np.array_equal(whole.nodes, mesh.nodes) and np.array_equal(whole.elements, mesh.elements)
+
+
+def test_names_that_do_not_exist_are_answered_with_those_that_do(folder):
+    with pytest.raises(
+        ValueError, match=r'no part or set of elements is named "bigg".*"big", "small"'
+    ):
+        read_mesh(folder / "gears.msh", part="bigg")
+    with pytest.raises(ValueError, match=r"none.msh.*no such file"):
+        read_mesh(folder / "none.msh")
+    with pytest.raises(ValueError, match=r'"mesh.stl": the ending must be one of .vtkhdf, .msh'):
+        read_mesh("mesh.stl")
+    for wrong in (
+        {"scale": 0.0},
+        {"scale": math.nan},
+        {"extrude": (1.0, 0)},
+        {"extrude": (-1.0, 2)},
+    ):
+        with pytest.raises(ValueError, match="plate.msh"):
+            read_mesh(folder / "plate.msh", **wrong)
+
+
+@pytest.mark.parametrize(
+    "package, file", [("meshio.vtu", "a.vtu"), ("scipy.io", "blocks3.g"), ("h5py", "blocks.g")]
+)
+def test_a_missing_package_is_named_with_its_command(folder, tmp_path, monkeypatch, package, file):
+    if file == "a.vtu":
+        (folder / file).write_text("<VTKFile/>")
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(NotBuiltIn, match=r"pip install \"?libcontact\[(mesh|files)\]"):
+        read_mesh(folder / file)
+
+
+def test_the_order_of_elements_and_nodes_in_a_file_changes_no_coordinate(tmp_path):
+    """Middles do not depend on the order of the nodes, so shuffled files give the same set of bricks, bit by bit."""
+    path, chance = tmp_path / "mixed.inp", np.random.default_rng(3)
+    head, *cards = MIXED.split("*Element")
+    first = None
+    for _ in range(4):
+        rows = head.splitlines()[1:]
+        chance.shuffle(rows)
+        path.write_text("*Node\n" + "\n".join(rows) + "\n*Element" + "*Element".join(cards))
+        mesh = read_mesh(path)
+        found = sorted(map(str, mesh.nodes[mesh.elements].tolist()))
+        assert first is None or found == first
+        first = found
+
+
+def test_the_command_tells_what_is_in_a_mesh(folder, capsys):
+    pytest.importorskip("matplotlib")
+    assert main(["mesh", str(folder / "cam.msh"), "--plot"]) == 0
+    told = capsys.readouterr().out
+    for words in (
+        "80 hex8, 32 wedge6",
+        "left out",
+        "volume    1.68086",
+        '"cam_outer" 40',
+        "c1 = 5900",
+    ):
+        assert words in told
+    assert (folder / "cam.png").stat().st_size > 10_000
+    assert (
+        main(
+            [
+                "mesh",
+                str(folder / "plate.msh"),
+                "--extrude",
+                "0.5",
+                "2",
+                "--speed",
+                "1000",
+                "--json",
+            ]
+        )
+        == 0
+    )
+    facts = json.loads(capsys.readouterr().out)
+    mesh = read_mesh(folder / "plate.msh", extrude=(0.5, 2))
+    assert facts["volume"] == pytest.approx(volume(mesh), rel=1e-12)
+    assert facts["shortest_edge"] == Mesh.copy(mesh.nodes, mesh.elements).shortest_edge
+    assert 0.3 * facts["shortest_edge"] < 1000 * facts["step"] < facts["shortest_edge"]
+    assert main(["mesh", str(folder / "none.msh")]) == 2
+    assert main(["mesh", str(folder / "plate.msh"), "--extrude", "1", "two"]) == 2
+    assert main(["info", str(folder / "cam.msh")]) == 0

@@ -1,5 +1,5 @@
-"""The command line: ``libcontact run | explain | plan | info | plot | animate | export | schema | completion``. Exit
-codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
+"""The command line: ``libcontact run | explain | plan | info | mesh | plot | animate | export | schema | completion``.
+Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
 # Columns of the energy balance that a report names where they are not zero.
 STORED = ("contact", "obstacle", "reserve")
 # Arguments that are files, for completion.
-FILES = ("SCENE.toml", "NEW.toml", "RUN.vtkhdf", "FILE", "PNG", "OUT")
+FILES = ("SCENE.toml", "NEW.toml", "RUN.vtkhdf", "FILE", "MESH", "PNG", "OUT")
 
 
 class BadInput(ValueError):
@@ -141,6 +141,18 @@ def _parser() -> argparse.ArgumentParser:
     info.set_defaults(command=lambda options: _each(options, _info))
     info.add_argument("scenes", metavar="FILE", nargs="+")
     info.add_argument("--json", action="store_true", help="write JSON, one line per file")
+
+    mesh = commands.add_parser("mesh", help="show cells, sets and quality of mesh files")
+    mesh.set_defaults(command=lambda options: _each(options, _mesh))
+    mesh.add_argument("scenes", metavar="MESH", nargs="+")
+    mesh.add_argument("--part", metavar="NAME", help="only this set of elements")
+    mesh.add_argument("--scale", metavar="FACTOR", type=float, default=1.0, help="scale of lengths")
+    extrude = "extrude a mesh in a plane z = const: height and number of layers"
+    mesh.add_argument("--extrude", metavar=("HEIGHT", "LAYERS"), nargs=2, help=extrude)
+    speed = "speed of the dilatational wave, for the estimated step (default: steel, in m/s)"
+    mesh.add_argument("--speed", metavar="C1", type=float, help=speed)
+    mesh.add_argument("--plot", action="store_true", help="draw the mesh into a PNG named after it")
+    mesh.add_argument("--json", action="store_true", help="write JSON, one line per file")
 
     schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
     schema.set_defaults(command=_schema)
@@ -402,6 +414,30 @@ def _info(options: argparse.Namespace) -> dict[str, Any]:
     return {**facts, "exit": OK}
 
 
+def _mesh(options: argparse.Namespace) -> dict[str, Any]:
+    from .meshes import read_mesh
+    from .meshes.describe import describe, text
+
+    if options.plot:
+        _check_matplotlib()
+    if options.speed is not None and not 0.0 < options.speed < math.inf:
+        raise BadInput(f"--speed is {options.speed:g}; it must be positive")
+    with _naming_what_is_wrong():
+        extrude = options.extrude and (float(options.extrude[0]), int(options.extrude[1]))
+        keys = {"part": options.part, "scale": options.scale, "extrude": extrude}
+        data = read_mesh(options.scene, **keys)
+        facts = describe(options.scene, data, options.speed)
+    if not options.json:
+        print(text(facts), flush=True)
+    if options.plot:
+        from .pictures.mesh import draw_mesh
+
+        target = Path(options.scene).with_suffix(".png")
+        draw_mesh(data, target, Path(options.scene).name)
+        _say(f'picture in "{target}"')
+    return {**facts, "exit": OK}
+
+
 @contextlib.contextmanager
 def _naming_what_is_wrong() -> Iterator[None]:
     """A file that can't be read is bad input."""
@@ -531,6 +567,10 @@ def _check_picture(options: argparse.Namespace) -> None:
         check_view(options.view or "z_max")
     except ValueError as error:
         raise BadInput(str(error)) from None
+    _check_matplotlib()
+
+
+def _check_matplotlib() -> None:
     if importlib.util.find_spec("matplotlib") is None:
         raise BadInput('plotting needs matplotlib: pip install "libcontact[plot]"')
 

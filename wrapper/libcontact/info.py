@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .mesh import Mesh, open_hdf5
-from .meshes import read_mesh
+from .meshes import FORMATS, read_mesh
 from .results import in_file
 from .run import Run
 from .scene import Scene
@@ -18,6 +18,8 @@ def describe_file(path: str | Path) -> dict[str, Any]:
     path = Path(path)
     if path.suffix == ".toml":
         facts = _scene(Scene.load(path))
+    elif path.suffix.lower() in FORMATS.keys() - {".vtkhdf"}:
+        facts = _mesh(path)
     else:
         with open_hdf5(path) as file:
             run = "libcontact" in file

@@ -129,8 +129,8 @@ class Deck:
     # -- Cards
 
     def _card(self, lines: Lines, line: bytes, depth: int) -> None:
-        """Begin a card. Its parameters may continue in the next line behind a comma."""
-        self._finish(lines)
+        """Begin a card. Its parameters may continue in the next line behind a comma; what is included continues the
+        card before."""
         while line.endswith(b","):
             line += lines.next("a card")
         first, *words = line[1:].split(b",")
@@ -138,14 +138,17 @@ class Deck:
         for word in words:
             key, _, value = word.partition(b"=")
             given[text_of(key).strip().upper()] = text_of(value).strip().strip('"')
-        name = "_".join(text_of(first).lower().split())
+        name, source = "_".join(text_of(first).lower().split()), given.get("INPUT", "")
+        if name == "include":
+            self._include(lines, source, depth)
+            return
+        self._finish(lines)
         self.take = self._skip
         begin = getattr(self, f"_on_{name}", None)
         if begin is not None:
             begin(lines, given)
-        source = given.get("INPUT", "")
-        if name == "include" or source and begin is not None:
-            self._include(lines, source, depth)
+            if source:
+                self._include(lines, source, depth)
 
     def _finish(self, lines: Lines) -> None:
         """End a card: no element may be cut short."""
@@ -185,8 +188,6 @@ class Deck:
     def _key(self, name: str) -> str:
         self.written.setdefault(name.upper(), name)
         return name.upper()
-
-    def _on_include(self, lines: Lines, given: dict[str, str]) -> None: ...
 
     def _on_part(self, lines: Lines, given: dict[str, str]) -> None:
         name = self._named(lines, given, "NAME")
