@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, ask, call, doubles, names, point_rows
+from .bridge import Floats, Ints, ask, call, doubles, ints, names, point_rows
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
 from .mesh import FACTS, KINDS, WIDTH, Mesh, c_box, c_mesh, c_ring, physical_memory, row_length
@@ -38,6 +38,8 @@ NODE = np.dtype(
         ("area", "f8"),
         ("traction", "f8", 3),
         ("pressure", "f8"),
+        ("friction", "f8", 3),
+        ("slip", "i4"),
     ]
 )
 
@@ -610,24 +612,32 @@ def contact_pressure(problem: Problem, state: Any) -> dict[str, list[NDArray[Any
     for k, effect in enumerate(problem.made):
         if effect.kind == lib.CT_EFFECT_CONTACT:
             contact, built = next(contacts), problem.contacts[len(out["contact"])]
+            rubs = bool(problem.parts.contact[len(out["contact"])].friction)
+            calls = (lib.ct_contact_traction, lib.ct_contact_friction if rubs else None)
             sides = [
-                _node_rows(problem, state, side, lib.ct_contact_traction, contact, side)
+                _node_rows(problem, state, side, *calls, contact, side)
                 for side in range(1 if built.with_itself else 2)
             ]
             out["contact"].append(np.concatenate(sides))
         elif effect.kind == lib.CT_EFFECT_OBSTACLE:
-            asked = (lib.ct_obstacle_traction, problem.pointer, state, k)
+            rubs = bool(problem.parts.obstacle[len(out["obstacle"])].friction)
+            calls = (lib.ct_obstacle_traction, lib.ct_obstacle_friction if rubs else None)
+            asked = (*calls, problem.pointer, state, k)
             out["obstacle"].append(_node_rows(problem, state, 0, *asked))
     return out
 
 
 def _node_rows(
-    problem: Problem, state: Any, side: int, function: Any, *arguments: Any
+    problem: Problem, state: Any, side: int, function: Any, rub: Any, *arguments: Any
 ) -> NDArray[Any]:
-    """Rows of NODE for the nodes of one surface, from a function that writes their tractions and areas."""
+    """Rows of NODE for the nodes of one surface, from functions that write their tractions and areas, and those
+    of friction (None: there is none)."""
     count, bodies = problem.pointer.node_count, problem.pointer.bodies
     traction, area = np.zeros((count, 3)), np.full(count, np.nan)
+    friction, slip = np.zeros((count, 3)), np.zeros(count, np.int32)
     call(function, *arguments, doubles(traction), doubles(area))
+    if rub is not None:
+        call(rub, *arguments, doubles(friction), ints(slip))
     nodes = np.flatnonzero(~np.isnan(area))
     first = np.array([bodies[b].first_node for b in range(len(problem.bodies))])
     rows = np.zeros(len(nodes), NODE)
@@ -635,7 +645,8 @@ def _node_rows(
     rows["node"] = nodes - first[rows["body"]]
     places = (problem.rows(problem.pointer.reference), problem.rows(state.displacement))
     rows["position"] = places[0][nodes] + places[1][nodes]
-    rows["area"], rows["traction"] = area[nodes], traction[nodes]
+    rows["area"], rows["friction"], rows["slip"] = area[nodes], friction[nodes], slip[nodes]
+    rows["traction"] = traction[nodes] + friction[nodes]
     rows["pressure"] = np.linalg.norm(traction[nodes], axis=1)
     return rows
 

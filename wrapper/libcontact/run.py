@@ -124,19 +124,23 @@ class Run:
     computed: float | None = None
     #: The loop that saves a run without a file; not part of a pickle.
     writer: Any = None
-    #: For each contact of the scene the points of both surfaces in the last state: side, face,
-    #: point, other (the closest face of the other surface, or -1), position, closest [length], xi, gap
-    #: [length] (in the contact law: negative in contact, NaN if ``other`` is -1), raw_pressure [stress],
-    #: weight [area], start_gap [length] (the value from which ``gap`` is measured; the true distance is
-    #: ``gap + start_gap``). Raw pressures are uneven from point to point: show ``pressure`` instead.
-    #: Empty for a run that was read from a file.
+    #: For each contact of the scene the points of both surfaces in the last state: side, face, point,
+    #: other (the closest face of the other surface, or -1), position, closest [length], xi, gap
+    #: [length] (in the contact law: negative in contact, NaN if ``other`` is -1), raw_pressure
+    #: [stress], weight [area], start_gap [length] (the value from which ``gap`` is measured; the true
+    #: distance is ``gap + start_gap``), friction [stress] (its force over the weight), slip (0 without
+    #: friction or force, 1 where the point sticks, 2 where it slips). Raw pressures are uneven from
+    #: point to point: show ``pressure`` instead. Empty for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)
-    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in
-    #: the last state: side, body (number in ``bodies``), node (of the body), position [length], area
-    #: [area] (the part of the faces around the node that takes its force), traction [stress] (force
-    #: on the surface per reference area, averaged over both passes and the faces around the node),
-    #: pressure [stress] (its magnitude), :eq:`recovered-traction`. Empty for a run that was read from a
-    #: file, and in the runs passed to ``watch``; results files have it as the field ``contact_pressure``.
+    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in the
+    #: last state: side, body (number in ``bodies``), node (of the body), position [length], area [area]
+    #: (the part of the faces around the node that takes its force), traction [stress] (force on the
+    #: surface per reference area, averaged over both passes and the faces around the node), pressure
+    #: [stress] (its magnitude without friction), :eq:`recovered-traction`, friction [stress] (its part
+    #: of the traction), :eq:`recovered-friction`, slip (0, 1 or 2 as for a point; 2 if one of the
+    #: node's points slips). The sum of area times traction is the resultant of a probe. Empty for a run
+    #: that was read from a file, and in the runs passed to ``watch``; results files have it as the
+    #: field ``contact_pressure``.
     pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name; their sum is the
     #: change of momentum. Empty for a run that was read from a file.
@@ -151,11 +155,12 @@ class Run:
     #: (rows,). The runs passed to ``watch`` have the last row only.
     probes: dict[str, Table] = field(default_factory=dict)
     #: Penetration of each contact, and then of each obstacle, in the last state, a dict by place:
-    #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only. Each place has
-    #: the numbers ``inside`` and ``buried`` (inside, but not in contact because they never came from outside), and
-    #: ``deepest`` (true distance), ``surface``, ``face`` and ``position`` of the deepest one. Depths up to ``touching``
-    #: are not counted. ``late`` and ``late_depth``: at the points, how many were found inside without having come in
-    #: through the surface, as over the border of an open surface, and the deepest of them.
+    #: "points", "corners" and "edges" of all faces; a surface in contact with itself has "points" only.
+    #: Each place has the numbers ``inside`` and ``buried`` (inside, but not in contact because they
+    #: never came from outside), and ``deepest`` (true distance), ``surface``, ``face`` and ``position``
+    #: of the deepest one. Depths up to ``touching`` are not counted. ``late`` and ``late_depth``: at
+    #: the points, how many were found inside without having come in through the surface, as over the
+    #: border of an open surface, and the deepest of them.
     penetration: list[dict[str, dict[str, Any]]] = field(default_factory=list)
 
     @property

@@ -68,6 +68,11 @@ CT_API ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *st
 CT_API ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
                                       double *traction, double *area, ct_error *error);
 
+/** Tractions of friction on an obstacle at the nodes of its surface, as `ct_contact_friction`, and
+ * what friction does there; `slip` has the shape (node_count) of the problem. */
+CT_API ct_status ct_obstacle_friction(const ct_problem *problem, ct_state *state, int32_t effect,
+                                      double *traction, int32_t *slip, ct_error *error);
+
 /**
  * Contact pressure at the nodes of a problem at the state's time [stress], shape (node_count),
  * :eq:`recovered-traction`: the sum of the magnitudes of the tractions of all contacts and

@@ -8,6 +8,16 @@
 
 CT_BEGIN_DECLS
 
+/** What friction does at a point or at a node in the last step. */
+typedef enum ct_friction_state {
+  /** no friction, or no normal force */
+  CT_FRICTION_NONE = 0,
+  /** it sticks; at a node: all of its points that have a force stick */
+  CT_FRICTION_STICKS = 1,
+  /** it slips; at a node: some of its points slip */
+  CT_FRICTION_SLIPS = 2
+} ct_friction_state;
+
 /** One contact point, for plots and tests; `ct_contact_points` writes all members. */
 typedef struct ct_contact_point {
   /** 0: a point of surface a; 1: of surface b. */
@@ -43,6 +53,10 @@ typedef struct ct_contact_point {
    * from the other surface is `gap` + `start_gap`.
    */
   double start_gap;
+  /** Force of friction on the point's own face over its weight [stress]; 0 without friction. */
+  double friction[3];
+  /** A ct_friction_state. */
+  int32_t slip;
 } ct_contact_point;
 
 /** Number of contact points of both surfaces. */
@@ -69,6 +83,17 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
  */
 CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
                                      double *area, ct_error *error);
+
+/**
+ * Tractions of friction at the nodes of surface `side`, 0 or 1, on the areas that
+ * `ct_contact_traction` writes, :eq:`recovered-friction`: area times the sum of both tractions is
+ * the whole force of the contact on the surface. `traction` [stress] has the shape (node_count, 3).
+ * `slip`, shape (node_count), is a ct_friction_state for each node, from the points of both sides
+ * that are nearest to it. Entries of nodes that are not on the surface do not change.
+ * ``CT_ERROR_ARGUMENT``: null argument or unknown side; ``CT_ERROR_MEMORY``: out of memory.
+ */
+CT_API ct_status ct_contact_friction(const ct_contact *contact, int32_t side, double *traction,
+                                     int32_t *slip, ct_error *error);
 
 /** Positions at which penetration is measured. */
 typedef enum ct_penetration_at {

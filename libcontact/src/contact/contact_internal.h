@@ -175,6 +175,11 @@ static inline double ct_side_force(const ct_side *side, int64_t n, int c)
 ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
                            double *area, ct_error *error);
 
+/* Tractions of friction at the nodes of a side, on the areas of ct_side_traction, and whether the
+ * points at each node stick, in the numbering of the host (eq:recovered-friction). */
+ct_status ct_side_friction(const ct_side *side, const ct_side *other, double *traction,
+                           int32_t *slip, ct_error *error);
+
 /* Refuse a rule with values out of range; `label` names the effect. */
 ct_status ct_start_gap_check(const ct_start_rule *rule, const char *label, ct_error *error);
 

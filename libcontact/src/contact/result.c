@@ -1,5 +1,6 @@
 /* Results of a contact: the resultants of its forces, and its points. */
 #include "../base/error.h"
+#include "../constraint/slip.h"
 #include "contact_internal.h"
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3],
@@ -23,6 +24,16 @@ ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], dou
     }
   }
   return CT_OK;
+}
+
+ct_status ct_contact_friction(const ct_contact *contact, int32_t side, double *traction,
+                              int32_t *slip, ct_error *error)
+{
+  if (contact == NULL || traction == NULL || slip == NULL) return CT_REFUSE_NULL(error);
+  if (side < 0 || side >= contact->fixed->gaps.sides)
+    return CT_REFUSE(error, "contact: there is no surface %d", (int)side);
+  return ct_side_friction(&contact->gaps.side[side], ct_contact_acting(contact, side), traction,
+                          slip, error);
 }
 
 int64_t ct_contact_point_count(const ct_contact *contact)
@@ -52,6 +63,13 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points,
       // No law has tension, so the pressure is the size of the force.
       points->raw_pressure =
           sqrt(ct_vector_dot(from->force, from->force)) / (0.5 * side->fixed->weight[i]);
+      // -- Friction of the point (eq:slip-law)
+      const ct_slip *slip = from->row.force > 0.0 ? from->row.slip : NULL;
+      for (int c = 0; slip != NULL && c < 3; c++)
+        points->friction[c] = slip->force[c] / (0.5 * side->fixed->weight[i]);
+      points->slip = slip == NULL  ? CT_FRICTION_NONE
+                     : slip->stuck ? CT_FRICTION_STICKS
+                                   : CT_FRICTION_SLIPS;
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;
       for (int c = 0; c < 2; c++) points->xi[c] = met ? from->xi[c] : NAN;
     }

@@ -6,6 +6,7 @@
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
+#include "../constraint/slip.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,9 +14,10 @@
 /* One surface for the recovery of tractions. */
 typedef struct recovery {
   const ct_side *side;
-  double *is_loaded; /* 1: a face carries forces, else 0, shape (face_count) */
-  double part;       /* of a mid-side's force that each end of its edge takes */
-  double chi[27][8]; /* at the points: the weights of the nodes, nowhere negative */
+  const double *force, *fine; /* two parts of the force of each node */
+  double *is_loaded;          /* 1: a face carries forces, else 0, shape (face_count) */
+  double part;                /* of a mid-side's force that each end of its edge takes */
+  double chi[27][8];          /* at the points: the weights of the nodes, nowhere negative */
 } recovery;
 
 /* Mark the faces with forces of their own points, and those on which points of the other side,
@@ -31,11 +33,11 @@ static void mark_faces(const recovery *r, const ct_side *other)
 }
 
 /* Add a fraction of a node's force to three sums. */
-static void add_force(const ct_side *side, int32_t node, double share, ct_stream sum[3])
+static void add_force(const recovery *r, int32_t node, double share, ct_stream sum[3])
 {
   for (int c = 0; c < 3; c++) {
     const int64_t dof = 3 * (int64_t)node + c;
-    const double term = share * (side->force[dof] + side->force_fine[dof]);
+    const double term = share * (r->force[dof] + r->fine[dof]);
     ct_stream_add(&sum[c], &term, 1);
   }
 }
@@ -61,15 +63,14 @@ static void force_of(const recovery *r, int32_t node, double force[3])
             corner = around->place[around->first[node]] % search->per < edges;
   ct_stream sum[3] = {{0}};
   while (ct_stream_again(sum, 3)) {
-    add_force(r->side, node, corner ? 1.0 : 1.0 - 2.0 * r->part, sum);
+    add_force(r, node, corner ? 1.0 : 1.0 - 2.0 * r->part, sum);
     for (int32_t i = around->first[node]; corner && i < around->first[node + 1]; i++) {
       const int32_t *face = &search->faces[around->place[i] / search->per * search->per];
       int a = around->place[i] % search->per;
       const int beside[2] = {a, (a + edges - 1) % edges};
       for (int k = 0; k < 2 && search->per > edges; k++) {
         int32_t middle = face[edges + beside[k]];
-        add_force(r->side, middle, r->part / (around->first[middle + 1] - around->first[middle]),
-                  sum);
+        add_force(r, middle, r->part / (around->first[middle + 1] - around->first[middle]), sum);
       }
     }
   }
@@ -119,21 +120,152 @@ static double recover(const recovery *r, int32_t node, double traction[3])
   return area;
 }
 
+/* The recovery of the forces without friction. */
+static ct_status open_recovery(recovery *r, const ct_side *side, const ct_side *other,
+                               ct_error *error)
+{
+  *r = (recovery){.side = side, .force = side->force, .fine = side->force_fine};
+  r->is_loaded = ct_allocate((size_t)side->search->face_count, sizeof *r->is_loaded);
+  if (r->is_loaded == NULL) return CT_NO_MEMORY(error, "tractions");
+  // -- The smallest part for which no weight is negative (eq:recovered-weights)
+  r->part = side->search->edges == 4 ? 3.0 / 8.0 : 1.0 / 4.0;
+  for (int q = 0; q < side->fixed->rule.count; q++) weigh(r, side->fixed->rule.xi[q], r->chi[q]);
+  mark_faces(r, other);
+  return CT_OK;
+}
+
 ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
                            double *area, ct_error *error)
 {
-  const ct_side_fixed *fixed = side->fixed;
-  recovery r = {.side = side,
-                .is_loaded = ct_allocate((size_t)side->search->face_count, sizeof *r.is_loaded)};
-  if (r.is_loaded == NULL) return CT_NO_MEMORY(error, "tractions");
-  // -- The smallest part for which no weight is negative (eq:recovered-weights)
-  r.part = side->search->edges == 4 ? 3.0 / 8.0 : 1.0 / 4.0;
-  for (int q = 0; q < fixed->rule.count; q++) weigh(&r, fixed->rule.xi[q], r.chi[q]);
-  mark_faces(&r, other);
-  for (int32_t n = 0; n < side->search->node_count; n++) {
+  recovery r;
+  ct_status status = open_recovery(&r, side, other, error);
+  for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
     const int64_t node = side->search->nodes[n];
     area[node] = recover(&r, n, &traction[3 * node]);
   }
   ct_release(r.is_loaded);
+  return status;
+}
+
+/* Forces of friction at the nodes of a side, in two sums that do not depend on their order, and for
+ * each node whether a point near it sticks, and whether one slips. */
+typedef struct friction_sums {
+  ct_grid grid;
+  double *coarse, *fine, *sticks, *slips;
+} friction_sums;
+
+/* Friction of a point, null if it has none. */
+static const ct_slip *friction_of(const ct_point *point)
+{
+  const ct_slip *slip = point->row.slip;
+  return slip != NULL && point->row.force > 0.0 ? slip : NULL;
+}
+
+/* A bound of the components that a point adds to a node. */
+static double bound_of(const ct_slip *slip)
+{
+  double arm = 0.0;
+  for (int b = 0; b < 8; b++) arm = fmax(arm, ct_vector_dot(slip->weight[b], slip->weight[b]));
+  const double T = ct_vector_dot(slip->force, slip->force),
+               d = ct_vector_dot(slip->lever, slip->lever);
+  return 2.0 * sqrt(T) * (1.0 + sqrt(arm * d));
+}
+
+/* Note at the nearest node of a face whether a point sticks. */
+static void note(const int32_t *node, int per, const double N[8], const ct_slip *slip,
+                 const friction_sums *sums)
+{
+  double nearest = 0.0;
+  for (int a = 0; a < per; a++) nearest = fmax(nearest, N[a]);
+  for (int a = 0; a < per; a++)
+    if (N[a] == nearest) (slip->stuck ? sums->sticks : sums->slips)[node[a]] = 1.0;
+}
+
+/* Add N_a T of a side's own points, or of the points that act on it -N_b T - (w_b · T) d
+ * (eq:slip-row). */
+static void add_friction(const ct_side *side, const ct_side *from, int own, friction_sums *sums)
+{
+  const ct_search *search = side->search;
+  for (int64_t i = 0; i < from->fixed->point_count; i++) {
+    const ct_point *point = &from->points[i];
+    const ct_slip *slip = friction_of(point);
+    const int points = from->fixed->rule.count;
+    if (slip == NULL || !ct_side_owns(from, i)) continue;
+    const int32_t face = own ? (int32_t)(i / points) : point->other,
+                  *node = &search->faces[(int64_t)face * search->per];
+    const double *N = own ? from->fixed->N[i % points] : point->N;
+    for (int a = 0; a < search->per; a++) {
+      const double turn = own ? 0.0 : ct_vector_dot(slip->weight[a], slip->force);
+      for (int c = 0; c < 3; c++) {
+        const double f =
+            own ? N[a] * slip->force[c] : -N[a] * slip->force[c] - turn * slip->lever[c];
+        const int64_t dof = 3 * (int64_t)node[a] + c;
+        ct_grid_add(&sums->grid, f, &sums->coarse[dof], &sums->fine[dof]);
+      }
+    }
+    note(node, search->per, N, slip, sums);
+  }
+}
+
+/* The largest bound of the points of two sides, one of them null or both the same. */
+static double bound_of_sides(const ct_side *side, const ct_side *other)
+{
+  const ct_side *both[2] = {side, other};
+  double top = 0.0;
+  for (int s = 0; s < 2; s++)
+    for (int64_t i = 0; both[s] != NULL && i < both[s]->fixed->point_count; i++) {
+      const ct_slip *slip = friction_of(&both[s]->points[i]);
+      if (slip != NULL) top = fmax(top, bound_of(slip));
+    }
+  ct_pieces_largest(side->pieces, &top, 1);
+  return top;
+}
+
+static ct_status sum_friction(const ct_side *side, const ct_side *other, friction_sums *sums,
+                              ct_error *error)
+{
+  const int64_t nodes = side->search->node_count;
+  const int64_t points = side->fixed->point_count + (other != NULL ? other->fixed->point_count : 0);
+  const double top = bound_of_sides(side, other);
+  if (top == 0.0) return CT_OK;
+  if (!ct_grid_init(&sums->grid, top, 2 * points))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: its largest force is not finite");
+  add_friction(side, side, 1, sums);
+  if (other != NULL) add_friction(side, other, 0, sums);
+  ct_pieces_sum(side->pieces, sums->coarse, 3 * nodes);
+  ct_pieces_sum(side->pieces, sums->fine, 3 * nodes);
+  ct_pieces_largest(side->pieces, sums->sticks, nodes);
+  ct_pieces_largest(side->pieces, sums->slips, nodes);
   return CT_OK;
+}
+
+ct_status ct_side_friction(const ct_side *side, const ct_side *other, double *traction,
+                           int32_t *slip, ct_error *error)
+{
+  const size_t nodes = (size_t)side->search->node_count;
+  ct_pool pool = {0};
+  recovery r;
+  friction_sums sums = {.coarse = ct_pool_take(&pool, 3 * nodes, sizeof(double)),
+                        .fine = ct_pool_take(&pool, 3 * nodes, sizeof(double)),
+                        .sticks = ct_pool_take(&pool, nodes, sizeof(double)),
+                        .slips = ct_pool_take(&pool, nodes, sizeof(double))};
+  ct_status status = open_recovery(&r, side, other, error);
+  if (status == CT_OK && pool.failed) status = CT_NO_MEMORY(error, "friction's tractions");
+  if (status == CT_OK) status = sum_friction(side, other, &sums, error);
+  for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
+    const int64_t node = side->search->nodes[n];
+    double force[3];
+    const double area = recover(&r, n, force);
+    recovery shear = r;
+    shear.force = sums.coarse, shear.fine = sums.fine;
+    force_of(&shear, n, force);
+    // -- Force of friction over the same area (eq:recovered-friction)
+    for (int c = 0; c < 3; c++) traction[3 * node + c] = area > 0.0 ? force[c] / area : 0.0;
+    slip[node] = sums.slips[n] > 0.0    ? CT_FRICTION_SLIPS
+                 : sums.sticks[n] > 0.0 ? CT_FRICTION_STICKS
+                                        : CT_FRICTION_NONE;
+  }
+  ct_release(r.is_loaded);
+  ct_pool_empty(&pool);
+  return status;
 }

@@ -61,6 +61,16 @@ ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32
                    : ct_side_traction(s->gaps.side, ct_contact_acting(s, 0), traction, area, error);
 }
 
+ct_status ct_obstacle_friction(const ct_problem *problem, ct_state *state, int32_t effect,
+                               double *traction, int32_t *slip, ct_error *error)
+{
+  if (traction == NULL || slip == NULL) return CT_REFUSE_NULL(error);
+  ct_status status = CT_OK;
+  const ct_contact *s = obstacle_of(problem, state, effect, &status, error);
+  return s == NULL ? status
+                   : ct_side_friction(s->gaps.side, ct_contact_acting(s, 0), traction, slip, error);
+}
+
 ct_status ct_obstacle_penetration(const ct_problem *problem, ct_state *state, int32_t effect,
                                   ct_penetration_at at, ct_penetration *out, ct_error *error)
 {
