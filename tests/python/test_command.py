@@ -581,6 +581,8 @@ def test_animate_draws_the_records(run_file, capsys):
         film.seek(k)
         frames.append(film.convert("RGB").tobytes())
     assert len(set(frames)) == 3
+    assert main(["plot", run_file, "--field", "velocity_x", "--movie", "same.gif"]) == 0
+    assert image.open("same.gif").n_frames > 3
     assert main(["animate", run_file, "-o", "out.avi"]) == 2
     assert ".gif and .mp4" in capsys.readouterr().err
 

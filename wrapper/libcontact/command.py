@@ -161,6 +161,8 @@ def _parser() -> argparse.ArgumentParser:
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="RUN.vtkhdf")
     plot.add_argument("-o", "--output", metavar="PNG", help="picture, by default RUN.png")
+    movie = "instead a film of the records, as animate draws it, by default RUN.gif"
+    plot.add_argument("--movie", metavar="FILE", nargs="?", const="", help=movie)
     _picture_options(plot)
 
     animate = commands.add_parser("animate", help="draw the records of a run as a film")
@@ -489,6 +491,8 @@ def _plot(options: argparse.Namespace) -> int:
     from .run import Run
 
     _check_picture(options)
+    if options.movie is not None:
+        return _film(options, options.movie)
     with _naming_what_is_wrong():
         run = Run.load(options.file)
     _draw(run, Path(options.output or Path(options.file).with_suffix(".png")), options)
@@ -496,19 +500,22 @@ def _plot(options: argparse.Namespace) -> int:
 
 
 def _animate(options: argparse.Namespace) -> int:
-    from .run import Run
-
     _check_picture(options)
     if options.rate < 1:
         raise BadInput(f"--rate is {options.rate}; at least one picture per second is needed")
-    from .pictures.animation import animate
+    return _film(options, options.output, frames=options.instants, rate=options.rate)
 
-    target = Path(options.output or Path(options.file).with_suffix(".gif"))
-    keys = ("field", "view", "scale", "rate")
+
+def _film(options: argparse.Namespace, output: str | None, **how: int) -> int:
+    """Draw a film of a run with the options of a picture."""
+    from .pictures.animation import animate
+    from .run import Run
+
+    target = Path(output or Path(options.file).with_suffix(".gif"))
     with _naming_what_is_wrong():
         run = Run.load(options.file)
-        shown = {key: getattr(options, key) for key in keys}
-        animate(run, target, frames=options.instants, **shown)
+        shown = {key: getattr(options, key) for key in ("field", "view", "scale")}
+        animate(run, target, **shown, **how)
     _say(f'film in "{target}"')
     return OK
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 # Default number of pictures, and of pictures per second.
 FRAMES, RATE = 60, 15
+# Size of a picture [inch].
+SIZE = (8.0, 6.0)
 
 
 def animate(
@@ -53,13 +55,14 @@ def animate(
     numbers = np.unique(np.linspace(0, len(run.states) - 1, frames).round().astype(int))
     states = [run.states[i] for i in numbers]
     drawing = Drawing.of(run, states=states, **options)
-    figure, writer = Figure(figsize=(8.0, 6.0), layout="constrained"), writers[name](fps=rate)
+    figure, writer = Figure(figsize=SIZE, layout="constrained"), writers[name](fps=rate)
+    title = title_of(run, SIZE[0])
     text = label(drawing.field) + (f" [{drawing.unit}]" if drawing.unit else "")
     with writer.saving(figure, path, dpi=100):
         for state in states:
             figure.clear()
             axes = figure.subplots()
             patches = drawing.draw(axes, state)
-            axes.set_title(f"{title_of(run)}\nt = {state.time:.4g}", fontsize="medium")
+            axes.set_title(f"{title}\nt = {state.time:.4g}", fontsize="medium")
             figure.colorbar(patches, ax=axes, label=text)
             writer.grab_frame()

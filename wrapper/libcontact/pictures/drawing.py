@@ -8,6 +8,7 @@ the back to the front.
 from __future__ import annotations
 
 import re
+import textwrap
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from ..units import Units
 
 __all__ = ["Drawing", "check_view", "flat_axis", "label", "last_state", "tables", "title_of"]
+
+# Letters of a title per inch.
+LETTERS = 10.0
 
 QUANTITY = {
     "stress": "stress",
@@ -75,9 +79,9 @@ def label(field: str) -> str:
     return f"{name} ${symbol}_{{{part}}}$"
 
 
-def title_of(run: Run) -> str:
-    """Title of a run's scene, empty if there is none."""
-    return str(tables(run).get("title", ""))
+def title_of(run: Run, width: float) -> str:
+    """Title of a run's scene, empty if there is none, in lines that fit a width [inch]."""
+    return textwrap.fill(str(tables(run).get("title", "")), int(LETTERS * width))
 
 
 def check_view(view: str) -> list[str]:

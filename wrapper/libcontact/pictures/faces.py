@@ -16,8 +16,6 @@ from ..state import BodyState, State
 if TYPE_CHECKING:
     from .drawing import Drawing
 
-# Nodes of a Q4 and of a Q8 face in the order in which one walks around it.
-AROUND = {4: [0, 1, 2, 3], 8: [0, 4, 1, 5, 2, 6, 3, 7]}
 # Corners and mid-sides of a face.
 CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float)
 # Parts of an edge into which the faces of a nodal field are divided, and the number of polygons allowed.
@@ -72,6 +70,15 @@ def _shape(width: int, xi: Floats) -> Floats:
     return np.hstack([bilinear - (middle + np.roll(middle, 1, axis=1)) / 2, middle])
 
 
+def _border(width: int) -> Floats:
+    """Shape functions at points around a face, from corner to corner along its edges: the corners of a Q4, and
+    four points per edge of a Q8, whose edges are parabolas; shape (4 or 16, width)."""
+    corners = CORNERS[:4]
+    steps = np.arange(1 if width == 4 else PARTS) / (1 if width == 4 else PARTS)
+    around = [a + t * (b - a) for a, b in zip(corners, np.roll(corners, -1, axis=0)) for t in steps]
+    return _shape(width, np.array(around))
+
+
 def _parts(width: int, parts: int) -> tuple[Floats, Floats]:
     """Shape functions at the corners (parts², 4, width) and the centres (parts², width) of the parts of a
     face."""
@@ -93,9 +100,9 @@ class Faces:
 
     Attributes
     ----------
-    outlines : ndarray, shape (faces, 4 or 8, 2)
-        The projected nodes around each face [length].
-    cells : ndarray, shape (faces, parts, 4 or 8, 2)
+    outlines : ndarray, shape (faces, 4 or 16, 2)
+        Points around each face, projected [length]: the corners of a Q4, four per curved edge of a Q8.
+    cells : ndarray, shape (faces, parts, 4 or 16, 2)
         The parts of each face that have one colour [length].
     values : ndarray, shape (faces, parts)
         The values of the parts.
@@ -123,7 +130,7 @@ class Faces:
         return cls(outlines[order], cells[order], values[order], light[order])
 
     def painted(self) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """The polygons of a picture (polygons, 4 or 8, 2): the parts of each face, and after them its outline,
+        """The polygons of a picture (polygons, 4 or 16, 2): the parts of each face, and after them its outline,
         if there are not too many; value and brightness (polygons, 2) of each; and whether it is an outline."""
         count, parts = self.values.shape
         lined = int(count <= EDGES)
@@ -179,7 +186,7 @@ def _of_body(drawing: Drawing, body: BodyState, rank: int, parts: int) -> Any:
     normals = _normals(x[faces[:, :4]])
     turned = normals[:, 2] > 0.0
     faces, owners, normals = faces[turned], owners[turned], normals[turned]
-    outline = x[faces[:, AROUND[faces.shape[1]]]]
+    outline = np.einsum("pn,fnk->fpk", _border(faces.shape[1]), x[faces])
     keys = np.stack([np.full(len(faces), rank), outline[:, :, 2].mean(axis=1)], axis=1)
     if at_elements:
         cells, each = outline[:, None, :, :2], values[owners][:, None]

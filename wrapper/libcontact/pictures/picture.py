@@ -32,6 +32,7 @@ __all__ = ["draw_energies", "picture", "plot_run"]
 
 # Size of a picture, and of its parts [inch]: width, the height that instants may have, and the rest.
 WIDTH, INSTANTS_HEIGHT, BAR_HEIGHT, ENERGY_HEIGHT, TITLE_HEIGHT = 9.0, 5.4, 0.75, 2.4, 0.35
+LINE_HEIGHT = 0.25
 BARS_HEIGHT = 4.4
 COLOUR_BAR: dict[str, Any] = {"location": "bottom", "aspect": 50, "shrink": 0.7}
 # Most instants in the picture of a bar.
@@ -85,14 +86,15 @@ def plot_run(
     """
     if instants < 1:
         raise ValueError(f"instants is {instants}; at least one is needed")
+    title = title_of(run, WIDTH)
     axis = bar_axis(run) if (field, view, scale) == (None, None, None) else None
     if axis is not None and len(run.states) > 2:
-        head, *above, below = _divided(figure or new_figure(), [BARS_HEIGHT])
+        head, *above, below = _divided(figure or new_figure(), title, [BARS_HEIGHT])
         draw_bars(above[0].subplots(), run, axis)
     else:
         drawn = _drawings(run, field, view, scale, chosen(run, instants))
-        head, below = _draw_rows(figure or new_figure(), *drawn)
-    head.text(0.5, 0.4, title_of(run), fontsize="large", ha="center", va="center")
+        head, below = _draw_rows(figure or new_figure(), title, *drawn)
+    head.text(0.5, 0.4, title, fontsize="large", ha="center", va="center")
     draw_energies(below.subplots(), run)
     return below.get_figure(root=True)
 
@@ -147,9 +149,9 @@ def _peak(run: Run, count: int) -> int:
     return round(int(energy.argmax()) / max(len(energy) - 1, 1) * (count - 1))
 
 
-def _divided(figure: Any, heights: Sequence[float]) -> Any:
-    """Parts of a figure: for the title, with these heights [inch], and for the energies."""
-    heights = [TITLE_HEIGHT, *heights, ENERGY_HEIGHT]
+def _divided(figure: Any, title: str, heights: Sequence[float]) -> Any:
+    """Parts of a figure: for the lines of the title, with these heights [inch], and for the energies."""
+    heights = [TITLE_HEIGHT + LINE_HEIGHT * title.count("\n"), *heights, ENERGY_HEIGHT]
     figure.set_size_inches(WIDTH, sum(heights))
     figure.set_layout_engine("constrained")
     return figure.subfigures(len(heights), 1, height_ratios=heights)
@@ -181,10 +183,12 @@ def _drawings(
     return [first], states
 
 
-def _draw_rows(figure: Any, drawings: Sequence[Drawing], states: Sequence[State]) -> Any:
+def _draw_rows(
+    figure: Any, title: str, drawings: Sequence[Drawing], states: Sequence[State]
+) -> Any:
     """Draw the instants; return the parts of the figure for the title and the energies."""
     grid, height = _grid(drawings[0], len(states), INSTANTS_HEIGHT / len(drawings))
-    head, *above, below = _divided(figure, [height + BAR_HEIGHT] * len(drawings))
+    head, *above, below = _divided(figure, title, [height + BAR_HEIGHT] * len(drawings))
     for part, drawing in zip(above, drawings):
         _draw_instants(part, drawing, states, *grid)
     return head, below
