@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from .._core import ffi, lib
 from ..checks.warned import at_start, known
 from ..errors import SceneWarning
@@ -18,6 +20,7 @@ from ..probes import Located
 from ..problem import BuiltBody, BuiltContact, Problem, speeds
 from ..surfaces import contact_tables, pair_name
 from ..units import Units
+from .inertia import inertia_ratios
 from .plan import Cost, predict, table
 
 # Effects of the library, and what is missing in a scene without them.
@@ -167,6 +170,8 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     facts |= {"layers": problem.layers(given) if given.box else None}
     facts |= {"c1": c1, "c2": c2, "c1_si": c1 * problem.parts.units.factor("velocity")}
     facts |= {"shortest_edge": mesh.shortest_edge}
+    masses = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * problem.pointer.node_count))
+    facts |= {"inertia": inertia_ratios(mesh, masses[body.nodes])}
     return facts | {"flops_per_update": body.flops, "bytes_per_update": body.bytes}
 
 
@@ -263,7 +268,11 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += ["", "Bodies"]
     for body in data["bodies"]:
         layers = f", numbered layer by layer along {body['layers']}" if body["layers"] else ""
-        lines.append(BODY.format(**labels, **body, numbered=layers))
+        text = BODY.format(**labels, **body, numbered=layers)
+        if body["inertia"]:
+            ratios = ", ".join(f"{ratio:.4g}" for ratio in body["inertia"])
+            text += f"\n    inertia of these masses over that of the body: {ratios}"
+        lines.append(text)
     lines += ["", f"Effects that are computed: {', '.join(data['effects'])}"]
     lines += [_contact_text(contact, labels) for contact in data["contacts"]]
     lines += [f"  {_support_line(support, labels)}" for support in data["supports"]]
