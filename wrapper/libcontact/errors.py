@@ -103,6 +103,7 @@ KINDS = {
     "overlap": "surfaces of a contact, or a surface and an obstacle, overlap at the start",
     "never_meet": "the surfaces of a contact cannot come together before the run ends",
     "thin": "an impact with a restitution below 1 on a body that is about one element thick loses a large part of its energy",
+    "wide": "hex20 elements are wider than long along an impact, whose wave they do not carry",
     "chatter": "a penalty is so stiff for the time step that points open and close with every step, which adds energy "
     "to the bodies",
     "long_run": "a run takes ten million steps or more, or about an hour or more",
