@@ -121,7 +121,7 @@ static void rivals(void)
                     .distant = distant},
             other = {.search = &search};
     const ct_pass p = {.side = &side, .other = &other, .depth = 10.0, .skin = 0.2, .since = 0.1};
-    block b = {.target = {0}};
+    block b = {.count = CT_WARM};
     const double most = 0.8 * pow(0.5, trial % 6);
     int all = 0;
     for (int l = 0; l < CT_WARM; l++) {
@@ -131,7 +131,6 @@ static void rivals(void)
     }
     for (int l = 0; l < CT_WARM; l++) {
       const double at[3] = {b.points[l], b.points[8 + l], b.points[16 + l]};
-      b.number[l] = l;
       met[l] = trial % 2 ? 0 : -1;
       distant[l] = INFINITY;
       for (int f = 1; f < FACES; f++)

@@ -13,7 +13,8 @@
 /* Eight points with all their results. Numbers of one kind lie side by side, one lane per point. */
 typedef struct block {
   int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
-  int64_t number[CT_WARM];    /* of the point: q of its face */
+  int64_t number;             /* of the first point */
+  int count;                  /* of points; the other lanes repeat one of them */
   double origin[3 * CT_WARM]; /* middle of the face's box: subtracted from the positions and the
                                  nodes */
   double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
@@ -279,11 +280,11 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
 CT_INLINE int has_no_rival(const ct_pass *p, const block *b, const lane_group *g)
 {
   const double reach = (1.0 + 1e-9) * (g->most + p->since);
+  const int end = g->end < b->count ? g->end : b->count;
+  const int32_t *met = &p->side->met[b->number];
+  const double *distant = &p->side->distant[b->number];
   int none = 1;
-  for (int l = g->first; l < g->end; l++) {
-    const int64_t i = b->number[l];
-    none &= (p->side->met[i] == b->target[l]) & (reach < p->side->distant[i]);
-  }
+  for (int l = g->first; l < end; l++) none &= (met[l] == b->target[l]) & (reach < distant[l]);
   return none;
 }
 
@@ -426,9 +427,10 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
   int32_t face = (int32_t)(first / points);
   int q = (int)(first % points), some = -1;
   unsigned warm = 0;
+  b->number = first, b->count = count;
   for (int l = 0; l < count; l++, q++, point++) {
     if (q == points) q = 0, face++;
-    b->face[l] = face, b->q[l] = q, b->number[l] = first + l, b->target[l] = point->other;
+    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
     b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
     b->last[l] = point->status;
     warm |= (unsigned)(point->other >= 0) << l;
@@ -439,7 +441,7 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
   for (int l = 0; l < CT_WARM && some >= 0; l++) {
     if (warm >> l & 1) continue;
     b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
-    b->number[l] = b->number[some], b->last[l] = b->last[some];
+    b->last[l] = b->last[some];
     for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
   }
   return warm;
