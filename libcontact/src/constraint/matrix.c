@@ -54,19 +54,14 @@ CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, doub
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
-static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
-{
-  return c->own == d->own && c->other == d->other && c->own_count == d->own_count &&
-         c->other_count == d->other_count;
-}
-
-/* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes.
- * Returns whether a normal is not that of the first row of all. */
+/* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes; and
+ * begin the next one. Returns whether a normal is not that of the first row of all. */
 CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
                          int64_t most, int32_t own, int32_t other, ct_group *g)
 {
   const int64_t step = 4 * (1 + ct_quads_of(own) + ct_quads_of(other));
   const ct_quad *head = (const ct_quad *)s->G;
+  const int32_t *mine = row[0]->own, *theirs = row[0]->other;
   double *G = &s->G[g->first];
   int32_t rows = 0, *place = &s->entry_place[g->place];
   quad_bits differ = {0};
@@ -74,12 +69,15 @@ CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constrain
     fill_row(own, other, row[rows], G);
     for (int i = 0; i < PARTS && i < 3; i++) differ |= ((const ct_quad *)G)[i] != head[i];
     G += step, rows++;
-  } while (rows < most && has_nodes_of(row[0], row[rows]));
-  find_places(own, row[0]->own, number, rows, s->row_counts, place);
-  find_places(other, row[0]->other, number, rows, s->row_counts, place + own);
+  } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
+           row[rows]->own_count == own && row[rows]->other_count == other);
+  find_places(own, mine, number, rows, s->row_counts, place);
+  find_places(other, theirs, number, rows, s->row_counts, place + own);
   for (int32_t r = 0; s->tangent != NULL && r < rows; r++)
     if (row[r]->slip != NULL) row[r]->slip->place = g->place;
   g->rows = rows;
+  g[1].first = g->first + rows * step;
+  g[1].place = g->place + own + other;
   return (LANE(differ, 0) | LANE(differ, 1) | LANE(differ, 2)) != 0;
 }
 
@@ -104,8 +102,6 @@ CT_INLINE ct_group *fill_rows(const ct_solver *s, int32_t set, ct_constraint *co
     if (own == 4 && other == 4) *differ |= fill_group(s, number, row, end - row, 4, 4, g);
     else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, end - row, 4, 0, g);
     else *differ |= fill_group(s, number, row, end - row, own, other, g);
-    g[1].first = g->first + g->rows * ct_group_numbers(g);
-    g[1].place = g->place + own + other;
     g++;
   }
   return g;
