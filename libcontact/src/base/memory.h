@@ -45,7 +45,8 @@ static inline void ct_clear(double *values, size_t count)
 static inline void ct_copy(void *to, const void *from, size_t bytes)
 {
   for (size_t i = 0; i < bytes; i += CT_KILOBYTE)
-    memcpy((char *)to + i, (const char *)from + i, bytes - i < CT_KILOBYTE ? bytes - i : CT_KILOBYTE);
+    memcpy((char *)to + i, (const char *)from + i,
+           bytes - i < CT_KILOBYTE ? bytes - i : CT_KILOBYTE);
 }
 
 #endif

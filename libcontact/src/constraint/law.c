@@ -314,7 +314,8 @@ static void find_stores(const ct_law_rows *of, const double *g0, const double *g
   }
 }
 
-CT_CLONES CT_CHOICES
+CT_CLONES
+CT_CHOICES
 static void settle_rows(const ct_law_rows *of, double dt, const double *x, const double *alone)
 {
 #pragma omp simd

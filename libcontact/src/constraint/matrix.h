@@ -22,8 +22,8 @@ void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, do
 /* The same for a motion of the nodes, whose fourth components may be overwritten. */
 void ct_matrix_motion(const ct_solver *solver, int64_t count, double *x, double *out);
 
-/* `out` = W times forces of the active rows, whose bounds are known (eq:constraint-problem). Returns
- * 0 if they are not finite. */
+/* `out` = W times forces of the active rows, whose bounds are known (eq:constraint-problem).
+ * Returns 0 if they are not finite. */
 int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 
 /* `moved` = A Gᵀ times forces of the active rows. Returns 0 if they are not finite. */

@@ -190,8 +190,8 @@ static inline int ct_start_gap_fades(const ct_start_rule *rule)
   return rule->initial_penetration == CT_INITIAL_REMOVE;
 }
 
-/* Whether gaps are 0 where they are rounding as soon as they are measured, which spares a pass: at a
- * plane whose points have no start gap. */
+/* Whether gaps are 0 where they are rounding as soon as they are measured, which spares a pass: at
+ * a plane whose points have no start gap. */
 static inline int ct_contact_rounds(const ct_contact *contact)
 {
   return contact->axis != NULL && !contact->gaps.side[0].shifted &&
