@@ -347,7 +347,7 @@ static ct_effect *body_effect(play *p, int body)
   ct_effect *effect = NULL;
   int32_t *bodies = keep(p, 2, sizeof *bodies), count = below(d, 2);
   bodies[0] = d->wild && chance(d, 10) ? 9 : body;
-  switch (below(d, 4)) {
+  switch (below(d, 5)) {
   case 0: {
     ct_gravity_def gravity = {COOKIE, {real(d), real(d), real(d)}, bodies, count, {0}};
     if (chance(d, 3)) gravity.amplitude = any_history(p);
@@ -363,6 +363,16 @@ static ct_effect *body_effect(play *p, int body)
     ct_viscosity_def viscosity = {COOKIE, between(d, 0.0, 0.2), between(d, 0.0, 1.5), bodies,
                                   count};
     (void)TRY(ct_viscosity_create_effect(&viscosity, p->joined, &effect, &e));
+    break;
+  }
+  case 3: {
+    ct_rigid *rigid = keep(p, 1, sizeof *rigid);
+    rigid->body = bodies[0];
+    rigid->pivoted = chance(d, 3);
+    for (int c = 0; c < 3; c++) rigid->pivot[c] = rigid->pivoted ? real(d) : 0.0;
+    for (int c = 0; c < 6; c++) rigid->fixed[c] = chance(d, 5);
+    ct_rigid_def def = {COOKIE, rigid, 1};
+    (void)TRY(ct_rigid_create_effect(&def, p->joined, &effect, &e));
     break;
   }
   default: {

@@ -96,6 +96,14 @@ name = "c"
 material = "hard"
 nodes = [[0, 0, 5], [1, 0, 5], [1, 1, 5], [0, 1, 5], [0, 0, 6], [1, 0, 6], [1, 1, 6], [0, 1, 6]]
 elements = [[0, 1, 2, 3, 4, 5, 6, 7]]
+[[body]]
+name = "d"
+material = "hard"
+box = { origin = [0, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
+[[body]]
+name = "e"
+material = "hard"
+box = { origin = [2, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
 [[contact]]
 surfaces = ["a.x_max", "b.outer"]
 epsilon = 100.0
@@ -142,6 +150,12 @@ adjust = 0.1
 points = "lobatto"
 initial_penetration = "remove"
 removal_time = 0.5
+[[rigid]]
+body = "d"
+fixed = ["x", "rx"]
+[[rigid]]
+body = "e"
+pivot = [0, 0, 1]
 [[obstacle]]
 surface = "c.x_max"
 sphere = { centre = [9, 0, 5.5], radius = 1 }

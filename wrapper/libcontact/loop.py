@@ -653,6 +653,8 @@ class Loop:
         for name, body in problem.bodies.items():
             fields: dict[str, Any] = {"displacement": u[body.nodes]}
             fields |= {field: partial(_rows, values, body.nodes) for field, values in made.items()}
+            if body.kernel == "rigid":
+                fields["stress"] = np.zeros((len(body.mesh.elements), 6))
             initial = problem.parts.bodies[name].initial
             stress = initial and initial.stress
             bodies[name] = BodyState(name, body.mesh, body.material, stress, **fields)

@@ -278,7 +278,7 @@ class Body(Table):
         Velocity at t = 0.
     spin
         Rotation at t = 0, in addition to ``velocity``. The law ``"linear"`` does not allow it,
-        because there a rotation causes false strain.
+        because there a rotation causes false strain, unless the body is rigid.
     initial
         Displacement, rotation and stress at t = 0 (:doc:`/theory/initial`).
     lumping
@@ -318,7 +318,7 @@ class Body(Table):
         says='``"row_sum"`` for hex8, ``"hrz"`` for hex20',
     )
     kernel: str = key(
-        Choice(without(KERNELS, "reduced")), default=word(KERNELS, lib.CT_KERNEL_AUTO)
+        Choice(without(KERNELS, "reduced", "rigid")), default=word(KERNELS, lib.CT_KERNEL_AUTO)
     )
     integration: str = key(Choice(("full", "reduced")), default="full")
     hourglass: float | None = key(POSITIVE, default=None, says="1")
@@ -357,11 +357,6 @@ class Body(Table):
             if self.initial is not None and self.initial.stress is not None:
                 why = f"is for small strain; {other}, so give the gradient that causes the stress"
                 yield "initial.stress", why
-            return
-        turns = {"spin": self.spin, "initial.angle": self.initial and self.initial.angle}
-        for name in [name for name, turn in turns.items() if turn]:
-            why = f"turns the body, {other}, with which a rotation causes false strain"
-            yield name, f"{why}; give it the law {LARGE}"
 
     def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
         """The ones among the given words that the body uses, each with the reason against it."""

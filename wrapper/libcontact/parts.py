@@ -7,11 +7,12 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
+from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, rigid, viscosity
 from .mesh import FACTS
 from .model import (
     FEEDS,
     FIELDS,
+    LARGE,
     Body,
     Contact,
     History,
@@ -49,6 +50,7 @@ class Parts(Table):
     damping: Any = key(Nested(damping.Damping), default=None)
     absorb: Any = key(Several(absorb.Absorb), default=())
     viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
+    rigid: Any = key(Several(rigid.Rigid), default=())
     time: Any = key(Nested(Time), default=None)
     output: Output = key(Nested(Output), default=Output())
     probe: tuple[Probe, ...] = key(Several(Probe), default=())
@@ -69,6 +71,11 @@ class Parts(Table):
         """The effects, each with its key."""
         found = walk(self, Place())
         return tuple(Added(at.key, table) for at, table in found if isinstance(table, Effect))
+
+    @cached_property
+    def rigid_names(self) -> frozenset[str]:
+        """Names of the rigid bodies."""
+        return frozenset(each.body for each in self.rigid)
 
     @property
     def fields(self) -> Sequence[str]:
@@ -118,7 +125,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
             raise at.error(f'no {found.table} is named "{found}"{suggestion(found, known)}')
     if whole and not parts.body:
         raise (top / "body").error("there is no [[body]]; a scene needs at least one")
-    for name, reason in conflicts(parts):
+    for name, reason in (*conflicts(parts), *(_turning(parts) if whole else ())):
         raise (top / name).error(reason)
     return parts
 
@@ -171,11 +178,25 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
             if acts_on(added.given, body.name):
                 yield from _not_on(parts, body, added)
     yield from _same_pair(parts)
+    yield from _rigid(parts)
     yield from _absorbing(parts)
     yield from _probing(parts)
-    turning = [body.name for body in parts.body if parts.materials[body.material].law != "linear"]
-    if parts.output.filter and turning:
-        yield "output.filter", f'is for linear bodies; "{turning[0]}" is not linear'
+    others = [body for body in parts.body if body.name not in parts.rigid_names]
+    large = [body.name for body in others if parts.materials[body.material].law != "linear"]
+    if parts.output.filter and large:
+        yield "output.filter", f'is for linear bodies; "{large[0]}" is not linear'
+
+
+def _turning(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Refuse a rotation with small strain, unless the body is rigid, which a later table may say."""
+    for i, body in enumerate(parts.body):
+        if parts.materials[body.material].law != "linear" or body.name in parts.rigid_names:
+            continue
+        turns = {"spin": body.spin, "initial.angle": body.initial and body.initial.angle}
+        other = f'material "{body.material}" has the law "linear"'
+        for name in [name for name, turn in turns.items() if turn]:
+            why = f"turns the body, {other}, with which a rotation causes false strain"
+            yield f"body[{i}].{name}", f"{why}; give it the law {LARGE}, or make it [[rigid]]"
 
 
 def acts_on(effect: Any, name: str) -> bool:
@@ -204,6 +225,38 @@ def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]
     if vector is not None and thin and all(vector[k] != 0.0 for k in thin):
         why = 'the thickness of its plane strain (kernel = "plane"), where nothing may move'
         yield added.key, f'acts on "{body.name}" along {"xyz"[thin[0]]}, {why}'
+
+
+def _rigid(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Refuse a body that is rigid twice, one that a support holds, and effects that need its strain."""
+    names = [each.body for each in parts.rigid]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield f"rigid[{i}].body", f'"{name}" is rigid already (rigid[{names.index(name)}])'
+    for i, support in enumerate(parts.support):
+        if support.set.body in names:
+            at = f"rigid[{names.index(support.set.body)}].fixed"
+            why = f'holds nodes of the rigid body "{support.set.body}"; give its fixed freedoms in {at}'
+            yield f"support[{i}].set", why
+    for i, body in enumerate(parts.body):
+        if body.name in names and (body.kernel != "auto" or body.integration != "full"):
+            which = "kernel" if body.kernel != "auto" else "integration"
+            yield f"body[{i}].{which}", "is for bodies that deform; this one is rigid; leave it out"
+    viscous = set(names) & set((parts.viscosity and parts.viscosity.bodies) or ())
+    if viscous:
+        why = "is rigid and has no strain rate; leave it out"
+        yield "viscosity.bodies", f'"{min(viscous)}" {why}'
+    touching = [(f"contact[{i}].surfaces", each.surfaces) for i, each in enumerate(parts.contact)]
+    walls = [(f"obstacle[{i}].surface", (each.surface,)) for i, each in enumerate(parts.obstacle)]
+    for at, surfaces in [*touching, *walls]:
+        for body, _ in surfaces:
+            if body in names:
+                yield at, f'"{body}" is rigid; rigid bodies have no contact yet'
+    if names and parts.relaxed:
+        yield (
+            "rigid",
+            "can't stand with dynamic relaxation, whose rate follows from the bodies' strain",
+        )
 
 
 def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:

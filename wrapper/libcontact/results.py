@@ -192,6 +192,8 @@ def _bodies(vtk: Any, rows: Rows, record: int, stresses: dict[str, Any]) -> dict
         mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), text_in(row["name"])
         part = {"PointData": nodes, "CellData": cells}
         cut = {key: values[part[groups[key]]] for key, values in fields.items()}
+        if "rigid" in row.dtype.names and row["rigid"]:
+            cut.setdefault("stress", np.zeros((len(elements), 6)))
         material = Material("", **constants, law=law)
         out[name] = BodyState(name, mesh, material, stresses.get(name), **cut)
     return out

@@ -169,7 +169,8 @@ class Scene:
         if data is None and units is None:
             raise SceneError("is missing; give length, mass and time", "units", self._file)
         tables = {"title": title or "", "units": units} if data is None else data
-        self._parts = read(tables, self._file, whole=data is not None)
+        self._is_whole = data is not None
+        self._parts = read(tables, self._file, whole=self._is_whole)
         self._data = _plain(tables)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -182,7 +183,7 @@ class Scene:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._data, self._file, self._own = state["data"], state["file"], state["own"]
-        self._problem = None
+        self._problem, self._is_whole = None, False
         self._parts = read(self._data, self._file, whole=False)
 
     def __copy__(self) -> Scene:
@@ -383,7 +384,7 @@ class Scene:
         self._file = self.file  # what is added has no line in it
         self._parts = read(data, self._file, whole=False)
         self._data = _plain(data)
-        self._problem = None
+        self._problem, self._is_whole = None, False
         return self
 
     # Computing.
@@ -549,8 +550,9 @@ class Scene:
 
     def _whole(self) -> Parts:
         """The parts of a complete scene; otherwise the error names what is missing."""
-        if self._parts.time is None or not self._parts.bodies:
+        if not self._is_whole:
             self._parts = read(self._data, self._file)
+            self._is_whole = True
         return self._parts
 
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:

@@ -1,5 +1,5 @@
 /* Effects of the library: solid bodies, supports, prescribed motions, loads, gravity, damping,
- * viscosity, absorbing faces; and the filter of output fields.
+ * viscosity, absorbing faces, rigid bodies; and the filter of output fields.
  * Threads: effects may be created at any time. An effect is constant, so several states may use it
  * at the same time. */
 #ifndef LIBCONTACT_EFFECT_H
@@ -319,6 +319,46 @@ CT_API ct_absorb_def ct_absorb_def_default(void);
  */
 CT_API ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
+
+/** One body that is rigid and moves by the forces on it. */
+typedef struct ct_rigid {
+  /** Number of the body. */
+  int32_t body;
+  /** Which of its freedoms are fixed (0 or 1): x, y, z of its centre, rotation about axes along x,
+   * y, z through it. */
+  int fixed[6];
+  /** Not zero: the body turns about `pivot`, which does not move; zero: about its centre of mass.
+   */
+  int pivoted;
+  /** A point that is fixed in space, read only if `pivoted` [length]. */
+  double pivot[3];
+} ct_rigid;
+
+/** All rigid bodies of a problem. */
+typedef struct ct_rigid_def {
+  /** Set by `ct_rigid_def_default`. */
+  int32_t cookie;
+  /** The bodies, shape (body_count). */
+  const ct_rigid *bodies;
+  /** Number of bodies. */
+  int32_t body_count;
+} ct_rigid_def;
+
+/** A definition with its cookie set and all other members zero. */
+CT_API ct_rigid_def ct_rigid_def_default(void);
+
+/**
+ * Create the effect "rigid" of all rigid bodies together, :eq:`rigid-force`: forces that keep the
+ * nodes of a body at their distances while it moves by all other forces, with the mass and the
+ * inertia of its nodes. Its stored energy is 0; its work, which is in the energy balance, vanishes
+ * with Δt². A problem has at most one such effect, after all others in the list except motions and
+ * supports. The solid effect must compute these bodies with CT_KERNEL_RIGID, as a scene does. No
+ * support or motion may hold their nodes. The step ends with ``CT_ERROR_STEP`` if a body turns too
+ * far in one step. ``CT_ERROR_ARGUMENT``: a body is unknown or listed twice, or its initial
+ * velocity is not that of a rigid motion; ``CT_INVALID``: a number is not finite.
+ */
+CT_API ct_status ct_rigid_create_effect(const ct_rigid_def *def, const ct_problem *problem,
+                                        ct_effect **effect, ct_error *error);
 
 /** A filter of output fields, :doc:`/theory/filter`; opaque. One thread at a time may use it. */
 typedef struct ct_filter ct_filter;

@@ -98,7 +98,9 @@ typedef enum ct_effect_kind {
   /** `ct_stiffness_damping_create_effect` */
   CT_EFFECT_STIFFNESS_DAMPING = 14,
   /** `ct_initial_stress_create_effect` */
-  CT_EFFECT_INITIAL_STRESS = 15
+  CT_EFFECT_INITIAL_STRESS = 15,
+  /** `ct_rigid_create_effect` */
+  CT_EFFECT_RIGID = 16
 } ct_effect_kind;
 
 /**
@@ -114,7 +116,8 @@ typedef enum ct_phase {
   CT_PHASE_FOLLOWING = 2,
   /** the force depends on `total`, as in dynamic relaxation; one effect at most */
   CT_PHASE_TOTAL = 3,
-  /** the force moves nodes to prescribed positions against all other forces; one effect at most */
+  /** the force moves nodes to prescribed positions against all other forces; each node belongs to
+   * at most one such effect */
   CT_PHASE_PRESCRIBED = 4,
   /**
    * no function `force`: the effect keeps degrees of freedom at a constant velocity (inverse mass
@@ -405,6 +408,10 @@ typedef struct ct_problem {
   /** Displacement at t = 0 [length], shape (node_count, 3); null: none. */
   const double *initial_displacement;
 } ct_problem;
+
+/** Whether an effect of `ct_rigid_create_effect` keeps a body of the problem rigid (1 or 0). Its
+ * elements have no stress. */
+CT_API int ct_problem_is_rigid(const ct_problem *problem, int32_t body);
 
 CT_END_DECLS
 

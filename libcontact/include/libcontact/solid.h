@@ -24,7 +24,10 @@ typedef enum ct_solid_kernel {
   CT_KERNEL_PLANE = 3,
   /** hex8 of any shape with one Gauss point and hourglass control, :eq:`reduced-force`;
      CT_KERNEL_AUTO does not choose it */
-  CT_KERNEL_REDUCED = 4
+  CT_KERNEL_REDUCED = 4,
+  /** no forces: a rigid body, whose shape `ct_rigid_create_effect` keeps; CT_KERNEL_AUTO does not
+     choose it */
+  CT_KERNEL_RIGID = 5
 } ct_solid_kernel;
 
 /**

@@ -197,6 +197,7 @@ static ct_status solid_joint_bound(const ct_effect *effect, const struct ct_prob
   *largest = 0.0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
+    if (part->kernel == CT_KERNEL_RIGID) continue;
     double added[24 * 24] = {0.0}, own = INFINITY;
     ct_status status = CT_OK;
     for (int32_t k = 1; k < problem->effect_count; k++)
@@ -216,6 +217,9 @@ ct_status ct_solid_nodes_omega2(const ct_effect *effect, double *omega2, ct_erro
   const solid_data *solid = effect->data;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part part = ct_part_given(&solid->parts[i]);
+    for (int32_t n = 0; part.kernel == CT_KERNEL_RIGID && n < part.mesh->node_count; n++)
+      omega2[part.first_node + n] = INFINITY;
+    if (part.kernel == CT_KERNEL_RIGID) continue;
     ct_status status = ct_solid_part_nodes_omega2(&part, &omega2[part.first_node], error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
@@ -236,7 +240,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_body *bodies, ct_erro
                          (int)next_node);
     if (status == CT_OK) status = ct_part_prepare(part, &bodies[i], error);
     ct_solid_part given = ct_part_given(part);
-    if (status == CT_OK)
+    if (status == CT_OK && part->kernel != CT_KERNEL_RIGID)
       status = ct_solid_part_omega2_bound(&given, bodies[i].fixed, &part->blocks,
                                           &part->omega_squared, error);
     if (status != CT_OK) {
@@ -351,6 +355,13 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t body, ct_solid_ker
   if (body < 0 || body >= solid->part_count)
     return CT_REFUSE(error, "solid: there is no body %d", (int)body);
   const ct_solid_part *part = &solid->parts[body];
+  if (part->kernel == CT_KERNEL_RIGID) {
+    // Its nodes are set to zero.
+    if (kernel != NULL) *kernel = part->kernel;
+    if (flops != NULL) *flops = 0.0;
+    if (bytes != NULL) *bytes = 24.0 * part->mesh->node_count / part->mesh->element_count;
+    return CT_OK;
+  }
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;
   int plane = part->kernel == CT_KERNEL_PLANE;

@@ -26,8 +26,8 @@ typedef struct body_row {
   int32_t kind, first_node, node_count, empty;
   int64_t first_cell, cell_count;
   double young, poisson, density;
-  int32_t law, also_empty; /* law: 0, small strain, in files older than the laws */
-  uint64_t elements;       /* hash of the node numbers of its elements; 0 in older files */
+  int32_t law, rigid; /* 0: small strain, and not rigid, in files older than these */
+  uint64_t elements;  /* hash of the node numbers of its elements; 0 in older files */
 } body_row;
 
 static const ct_row_type BODY_ROW = {
@@ -42,6 +42,7 @@ static const ct_row_type BODY_ROW = {
      CT_FIELD(body_row, poisson, CT_REAL, "Poisson's ratio"),
      CT_FIELD(body_row, density, CT_REAL, "density"),
      CT_FIELD(body_row, law, CT_INT32, "material law"),
+     CT_FIELD(body_row, rigid, CT_INT32, "rigidity"),
      CT_FIELD(body_row, elements, CT_WORD, "list of elements")}};
 
 /* One row of /libcontact/effects. */
@@ -100,6 +101,7 @@ static void fill_bodies(const ct_problem *problem, void *rows)
         .poisson = material->poisson,
         .density = material->density,
         .law = (int32_t)material->law,
+        .rigid = ct_problem_is_rigid(problem, b),
         .elements = hash_of(body->mesh->elements, (int64_t)ct_brick_node_count(body->mesh->kind) *
                                                       body->mesh->element_count)};
     snprintf(row->name, sizeof row->name, "%.63s", body->name);

@@ -100,8 +100,11 @@ static ct_status stress_rows(const ct_problem *problem, const double *displaceme
     if (from >= end) continue;
     part.elements += from * ct_brick_node_count(part.kind);
     part.element_count = (int32_t)(end - from);
-    status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
-                             values, error);
+    if (ct_problem_is_rigid(problem, b))
+      memset(values, 0, 6 * (size_t)(end - from) * sizeof *values);
+    else
+      status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
+                               values, error);
     if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
     // -- The initial stress comes on top (eq:initial-stress)
     for (int64_t k = 0; k < 6 * (end - from); k++) *values++ += body->initial_stress[k % 6];

@@ -457,6 +457,15 @@ static int body_is_fixed(const ct_scene *scene, int32_t body, int axis)
   return 1;
 }
 
+/* Whether an added effect keeps a body rigid. */
+static int is_rigid(const ct_scene *scene, int32_t body)
+{
+  const ct_problem added = {.bodies = scene->bodies,
+                            .effect_count = scene->added_count,
+                            .effects = (const ct_effect *const *)scene->added};
+  return ct_problem_is_rigid(&added, body);
+}
+
 static ct_status make_solid(ct_scene *scene, ct_error *error)
 {
   ct_solid_body *bodies = ct_allocate((size_t)scene->body_count, sizeof *bodies);
@@ -464,7 +473,8 @@ static ct_status make_solid(ct_scene *scene, ct_error *error)
   for (int32_t i = 0; i < scene->body_count; i++) {
     bodies[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
                                 .material = scene->bodies[i].material,
-                                .kernel = scene->parts[i].given.kernel,
+                                .kernel = is_rigid(scene, i) ? CT_KERNEL_RIGID
+                                                             : scene->parts[i].given.kernel,
                                 .first_node = scene->bodies[i].first_node,
                                 .lumping = scene->parts[i].given.lumping,
                                 .optimisations = &scene->optimisations,
@@ -485,7 +495,7 @@ static ct_status make_stiffness_damping(ct_scene *scene, ct_effect **effect, ct_
   double *coefficients = ct_allocate((size_t)scene->body_count, sizeof *coefficients), most = 0.0;
   if (coefficients == NULL) return CT_NO_MEMORY(error, "the damping");
   for (int32_t i = 0; i < scene->body_count; i++) {
-    coefficients[i] = scene->parts[i].given.stiffness_damping;
+    coefficients[i] = is_rigid(scene, i) ? 0.0 : scene->parts[i].given.stiffness_damping;
     most = fmax(most, coefficients[i]);
   }
   ct_stiffness_damping_def def = ct_stiffness_damping_def_default();

@@ -1,6 +1,7 @@
 /* One force evaluation of one body: compute the active elements, and sum at the nodes. */
 #include "call.h"
 
+#include "../base/memory.h"
 #include "../base/threads.h"
 #include "part.h"
 
@@ -151,6 +152,10 @@ static void node_share(const ct_part_call *call, int share, int shares)
 {
   int32_t nodes = call->part->mesh->node_count, last = ct_share(nodes, share + 1, shares);
   for (int32_t n = ct_share(nodes, share, shares), end; n < last; n = end) {
+    if (call->part->kernel == CT_KERNEL_RIGID) {
+      ct_clear(&call->f[3 * (int64_t)n], 3 * (size_t)(last - n));
+      return;
+    }
     end = ct_call_nodes(call, &n, last);
     ct_assembly_gather(call->part->assembly, call->values, n, end, call->f);
   }
@@ -192,7 +197,8 @@ void ct_part_forces(const ct_part_call *calls, int32_t count, int threads)
       (calls[i].ring != NULL ? ring_share : element_share)(&calls[i], share, threads);
   for (int32_t i = 0; i < count; i++) {
     if (calls[i].ring != NULL) continue;
-    ct_assembly_fold(calls[i].part->assembly, calls[i].values);
+    if (calls[i].part->kernel != CT_KERNEL_RIGID)
+      ct_assembly_fold(calls[i].part->assembly, calls[i].values);
     tables = 1;
   }
   if (!tables) return;

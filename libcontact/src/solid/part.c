@@ -171,6 +171,12 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
       body->optimisations == NULL ? (ct_optimisations){1, 1, 1} : *body->optimisations;
   part->first_node = body->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
+  if (body->kernel == CT_KERNEL_RIGID) {
+    // No batches, and no values: its elements have no forces.
+    part->kernel = CT_KERNEL_RIGID;
+    part->optimisations.sleep = 0;
+    return CT_OK;
+  }
   part->hourglass = body->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : body->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   ct_status status = choose_kernel(part, body, error);

@@ -223,7 +223,7 @@ void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *vel
     s->bodies[p] = (body){.computed = 0};
     s->bodies[p].sleeps = examine(s, p, displacement, velocity, last_acceleration);
     if (s->bodies[p].sleeps) continue;
-    s->bodies[p].computed = part->mesh->element_count;
+    s->bodies[p].computed = part->batch_count == 0 ? 0 : part->mesh->element_count;
     memset(&s->batch[part->first_batch], CT_ACTIVE, (size_t)part->batch_count);
     ct_bits_put(s->active, begin, end, 1);
     ct_bits_put(s->summed, begin, end, 1);

@@ -65,10 +65,11 @@ static void add_impulse(const ct_problem *problem, int32_t k, const double impul
                         ct_momentum *momentum)
 {
   ct_effect_kind kind = problem->effects[k]->kind;
-  double *to = kind == CT_EFFECT_CONTACT                               ? momentum->contact_impulse
-               : kind == CT_EFFECT_OBSTACLE                            ? momentum->obstacle_impulse
-               : kind == CT_EFFECT_SUPPORT || kind == CT_EFFECT_MOTION ? momentum->support_impulse
-                                                                       : NULL;
+  double *to = kind == CT_EFFECT_CONTACT    ? momentum->contact_impulse
+               : kind == CT_EFFECT_OBSTACLE ? momentum->obstacle_impulse
+               : kind == CT_EFFECT_SUPPORT || kind == CT_EFFECT_MOTION || kind == CT_EFFECT_RIGID
+                   ? momentum->support_impulse
+                   : NULL;
   for (int c = 0; to != NULL && c < 3; c++) to[c] += problem->dt * impulse[c];
 }
 

@@ -17,7 +17,8 @@ static void count_updates(const ct_problem *problem, ct_state *state)
     ct_sleep_count(state->workspace->sleep, state->element_updates);
   else if (problem->effects[0]->kind == CT_EFFECT_SOLID)
     for (int32_t i = 0; i < problem->body_count; i++)
-      state->element_updates[0] += problem->bodies[i].mesh->element_count;
+      state->element_updates[ct_problem_is_rigid(problem, i)] +=
+          problem->bodies[i].mesh->element_count;
 }
 
 /* Copy forces; small pieces are copied by vectors. */

@@ -129,6 +129,7 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;
+    if (ct_problem_is_rigid(problem, i)) continue;
     ct_material_speeds(&problem->bodies[i].material, &c1, &c2);
     out->dt_courant = fmin(out->dt_courant, ct_mesh_shortest_edge(problem->bodies[i].mesh) / c1);
   }

@@ -14,14 +14,45 @@
 #include <math.h>
 #include <string.h>
 
-/* Whether an effect that needs all other forces is not the only one. */
+/* Whether two effects have a node in common. */
+static int meet(const ct_effect *a, const ct_effect *b)
+{
+  for (int32_t i = 0; i < a->node_count; i++) {
+    const int32_t node = ct_effect_node(a, i), j = ct_effect_below(b, node);
+    if (j < b->node_count && ct_effect_node(b, j) == node) return 1;
+  }
+  return 0;
+}
+
+/* Whether an effect that needs all other forces is not the only one on its nodes. */
 static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
 {
-  ct_phase phase = problem->effects[k]->phase;
-  if (phase != CT_PHASE_TOTAL && phase != CT_PHASE_PRESCRIBED) return 0;
+  const ct_effect *effect = problem->effects[k];
+  if (effect->phase != CT_PHASE_TOTAL && effect->phase != CT_PHASE_PRESCRIBED) return 0;
   for (int32_t i = 0; i < k; i++)
-    if (problem->effects[i]->phase == phase) return 1;
+    if (problem->effects[i]->phase == effect->phase &&
+        (effect->phase == CT_PHASE_TOTAL || meet(problem->effects[i], effect)))
+      return 1;
   return 0;
+}
+
+/* Refuse effects that need the strain of rigid bodies, or act through the masses of their nodes. */
+static ct_status check_rigid(const ct_problem *p, ct_error *error)
+{
+  for (int32_t k = 0; k < p->effect_count; k++)
+    for (int32_t i = 1; p->effects[k]->kind == CT_EFFECT_RIGID && i < p->effect_count; i++) {
+      const ct_effect *other = p->effects[i];
+      const int touches = other->phase == CT_PHASE_CONSTRAINT || other->kind == CT_EFFECT_CONTACT ||
+                          other->kind == CT_EFFECT_OBSTACLE || other->kind == CT_EFFECT_FRICTION;
+      const int strains = other->kind == CT_EFFECT_VISCOSITY ||
+                          other->kind == CT_EFFECT_STIFFNESS_DAMPING ||
+                          other->kind == CT_EFFECT_INITIAL_STRESS;
+      if ((touches || strains) && meet(other, p->effects[k]))
+        return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                       "problem: the effect %s acts on a rigid body, which it cannot",
+                       other->label);
+    }
+  return CT_OK;
 }
 
 static ct_status check_problem(const ct_problem *p, ct_error *error)
@@ -62,7 +93,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (!ct_solver_accepts(tolerance))
     return CT_REFUSE(error, "problem: force_tolerance must be 0 or 1e-12 to 0.1, not %g",
                      tolerance);
-  return CT_OK;
+  return check_rigid(p, error);
 }
 
 static void workspace_free(const ct_problem *problem, ct_workspace *w)

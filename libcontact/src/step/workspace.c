@@ -14,7 +14,7 @@
 int ct_problem_is_linear(const ct_problem *problem)
 {
   for (int32_t i = 0; i < problem->body_count; i++)
-    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
+    if (problem->bodies[i].material.law != CT_LINEAR && !ct_problem_is_rigid(problem, i)) return 0;
   return 1;
 }
 

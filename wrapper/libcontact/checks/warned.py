@@ -104,7 +104,7 @@ class Turning(Observer):
         self._bodies = {
             i: (body, *_spread_of(body.mesh.nodes))
             for i, body in enumerate(problem.bodies.values())
-            if body.material.law == "linear"
+            if body.material.law == "linear" and body.kernel != "rigid"
         }
 
     def warnings(self, state: Any) -> Iterator[SceneWarning]:

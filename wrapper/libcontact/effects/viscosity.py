@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from ..model import FORWARD
 from ..schema import key
@@ -31,6 +32,13 @@ class Viscosity(OnBodies):
     def refusals(self) -> Iterator[tuple[str, str]]:
         if self.linear == 0.0 and self.quadratic == 0.0:
             yield "linear", "and quadratic are both 0; leave [viscosity] out instead"
+
+    def members(self, maker: Any) -> dict[str, Any]:
+        """The bodies that deform."""
+        parts = maker.parts
+        if self.bodies is not None or not parts.rigid:
+            return super().members(maker)
+        return dict(maker.bodies([name for name in parts.bodies if name not in parts.rigid_names]))
 
     def describe(self, units: Units) -> str:
         return f"pressure against compression, linear {self.linear:g} and quadratic {self.quadratic:g}, {self.whom}"

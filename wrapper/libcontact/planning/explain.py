@@ -48,6 +48,7 @@ STIFFENS = (
     "the stable step is that of the undeformed bodies; large strain can require a smaller one"
 )
 KERNELS = {
+    "rigid": "a rigid body has no strain",
     "reduced": 'integration = "reduced": one point, and hourglass control',
     "plane": "one layer of equal boxes, fixed along its thickness: plane strain, in two dimensions",
     "box": "all elements are equal boxes along x, y, z: integrals in closed form",
@@ -140,6 +141,8 @@ def _assumptions(parts: Parts) -> list[str]:
     """Assumptions about each body, by its law, and about all bodies."""
     bodies: dict[str, list[str]] = {}
     for body in parts.bodies.values():
+        if body.name in parts.rigid_names:
+            continue
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
     laws = [LAWS[law] for law in bodies]
     if len(bodies) > 1:
@@ -147,15 +150,15 @@ def _assumptions(parts: Parts) -> list[str]:
     laws_of_contact = [*parts.contact, *parts.obstacle]
     shares = [law.restitution for law in laws_of_contact if not FEEDS[law.enforcement]]
     holds = {
-        STIFFENS: set(bodies) != {"linear"},
+        STIFFENS: not set(bodies) <= {"linear"},
         PENALTY: bool(laws_of_contact),
         BOUNCES: 1.0 in shares and parts.damping is None and parts.viscosity is None,
         STOPS: any(share < 1.0 for share in shares) and not parts.relaxed,
-        DIVIDES: set(bodies) != {"linear"} or bool(laws_of_contact),
+        DIVIDES: not set(bodies) <= {"linear"} or bool(laws_of_contact),
         NAMED: True,
         DEAD: any(not load.following for load in parts.load),
         RELAXED: parts.relaxed,
-        RINGING: parts.damping is None and parts.viscosity is None,
+        RINGING: bool(bodies) and parts.damping is None and parts.viscosity is None,
     }
     return [*laws, *(sentence for sentence, true in holds.items() if true)]
 

@@ -1,0 +1,115 @@
+"""Rigid bodies in scenes: a restart, threads, what is written, explained and refused."""
+
+import numpy as np
+import pytest
+from scenes import METRES, box_of
+
+import libcontact as ct
+
+SPIN = {"axis": [0, 3, 4], "rate": 2.0}
+
+
+def thrown(end=0.4, threads=1, **rigid):
+    scene = ct.Scene(units=METRES).add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    scene.add_body(
+        "box",
+        material="soft",
+        box=box_of([0, 0, 0], [1, 2, 3], [4, 4, 4]),
+        velocity=[1, 0, 5],
+        spin=SPIN,
+    )
+    scene.add_body("bar", material="soft", box=box_of([5, 0, 0], [4, 1, 1], [8, 2, 2]))
+    scene.add("gravity", acceleration=[0, 0, -10]).add("rigid", body="box", **rigid)
+    scene.add_support(
+        "bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 1], "value": [0, 1]}
+    )
+    return scene.set_time(end=end, dt=0.004).set_run(threads=threads)
+
+
+def test_a_thrown_body_turns_and_keeps_its_shape():
+    run = thrown().run(progress=False)
+    body, t = run.state["box"], 0.4
+    x = body.nodes + body.displacement
+    middle, start = x.mean(axis=0), body.nodes.mean(axis=0)
+    np.testing.assert_allclose(middle - start, [t, 0, 5 * t - 5 * t * t], atol=1e-12)
+    X = body.nodes - start
+    np.testing.assert_allclose((x - middle) @ (x - middle).T, X @ X.T, atol=1e-12)
+    assert np.abs(body.displacement - body.displacement.mean(axis=0)).max() > 0.5
+    assert run.energy.dtype.names[-1] == "rigid" and not body.stress.any()
+    # Energy of weight and motion; the work of the rigid effect vanishes with the square of the step.
+    energy = run.energy["kinetic"] + run.energy["strain"] + run.energy["gravity"]
+    np.testing.assert_allclose(energy - run.energy["external"], run.energy["total"], rtol=1e-12)
+    assert np.abs(run.energy["rigid"]).max() < 1e-4 * run.energy["kinetic"].max()
+    np.testing.assert_allclose(run.energy["balance"], 0.0, atol=1e-11)
+
+
+def test_threads_and_a_restart_have_the_same_bits(tmp_path):
+    whole = thrown().run(progress=False, output=tmp_path / "whole.vtkhdf")
+    others = [thrown(threads=2).run(progress=False)]
+    half = tmp_path / "half.vtkhdf"
+    thrown(end=0.2).run(progress=False, output=half)
+    others += [thrown().run(progress=False, restart=half, output=tmp_path / "rest.vtkhdf")]
+    for other in others:
+        for name in ("box", "bar"):
+            for field in ("displacement", "velocity"):
+                one, two = (getattr(run.state[name], field) for run in (whole, other))
+                assert np.array_equal(one, two)
+    read = ct.Run.load(tmp_path / "whole.vtkhdf").state["box"]
+    assert not read.stress.any() and np.array_equal(
+        read.displacement, whole.state["box"].displacement
+    )
+
+
+def test_a_file_without_stress_has_none_for_a_rigid_body(tmp_path):
+    scene = thrown().set_output(file=str(tmp_path / "u.vtkhdf"), fields=["displacement"])
+    scene.run(progress=False)
+    state = ct.Run.load(tmp_path / "u.vtkhdf").state
+    assert not state["box"].stress.any() and state["bar"].stress.any()
+
+
+def test_a_rigid_body_is_explained():
+    text = str(thrown().explain())
+    assert "kernel rigid (a rigid body has no strain)" in text
+    assert "rigid: box moves by its forces" in text
+    alone = ct.Scene(units=METRES).add_material("soft", young=9.0, poisson=0.0, density=1.0)
+    alone.add_body("bar", material="soft", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]))
+    assert "no [[rigid]]: all bodies deform" in str(alone.set_time(end=1.0, fraction=0.5).explain())
+
+
+REFUSED = [
+    ({"rigid": [{"body": "bax"}]}, "rigid[0].body", 'did you mean "box"'),
+    ({"rigid": [{"body": "box", "fixed": ["w"]}]}, "rigid[0].fixed[0]", "rx"),
+    ({"rigid": [{"body": "box"}, {"body": "box"}]}, "rigid[1].body", "rigid already (rigid[0])"),
+    ({"rigid": [{"body": "box", "pivot": [0, 0, 0], "fixed": ["x"]}]}, "rigid[0].fixed", "pivot"),
+    ({"support": [{"set": "box.x_min", "fix": ["x"]}]}, "support[0].set", "rigid[0].fixed"),
+    ({"viscosity": {"bodies": ["box"]}}, "viscosity.bodies", "no strain rate"),
+    ({"damping": {"relaxation": True}}, "rigid", "dynamic relaxation"),
+]
+
+
+@pytest.mark.parametrize(("change", "key", "reason"), REFUSED)
+def test_what_a_rigid_body_cannot_have_is_refused(change, key, reason):
+    data = {**thrown().data, **change}
+    with pytest.raises(ct.SceneError) as caught:
+        ct.Scene(data)
+    assert caught.value.key == key and reason in caught.value.reason
+
+
+def test_a_spin_of_a_small_strain_body_needs_rigid():
+    data = thrown().data
+    del data["rigid"]
+    with pytest.raises(ct.SceneError, match="false strain") as caught:
+        ct.Scene(data)
+    assert caught.value.key == "body[0].spin"
+
+
+def test_a_body_that_moves_along_a_fixed_freedom_is_refused():
+    with pytest.raises(ct.SceneError, match="fixed freedoms are at rest"):
+        thrown(fixed=["z"]).run(progress=False)
+
+
+def test_viscosity_of_all_bodies_leaves_a_rigid_one_out():
+    run = thrown().add("viscosity").run(progress=False)
+    t = run.time[-1]
+    shift = run.state["box"].displacement.mean(axis=0)
+    np.testing.assert_allclose(shift, [t, 0, 5 * t - 5 * t * t], atol=1e-12)
