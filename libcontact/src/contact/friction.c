@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* The sides now, and the tail of the memory. */
-static ct_friction_call begin(ct_friction_state *s, const ct_surface_motion *at)
+static ct_friction_call begin(ct_friction_memory *s, const ct_surface_motion *at)
 {
   ct_friction_call now = {.data = s->data, .at = at};
   memcpy(&s->tail, &at->memory[CT_FRICTION_RECORD * s->data->points], sizeof s->tail);
@@ -23,7 +23,7 @@ static ct_friction_call begin(ct_friction_state *s, const ct_surface_motion *at)
 }
 
 /* Force on an obstacle, and the work of its motion since the last call (eq:obstacle-work). */
-static void count_motion(const ct_friction_call *now, const double *force, ct_friction_state *s)
+static void count_motion(const ct_friction_call *now, const double *force, ct_friction_memory *s)
 {
   const ct_contact *obstacle = now->at->on;
   const int32_t nodes = now->data->is.node_count;
@@ -39,7 +39,7 @@ static void count_motion(const ct_friction_call *now, const double *force, ct_fr
 enum { LEAST_POINTS = 1024 };
 
 /* List the points that have rows in this step. */
-static void list_points(ct_friction_state *s, const ct_friction_call *now)
+static void list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
   int64_t j = 0;
   s->listed_count = 0;
@@ -52,7 +52,7 @@ static void list_points(ct_friction_state *s, const ct_friction_call *now)
 }
 
 /* Prepare the listed points for the solver, or afterwards store what it found. */
-static void treat(ct_friction_state *s, const ct_friction_call *now, int solved)
+static void treat(ct_friction_memory *s, const ct_friction_call *now, int solved)
 {
 #ifdef _OPENMP
   const int threads = ct_threads_for(now->at->threads, s->listed_count, LEAST_POINTS);
@@ -66,7 +66,7 @@ static void treat(ct_friction_state *s, const ct_friction_call *now, int solved)
 }
 
 /* Points that are not listed store nothing. */
-static void clear_memory(const ct_friction_state *s, const ct_surface_motion *at)
+static void clear_memory(const ct_friction_memory *s, const ct_surface_motion *at)
 {
   static const ct_slip_record none = {.other = 0.0};
   for (int64_t j = 0, n = 0; j < s->data->points; j++)
@@ -77,7 +77,7 @@ static void clear_memory(const ct_friction_state *s, const ct_surface_motion *at
 /* The rows of the explicit penalty are listed here, because its contact lists none. */
 static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint **rows)
 {
-  ct_friction_state *s = state;
+  ct_friction_memory *s = state;
   const int64_t count = s->data->explicit ? ct_contact_list_rows(at->on, at->dt, rows) : 0;
   const ct_friction_call now = begin(s, at);
   list_points(s, &now);
@@ -86,7 +86,7 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
 }
 
 /* What friction stores and has dissipated at t_n (eq:slip-held, eq:friction-dissipation). */
-static void count_energy(ct_friction_state *s)
+static void count_energy(ct_friction_memory *s)
 {
   ct_friction_tail *tail = &s->tail;
   const double before = tail->stored, after = ct_sum_over(s->pieces, s->stored, s->listed_count),
@@ -104,7 +104,7 @@ static void count_energy(ct_friction_state *s)
 static ct_status find_forces(void *state, const ct_surface_motion *at, double *force,
                              ct_error *error)
 {
-  ct_friction_state *s = state;
+  ct_friction_memory *s = state;
   const ct_friction *data = s->data;
   const ct_friction_call now = begin(s, at);
   treat(s, &now, 1);
@@ -118,7 +118,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
 
 static void find_energy(void *state, ct_interaction_energy *energy)
 {
-  const ct_friction_state *s = state;
+  const ct_friction_memory *s = state;
   *energy = (ct_interaction_energy){
       .stored = s->held, .dissipated = s->dissipated, .motion = s->tail.motion};
   memcpy(energy->reaction, s->tail.reaction, sizeof energy->reaction);
@@ -127,7 +127,7 @@ static void find_energy(void *state, ct_interaction_energy *energy)
 static ct_status open_state(const ct_interaction *interaction, void **state, ct_error *error)
 {
   const ct_friction *data = (const ct_friction *)interaction;
-  ct_friction_state *s = ct_allocate(1, sizeof *s);
+  ct_friction_memory *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_NO_MEMORY(error, "friction");
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;

@@ -18,7 +18,7 @@ typedef struct heaps {
 
 /* Add the traction and the couple of a listed point of side `k`. */
 CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid *grid,
-                         ct_friction_place at, const ct_friction_state *s, heaps *to)
+                         ct_friction_place at, const ct_friction_memory *s, heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
   const ct_slip *p = &s->points[at.j];
@@ -67,7 +67,7 @@ CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
 
 /* As `add_point`, of four such points together. */
 CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, ct_friction_place at,
-                        const ct_friction_state *s, const heaps *to)
+                        const ct_friction_memory *s, const heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
   const ct_slip *slip = &s->points[at.j];
@@ -89,7 +89,7 @@ CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, ct_fri
 
 /* Add the tractions and couples of the listed points of side `k` to the sums at the nodes. */
 CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct_grid *grid,
-                        ct_friction_state *s)
+                        ct_friction_memory *s)
 {
   const ct_side_fixed *side = now->data->side[k],
                       *other = now->data->side[now->data->sides - 1 - k];
@@ -110,7 +110,7 @@ CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct
 /* Tractions and couples of the points of side `k`, of faces with at most four nodes or with more.
  */
 CT_CLONES
-static void push(const ct_friction_call *now, int k, const ct_grid *grid, ct_friction_state *s)
+static void push(const ct_friction_call *now, int k, const ct_grid *grid, ct_friction_memory *s)
 {
   if (now->data->side[0]->search->per <= 4 &&
       now->data->side[now->data->sides - 1]->search->per <= 4)
@@ -118,7 +118,7 @@ static void push(const ct_friction_call *now, int k, const ct_grid *grid, ct_fri
   else add_side(8, now, k, grid, s);
 }
 
-ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_state *s, int32_t nodes,
+ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_memory *s, int32_t nodes,
                              double *force, ct_error *error)
 {
   const ct_friction *data = now->data;

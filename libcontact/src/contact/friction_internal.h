@@ -50,7 +50,7 @@ typedef struct ct_face_axes {
   double a[3][3][CT_BATCH];
 } ct_face_axes;
 
-typedef struct ct_friction_state {
+typedef struct ct_friction_memory {
   ct_pool pool;
   const ct_friction *data;
   ct_slip *points;
@@ -65,7 +65,7 @@ typedef struct ct_friction_state {
       *lag; /* of the listed points (eq:slip-store, eq:slip-work, eq:slip-held) */
   ct_friction_tail tail;
   double held, dissipated; /* at t_n */
-} ct_friction_state;
+} ct_friction_memory;
 
 /* Data shared by the points of one call: the sides now. */
 typedef struct ct_friction_call {
@@ -92,14 +92,14 @@ static inline const ct_search *ct_friction_other(const ct_friction_call *now, in
 }
 
 /* Give eight listed points, from one on, their friction in the next step. */
-void ct_friction_prepare(const ct_friction_call *now, ct_friction_state *state, int64_t first);
+void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *state, int64_t first);
 
 /* Store what the next step needs of the listed point number `n`, and its energies. */
-void ct_friction_store(const ct_friction_call *now, ct_friction_state *state, int64_t n);
+void ct_friction_store(const ct_friction_call *now, ct_friction_memory *state, int64_t n);
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
  * (eq:slip-row). */
-ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_state *state, int32_t nodes,
+ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_memory *state, int32_t nodes,
                              double *force, ct_error *error);
 
 #endif

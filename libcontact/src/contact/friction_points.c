@@ -147,7 +147,7 @@ typedef struct batch {
   slips e, before;
 } batch;
 
-static void load_batch(const ct_friction_call *now, const ct_friction_state *s, int64_t first,
+static void load_batch(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
                        batch *b)
 {
   for (int l = 0; l < CT_BATCH; l++) {
@@ -261,7 +261,7 @@ CT_INLINE void store_weights(const frames *f, int l, int per, const double d[3],
 }
 
 /* Give one listed point its friction in the next step. */
-static void store_point(const ct_friction_call *now, ct_friction_state *s, const batch *b, int l)
+static void store_point(const ct_friction_call *now, ct_friction_memory *s, const batch *b, int l)
 {
   const ct_friction *data = now->data;
   const ct_contact *contact = now->at->on;
@@ -289,7 +289,7 @@ static void store_point(const ct_friction_call *now, ct_friction_state *s, const
   if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
 }
 
-void ct_friction_prepare(const ct_friction_call *now, ct_friction_state *s, int64_t first)
+void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
 {
   const int rigid = now->data->rigid;
   batch b;
@@ -334,7 +334,7 @@ static int has_axes(const ct_face_axes *axes, int l)
   return axes->a[2][0][l] != 0.0 || axes->a[2][1][l] != 0.0 || axes->a[2][2][l] != 0.0;
 }
 
-void ct_friction_store(const ct_friction_call *now, ct_friction_state *s, int64_t n)
+void ct_friction_store(const ct_friction_call *now, ct_friction_memory *s, int64_t n)
 {
   const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
   const ct_point *point = &now->side[at.s]->points[at.i];
