@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import inside
 import numpy as np
 import shapes
-from lab import DEFAULT, ELASTIC, Row, classify, material, scene
+from lab import DEFAULT, ELASTIC, Row, caused, classify, material, rise, scene
 
 import libcontact as ct
 
@@ -70,13 +70,12 @@ def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
     bodies move at the start)."""
     total, held, work = (np.array(curve[name]) for name in ("total", "contact", "external"))
     unit, own = max(np.abs(work).max(), abs(total[0]), 1e-300), total - held
-    return float((own - own[0]).max() / unit), float(
-        (total - np.minimum.accumulate(total)).max() / unit
-    )
+    return float((own - own[0]).max() / unit), rise(total / unit)
 
 
-def folded(case: str, made: ct.Scene, fraction: float, end: float, expected: str = "passes") -> Row:
-    """Run a scene of one body with every step recorded, and classify the run."""
+def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
+    """Run a scene of one body with every step recorded, and classify the run. Near the stable step the
+    leapfrog may gain energy at large strain."""
     made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
     (body,) = made._built(None).bodies.values()
     fold = Fold(body.name)
@@ -91,11 +90,12 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float, expected: str
         may_lose=MAY_LOSE,
         scale_name="work",
         momentum_scale=mass * C,
-        expected=expected,
+        expected="leapfrog" if fraction > 0.6 else "passes",
     )
     if row.verdict == "StepTooLarge" and "too stiff" in row.note:
         # The solid, not the contact, needs a smaller step: the library may reject this one.
         row.verdict = fold.wrong(row.curve) or "passes"
+        row.verdict = caused(row)
     if row.curve:
         growth, late = growths(row.curve)
         row.note = (
@@ -116,6 +116,19 @@ def soft(
     return made.add_contact("body.outer", "body.outer", **law)
 
 
+def between(
+    bricks: shapes.Bricks,
+    law: dict[str, Any],
+    stuff: str,
+    drive: Callable[[ct.Scene, str, float], Any],
+) -> ct.Scene:
+    """A strip whose sides at the smallest and the largest z are driven towards each other."""
+    made = soft("folding", bricks, law, stuff)
+    for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
+        drive(made, f"body.{side}", sign)
+    return made
+
+
 def led(
     bricks: shapes.Bricks,
     way: float,
@@ -123,11 +136,12 @@ def led(
     law: dict[str, Any] = ELASTIC,
     stuff: str = "neo_hookean",
 ) -> tuple[ct.Scene, float]:
-    """The sides at the smallest and the largest z are moved towards each other, each by ``way``."""
-    made = soft("folding", bricks, law, stuff)
-    for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
-        made.add_support(f"body.{side}", fix="z", travel=[0, 0, sign * way], history=smooth(time))
-    return made, 1.3 * time
+    """Each side is moved by ``way``."""
+
+    def drive(made: ct.Scene, side: str, sign: float) -> None:
+        made.add_support(side, fix="z", travel=[0, 0, sign * way], history=smooth(time))
+
+    return between(bricks, law, stuff, drive), 1.3 * time
 
 
 def loaded(
@@ -137,16 +151,13 @@ def loaded(
     law: dict[str, Any] = ELASTIC,
     stuff: str = "neo_hookean",
 ) -> tuple[ct.Scene, float]:
-    """The sides at the smallest and the largest z are loaded towards each other, with ``traction`` E."""
-    made = soft("folding", bricks, law, stuff)
-    for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
-        made.add(
-            "load",
-            surface=f"body.{side}",
-            traction=[0, 0, sign * traction * YOUNG],
-            history=smooth(time),
-        )
-    return made, 1.5 * time
+    """Each side is loaded with ``traction`` E."""
+
+    def drive(made: ct.Scene, side: str, sign: float) -> None:
+        pull = [0, 0, sign * traction * YOUNG]
+        made.add("load", surface=side, traction=pull, history=smooth(time))
+
+    return between(bricks, law, stuff, drive), 1.5 * time
 
 
 def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
@@ -224,8 +235,7 @@ def rolled_strip(short: bool) -> Iterator[Row]:
     for name, bricks, way, time in rolls[:1] if short else rolls:
         for fraction in FRACTIONS[1:] if short else FRACTIONS:
             made, end = pressed(bricks, way, time)
-            expected = "energy" if name == "loose" and fraction == 0.9 else "passes"
-            yield folded(f"rolled strip, {name}", made, fraction, end, expected)
+            yield folded(f"rolled strip, {name}", made, fraction, end)
 
 
 def crushed_ring(short: bool) -> Iterator[Row]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
+from libcontact._core import lib
+from libcontact.bridge import copied
 
 import libcontact as ct
+from libcontact import loop
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 DEFAULT = "energy_controlled"
@@ -21,12 +25,15 @@ ENERGY, MOMENTUM = 0.01, 1e-12
 # Largest part of the scale that elastic bodies may lose with the default law, unless a case names what
 # takes it.
 LOST = 0.01
+# What contacts may make over the scale where energy that grows is the leapfrog's; and the verdict then.
+MADE, LEAPFROG = 1e-9, "the leapfrog gains"
 
 
 @dataclass
 class Row:
     """One run of a case. Lengths are over the shortest edge h, energy over ``scale``; ``lost`` is neither
-    in the bodies nor in springs of the contact, and ``held`` comes back when points open."""
+    in the bodies nor in springs of the contact, and ``held`` comes back when points open. ``made`` is what
+    contacts and obstacles have given beyond what they took."""
 
     case: str
     enforcement: str
@@ -41,6 +48,7 @@ class Row:
     momentum: float
     verdict: str
     held: float = 0.0
+    made: float = 0.0
     may_lose: float | None = LOST
     integrator: str = "central_difference"
     scale: str = "start"
@@ -52,6 +60,10 @@ class Row:
     @property
     def good(self) -> bool:
         return self.verdict == "passes"
+
+    @property
+    def by_leapfrog(self) -> bool:
+        return self.verdict.startswith(LEAPFROG)
 
     def data(self) -> dict[str, Any]:
         return asdict(self)
@@ -103,6 +115,35 @@ def enforced(enforcement: str, beta: float | None) -> dict[str, Any]:
     """Keys of a contact or an obstacle between elastic bodies."""
     law = {"enforcement": enforcement, **({} if beta is None else {"beta": beta})}
     return {**law, **(ELASTIC if enforcement == DEFAULT else {})}
+
+
+@contextmanager
+def booked() -> Iterator[list[tuple[float, float]]]:
+    """The books of runs within, at each record: what contacts and obstacles have given to the motion and
+    store, less what their own motion has put in; and the same of the solid. Both are constant in an exact
+    elastic motion."""
+    rows: list[tuple[float, float]] = []
+    write = loop.Loop._write_record
+    touching = (lib.CT_EFFECT_CONTACT, lib.CT_EFFECT_OBSTACLE)
+
+    def record(self: loop.Loop, state: Any) -> None:
+        ledger = lib.ct_monitor_ledger(self.monitor)
+        done = copied("ct_effect_energy", ledger.effects, len(self.problem.effects))
+        book = done["work"] + done["stored"] - done["external"]
+        touches = [effect.kind in touching for effect in self.problem.made]
+        rows.append((float(book[touches].sum()), float(book[0])))
+        write(self, state)
+
+    loop.Loop._write_record = record
+    try:
+        yield rows
+    finally:
+        loop.Loop._write_record = write
+
+
+def rise(values: Any) -> float:
+    """The largest rise above an earlier value."""
+    return float((values - np.minimum.accumulate(values)).max())
 
 
 def shortest_edge(made: ct.Scene) -> float:
@@ -164,7 +205,7 @@ def classify(
     named = enforcement == "penalty" or row.integrator != "central_difference"
     row.may_lose = None if named else may_lose
     try:
-        with warnings.catch_warnings():
+        with booked() as books, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
@@ -181,26 +222,38 @@ def classify(
             else ""
         )
         if getattr(error, "run", None) is not None and len(error.run.energy):
-            weigh(row, error.run, scale)
+            weigh(row, error.run, scale, books)
         return row
-    weigh(row, run, scale)
+    weigh(row, run, scale, books)
     row.momentum = drift(run, momentum_scale)
     row.points, row.nodes, row.curve = watch.points, watch.nodes, watch.curve
     row.verdict = verdict(row, momentum, bound) or (whole(run, watch) if whole else "") or "passes"
+    row.verdict = caused(row)
     row.seconds = time.perf_counter() - begin
     return row
 
 
-def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
-    """Rise of the energy of the bodies above the start, loss of the total at the end, and what points
-    hold there."""
+def weigh(row: Row, run: ct.Run, scale: float | None, books: list[tuple[float, float]]) -> None:
+    """Rise of the energy of the bodies above the start, loss of the total at the end, what points hold
+    there, and rise of the books of contacts."""
     total = run.energy["total"]
     unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
-    row.energy, row.lost, row.held = (
+    row.energy, row.lost, row.held, row.made = (
         float((own_energy(run) - total[0]).max() / unit),
         float((total[0] - total[-1]) / unit),
         float(run.energy["reserve"][-1] / unit),
+        rise(np.array(books)[:, 0] / unit),
     )
+
+
+def caused(row: Row) -> str:
+    """The verdict, which names the leapfrog if nothing but energy that grows is wrong and the contacts have
+    not made it."""
+    grows, parts = "energy grows by", row.verdict.split("; ")
+    mine = row.integrator == "central_difference" and row.made <= MADE
+    if not mine or not all(part.startswith(grows) for part in parts):
+        return row.verdict
+    return row.verdict.replace(grows, LEAPFROG)
 
 
 def own_energy(run: ct.Run) -> np.ndarray:
@@ -256,6 +309,7 @@ HEAD = (
     "energy",
     "lost",
     "held",
+    "made",
     "points/h",
     "nodes/h",
     "momentum",
@@ -267,11 +321,11 @@ HEAD = (
 def line(row: Row) -> str:
     beta = "usual" if row.beta is None and row.enforcement == DEFAULT else f"{row.beta or 0:g}"
     return (
-        f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} {row.held:9.1e} "
+        f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} {row.held:9.1e} {row.made:9.1e} "
         f"{row.points:8.1e} {row.nodes:8.1e} {row.momentum:8.1e} {row.seconds:6.1f}  {row.verdict}"
         + (f" ({row.note})" if row.note else "")
     )
 
 
 def head() -> str:
-    return f"{HEAD[0]:<34} {HEAD[1]:<17} {HEAD[2]:<18} {HEAD[3]:>7} {HEAD[4]:>7} {HEAD[5]:>8} {HEAD[6]:>8} {HEAD[7]:>9} {HEAD[8]:>9} {HEAD[9]:>9} {HEAD[10]:>8} {HEAD[11]:>8} {HEAD[12]:>8} {HEAD[13]:>6}  {HEAD[14]}"
+    return f"{HEAD[0]:<34} {HEAD[1]:<17} {HEAD[2]:<18} {HEAD[3]:>7} {HEAD[4]:>7} {HEAD[5]:>8} {HEAD[6]:>8} {HEAD[7]:>9} {HEAD[8]:>9} {HEAD[9]:>9} {HEAD[10]:>9} {HEAD[11]:>8} {HEAD[12]:>8} {HEAD[13]:>8} {HEAD[14]:>6}  {HEAD[15]}"
