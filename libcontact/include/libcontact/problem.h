@@ -179,9 +179,11 @@ typedef struct ct_effect_constraints {
    * :eq:`impact-reserve`; `energy` was called before with the same view. */
   ct_status (*reserve)(const struct ct_effect *effect, const ct_view *view, double *reserve,
                        ct_error *error);
-  /** Null, or add to `memory`, which was that of the view, the work of the forces at t_n on the
+  /**
+   * Null, or add to `memory`, which was that of the view, the work of the forces at t_n on the
    * change of velocity by which the step is divided to `dt` [time], :eq:`divided-work`; `force` was
-   * called before with the same view. */
+   * called before with the same view.
+   */
   void (*divide)(const struct ct_effect *effect, const ct_view *view, double dt, double *memory);
 } ct_effect_constraints;
 
