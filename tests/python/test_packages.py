@@ -15,7 +15,7 @@ FLOORS = {
     "a run": ("run", "loop", "export"),
     "checks": ("checks.",),
     "planning": ("planning.",),
-    "what users call": ("scene", "info", "command", "__main__", "__init__"),
+    "what users call": ("scene", "info", "mesh_info", "command", "__main__", "__init__"),
 }
 # Imports within functions, which keep a start or a run from waiting for modules that it does not need.
 LATE = {

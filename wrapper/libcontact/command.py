@@ -417,8 +417,8 @@ def _info(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _mesh(options: argparse.Namespace) -> dict[str, Any]:
+    from .mesh_info import describe, text
     from .meshes import read_mesh
-    from .meshes.describe import describe, text
 
     if options.plot:
         _check_matplotlib()
@@ -435,7 +435,7 @@ def _mesh(options: argparse.Namespace) -> dict[str, Any]:
         from .pictures.mesh import draw_mesh
 
         target = Path(options.scene).with_suffix(".png")
-        draw_mesh(data, target, Path(options.scene).name)
+        draw_mesh(data, target.stem).savefig(target, dpi=150)
         _say(f'picture in "{target}"')
     return {**facts, "exit": OK}
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..bridge import Floats
 from ..mesh import Mesh
+from ..meshes.raw import BRICK
 
 if TYPE_CHECKING:
     from ..meshes import MeshData
@@ -20,19 +20,22 @@ PLAIN = ("#d9d9d9", "#c6dbef", "#d4e8c5", "#f3e2c3", "#e6d5ec", "#cfe6e3")
 MOST_SETS = 20
 
 
-def draw_mesh(data: MeshData, path: str | Path, title: str = "") -> None:
+def draw_mesh(data: MeshData, title: str = "") -> Any:
     """
-    Draw the outer faces of a mesh from two opposite corners into an image file. Sets of faces have strong colours,
-    sets of elements pale ones.
+    Draw the outer faces of a mesh from two opposite corners. Sets of faces have strong colours, sets of elements pale
+    ones.
 
     Parameters
     ----------
     data : MeshData
         The mesh.
-    path : str or Path
-        The image file.
     title : str
         Title of the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
     """
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
@@ -47,7 +50,7 @@ def draw_mesh(data: MeshData, path: str | Path, title: str = "") -> None:
     if patches:
         columns = min(5, len(patches))
         figure.legend(handles=patches, loc="outside lower center", ncols=columns, fontsize="small")
-    figure.savefig(path, dpi=150)
+    return figure
 
 
 def _coloured(data: MeshData) -> tuple[Any, list[Any], list[tuple[str, Any]]]:
@@ -74,8 +77,6 @@ def _coloured(data: MeshData) -> tuple[Any, list[Any], list[tuple[str, Any]]]:
 
 def face_corners(data: MeshData, pairs: Any) -> Any:
     """Corner nodes of faces of elements, shape (m, 4)."""
-    from ..meshes.raw import BRICK
-
     return data.elements[pairs[:, 0, None], np.array(BRICK)[pairs[:, 1]]]
 
 

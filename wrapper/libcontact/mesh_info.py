@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from .._core import lib
-from ..bridge import Floats, call, doubles
-from ..mesh import Mesh
-from . import MeshData
+from ._core import lib
+from .bridge import Floats, call, doubles
+from .mesh import Mesh
+from .meshes import MeshData
+from .scene import Scene
 
 # Speed of the dilatational wave in steel [m/s].
-STEEL = 5900.0
+STEEL = 6020.0
 # Neighbours of each corner of a brick, so that their edges are a right-handed frame.
 NEIGHBOURS = (
     (1, 3, 4),
@@ -100,8 +101,6 @@ def scaled_jacobian(nodes: Floats, elements: Any) -> Floats:
 def stable_length(data: MeshData) -> float:
     """The stable time step times the speed of the dilatational wave [length], for Poisson's ratio 0.3 and small
     strain."""
-    from ..scene import Scene
-
     nu = 0.3
     c1 = math.sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)))
     scene = {
