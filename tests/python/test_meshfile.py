@@ -4,7 +4,8 @@ import json
 import math
 import sys
 import zipfile
-from itertools import pairwise
+from functools import cache
+from itertools import pairwise, permutations
 from pathlib import Path
 
 import h5py
@@ -493,6 +494,52 @@ def test_a_face_of_three_elements_is_refused(tmp_path):
         read_mesh(deck(tmp_path, text + BRICK + bricks))
 
 
+# As Gmsh 4.15 writes a brick that is in two groups in version 2.2: once for each, with two numbers.
+TWICE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+2 3 "top"
+3 1 "one"
+3 2 "two"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 1 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+$EndNodes
+$Elements
+3
+1 3 2 3 27 5 6 7 8
+3 5 2 1 1 1 2 4 3 5 6 7 8
+4 5 2 2 1 1 2 4 3 5 6 7 8
+$EndElements
+"""
+
+
+def test_an_element_of_two_groups_is_one_element(tmp_path):
+    path = tmp_path / "twice.msh"
+    path.write_text(TWICE)
+    mesh = read_mesh(path)
+    assert {name: found.tolist() for name, found in mesh.element_sets.items()} == {
+        "one": [0],
+        "two": [0],
+    }
+    assert len(mesh.elements) == 1 and np.all(corners(mesh, "top")[..., 2] == 1.0)
+    path.write_text(TWICE.replace("4 5 2 2 1", "4 5 2 1 1"))
+    with pytest.raises(
+        ValueError, match='twice.msh", line 24: element 3 is listed twice in the group "one"'
+    ):
+        read_mesh(path)
+
+
 def test_no_other_file_is_opened_through_hdf5(folder, tmp_path):
     outside = tmp_path / "outside"
     outside.mkdir()
@@ -560,8 +607,9 @@ def test_names_that_do_not_exist_are_answered_with_those_that_do(folder):
         read_mesh(folder / "gears.msh", part="bigg")
     with pytest.raises(ValueError, match=r"none.msh.*no such file"):
         read_mesh(folder / "none.msh")
-    with pytest.raises(ValueError, match=r'"mesh.stl": the ending must be one of .vtkhdf, .msh'):
-        read_mesh("mesh.stl")
+    (folder / "mesh.stl").write_text("solid")
+    with pytest.raises(ValueError, match=r'mesh.stl": the ending must be one of .vtkhdf, .msh'):
+        read_mesh(folder / "mesh.stl")
     for wrong in (
         {"scale": 0.0},
         {"scale": math.nan},
@@ -583,19 +631,145 @@ def test_a_missing_package_is_named_with_its_command(folder, tmp_path, monkeypat
         read_mesh(folder / file)
 
 
-def test_the_order_of_elements_and_nodes_in_a_file_changes_no_coordinate(tmp_path):
-    """Middles do not depend on the order of the nodes, so shuffled files give the same set of bricks, bit by bit."""
-    path, chance = tmp_path / "mixed.inp", np.random.default_rng(3)
-    head, *cards = MIXED.split("*Element")
-    first = None
-    for _ in range(4):
-        rows = head.splitlines()[1:]
+@cache
+def turns(kind):
+    """All ways to number the nodes of a cell that keep it from being inverted."""
+    x = {
+        "C3D8": HEX,
+        "C3D6": np.array([[0, 0, -1], [1, 0, -1], [0, 1, -1], [0, 0, 1], [1, 0, 1], [0, 1, 1]]),
+    }
+    x["C3D4"] = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+    nodes = x[kind] - x[kind].mean(axis=0)
+    if kind == "C3D6":  # the first triangle turned, or the wedge upside down
+        return [[a, b, c, a + 3, b + 3, c + 3] for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1))] + [
+            [a + 3, b + 3, c + 3, a, b, c] for a, b, c in ((0, 2, 1), (2, 1, 0), (1, 0, 2))
+        ]
+    found = []
+    for order in permutations(range(len(nodes)), 4):
+        turned, known = nodes[list(order)], nodes[:4]
+        pick = [0, 1, 3] if kind == "C3D8" else [0, 1, 2]
+        if kind == "C3D8" and not np.allclose(turned[0] + turned[2], turned[1] + turned[3]):
+            continue
+        turn = np.linalg.solve(known[pick], turned[pick])
+        if np.allclose(turn @ turn.T, np.eye(3)) and np.linalg.det(turn) > 0.5:
+            image = nodes @ turn
+            found.append([int(np.argmin(np.linalg.norm(nodes - point, axis=1))) for point in image])
+    return [list(each) for each in dict.fromkeys(map(tuple, found))]
+
+
+def test_numbering_and_order_in_a_file_change_no_bit(tmp_path):
+    """However nodes and elements are numbered, the bricks of a mixed mesh are the same: the middles of edges, faces and
+    elements do not depend on the order of their nodes."""
+    assert [len(turns(kind)) for kind in ("C3D8", "C3D6", "C3D4")] == [24, 6, 12]
+    path, chance, first = tmp_path / "mixed.inp", np.random.default_rng(3), None
+    mixed = MIXED[: MIXED.index("*Surface")].replace("*Element, type=C3D8, elset=Beside\n", "")
+    head, *cards = mixed.split("*Element")
+    rows = [row.split(",") for row in head.splitlines()[1:]]
+    # Numbers whose sums are rounded.
+    rows = [
+        [
+            row[0],
+            *(
+                repr(float(x) * f + x0)
+                for x, f, x0 in zip(row[1:], (0.7, 0.9, 1.1), (0.1, 0.3, 0.7))
+            ),
+        ]
+        for row in rows
+    ]
+    for _ in range(20):
         chance.shuffle(rows)
-        path.write_text("*Node\n" + "\n".join(rows) + "\n*Element" + "*Element".join(cards))
+        text = "*Node\n" + "\n".join(",".join(row) for row in rows)
+        for card in cards:
+            first_line, *elements = card.splitlines()
+            kind = first_line.split("type=")[1].split(",")[0]
+            text += f"\n*Element{first_line}"
+            for element in elements:
+                number, *nodes = element.split(",")
+                turn = turns(kind)[chance.integers(len(turns(kind)))]
+                text += f"\n{number}," + ",".join(nodes[i] for i in turn)
+        path.write_text(text + "\n")
         mesh = read_mesh(path)
-        found = sorted(map(str, mesh.nodes[mesh.elements].tolist()))
-        assert first is None or found == first
+        # A brick is known by its corners, in any order.
+        found = sorted(sorted(map(tuple, brick)) for brick in mesh.nodes[mesh.elements].tolist())
+        assert len(found) == 12 and (first is None or found == first)
         first = found
+
+
+PRISM = "*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 1, 0, 1\n6, 0, 1, 1\n"
+# Where faces S1, S2, ... of Abaqus are: a plane a x = b.
+PLANES = {
+    "C3D8": ([0, 0, 1, 0], [0, 0, 1, 1], [0, 1, 0, 0], [1, 0, 0, 1], [0, 1, 0, 1], [1, 0, 0, 0]),
+    "C3D6": ([0, 0, 1, 0], [0, 0, 1, 1], [0, 1, 0, 0], [1, 1, 0, 1], [1, 0, 0, 0]),
+    "C3D4": ([0, 0, 1, 0], [0, 1, 0, 0], [1, 1, 1, 1], [1, 0, 0, 0]),
+}
+# Sides of Exodus by faces of Abaqus.
+SIDES = {"C3D8": (3, 4, 5, 6, 1, 2), "C3D6": (3, 4, 5, 1, 2), "C3D4": (2, 3, 4, 1)}
+NODES = {"C3D8": (1, 2, 3, 4, 5, 6, 7, 8), "C3D6": (1, 2, 3, 4, 5, 6), "C3D4": (1, 2, 3, 4)}
+
+
+def check_planes(mesh, kind, name, face):
+    """The faces of a set are all in the plane of a face, and as many as it has."""
+    *normal, offset = PLANES[kind][face - 1]
+    assert np.allclose(corners(mesh, name) @ normal, offset, atol=1e-15), (kind, name)
+    triangle = kind == "C3D4" or kind == "C3D6" and face < 3
+    assert len(mesh.face_sets[name]) == (3 if kind == "C3D4" else 1)
+    exact = (
+        (0.5 if triangle else 1.0) * np.linalg.norm(normal)
+        if kind != "C3D4"
+        else np.linalg.norm(normal) / 2
+    )
+    assert area(mesh, name) == pytest.approx(exact, rel=1e-14), (kind, name)
+
+
+@pytest.mark.parametrize("kind", PLANES)
+def test_faces_of_abaqus_are_where_its_manual_has_them(tmp_path, kind):
+    nodes = CUBE if kind == "C3D8" else PRISM
+    text = f"{nodes}*Element, type={kind}\n1, {', '.join(map(str, NODES[kind]))}\n"
+    for face in range(1, len(PLANES[kind]) + 1):
+        text += f"*Surface, name=f{face}\n1, S{face}\n"
+    mesh = read_mesh(deck(tmp_path, text))
+    for face in range(1, len(PLANES[kind]) + 1):
+        check_planes(mesh, kind, f"f{face}", face)
+
+
+@pytest.mark.parametrize("kind", PLANES)
+def test_sides_of_exodus_are_where_its_manual_has_them(tmp_path, kind):
+    path, names = tmp_path / "one.e", {"C3D8": "HEX8", "C3D6": "WEDGE", "C3D4": "TETRA"}
+    text = CUBE if kind == "C3D8" else PRISM
+    points = np.array([[float(x) for x in row.split(",")[1:]] for row in text.splitlines()[1:]])
+    with h5py.File(path, "w") as file:
+        for axis, column in zip("xyz", points[: len(NODES[kind])].T):
+            file[f"coord{axis}"] = column
+        file["connect1"] = np.array([NODES[kind]], "i4")
+        file["connect1"].attrs["elem_type"] = np.bytes_(names[kind])
+        for side in range(1, len(SIDES[kind]) + 1):
+            file[f"elem_ss{side}"], file[f"side_ss{side}"] = np.array([1]), np.array([side])
+    mesh = read_mesh(path)
+    for side, face in enumerate(SIDES[kind], 1):
+        check_planes(mesh, kind, f"side_set_{side}", face)
+
+
+def test_a_wedge_under_a_tetrahedron_is_split_down_to_its_other_end(tmp_path):
+    text = MIXED[: MIXED.index("*Element, type=C3D8, elset=Row")]
+    text = text.replace(
+        "*Element, type=C3D6, elset=Wedge\n",
+        "41, 0, 0, -1\n42, 1, 0, -1\n43, 0, 1, -1\n*Element, type=C3D6\n8, 41, 42, 43, 1, 2, 3\n",
+    )
+    mesh = read_mesh(deck(tmp_path, text))
+    assert len(mesh.elements) == 3 + 3 + 4 and volume(mesh) == pytest.approx(1.0 + 1.0 / 6.0)
+    a, b, c, d = mesh.nodes[outer_faces(mesh)].transpose(1, 0, 2)
+    sides = math.hypot(0.25, 1.0) * 2 / 2 + math.sqrt(2) * math.hypot(0.5 / math.sqrt(2), 1.0) / 2
+    exact = 0.5 + 2 * (2.0 + math.sqrt(2)) + sides
+    assert np.linalg.norm(np.cross(c - a, d - b), axis=1).sum() / 2 == pytest.approx(
+        exact, rel=1e-12
+    )
+
+
+def test_the_page_shows_what_the_command_prints(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    assert main(["mesh", "cam.msh"]) == 0
+    page = DATA.parents[1] / "docs" / "start" / "cam.out"
+    assert capsys.readouterr().out == page.read_text()
 
 
 def test_the_command_tells_what_is_in_a_mesh(folder, capsys):
@@ -607,7 +781,7 @@ def test_the_command_tells_what_is_in_a_mesh(folder, capsys):
         "left out",
         "volume    1.68086",
         '"cam_outer" 40',
-        "c1 = 5900",
+        "c1 = 6020",
     ):
         assert words in told
     assert (folder / "cam.png").stat().st_size > 10_000

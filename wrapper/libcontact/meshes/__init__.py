@@ -68,21 +68,19 @@ def read_mesh(
     NotBuiltIn
         A package that reads this format is not installed.
     """
-    path = Path(path)
+    path, reading = Path(path), Reading(path)
     read = FORMATS.get(path.suffix.lower())
     if read is None and _is_hdf5(path):
         read = vtk.read_vtkhdf
     if read is None:
-        known = ", ".join(FORMATS)
-        raise ValueError(f'"{path}": the ending must be one of {known}')
+        raise reading.wrong(f"the ending must be one of {', '.join(FORMATS)}")
     if not (math.isfinite(scale) and scale > 0.0):
-        raise ValueError(f'"{path}": scale is {scale:g}; it must be positive')
+        raise reading.wrong(f"scale is {scale:g}; it must be positive")
     if extrude is not None:
         height, layers = extrude
         if not (math.isfinite(height) and height > 0.0 and 1 <= layers <= MOST_LAYERS):
             text = f"extrude is {[height, layers]}; a positive height and 1 to {MOST_LAYERS} layers"
-            raise ValueError(f'"{path}": {text} are needed')
-    reading = Reading(path)
+            raise reading.wrong(f"{text} are needed")
     try:
         return convert(read(reading), part, scale, extrude)
     except NotBuiltIn:
@@ -91,6 +89,8 @@ def read_mesh(
         if str(path) in str(error) or any(str(file) in str(error) for file in reading.files):
             raise
         raise reading.wrong(f"is damaged: {error}") from None
+    except OSError as error:
+        raise reading.wrong(f"can't be read: {error.strerror or error}") from None
     except MemoryError:
         raise reading.wrong("needs more memory than there is") from None
     except (Exception, SystemExit) as error:
@@ -103,5 +103,5 @@ def _is_hdf5(path: Path) -> bool:
     try:
         with open(path, "rb") as file:
             return file.read(4) == exodus.HDF5
-    except OSError:
+    except OSError:  # told when the file is read
         return False

@@ -393,23 +393,39 @@ def _check(raw: Raw, chosen: Chosen, nodes: Floats, elements: Ints, parents: Num
 
 def _check_twice(raw: Raw, elements: Ints, parents: Numbers, who: Any) -> None:
     """Refuse elements that have the same nodes, and faces of more than two elements."""
-    corners = np.sort(elements[:, :8].astype(np.int64), axis=1)
-    order = np.lexsort(corners.T[::-1])
-    same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
-    if same.any():
-        first, second = sorted(order[np.argmax(same) :][:2].tolist())
-        text = f"{who(second)[0]} has the same nodes as {who(first)[0]}"
-        raise raw.reading.wrong(text, who(second)[1])
-    sides = np.sort(np.stack([elements[:, list(face)] for face in BRICK], axis=1), axis=2)
-    distinct = (np.diff(sides, axis=2) != 0).sum(axis=2) >= 2
-    rows, owners = sides[distinct].astype(np.int64), np.nonzero(distinct)[0]
-    key = rows[:, 0]
-    for i in range(1, 4):  # a hash; wraps around
-        key = key * np.int64(0x5851F42D4C957F2D) + rows[:, i]
-    order = np.argsort(key, kind="stable")
-    for i in np.flatnonzero(key[order[2:]] == key[order[:-2]]).tolist():
-        three = order[i : i + 3]
-        if (rows[three] == rows[three[0]]).all():
-            names = [who(int(owners[j])) for j in three]
+    order, same = _equal(_hash(elements[:, :8]), 2)
+    for i in same.tolist():
+        first, second = sorted(order[i : i + 2].tolist())
+        if set(elements[first, :8].tolist()) == set(elements[second, :8].tolist()):
+            text = f"{who(second)[0]} has the same nodes as {who(first)[0]}"
+            raise raw.reading.wrong(text, who(second)[1])
+    sides = [elements[:, list(face)] for face in BRICK]
+    order, same = _equal(np.concatenate([_hash(side) for side in sides]), 3)
+    for i in same.tolist():
+        at = sorted((int(j) % len(elements), int(j) // len(elements)) for j in order[i : i + 3])
+        corners = [frozenset(sides[side][element].tolist()) for element, side in at]
+        if len(set(corners)) == 1 and len(corners[0]) > 2:  # a collapsed side is no face
+            names = [who(element) for element, _ in at]
             text = f"{names[2][0]} shares a face with both {names[0][0]} and {names[1][0]}"
             raise raw.reading.wrong(text, names[2][1])
+
+
+def _hash(nodes: Ints) -> Any:
+    """A number for each row that is the same for equal nodes in any order, where a node that occurs twice counts
+    once."""
+    columns = np.sort(nodes, axis=1)
+    total = np.zeros(len(nodes), np.uint64)
+    for i in range(columns.shape[1]):
+        mixed = (columns[:, i].astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+        mixed = (mixed ^ (mixed >> np.uint64(32))) * np.uint64(0xD6E8FEB86659FD93)
+        if i > 0:
+            mixed[columns[:, i] == columns[:, i - 1]] = 0
+        total += mixed
+    return total
+
+
+def _equal(key: Any, count: int) -> tuple[Any, Any]:
+    """An order of the keys, and where in it so many equal ones follow one another."""
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    return order, np.flatnonzero(key[count - 1 :] == key[: len(key) - count + 1])

@@ -12,7 +12,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from .raw import KINDS, Block, Labels, Lines, Raw, Reading, text_of
+from .raw import KINDS, Block, Labels, Lines, Numbers, Raw, Reading, text_of
 
 # Gmsh's numbers of the kinds of elements.
 TYPES = dict(
@@ -70,16 +70,48 @@ class Groups:
         rows = np.concatenate([np.array(block.lines, np.int64) for block in blocks])
         labels = np.concatenate([block.labels for block in blocks])
         Labels(self.reading, labels, "element", rows)
+        same = np.arange(count)
+        if version == "2.2":  # an element in two groups stands there twice, with two numbers
+            same = np.concatenate(
+                [first[block.kind] + _first_equal(block.nodes) for block in blocks]
+            )
         raw = Raw(self.reading, f"Gmsh {version}", nodes, blocks)
         for key in sorted(self.names.keys() | self.physical.keys()):
             name = self.names.get(key, str(key[1]))
-            spans = [
-                np.arange(first[kind] + a, first[kind] + b)
-                for kind, a, b in self.physical.get(key, [])
-            ]
-            old = raw.element_sets.get(name, np.empty(0, np.int64))
-            raw.element_sets[name] = np.concatenate([old, *spans])
+            spans = [np.empty(0, np.int64)]
+            for kind, a, b in self.physical.get(key, []):
+                spans.append(same[first[kind] + a : first[kind] + b])
+            members = np.concatenate(spans)
+            found, counts = np.unique(members, return_counts=True)
+            if (counts > 1).any():
+                again = int(found[np.argmax(counts > 1)])
+                text = f'element {labels[again]} is listed twice in the group "{name}"'
+                raise self.reading.wrong(text, int(rows[again]) if len(rows) else 0)
+            raw.element_sets[name] = np.union1d(members, raw.element_sets.get(name, members[:0]))
+        _drop(raw, same)
         return raw
+
+
+def _first_equal(nodes: Numbers) -> Numbers:
+    """For each row, the first row that equals it."""
+    _, first, inverse = np.unique(nodes, axis=0, return_index=True, return_inverse=True)
+    found: Numbers = first[inverse.ravel()]
+    return found
+
+
+def _drop(raw: Raw, same: Numbers) -> None:
+    """Leave out the cells that stand for another one."""
+    kept = same == np.arange(len(same))
+    if kept.all():
+        return
+    number, start = np.cumsum(kept) - 1, 0
+    for name, members in raw.element_sets.items():
+        raw.element_sets[name] = number[members]
+    for block in raw.blocks:
+        here = kept[start : start + len(block.nodes)]
+        start += len(here)
+        block.nodes, block.labels = block.nodes[here], block.labels[here]
+        block.lines = np.array(block.lines, np.int64)[here] if len(block.lines) else ()
 
 
 def read(reading: Reading) -> Raw:
