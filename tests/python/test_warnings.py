@@ -593,3 +593,29 @@ def test_wide_hex20_elements_lose_an_impact(element, ratio, low, high):
 @pytest.mark.parametrize("ratio, wide", [(1.0, False), (1.45, False), (1.55, True)])
 def test_the_width_that_is_warned_of(ratio, wide):
     assert ("wide" in [kind for kind, _ in kinds(wide_bar("hex20", ratio))]) == wide
+
+
+def rings(**contact):
+    """A ring of 16 facets in one of 12, pressed from outside; both have their nodes on the circle of radius 1."""
+    scene = empty()
+    for name, radius, cells in (("inner", [0.5, 1.0], 16), ("outer", [1.0, 1.5], 12)):
+        ring = {"centre": [0, 0, 0], "radius": radius, "width": 0.1, "cells": [3, cells, 1]}
+        scene.add_body(name, material="soft", ring=ring)
+        for face in ("z_min", "z_max"):
+            scene.add_support(f"{name}.{face}", fix="z")
+    scene.add_contact("inner.outer", "outer.outer", **contact)
+    return scene.set_time(end=0.01, fraction=0.5)
+
+
+def test_the_adjust_that_is_advised_closes_the_gaps_of_facets():
+    """The chords of 12 facets lie up to 1 - cos(π/12) within the circle, those of 16 up to 1 - cos(π/16): the overlap
+    and the gaps of nested rings. The points see less of them."""
+    (found,) = [w for w in rings().explain().warnings if w.kind == "overlap"]
+    advised = float(re.search(r"adjust = (\S+) or more", str(found))[1])
+    sag = 1 - math.cos(math.pi / 12)
+    assert sag <= advised <= 1.2 * sag
+    points = rings(adjust=advised).run(progress=False, output=False).contact[0]
+    ring = np.hypot(points["position"][:, 0], points["position"][:, 1])
+    inside = abs(points["position"][:, 2]) < 0.049
+    facing = (abs(ring - 1) < 0.05) & inside & (points["other"] >= 0)
+    assert facing.sum() == 4 * 28 and abs(points["gap"][facing]).max() < 1e-9

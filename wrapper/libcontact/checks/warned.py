@@ -39,6 +39,10 @@ TURNED, TURN_NODES = 0.04, 2000
 THIN = 0.3
 # Width over length of hex20 elements in an impact up to which they lose little (eq:hex20-section).
 WIDE = 1.5
+# Angle between two faces from which on they meet at an edge of the body and not on a curved surface.
+SHARP = math.radians(50.0)
+# Pairs of faces that are compared to find those that lie opposite each other.
+MOST_PAIRS = 4_000_000
 # Effects that do not act on a body that moves without strain, or accelerate all its nodes equally.
 HARMLESS = ("gravity", "viscosity")
 
@@ -192,11 +196,58 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Sce
             )
             text = f"{who} {deepest:.3g} at the start, at {count} points, deepest at ({where}) on {points['surface']}; {FATE[how]}"
             if how != "refuse":
-                text += f". If they should touch, set adjust = {1.1 * deepest:.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
+                text += f". If they should touch, set adjust = {1.1 * max(deepest, _sag(problem, given)):.2g} or more, which also closes gaps; if not, move the bodies or set initial_penetration"
             yield SceneWarning("overlap", f"{name}: {text}", key)
         if points["buried"]:
             text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are not in contact until they have been outside"
             yield SceneWarning("overlap", f"{name}: {text}", key)
+
+
+def _sag(problem: Problem, given: Any) -> float:
+    """By how much flat faces lie off the curved surface that their corners are on, for the coarser surface of a
+    contact or the one at an obstacle: a face of the width w between edges at which it turns by θ is off by w θ / 8."""
+    surfaces = getattr(given, "surfaces", None) or [given.surface]
+    made = [_flat_faces(problem, *surface) for surface in surfaces]
+    return max(_sag_of(*made[k], *made[len(made) - 1 - k][1:]) for k in range(len(made)))
+
+
+def _flat_faces(problem: Problem, name: str, face: str) -> tuple[Any, Any, Any]:
+    """Corner numbers and positions (n, 4, 3) of the faces of a surface at the start, and their area vectors."""
+    mesh = problem.bodies[name].mesh
+    faces = mesh.faces(face)[0]
+    if faces.shape[1] != 4:
+        faces = faces[:0]  # curved edges follow the surface
+    x = started(problem, name)[faces]
+    return faces, x, 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+
+
+def _sag_of(faces: Any, x: Any, normals: Any, other_x: Any, other_normals: Any) -> float:
+    """The sag of those faces of one surface that lie opposite the other surface."""
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    order = np.lexsort(edges.T)
+    same = np.flatnonzero((edges[order][1:] == edges[order][:-1]).all(axis=1))
+    one, two = order[same] // 4, order[same + 1] // 4
+    areas = np.linalg.norm(normals, axis=1)
+    length = np.linalg.norm(x - np.roll(x, -1, axis=1), axis=2).ravel()[order[same]]
+    cosine = (normals[one] * normals[two]).sum(axis=1) / (areas[one] * areas[two])
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    sags = np.maximum(areas[one], areas[two]) / length * angle / 8.0
+    near = _opposite(x, normals, other_x, other_normals)
+    # Where it turns more, the surface has an edge of its own.
+    return float(sags[(angle < SHARP) & near[one] & near[two]].max(initial=0.0))
+
+
+def _opposite(x: Any, normals: Any, other_x: Any, other_normals: Any) -> Any:
+    """Whether each face lies opposite one of the other surface within the size of both; in large surfaces, and of
+    a surface at an obstacle, each does."""
+    if len(x) * len(other_x) > MOST_PAIRS or x is other_x:
+        return np.ones(len(x), bool)
+    n, m = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (normals, other_normals))
+    sizes = [np.linalg.norm(each[:, 2] - each[:, 0], axis=1) for each in (x, other_x)]
+    centres = [each.mean(axis=1) for each in (x, other_x)]
+    apart = np.linalg.norm(centres[0][:, None] - centres[1], axis=2)
+    reach = np.maximum(sizes[0][:, None], sizes[1])
+    return ((n @ m.T < -0.7) & (apart < reach)).any(axis=1)
 
 
 class Borders(Observer):

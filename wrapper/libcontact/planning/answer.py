@@ -21,6 +21,9 @@ from ..tables import ENERGY, IN_ENERGY, MOMENTUM
 if TYPE_CHECKING:
     from ..problem import Problem
 
+# Fig. 4's line ends at the distance d from the impact, or where it contains the front: this many times as far
+# as the front.
+BEYOND = 1.25
 # Effects that do not change the limit to which a scene converges.
 NUMERICAL = ("viscosity",)
 
@@ -58,13 +61,13 @@ class Plates:
     def error(self, problem: Problem, run: Run) -> float:
         """The error L1 on Fig. 4's line over the plateau, :eq:`accuracy-errors`, from a run with the stress in
         its last state. It averages over the elements next to the plane of symmetry, up to the distance d from
-        the impact."""
+        the impact or, if that is farther, beyond the front."""
         assert run.state is not None
         material = problem.parts.materials[problem.parts.bodies[self.bodies[0]].material]
         nu, c1 = material.poisson, speeds(material)[0]
         unit = material.density * c1 * self.speed * nu / (1.0 - nu)
         t, length = run.state.time * c1 / self.d, self.length / self.d
-        extent, found = min(1.0, length, 2.0 * length - t), []
+        extent, found = min(max(1.0, BEYOND * t), length, 2.0 * length - t), []
         for name in self.bodies:
             body = run.state[name]
             x = abs(body.centres[:, self.axes[0]] - self.plane) / self.d
@@ -77,7 +80,7 @@ class Plates:
 
 def plates(problem: Problem) -> Plates | None:
     """The impact of two thick plates, recognised by its geometry; None if the scene is a different one, or
-    lasts longer than the closed form is valid."""
+    lasts until the front has left a plate or the closed form is no longer valid."""
     parts, bodies = problem.parts, list(problem.parts.body)
     held = {(str(each.set[0]), each.set[1]) for each in parts.support}
     pure = all(
@@ -112,7 +115,7 @@ def plates(problem: Problem) -> Plates | None:
     material = parts.materials[first.material]
     way = speeds(material)[0] * problem.end
     known = material.law == "linear" and 0.0 < material.poisson <= 0.49
-    if not (known and speed > 0.0 and way < 1.99 * min(d, length)):
+    if not (known and speed > 0.0 and way < min(1.99 * d, length)):
         return None
     names = tuple(body.name for body in bodies)
     return Plates(names, (impact, thick[0], free), plane, middle, d, length, speed)

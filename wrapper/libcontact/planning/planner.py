@@ -649,6 +649,8 @@ class Planner:
                     scale = self.true_scale(max(scale * less, each.scales[0]))
                     offer = self.offer(each, scale, self.price(each, scale))
                 found += [(offer, each, scale)] * (offer.seconds <= (goal.seconds or math.inf))
+        if found and goal.error:
+            found += self._lucky(goal.error, min(offer.seconds for offer, *_ in found))
         if found:
             return sorted(found, key=lambda one: one[0].error if goal.seconds else one[0].seconds)
         reason = "are not enough for the coarsest mesh that was tried"
@@ -658,6 +660,19 @@ class Planner:
         raise SceneError(
             f"{asked} {reason}", "seconds" if goal.seconds else "error", self.scene.file
         )
+
+    def _lucky(self, error: float, seconds: float) -> list[tuple[Offer, Tried, float]]:
+        """The cheapest trial that met an error in less time, although a finer mesh of its setting did not."""
+        met = [
+            (each.seconds[i], each.scales[i], each)
+            for each in self.ranked(Goal(error, None))
+            for i in np.flatnonzero(each.errors <= error)
+        ]
+        took, scale, each = min(met, key=lambda one: one[0], default=(math.inf, 0.0, self.tried[0]))
+        if took >= 0.95 * seconds:
+            return []
+        price = self.price(each, scale)
+        return [(self.offer(each, scale, price), each, scale)] if price < seconds else []
 
     def _neighbours(
         self, choice: Offer, tried: Tried, scale: float, goal: Goal
@@ -673,7 +688,9 @@ class Planner:
             for each, at in grid
             if at >= each.scales[0]
         ]
-        less = [one for one in points if one[1] < 0.95 * choice.seconds and one[0] > choice.error]
+        # What meets the request and costs less would have been chosen, were it not a guess between trials.
+        least = max(choice.error, goal.error or 0.0)
+        less = [one for one in points if one[1] < 0.95 * choice.seconds and one[0] > least]
         more = [one for one in points if one[0] < 0.95 * choice.error and one[1] > choice.seconds]
 
         def told(point: tuple[float, float, float, Tried] | None) -> Offer | None:
