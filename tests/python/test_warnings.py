@@ -619,3 +619,33 @@ def test_the_adjust_that_is_advised_closes_the_gaps_of_facets():
     inside = abs(points["position"][:, 2]) < 0.049
     facing = (abs(ring - 1) < 0.05) & inside & (points["other"] >= 0)
     assert facing.sum() == 4 * 28 and abs(points["gap"][facing]).max() < 1e-9
+
+
+@pytest.mark.parametrize("law", ["linear", "neo_hookean"])
+@pytest.mark.parametrize("left, warns", [(0.15, False), (0.08, True), (-0.2, True)])
+def test_an_element_that_collapses_is_warned_of(law, left, warns):
+    """The first of three cells keeps the fraction ``left`` of its length, the others theirs (eq:corner-volume). An
+    inverted element of large strain is an error."""
+    scene = empty(law)
+    nodes = Mesh.box("hex8", (0, 0, 0), (3, 1, 1), (3, 1, 1)).nodes
+    shift = np.zeros_like(nodes)
+    shift[nodes[:, 0] > 0.5, 0] = left - 1
+    scene.add_body(
+        "bar",
+        material="soft",
+        box=box_of([0, 0, 0], [3, 1, 1], [3, 1, 1]),
+        initial={"displacements": shift},
+    )
+    scene.set_time(end=1e-9, fraction=0.01).set_output(every=1)
+    if law != "linear" and left < 0:
+        with pytest.raises(ct.SceneError, match="invert"):
+            scene.run(progress=False)
+        return
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.run(progress=False, output=False)
+    found = [str(one.message) for one in caught if getattr(one.message, "kind", "") == "volume"]
+    assert len(found) == warns
+    if warns:
+        assert 'body "bar": element 0 at' in found[0] and "one of 1 that collapse" in found[0]
+        assert ("is inverted" if left < 0 else "0.08 of its volume") in found[0]

@@ -112,6 +112,7 @@ KINDS = {
     "border": "points were found inside the other surface that did not come in through it",
     "step_divided": "the step of a run was divided; a :class:`StepDivided`",
     "rotation": "a body with the small-strain law has rotated so far that the rotation causes false strain",
+    "volume": "an element has collapsed or is inverted",
     "unconverged": "in some steps the iteration for the contact forces did not converge",
     "not_at_rest": "a run with ``until_static`` has reached its end before the bodies are at rest",
 }

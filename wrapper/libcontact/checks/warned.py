@@ -24,6 +24,7 @@ from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run
 from .touch import Touch, first_touch, gravity_on, started
+from .volumes import Volumes
 
 Points = dict[str, NDArray[np.int32]]
 
@@ -78,7 +79,7 @@ def known(
 
 def during(problem: Problem) -> list[Observer]:
     """The checks that a run makes between its steps."""
-    return [Turning(problem), Borders(problem), Depths(problem)]
+    return [Turning(problem), Volumes(problem), Borders(problem), Depths(problem)]
 
 
 def at_start(
