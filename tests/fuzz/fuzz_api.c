@@ -117,7 +117,9 @@ static void add_body(play *p)
                         .velocity = {velocity[0], velocity[1], velocity[2]},
                         .velocities = each,
                         .hourglass = chance(d, 5) ? between(d, 0.1, 2.0) : 0.0,
-                        .stiffness_damping = chance(d, 6) ? between(d, 0.0, 0.1) : 0.0};
+                        .stiffness_damping = chance(d, 6) ? between(d, 0.0, 0.1) : 0.0,
+                        .displacements = chance(d, 8) ? each : NULL,
+                        .initial_stress = {chance(d, 8) ? real(d) : 0.0}};
   if (p->body_count < MOST_BODIES &&
       TRY(ct_scene_add_body(p->scene, &body, chance(d, 3) ? NULL : &number, &e)) == CT_OK) {
     demand(number == -1 || number == p->body_count, "bodies are numbered");
