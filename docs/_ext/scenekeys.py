@@ -23,6 +23,8 @@ def table_of(path: str):
 
 def value_of(schema: dict) -> str:
     """What a key may hold, from its JSON Schema."""
+    from libcontact.schema import Surface
+
     if "enum" in schema:
         return " ".join(f'``"{word}"``' for word in schema["enum"])
     if "const" in schema:
@@ -34,6 +36,8 @@ def value_of(schema: dict) -> str:
         return f"{len(schema['prefixItems'])} of: {value_of(schema['prefixItems'][0])}"
     if schema["type"] == "array":
         return f"list of: {value_of(schema['items'])}"
+    if "propertyNames" in schema:
+        return f"table of names, each with a {value_of(schema['additionalProperties'])}"
     if schema["type"] == "object":
         return f"table: {', '.join(f'``{name}``' for name in schema['properties'])}"
     words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "boolean"}
@@ -41,8 +45,8 @@ def value_of(schema: dict) -> str:
     limits = [f"{sign} {schema[word]:g}" for word, sign in signs.items() if word in schema]
     if schema["type"] == "integer":
         limits = [f"≥ {schema['minimum']}"]
-    if "_max" in schema.get("pattern", ""):
-        return "a face"
+    if schema.get("pattern") == Surface.json["pattern"]:
+        return "a face or a set"
     return ", ".join([words[schema["type"]], *limits])
 
 

@@ -96,6 +96,7 @@ name = "c"
 material = "hard"
 nodes = [[0, 0, 5], [1, 0, 5], [1, 1, 5], [0, 1, 5], [0, 0, 6], [1, 0, 6], [1, 1, 6], [0, 1, 6]]
 elements = [[0, 1, 2, 3, 4, 5, 6, 7]]
+sets = { top = { faces = [[0, 5]] }, low = { nodes = [0, 1] }, all = { elements = [0] } }
 [[body]]
 name = "d"
 material = "hard"
@@ -177,7 +178,8 @@ def test_the_full_scene_is_one():
     # They replace other keys.
     assert missing == set(
         """
-        body.mesh contact.beta damping.relaxation obstacle.dissipation obstacle.restitution
+        body.mesh body.part body.scale body.extrude contact.beta damping.relaxation
+        obstacle.dissipation obstacle.restitution
         obstacle.enforcement obstacle.epsilon obstacle.friction obstacle.tangent output.times
         time.courant time.dt time.end_c1t_over time.until_static
     """.split()

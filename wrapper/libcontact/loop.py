@@ -41,7 +41,7 @@ from .problem import Problem, contact_points, contact_pressure, new_state, penet
 from .progress import bar
 from .results import Records, write_tables
 from .run import FAULTS, Run, RunError, StepTooLarge
-from .schema import Place, SceneError, is_number
+from .schema import Place, SceneError, is_number, listed
 from .state import BodyState, State
 from .surfaces import contact_tables, whole_skin
 from .tables import ENERGY, MOMENTUM, as_table, energy_table
@@ -166,7 +166,16 @@ class Loop:
         try:
             return function(*arguments)
         except Error as error:
-            raise SceneError(str(error), key, self.problem.file) from None
+            raise SceneError(f"{error}{self._changed(error)}", key, self.problem.file) from None
+
+    def _changed(self, error: Error) -> str:
+        """The reason why a results file belongs to another problem although the scene is the same."""
+        if "another problem" not in str(error):
+            return ""
+        bodies = list(self.problem.parts.bodies.values())
+        bodies = bodies if error.body is None else bodies[error.body : error.body + 1]
+        files = dict.fromkeys(str(body.mesh) for body in bodies if body.mesh is not None)
+        return f"; the mesh file {listed(files)} has changed since then" if files else ""
 
     def _filter(self, passes: int) -> Any:
         """The filter of the recorded fields; None without passes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ._core import ffi, lib
 from .bridge import Floats, Ints, Rows, ask, call, doubles, ints, names
 from .errors import NotBuiltIn, check
-from .schema import check_file
+from .schema import FACES, check_file
+from .sets import Sets
 
 __all__ = ["Mesh"]
 
@@ -22,6 +23,7 @@ KINDS = names("ct_brick_kind")
 FACTS = {name: lib.ct_brick_facts_of(kind) for name, kind in KINDS.items()}
 WIDTH: dict[str, int] = {name: facts.node_count for name, facts in FACTS.items()}
 LAYERS = names("ct_layers")
+NO_SETS = Sets()
 
 
 def c_box(box: Any, layers: str) -> Any:
@@ -72,10 +74,13 @@ class Mesh:
         Reference coordinates [length], a read-only view of C memory.
     elements : ndarray of int32, shape (cells, 8 or 20)
         Node numbers in VTK's order, a read-only view of C memory.
+    sets : Sets
+        Named sets of nodes, faces and elements.
     """
 
-    def __init__(self, pointer: Any, owner: Any = None):
+    def __init__(self, pointer: Any, owner: Any = None, sets: Sets = NO_SETS):
         """Wrap a ``ct_mesh *`` that ``owner`` keeps alive; without an owner the mesh frees it."""
+        self.sets = sets
         self.pointer = ffi.gc(pointer, lib.ct_mesh_free) if owner is None else pointer
         self._owner = owner
         self.element = list(KINDS)[pointer.kind]
@@ -123,7 +128,7 @@ class Mesh:
         return mesh
 
     @classmethod
-    def copy(cls, nodes: Floats, elements: Ints) -> Mesh:
+    def copy(cls, nodes: Floats, elements: Ints, sets: Sets = NO_SETS) -> Mesh:
         """
         Copy a mesh from contiguous arrays and check it.
 
@@ -133,6 +138,8 @@ class Mesh:
             Coordinates [length].
         elements : ndarray of int32, shape (cells, 8 or 20)
             Node numbers in VTK's order.
+        sets : Sets, optional
+            Its named sets.
 
         Returns
         -------
@@ -146,10 +153,12 @@ class Mesh:
         ValueError
             A node number is out of range, a coordinate not finite or an element inverted.
         """
-        return cls(ask("ct_mesh **", lib.ct_mesh_create_copy, c_mesh(nodes, elements)))
+        made = ask("ct_mesh **", lib.ct_mesh_create_copy, c_mesh(nodes, elements))
+        return cls(made, sets=sets)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
+        arrays = (np.ascontiguousarray(each) for each in (self.nodes, self.elements))
+        return Mesh.copy, (*arrays, self.sets)
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
@@ -173,8 +182,9 @@ class Mesh:
 
         Parameters
         ----------
-        face : {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer"}
-            Faces in the plane of the smallest or largest coordinate, or all outer faces.
+        face : str
+            ``"x_min"``, ``"x_max"``, ``"y_min"``, ``"y_max"``, ``"z_min"`` or ``"z_max"``: the outer faces in the
+            plane of the smallest or largest coordinate; ``"outer"``: all outer faces; or the name of a set.
 
         Returns
         -------
@@ -182,7 +192,14 @@ class Mesh:
             Node numbers, counter-clockwise from outside.
         owners : ndarray of int32, shape (m,)
             The elements that the faces belong to.
+
+        Raises
+        ------
+        ValueError
+            No set of faces has this name, or a face of the set is inside the body.
         """
+        if face not in FACES:
+            return self._set_faces(face)
         plane = () if face == "outer" else self._plane(face)
         function = lib.ct_mesh_plane_faces if plane else lib.ct_mesh_outer_faces
         count = function(self.pointer, *plane, ffi.NULL, ffi.NULL)
@@ -204,14 +221,43 @@ class Mesh:
         Returns
         -------
         ndarray of int32, shape (m,)
-            All nodes in the plane of the face; for ``"outer"`` those of all outer faces.
+            All nodes in the plane of the face; for ``"outer"`` those of all outer faces; the nodes of a set, or
+            of the faces or elements of a set.
         """
+        if face not in FACES:
+            return self._set_nodes(face)
         if face == "outer":
             return np.unique(self.faces(face)[0])
         # Capacity for all faces; the system provides memory only for what is written.
         room = np.empty(self.pointer.node_count, np.int32)
         count = lib.ct_mesh_plane_nodes(self.pointer, *self._plane(face), ints(room))
         return room[:count].copy()
+
+    def _set_faces(self, name: str) -> tuple[Ints, Ints]:
+        """The faces of a set, as :meth:`faces` returns them."""
+        kinds = self.sets.kinds(name)
+        if kinds and "faces" not in kinds:
+            raise ValueError(f'has no set of faces "{name}"; this is a set of {kinds[0]}')
+        if not kinds:
+            raise ValueError(self.sets.unknown(name))
+        sides = self.sets.faces[name]
+        width = lib.ct_face_node_count(FACTS[self.element].face_kind)
+        faces = np.empty((len(sides), width), np.int32)
+        if len(sides):
+            call(lib.ct_mesh_side_faces, self.pointer, len(sides), ints(sides), ints(faces))
+        return faces, np.ascontiguousarray(sides[:, 0])
+
+    def _set_nodes(self, name: str) -> Ints:
+        """The nodes of a set, ascending."""
+        kinds = self.sets.kinds(name)
+        if not kinds:
+            raise ValueError(self.sets.unknown(name))
+        if "nodes" in kinds:
+            return self.sets.nodes[name]
+        if "elements" in kinds and "faces" not in kinds:
+            return np.unique(self.elements[self.sets.elements[name]])
+        elements, sides = self.sets.faces[name].T
+        return np.unique(self.elements[elements[:, None], _side_nodes(self.element)[sides]])
 
     def centres(self, positions: Floats | None = None) -> Floats:
         """
@@ -306,6 +352,18 @@ class Mesh:
             if np.abs(change).max() < 1e-12:
                 return xi
         return None
+
+
+@cache
+def _side_nodes(element: str) -> Ints:
+    """Local numbers of the nodes of the six sides of a kind of brick, shape (6, 4 or 8)."""
+    facts = FACTS[element]
+    numbers = np.arange(facts.node_count, dtype=np.int32).reshape(1, -1)
+    mesh = c_mesh(np.zeros((facts.node_count, 3)), numbers)
+    sides = np.array([(0, side) for side in range(6)], np.int32)
+    out = np.empty((6, lib.ct_face_node_count(facts.face_kind)), np.int32)
+    call(lib.ct_mesh_side_faces, mesh, len(sides), ints(sides), ints(out))
+    return out
 
 
 def rotation(X: Floats, x: Floats) -> Floats:

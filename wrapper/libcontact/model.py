@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,11 @@ from .errors import new_error
 from .mesh import FACTS, WIDTH
 from .schema import (
     VECTOR,
+    ByName,
     Choice,
     Each,
     FileName,
+    Indices,
     Many,
     Name,
     Nested,
@@ -34,6 +37,7 @@ from .schema import (
     key,
     word,
 )
+from .sets import Sets
 
 LUMPINGS = names("ct_lumping")
 LAWS = names("ct_law")
@@ -250,6 +254,48 @@ class Initial(Table):
         return np.ascontiguousarray((stretched - r) + turned + np.array(self.displacement))
 
 
+class Extrude(Table):
+    """
+    The third dimension of a plane mesh of quadrilaterals.
+
+    Attributes
+    ----------
+    height
+        Height of the body along z.
+    layers
+        Number of elements along z.
+    """
+
+    height: float = key(POSITIVE, unit="length")
+    layers: int = key(Whole(), default=1)
+
+
+class MeshSet(Table):
+    """
+    A named set of nodes, faces or elements of a body that is given by arrays.
+
+    Attributes
+    ----------
+    nodes
+        Node numbers.
+    faces
+        Rows (element, side); the sides 0 to 5 of an element are ξ = -1, ξ = 1, η = -1, η = 1, ζ = -1, ζ = 1.
+    elements
+        Element numbers.
+    """
+
+    one = (("nodes", "faces", "elements"),)
+
+    nodes: Any = key(Indices(), default=None, says="one of three")
+    faces: Any = key(Rows(2, whole=True), default=None, says="one of three")
+    elements: Any = key(Indices(), default=None, says="one of three")
+
+    @property
+    def kind(self) -> str:
+        """What it is a set of."""
+        return next(name for name in self.one[0] if getattr(self, name) is not None)
+
+
 class Body(Table):
     """
     A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
@@ -268,10 +314,20 @@ class Body(Table):
     mesh
         A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25); the
         path is relative to the folder of the scene file.
+    part
+        Name of a set of elements of the mesh file, which alone are the body; by default all elements are.
+    scale
+        Factor of the coordinates in the mesh file, such as 1000 for metres in a scene in millimetres.
+    extrude
+        Height and layers of a plane mesh of quadrilaterals.
     nodes
         Coordinates (n, 3); meant for Python.
     elements
         Node numbers (cells, 8 or 20) in VTK's order, counted from 0; with ``nodes``.
+    sets
+        Named sets of ``nodes``, ``faces`` or ``elements`` of these arrays, such as
+        ``{"left": {"faces": [[0, 0], [3, 0]]}}``. The scene uses them as those of a mesh file, in
+        ``"body.left"``.
     element
         Kind of its elements.
     velocity
@@ -296,7 +352,8 @@ class Body(Table):
     """
 
     one = (("box", "ring", "mesh", "nodes"),)
-    needs = {"elements": "nodes", "nodes": "elements"}
+    needs = {"elements": "nodes", "nodes": "elements", "sets": "nodes"}
+    needs |= dict.fromkeys(("part", "scale", "extrude"), "mesh")
     belongs = {"kernel": ("integration", "full"), "hourglass": ("integration", "reduced")}
 
     name: str = key(Name(), kw_only=False)
@@ -304,8 +361,12 @@ class Body(Table):
     box: Any = key(Nested(Box), default=None, says="one of four")
     ring: Any = key(Nested(Ring), default=None, says="one of four")
     mesh: Any = key(FileName(), default=None, says="one of four")
+    part: str | None = key(Name(), default=None, says="all elements")
+    scale: float = key(POSITIVE, default=1.0)
+    extrude: Any = key(Nested(Extrude), default=None, says="none")
     nodes: Any = key(Rows(3), unit="length", default=None, says="one of four")
     elements: Any = key(Rows(*WIDTH.values(), whole=True), default=None, says="with ``nodes``")
+    sets: Any = key(ByName(Nested(MeshSet)), default=None, says="none")
     element: str | None = key(
         Choice(FACTS), default=None, says='``"hex8"``, or what the mesh holds'
     )
@@ -330,8 +391,23 @@ class Body(Table):
             return next(name for name in WIDTH if WIDTH[name] == self.elements.shape[1])
         return self.element or (None if self.mesh else "hex8")
 
+    @cached_property
+    def mesh_sets(self) -> Sets | None:
+        """The named sets of its mesh; None as long as a mesh file has not been read."""
+        if self.mesh is not None:
+            return None
+        given: dict[str, dict[str, Any]] = {}
+        for name, each in (self.sets or {}).items():
+            given.setdefault(each.kind, {})[name] = getattr(each, each.kind)
+        counts = (0, 0) if self.elements is None else (len(self.nodes), len(self.elements))
+        return Sets.read(given, *counts)
+
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
+        try:
+            _ = self.mesh_sets
+        except ValueError as error:
+            yield "sets", str(error)
         if self.elements is not None:
             most, (_, width) = len(self.nodes) - 1, self.elements.shape
             bad = np.flatnonzero((self.elements > most).any(axis=1))
@@ -509,8 +585,8 @@ class Contact(ContactKeys):
     Attributes
     ----------
     surfaces
-        Two faces, ``["left.x_max", "right.x_min"]``; each is slave in one pass and master in the
-        other, so their order does not matter.
+        Two faces or sets of faces, ``["left.x_max", "right.x_min"]``; each is slave in one pass and master in
+        the other, so their order does not matter.
     """
 
     surfaces: tuple[tuple[str, str], tuple[str, str]] = key(Each(Surface(), Surface()))
@@ -528,7 +604,7 @@ class Support(Table):
     Attributes
     ----------
     set
-        The nodes of a face, ``"right.z_min"``.
+        The nodes of a face, ``"right.z_min"``, or of a set of nodes, faces or elements, ``"right.base"``.
     fix
         Components that are prescribed.
     velocity
@@ -574,7 +650,7 @@ class Probe(Table):
         A point of the body in the reference configuration: motion is that of its nearest node,
         stress and pressure are those at the centre of the element that contains it.
     surface
-        A face such as ``"bar.x_max"``, whose mean motion is that of the centre of mass of its
+        A face such as ``"bar.x_max"`` or a set, whose mean motion is that of the centre of mass of its
         nodes, :eq:`probe-mean`.
     resultant
         ``"contact"``, ``"obstacle"`` or ``"support"``, with a number where there are several, as

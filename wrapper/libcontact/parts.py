@@ -23,7 +23,7 @@ from .model import (
     Support,
     Time,
 )
-from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
+from .schema import FACES, Face, Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
 # Tables that a scene cannot have, and what to write instead.
@@ -120,6 +120,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
             for name, reason in found.refusals():
                 raise (at / name).error(reason)
             continue
+        if isinstance(found, Face):
+            _check_set(parts, found, at)
+            continue
         known = [table.name for table in getattr(parts, found.table)]
         if found not in known:
             raise at.error(f'no {found.table} is named "{found}"{suggestion(found, known)}')
@@ -128,6 +131,19 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in (*conflicts(parts), *(_turning(parts) if whole else ())):
         raise (top / name).error(reason)
     return parts
+
+
+def _check_set(parts: Parts, surface: Face, at: Place) -> None:
+    """Raise an error for a surface that its body does not have. The sets of a mesh file are known when it is
+    read."""
+    body = parts.bodies.get(surface.body)
+    sets = None if body is None else body.mesh_sets
+    if sets is None or surface.face in FACES or sets.kinds(surface.face):
+        return
+    why = f'has no face "{surface.face}"{suggestion(surface.face, FACES)}'
+    if sets:
+        why = sets.unknown(surface.face)
+    raise at.error(f'"{".".join(surface)}": body "{surface.body}" {why}')
 
 
 def _without_reserve(parts: Parts, data: dict[str, Any]) -> Parts:

@@ -90,12 +90,8 @@ def _resultant(problem: Problem, i: int, probe: Probe) -> Located:
 
 def _face_nodes(problem: Problem, surface: tuple[str, str], key: str) -> NDArray[np.int32]:
     """Numbers in the problem of the nodes of a surface."""
-    body = problem.bodies[surface[0]]
-    nodes = body.mesh.face_nodes(surface[1])
-    if not len(nodes):
-        reason = "has no nodes: no outer face of the body lies in that plane"
-        raise SceneError(f'"{".".join(surface)}" {reason}', key, problem.file)
-    return np.ascontiguousarray(nodes + body.nodes.start, np.int32)
+    nodes = problem.on(surface, key, nodes=True)
+    return np.ascontiguousarray(nodes + problem.bodies[surface[0]].nodes.start, np.int32)
 
 
 class Histories:

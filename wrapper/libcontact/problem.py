@@ -17,12 +17,25 @@ from ._core import ffi, lib
 from .bridge import Floats, Ints, ask, call, doubles, ints, names, point_rows
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
-from .mesh import FACTS, KINDS, WIDTH, Mesh, c_box, c_mesh, c_ring, physical_memory, row_length
+from .mesh import (
+    FACTS,
+    KINDS,
+    NO_SETS,
+    WIDTH,
+    Mesh,
+    c_box,
+    c_mesh,
+    c_ring,
+    physical_memory,
+    row_length,
+)
 from .meshes import read_mesh
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts, acts_on
 from .probes import locate
-from .schema import SceneError, Table, word
+from .schema import FACES, SceneError, Table, word
+from .sets import KINDS as SET_KINDS
+from .sets import Sets
 
 MOST_STEPS = 10**12
 # With shorter rows the layers follow one another along z: many short rows cost more than layers save.
@@ -293,14 +306,25 @@ class Problem:
         made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if needed else None
         return {"kind": kind, "box": box[0]}, made
 
+    def _from_file(self, body: Body, key: str) -> tuple[Body, Sets]:
+        """A body with the arrays of its mesh file, checked against the other keys, and the sets of the file."""
+        path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
+        plane, extrude = None, body.extrude
+        if extrude is not None:  # in the units of the file
+            plane = (extrude.height / body.scale, extrude.layers)
+        found = read_mesh(path, part=body.part, scale=body.scale, extrude=plane)
+        body = replace(body, mesh=None, nodes=found.nodes, elements=found.elements)
+        for name, reason in body.refusals():
+            raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
+        given = (found.node_sets, found.face_sets, found.element_sets)
+        return body, Sets.read(dict(zip(SET_KINDS, given)), len(body.nodes), len(body.elements))
+
     def _arrays(self, body: Body, key: str) -> Arrays:
-        """Nodes and elements of a body, from the scene or its mesh file, checked against the other keys."""
+        """Nodes and elements of a body, from the scene or its mesh file, and its sets."""
         if body.mesh is not None:
-            path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
-            mesh = read_mesh(path)
-            body = replace(body, mesh=None, nodes=mesh.nodes, elements=mesh.elements)
-            for name, reason in body.refusals():
-                raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
+            body, self._sets[body.name] = self._from_file(body, key)
+        else:
+            self._sets[body.name] = body.mesh_sets or NO_SETS
         unused = np.flatnonzero(np.bincount(body.elements.ravel(), minlength=len(body.nodes)) == 0)
         if unused.size:
             raise ValueError(f"node {unused[0]} belongs to no element, so it would have no mass")
@@ -308,6 +332,7 @@ class Problem:
 
     def _add_bodies(self) -> None:
         """Add all bodies and join them. From then on the C scene holds their meshes."""
+        self._sets: dict[str, Sets] = dict.fromkeys(self.parts.bodies, NO_SETS)
         for i, body in enumerate(self.parts.bodies.values()):
             given = self.parts.materials[body.material]
             c1 = speeds(given)[0]
@@ -318,13 +343,15 @@ class Problem:
         joined = ffi.new("const ct_problem **")
         self._call("", lib.ct_scene_join, self._scene, joined)
         self.joined = joined[0]
-        meshes = (self.joined.bodies[i].mesh for i in range(len(self.parts.bodies)))
-        self._meshes = {name: Mesh(m, self._scene) for name, m in zip(self.parts.bodies, meshes)}
+        self._meshes = {
+            name: Mesh(self.joined.bodies[i].mesh, self._scene, sets)
+            for i, (name, sets) in enumerate(self._sets.items())
+        }
 
     def _add_body(self, i: int, body: Body, given: Material) -> None:
         """Add a body. An error of its mesh names the key that gives the mesh."""
         key = next(name for name in Body.one[0] if getattr(body, name) is not None)
-        key, about = f"body[{i}].{key}", f'body "{body.name}": '
+        key, about = f"body[{i}].{key}", f'body "{body.name}"{self._file_of(body.name)}: '
         try:
             shape, held = self._shape(body, key)
         except SceneError:
@@ -363,7 +390,7 @@ class Problem:
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
         places = [f"contact[{i}].surfaces[{j}]" for j in (0, 1)]
-        faces = [self._on(surface, at) for surface, at in zip(contact.surfaces, places)]
+        faces = [self.on(surface, at) for surface, at in zip(contact.surfaces, places)]
         if contact.with_itself:
             faces = [_together(*faces)] * 2
         options = lib.ct_contact_options_default()
@@ -377,17 +404,32 @@ class Problem:
         self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new)
         return faces[:1] if contact.with_itself else faces
 
-    def _on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
-        """The faces or the nodes of a surface; an empty surface is an error."""
-        mesh, face = self._meshes[surface[0]], surface[1]
-        found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
+    def on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
+        """The faces or the nodes of a surface; a surface that is empty or does not exist is an error."""
+        body, face = surface
+        mesh, name = self._meshes[body], f'"{body}.{face}"'
+        try:
+            found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
+        except Error as error:
+            raise self._error(f"{name}{self._file_of(body)}: {error}", key) from None
+        except ValueError as error:
+            text = f'{name}: body "{body}"{self._file_of(body)} {error}'
+            raise self._error(text, key) from None
         if not len(found):
-            reason = f'no outer face of the body lies in that plane; "{surface[0]}.outer" has all of them'
-            raise self._error(f'"{".".join(surface)}" has no faces: {reason}', key)
+            what = "nodes" if nodes else "faces"
+            reason = f'no outer face of the body lies in that plane; "{body}.outer" has all of them'
+            if face not in FACES:
+                reason = f'the set is empty in body "{body}"{self._file_of(body)}'
+            raise self._error(f"{name} has no {what}: {reason}", key)
         return found
 
+    def _file_of(self, body: str) -> str:
+        """The mesh file of a body, for a message."""
+        given = self.parts.bodies[body]
+        return "" if given.mesh is None else f' of "{given.mesh}"'
+
     def _add_support(self, i: int, support: Support) -> None:
-        nodes = self._on(support.set, f"support[{i}].set", nodes=True)
+        nodes = self.on(support.set, f"support[{i}].set", nodes=True)
         new = ffi.new("ct_scene_support *", support.c("ct_scene_support", **_held(support, nodes)))
         new.body = list(self.parts.bodies).index(support.set.body)
         self._call(f"support[{i}]", lib.ct_scene_add_support, self._scene, new)
@@ -491,11 +533,12 @@ class Maker:
 
     def motion(self) -> Any:
         """Create the one effect of all supports with a prescribed displacement."""
-        paths = [support for support in self.parts.support if support.history]
+        paths = [(i, each) for i, each in enumerate(self.parts.support) if each.history]
         self._check_motions()
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
-        for motion, support in zip(motions, paths):
-            members = _held(support, self.keep(self.face_nodes(support.set)))
+        for motion, (i, support) in zip(motions, paths):
+            nodes = self.face_nodes(support.set, f"support[{i}].set")
+            members = _held(support, self.keep(nodes))
             members |= {"displacement": support.travel, "amplitude": self.history(support.history)}
             for name, value in members.items():
                 setattr(motion, name, value)
@@ -514,7 +557,7 @@ class Maker:
                 differs = [
                     k for k in set(support.fix) & set(other.fix) if not _agree(support, other, k)
                 ]
-                one, two = (self._built._on(each.set, self.key, True) for each in (support, other))
+                one, two = (self._built.on(each.set, self.key, True) for each in (support, other))
                 common = np.intersect1d(one, two)
                 if differs and common.size:
                     where = self._built._meshes[support.set.body].nodes[common[0]]
@@ -545,16 +588,16 @@ class Maker:
         body = self.body(name)
         return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
 
-    def face_nodes(self, surface: tuple[str, str]) -> NDArray[Any]:
+    def face_nodes(self, surface: tuple[str, str], key: str | None = None) -> NDArray[Any]:
         """Numbers in the problem of the nodes of a surface (body, face), ascending (int32); an empty
-        surface is an error."""
-        nodes = self._built._on(surface, self.key, nodes=True)
+        surface is an error of the effect, or of ``key``."""
+        nodes = self._built.on(surface, key or self.key, nodes=True)
         return np.ascontiguousarray(nodes + self.body(surface[0]).first_node, np.int32)
 
     def faces(self, surface: tuple[str, str]) -> dict[str, Any]:
         """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); an empty surface is
         an error."""
-        body, faces = self.body(surface[0]), self._built._on(surface, self.key)
+        body, faces = self.body(surface[0]), self._built.on(surface, f"{self.key}.surface")
         rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
         kind = lib.ct_brick_face_kind(body.mesh.kind)
         return {"kind": kind, "face_count": len(rows), "faces": ffi.from_buffer("int32_t[]", rows)}

@@ -340,7 +340,7 @@ class Scene:
         name
             Its column in the energy balance.
         body, nodes
-            The body, and numbers of its nodes or a face such as ``"x_max"``.
+            The body, and numbers of its nodes, or a face such as ``"x_max"``, or the name of a set.
         force
             ``force(view)`` returns the forces (n, 3) on the nodes; ``view`` has ``time``, ``dt``, ``reference``,
             ``displacement`` and ``velocity`` of them (:class:`libcontact.effects.own.View`).
@@ -648,9 +648,10 @@ def _shape_of(body: dict[str, Any]) -> str:
 
 def _toml(data: dict[str, Any], arrays: bool = True) -> str:
     for body in data.get("body", []):
-        for key in ("nodes", "elements"):
-            if key in body:
-                body[key] = body[key].tolist() if arrays else f"array of shape {body[key].shape}"
+        for table in (body, *body.get("sets", {}).values()):
+            for key in ARRAYS.keys() & table.keys():
+                rows = table[key]
+                table[key] = rows.tolist() if arrays else f"array of shape {rows.shape}"
     return tomli_w.dumps(data)
 
 
@@ -670,14 +671,16 @@ def _one_file(one: str | Path, other: str | Path) -> bool:
 
 
 # Arrays, and what they are kept as.
-ARRAYS = {"nodes": None, "elements": np.int32}
+ARRAYS = {"nodes": None, "elements": np.int32, "faces": np.int32}
 
 
 def _plain(value: Any) -> Any:
-    """A deep copy of tables in plain Python types (TOML's); nodes and elements are copied as arrays."""
+    """A deep copy of tables in plain Python types (TOML's); nodes, faces and elements are copied as arrays."""
     if isinstance(value, dict):
         return {
-            str(key): np.array(item, ARRAYS[key]) if key in ARRAYS else _plain(item)
+            str(key): _plain(item)
+            if key not in ARRAYS or isinstance(item, dict)  # a set may have such a name, too
+            else np.array(item, ARRAYS[key])
             for key, item in value.items()
         }
     if isinstance(value, (list, tuple, np.ndarray)):

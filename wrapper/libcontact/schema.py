@@ -277,29 +277,30 @@ class Named(str):
 
 
 class Face(NamedTuple):
-    """A body and one of its faces."""
+    """A body, and one of its faces or sets."""
 
     body: str
     face: str
 
 
-FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
+SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+FACES = (*SIDES, "outer")
 
 
 class Surface(Text):
-    """``"left.x_max"``, a body and one of its faces."""
+    """``"left.x_max"``, a body and one of its faces, or ``"gear.teeth"``, a body and a set of its mesh. The name
+    of a set may have dots."""
 
-    json = {"type": "string", "pattern": rf"\.({'|'.join(FACES)})$"}
+    json = {"type": "string", "pattern": r"^.+\..+$"}
 
     def read(self, value: Any, at: Place) -> Any:
         at.need(isinstance(value, str), value, 'a text such as "left.x_max"')
         body, dot, face = value.rpartition(".")
-        if not dot:
+        if face not in FACES:
+            body, dot, face = value.partition(".")
+        if not (dot and face):
             reason = "is no face; write body and face with a dot, such as"
             raise at.error(f'"{value}" {reason} "left.x_max"')
-        if face not in FACES:
-            near = suggestion(face, FACES)
-            raise at.error(f'"{value}": body "{body}" has no face "{face}"{near}')
         return Face(Named("body", body), face)
 
 
@@ -439,6 +440,20 @@ class Rows(Kind):
         return out
 
 
+class Indices(Rows):
+    """A list of numbers of nodes or elements."""
+
+    def __init__(self) -> None:
+        super().__init__(1, whole=True)
+        self.json = {"type": "array", "items": Whole(0).json, "minItems": 1}
+
+    def read(self, value: Any, at: Place) -> NDArray[Any]:
+        """The numbers as a contiguous array of int32."""
+        listed = entries(value, at) if not isinstance(value, np.ndarray) else None
+        rows = value.reshape(-1, 1) if listed is None else [[entry] for entry in listed]
+        return super().read(rows, at).ravel()
+
+
 class Nested(Kind):
     """A table within a table."""
 
@@ -450,6 +465,28 @@ class Nested(Kind):
 
     def read(self, value: Any, at: Place) -> Any:
         return self.model.read(value, at)
+
+
+class ByName(Kind):
+    """Values of one kind by name: a table whose keys the user chooses."""
+
+    def __init__(self, kind: Kind):
+        self.kind = kind
+        if isinstance(kind, Nested):
+            self.model = kind.model
+
+    def schema(self) -> dict[str, Any]:
+        out = {"type": "object", "propertyNames": Name.json, "minProperties": 1}
+        return {**out, "additionalProperties": self.kind.schema()}
+
+    def read(self, value: Any, at: Place) -> dict[str, Any]:
+        at.need(isinstance(value, dict), value, "a table")
+        if not value:
+            raise at.error("is empty; give at least one name")
+        return {
+            Name().read(name, at): self.kind.read(entry, at / str(name))
+            for name, entry in value.items()
+        }
 
 
 class Several(Nested):
@@ -635,12 +672,15 @@ def required(field: dataclasses.Field[Any]) -> bool:
 
 
 def walk(value: Any, at: Place) -> Iterator[tuple[Place, Any]]:
-    """All tables and names in a value that was read, with their places."""
-    if isinstance(value, (Table, Named)):
+    """All tables, faces and names in a value that was read, with their places."""
+    if isinstance(value, (Table, Named, Face)):
         yield at, value
     if isinstance(value, Table):
         for name in value.keys():
             yield from walk(getattr(value, name), at / name)
+    elif isinstance(value, dict):
+        for name, entry in value.items():
+            yield from walk(entry, at / name)
     elif isinstance(value, tuple) and value and isinstance(value[0], (Table, Named, Face)):
         for i, entry in enumerate(value):
             yield from walk(entry, at if isinstance(value, Face) else at[i])

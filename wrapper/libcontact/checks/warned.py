@@ -20,6 +20,7 @@ from ..model import AXES, FEEDS, Contact
 from ..observers import Observer, spread
 from ..parts import acts_on
 from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
+from ..schema import SIDES
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter
 from .limits import Depths, long_run
@@ -317,7 +318,8 @@ def _away(problem: Problem, contact: Contact) -> str:
     """The reason why two plane faces cannot come into contact; "" if they can, or if a body rotates."""
     (a, face), (b, other) = contact.surfaces
     turns = any(problem.parts.bodies[body].spin is not None for body in (a, b))
-    if contact.with_itself or "outer" in (face, other) or turns or face[0] != other[0]:
+    plane = face in SIDES and other in SIDES
+    if contact.with_itself or not plane or turns or face[0] != other[0]:
         return ""
     if face == other:
         return "both surfaces point in the same direction"

@@ -66,7 +66,7 @@ class OnSurface(Effect):
     Attributes
     ----------
     surface
-        The face that it acts on.
+        The face or set of faces that it acts on.
     """
 
     surface: tuple[str, str] = key(Surface())

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bridge import Floats
+from ..schema import FACES
 from ..state import BodyState, State
 
 if TYPE_CHECKING:
@@ -48,7 +49,10 @@ def _bears(body: BodyState, faces: Any, field: str, drawing: Drawing) -> Any:
     """For the contact pressure whether each face belongs to a surface in contact; 1 for other fields."""
     if field != "contact_pressure":
         return 1.0
-    nodes = [body.mesh.face_nodes(name) for name in drawing.surfaces.get(body.name, ("outer",))]
+    # A results file has no sets.
+    names = drawing.surfaces.get(body.name, ("outer",))
+    known = [name if name in FACES or body.mesh.sets.kinds(name) else "outer" for name in names]
+    nodes = [body.mesh.face_nodes(name) for name in known]
     return np.any([np.isin(faces[:, :4], each).all(axis=1) for each in nodes], axis=0)
 
 

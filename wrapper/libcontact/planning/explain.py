@@ -18,6 +18,7 @@ from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support
 from ..parts import EFFECTS, Parts
 from ..probes import Located
 from ..problem import BuiltBody, BuiltContact, Problem, speeds
+from ..schema import FACES, Face, Place, walk
 from ..surfaces import contact_tables, pair_name
 from ..units import Units
 from .inertia import inertia_ratios
@@ -104,6 +105,7 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
         "file": problem.file,
         "units": {**values_of(units), **labels},
         "bodies": bodies,
+        "sets": _sets(problem),
         "effects": list(dict.fromkeys(problem.effects)),
         "savings": list(parts.run.savings),
         "left_out": {name: why for name, why in WITHOUT.items() if name not in problem.effects},
@@ -176,6 +178,29 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     masses = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * problem.pointer.node_count))
     facts |= {"inertia": inertia_ratios(mesh, masses[body.nodes])}
     return facts | {"flops_per_update": body.flops, "bytes_per_update": body.bytes}
+
+
+def _sets(problem: Problem) -> list[dict[str, Any]]:
+    """The sets that the scene uses, with their counts and the keys that name them."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for at, face in walk(problem.parts, Place()):
+        if isinstance(face, Face) and face.face not in FACES:
+            found.setdefault((str(face.body), face.face), []).append(at.key)
+    return [_set(problem, name, keys) for name, keys in found.items()]
+
+
+def _set(problem: Problem, surface: tuple[str, str], keys: list[str]) -> dict[str, Any]:
+    body, name = surface
+    mesh = problem.bodies[body].mesh
+    kinds, nodes = mesh.sets.kinds(name), len(mesh.face_nodes(name))
+    counts = {kind: len(getattr(mesh.sets, kind)[name]) for kind in kinds}
+    return {"name": f"{body}.{name}", "counts": counts | {"nodes": nodes}, "keys": keys}
+
+
+def _set_line(found: dict[str, Any]) -> str:
+    counts = found["counts"].items()
+    counted = ", ".join(f"{n} {kind if n != 1 else kind[:-1]}" for kind, n in counts)
+    return f"set {found['name']}: {counted}; {', '.join(found['keys'])}"
 
 
 def _why(asked: str, body: BuiltBody) -> str:
@@ -276,6 +301,7 @@ def _text(data: dict[str, Any], units: Units) -> str:
             ratios = ", ".join(f"{ratio:.4g}" for ratio in body["inertia"])
             text += f"\n    inertia of these masses over that of the body: {ratios}"
         lines.append(text)
+    lines += [f"  {_set_line(found)}" for found in data["sets"]]
     lines += ["", f"Effects that are computed: {', '.join(data['effects'])}"]
     lines += [_contact_text(contact, labels) for contact in data["contacts"]]
     lines += [f"  {_support_line(support, labels)}" for support in data["supports"]]
