@@ -197,6 +197,7 @@ def mesh_data(cells=(2, 1, 1)):
         {"corner": np.array([0])},
         {"left": np.array([[0, 0]]), "none": np.empty((0, 2), int)},
         {"all": np.arange(len(mesh.elements))},
+        None,
     )
 
 
@@ -229,7 +230,11 @@ def test_sets_of_a_file_are_surfaces(file):
     want = block(SETS | {"corner": {"nodes": [0]}}).add("load", surface="a.x_min", pressure=1.0)
     want.add_support("a.corner", fix="x")
     assert (found == want.run(progress=False, output=False).state["a"].displacement).all()
-    assert [held[key] for key in ("part", "scale", "extrude")] == ["all", 2.0, (3.0, 2)]
+    assert [held[key] for key in ("part", "scale", "extrude")] == [
+        "all",
+        2.0,
+        (1.5, 2),
+    ]  # in the file's units
 
 
 @pytest.mark.parametrize(
@@ -290,3 +295,77 @@ def test_a_run_goes_on_only_with_the_mesh_that_it_had(file, what, tmp_path):
         ct.Scene(scene).run(progress=False, restart=path)
     assert error.value.key == "restart"
     assert 'the mesh file "block.msh" has changed since then' in error.value.reason
+
+
+# A file of Abaqus: a bar of four bricks along x, 1, 2 brass and 3, 4 steel.
+BAR = """*NODE
+{nodes}
+*ELEMENT, TYPE=C3D8R, ELSET=BAR
+{elements}
+*ELSET, ELSET=HUB
+1, 2
+*ELSET, ELSET=RIM
+3, 4
+*NSET, NSET=CORNER
+1
+*SURFACE, NAME=FRONT, TYPE=ELEMENT
+4, S4
+"""
+SCENE = """
+units = {length = "mm", mass = "t", time = "s"}
+material = [
+  {name = "steel", young = 2.0e5, poisson = 0.0, density = 8e-9},
+  {name = "brass", young = 1.0e5, poisson = 0.0, density = 8e-9},
+]
+[[body]]
+name = "bar"
+mesh = "bar.inp"
+scale = 1000.0
+material = {RIM = "steel", HUB = "brass"}
+[[support]]
+set = "bar.x_min"
+fix = ["x", "y", "z"]
+[[load]]
+surface = "bar.FRONT"
+pressure = -100.0
+[damping]
+relaxation = true
+[time]
+end = 1.0
+until_static = 1e-8
+"""
+
+
+def test_from_a_file_with_sets_and_materials_to_a_result(tmp_path):
+    """20 lines: the ends move by σ Σ l / E = 100 (2000 / 1e5 + 2000 / 2e5) mm."""
+    mesh = Mesh.box("hex8", (0, 0, 0), (4, 1, 1), (4, 1, 1))
+    nodes = [f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
+    cells = [", ".join(map(str, [e + 1, *(n + 1)])) for e, n in enumerate(mesh.elements)]
+    text = BAR.format(nodes="\n".join(nodes), elements="\n".join(cells))
+    (tmp_path / "bar.inp").write_text(text)
+    (tmp_path / "bar.toml").write_text(SCENE)
+    run = ct.Scene.load(tmp_path / "bar.toml").run(progress=False, output=False)
+    end = run.state["bar"].displacement[mesh.nodes[:, 0] == 4.0, 0]
+    assert np.abs(end - 3.0).max() < 1e-5
+
+
+def test_two_bodies_of_one_file_meet_at_their_sets(tmp_path):
+    """Its two halves as bodies, which the load presses against each other, held at the other end."""
+    mesh = Mesh.box("hex8", (0, 0, 0), (4, 1, 1), (4, 1, 1))
+    nodes = [f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
+    cells = [", ".join(map(str, [e + 1, *(n + 1)])) for e, n in enumerate(mesh.elements)]
+    text = BAR.format(nodes="\n".join(nodes), elements="\n".join(cells))
+    ends = "*SURFACE, NAME=MEET, TYPE=ELEMENT\n2, S4\n3, S6\n"
+    (tmp_path / "bar.inp").write_text(text + ends)
+    scene = ct.Scene(units=METRES, file=tmp_path / "bar.toml")
+    scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
+    for name, part in (("hub", "HUB"), ("rim", "RIM")):
+        scene.add_body(name, material="soft", mesh="bar.inp", part=part)
+    scene.add_contact("hub.MEET", "rim.MEET").add_support("hub.x_min", fix="xyz")
+    scene.add("load", surface="rim.FRONT", pressure=0.01)
+    scene.add("damping", relaxation=True).set_time(end=1e4, until_static=1e-8)
+    found = scene.run(progress=False, output=False)
+    assert np.abs(found.state["hub"].stress[:, 0] + 0.01).max() < 1e-8
+    assert np.abs(found.state["rim"].stress[:, 0] + 0.01).max() < 1e-8
+    with pytest.raises(ct.SceneError, match='has no face or set "FRONT"'):
+        scene.add("load", surface="hub.FRONT", pressure=0.01).explain()

@@ -665,8 +665,8 @@ class Loop:
             if body.kernel == "rigid":
                 fields["stress"] = np.zeros((len(body.mesh.elements), 6))
             initial = problem.parts.bodies[name].initial
-            stress = initial and initial.stress
-            bodies[name] = BodyState(name, body.mesh, body.material, stress, **fields)
+            stress, of = initial and initial.stress, body.by_material
+            bodies[name] = BodyState(name, body.mesh, body.material, stress, of, **fields)
         return State(state.time, state.step, bodies)
 
 

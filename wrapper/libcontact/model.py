@@ -28,6 +28,7 @@ from .schema import (
     Name,
     Nested,
     Number,
+    OneOrByName,
     PartKey,
     Reference,
     Rows,
@@ -298,7 +299,7 @@ class MeshSet(Table):
 
 class Body(Table):
     """
-    A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
+    A body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
     ``elements`` (cells, 8 or 20); the arrays are copied.
 
     Attributes
@@ -306,7 +307,8 @@ class Body(Table):
     name
         Name of the body in results and messages, at most 63 bytes.
     material
-        Name of a material.
+        Name of a material; or, for several in one body, names by sets of elements, such as
+        ``{rim = "steel", hub = "brass"}``, in which every element is once.
     box
         A rectangular box.
     ring
@@ -357,7 +359,7 @@ class Body(Table):
     belongs = {"kernel": ("integration", "full"), "hourglass": ("integration", "reduced")}
 
     name: str = key(Name(), kw_only=False)
-    material: str = key(Reference("material"))
+    material: Any = key(OneOrByName(Reference("material")))
     box: Any = key(Nested(Box), default=None, says="one of four")
     ring: Any = key(Nested(Ring), default=None, says="one of four")
     mesh: Any = key(FileName(), default=None, says="one of four")
@@ -391,6 +393,12 @@ class Body(Table):
             return next(name for name in WIDTH if WIDTH[name] == self.elements.shape[1])
         return self.element or (None if self.mesh else "hex8")
 
+    @property
+    def material_names(self) -> tuple[str, ...]:
+        """Names of its materials, each once."""
+        names = self.material.values() if isinstance(self.material, dict) else [self.material]
+        return tuple(dict.fromkeys(map(str, names)))
+
     @cached_property
     def mesh_sets(self) -> Sets | None:
         """The named sets of its mesh; None as long as a mesh file has not been read."""
@@ -408,6 +416,14 @@ class Body(Table):
             _ = self.mesh_sets
         except ValueError as error:
             yield "sets", str(error)
+        if isinstance(self.material, dict):
+            if self.box or self.ring:
+                shape = "box" if self.box else "ring"
+                yield "material", f"names sets of elements, but a {shape} has none; give one name"
+            if self.kernel in ("box", "plane"):
+                yield "kernel", f'"{self.kernel}" is for a body of one material'
+            if self.initial and self.initial.stress is not None:
+                yield "initial.stress", "is for a body of one material"
         if self.elements is not None:
             most, (_, width) = len(self.nodes) - 1, self.elements.shape
             bad = np.flatnonzero((self.elements > most).any(axis=1))

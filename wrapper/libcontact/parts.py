@@ -61,6 +61,10 @@ class Parts(Table):
         """The materials by name."""
         return {material.name: material for material in self.material}
 
+    def materials_of(self, body: Body) -> tuple[Material, ...]:
+        """The materials of a body, each once."""
+        return tuple(self.materials[name] for name in body.material_names)
+
     @cached_property
     def bodies(self) -> dict[str, Body]:
         """The bodies by name."""
@@ -188,7 +192,12 @@ def schema() -> dict[str, Any]:
 def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     """For each pair of tables that contradict each other the key of the later one, and the reason."""
     for i, body in enumerate(parts.body):
-        for name, reason in body.small_strain_only(parts.materials[body.material]):
+        first, *further = parts.materials_of(body)
+        for other in further:
+            if other.law != first.law:
+                why = f'has the law "{other.law}", and "{first.name}" has "{first.law}"'
+                yield f"body[{i}].material", f'"{other.name}" {why}; a body has one law'
+        for name, reason in body.small_strain_only(first):
             yield f"body[{i}].{name}", reason
         for added in parts.effects:
             if acts_on(added.given, body.name):
@@ -198,7 +207,7 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     yield from _absorbing(parts)
     yield from _probing(parts)
     others = [body for body in parts.body if body.name not in parts.rigid_names]
-    large = [body.name for body in others if parts.materials[body.material].law != "linear"]
+    large = [body.name for body in others if parts.materials_of(body)[0].law != "linear"]
     if parts.output.filter and large:
         yield "output.filter", f'is for linear bodies; "{large[0]}" is not linear'
 
@@ -206,10 +215,11 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
 def _turning(parts: Parts) -> Iterator[tuple[str, str]]:
     """Refuse a rotation with small strain, unless the body is rigid, which a later table may say."""
     for i, body in enumerate(parts.body):
-        if parts.materials[body.material].law != "linear" or body.name in parts.rigid_names:
+        material = parts.materials_of(body)[0]
+        if material.law != "linear" or body.name in parts.rigid_names:
             continue
         turns = {"spin": body.spin, "initial.angle": body.initial and body.initial.angle}
-        other = f'material "{body.material}" has the law "linear"'
+        other = f'material "{material.name}" has the law "linear"'
         for name in [name for name, turn in turns.items() if turn]:
             why = f"turns the body, {other}, with which a rotation causes false strain"
             yield f"body[{i}].{name}", f"{why}; give it the law {LARGE}, or make it [[rigid]]"
@@ -230,10 +240,13 @@ def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]
             f"{added.key}.bodies",
             f'"{body.name}" is of {body.bricks}; bulk viscosity is for hex8',
         )
-    law = parts.materials[body.material].law
+    law = parts.materials_of(body)[0].law
     if added.name == "damping" and added.given.stiffness and law != "linear":
         why = f'is for the law "linear", and "{body.name}" has "{law}"; give a rate, or name other bodies in "bodies"'
         yield f"{added.key}.stiffness", why
+    if added.name == "viscosity" and len(body.material_names) > 1:
+        why = "has several materials; bulk viscosity is for bodies of one"
+        yield f"{added.key}.bodies", f'"{body.name}" {why}'
     held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
     cells = body.box.cells if body.box and body.kernel == "plane" else ()
     thin = [k for k, n in enumerate(cells) if n == 1 and "xyz"[k] in held]

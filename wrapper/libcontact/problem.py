@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, ask, call, doubles, ints, names, point_rows
+from .bridge import Floats, Ints, ask, call, doubles, ints, names, point_rows, table
 from .contact import PLACES, depths
 from .errors import Error, check, new_error, text_of
 from .mesh import (
@@ -33,7 +33,7 @@ from .meshes import read_mesh
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts, acts_on
 from .probes import locate
-from .schema import FACES, SceneError, Table, word
+from .schema import FACES, SceneError, Table, listed, suggestion, word
 from .sets import KINDS as SET_KINDS
 from .sets import Sets
 
@@ -59,7 +59,8 @@ NODE = np.dtype(
 
 @dataclass(frozen=True, eq=False)
 class BuiltBody:
-    """A body of a built problem; its nodes are the rows ``nodes`` of the problem's arrays."""
+    """A body of a built problem; its nodes are the rows ``nodes`` of the problem's arrays. Of several materials
+    ``material`` is the one with the largest c₁, and ``by_material`` has the elements of each."""
 
     name: str
     mesh: Mesh
@@ -68,6 +69,12 @@ class BuiltBody:
     kernel: str
     flops: float
     bytes: float
+    by_material: tuple[tuple[Material, NDArray[np.int64]], ...] = ()
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Its materials, each once."""
+        return tuple(given for given, _ in self.by_material) or (self.material,)
 
 
 class Arrays(NamedTuple):
@@ -204,8 +211,12 @@ class Problem:
         time, over = self.parts.time, self.parts.time.end_c1t_over
         if time.end is not None:
             return float(time.end)
-        materials = (self.parts.materials[body.material] for body in self.parts.body)
-        return float(over.length * over.value / max(speeds(each)[0] for each in materials))
+        fastest = max(speeds(self.parts.materials[each])[0] for each in self._used())
+        return float(over.length * over.value / fastest)
+
+    def _used(self) -> set[str]:
+        """Names of the materials that bodies have."""
+        return {name for body in self.parts.body for name in body.material_names}
 
     @property
     def settled(self) -> float:
@@ -266,8 +277,8 @@ class Problem:
         """Whether the library stores no element forces of a box, :eq:`lattice-ring`."""
         return (
             "congruent" in self.parts.run.savings
-            and self.parts.materials[body.material].law == "linear"
             and body.box is not None
+            and self.parts.materials_of(body)[0].law == "linear"
             and FACTS[str(body.bricks)].trilinear
             and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
         )
@@ -333,13 +344,15 @@ class Problem:
     def _add_bodies(self) -> None:
         """Add all bodies and join them. From then on the C scene holds their meshes."""
         self._sets: dict[str, Sets] = dict.fromkeys(self.parts.bodies, NO_SETS)
+        # The number of each element's material, of bodies with several.
+        self._material_at: dict[str, Ints] = {}
         for i, body in enumerate(self.parts.bodies.values()):
-            given = self.parts.materials[body.material]
-            c1 = speeds(given)[0]
-            if not (math.isfinite(c1) and c1 > 0.0):
-                reason = f'material "{body.material}" has the wave speed {c1:g}'
-                raise self._error(reason, f"body[{i}].material")
-            self._add_body(i, body, given)
+            for given in self.parts.materials_of(body):
+                c1 = speeds(given)[0]
+                if not (math.isfinite(c1) and c1 > 0.0):
+                    reason = f'material "{given.name}" has the wave speed {c1:g}'
+                    raise self._error(reason, f"body[{i}].material")
+            self._add_body(i, body)
         joined = ffi.new("const ct_problem **")
         self._call("", lib.ct_scene_join, self._scene, joined)
         self.joined = joined[0]
@@ -348,7 +361,7 @@ class Problem:
             for i, (name, sets) in enumerate(self._sets.items())
         }
 
-    def _add_body(self, i: int, body: Body, given: Material) -> None:
+    def _add_body(self, i: int, body: Body) -> None:
         """Add a body. An error of its mesh names the key that gives the mesh."""
         key = next(name for name in Body.one[0] if getattr(body, name) is not None)
         key, about = f"body[{i}].{key}", f'body "{body.name}"{self._file_of(body.name)}: '
@@ -360,7 +373,9 @@ class Problem:
             raise self._error(f"{about}{error}", key) from None
         name = ffi.new("char[]", body.name.encode())
         members = body.c("ct_scene_body", name=name, **shape)
-        members["material"] = given.c("ct_material")
+        members["material"] = self.parts.materials_of(body)[0].c("ct_material")
+        if isinstance(body.material, dict):
+            members["materials"] = self._by_element(i, body, members["mesh"].element_count)
         if body.integration == "reduced":
             members["kernel"] = lib.CT_KERNEL_REDUCED
         damping = self.parts.damping
@@ -387,6 +402,44 @@ class Problem:
             out["velocities"] = ffi.from_buffer("double[]", _spinning(body, nodes))
         return out
 
+    def _by_element(self, i: int, body: Body, count: int) -> Any:
+        """The material of each element (``ct_material[]``) of a body with several; each element must be in one
+        of the sets."""
+        names, sets = body.material_names, self._sets[body.name].elements
+        at, of = np.full(count, -1, np.int32), dict[int, str]()
+        for k, (name, material) in enumerate(body.material.items()):
+            key = f"body[{i}].material.{name}"
+            where = f'body "{body.name}"{self._file_of(body.name)}'
+            if name not in sets:
+                near = suggestion(name, sets, "its sets of elements are ")
+                raise self._error(f'{where} has no set of elements "{name}"{near}', key)
+            twice = sets[name][at[sets[name]] >= 0]
+            if twice.size:
+                other = of[int(at[twice[0]])]
+                text = f'element {twice[0]} of {where} is in the sets "{other}" and "{name}"'
+                raise self._error(f"{text}; each element has one material", key)
+            at[sets[name]], of[k] = k, name
+        left = np.flatnonzero(at < 0)
+        if left.size:
+            text = f'element {left[0]} of body "{body.name}"{self._file_of(body.name)} is in none of the sets'
+            text = f"{text} {listed(body.material, 'and')}, so it has no material ({left.size} such elements)"
+            raise self._error(text, f"body[{i}].material")
+        number = [names.index(str(material)) for material in body.material.values()]
+        self._material_at[body.name] = at = np.array(number, np.int32)[at]
+        rows, _ = table("ct_material", len(names))
+        for k, given in enumerate(self.parts.materials_of(body)):
+            for member, value in given.c("ct_material").items():
+                rows[member][k] = value
+        return ffi.from_buffer("ct_material[]", rows[at])
+
+    def materials_behind(self, surface: tuple[str, str]) -> tuple[Material, ...]:
+        """The materials of the elements behind a surface."""
+        body, face = surface
+        all_of, at = self.parts.materials_of(self.parts.bodies[body]), self._material_at.get(body)
+        if at is None:
+            return all_of
+        return tuple(all_of[k] for k in np.unique(at[self._meshes[body].faces(face)[1]]))
+
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
         places = [f"contact[{i}].surfaces[{j}]" for j in (0, 1)]
@@ -397,10 +450,10 @@ class Problem:
         for name, value in contact.c("ct_contact_options").items():
             setattr(options, name, value)
         new = ffi.new("ct_scene_contact *", contact.c("ct_scene_contact", options=options))
-        for side, (body, _), table in zip("ab", contact.surfaces, faces):
+        for side, (body, _), own in zip("ab", contact.surfaces, faces):
             setattr(new, f"body_{side}", numbers[body])
-            setattr(new, f"face_count_{side}", len(table))
-            setattr(new, f"faces_{side}", ffi.from_buffer("int32_t[]", table))
+            setattr(new, f"face_count_{side}", len(own))
+            setattr(new, f"faces_{side}", ffi.from_buffer("int32_t[]", own))
         self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new)
         return faces[:1] if contact.with_itself else faces
 
@@ -480,9 +533,13 @@ class Problem:
         kernel, cost = ffi.new("ct_solid_kernel *"), ffi.new("double[2]")
         call(lib.ct_solid_body_plan, self.pointer.effects[0], i, kernel, cost, cost + 1)
         rows = slice(body.first_node, body.first_node + body.mesh.node_count)
-        material = self.parts.materials[self.parts.bodies[name].material]
-        mesh = self._meshes[name]
-        return BuiltBody(name, mesh, material, rows, word(KERNELS, kernel[0]), *cost)
+        mesh, materials = self._meshes[name], self.parts.materials_of(self.parts.bodies[name])
+        stiffest = max(materials, key=lambda each: speeds(each)[0])
+        at = self._material_at.get(name)
+        groups = [] if at is None else [np.flatnonzero(at == k) for k in range(len(materials))]
+        by_material = tuple(zip(materials, groups))
+        kind = word(KERNELS, kernel[0])
+        return BuiltBody(name, mesh, stiffest, rows, kind, cost[0], cost[1], by_material)
 
     def _built_contact(self, i: int, contact: Contact) -> BuiltContact:
         epsilon = ffi.new("double *")
@@ -582,6 +639,10 @@ class Maker:
     def body(self, name: str) -> Any:
         """The ``ct_body`` with this name."""
         return self.problem.bodies[list(self.parts.bodies).index(name)]
+
+    def materials(self, surface: tuple[str, str]) -> tuple[Material, ...]:
+        """The materials of the elements behind a surface."""
+        return self._built.materials_behind(surface)
 
     def body_nodes(self, name: str) -> NDArray[Any]:
         """Numbers in the problem of all nodes of a body (int32)."""

@@ -194,8 +194,9 @@ def _bodies(vtk: Any, rows: Rows, record: int, stresses: dict[str, Any]) -> dict
         cut = {key: values[part[groups[key]]] for key, values in fields.items()}
         if "rigid" in row.dtype.names and row["rigid"]:
             cut.setdefault("stress", np.zeros((len(elements), 6)))
-        material = Material("", **constants, law=law)
-        out[name] = BodyState(name, mesh, material, stresses.get(name), **cut)
+        several = "materials" in row.dtype.names and row["materials"] != 0
+        material = None if several else Material("", **constants, law=law)
+        out[name] = BodyState(name, mesh, material, stresses.get(name), (), **cut)
     return out
 
 

@@ -489,6 +489,16 @@ class ByName(Kind):
         }
 
 
+class OneOrByName(ByName):
+    """One value, or values by name."""
+
+    def schema(self) -> dict[str, Any]:
+        return {"anyOf": [self.kind.schema(), super().schema()]}
+
+    def read(self, value: Any, at: Place) -> Any:
+        return super().read(value, at) if isinstance(value, dict) else self.kind.read(value, at)
+
+
 class Several(Nested):
     """Tables of one kind, written ``[[key]]``."""
 

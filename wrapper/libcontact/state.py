@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._core import lib
 from .bridge import Floats, Ints, call, doubles
-from .mesh import Mesh
+from .mesh import Mesh, c_mesh
 from .model import FILTERED, Material
 from .problem import c_material
 from .schema import suggestion
@@ -60,7 +61,8 @@ class BodyState:
     mesh : Mesh
         Its reference configuration.
     material : Material or None
-        Its material.
+        Its material; of several the stiffest. None if it is not known, as for a body of several materials in a
+        results file.
     initial_stress : sequence or None
         Its stress without displacement, xx yy zz xy yz zx [stress]; None: 0.
     """
@@ -71,11 +73,14 @@ class BodyState:
         mesh: Mesh,
         material: Material | None,
         initial_stress: Sequence[float] | None = None,
+        by_material: Sequence[tuple[Material, NDArray[Any]]] = (),
         **fields: Floats | Callable[[], Floats] | None,
     ):
-        """A field is its values, or a function that computes them on first use."""
+        """A field is its values, or a function that computes them on first use; ``by_material`` has the elements
+        of each of several materials."""
         self.name, self.mesh, self.material, self._fields = name, mesh, material, fields
         self.initial_stress = initial_stress
+        self._by_material = tuple(by_material)
 
     def __getstate__(self) -> dict[str, Any]:
         # A copy or a pickle contains the values, not the functions.
@@ -107,8 +112,12 @@ class BodyState:
         if values is None:
             assert self.material is not None
             values = self._fields[field] = np.empty((len(self.elements), 6))
-            u, law = doubles(self.displacement), c_material(self.material)
-            call(lib.ct_solid_stress, self.mesh.pointer, law, u, doubles(values))
+            for material, numbers in self._by_material or ((self.material, slice(None)),):
+                elements = np.ascontiguousarray(self.elements[numbers])
+                own = np.empty((len(elements), 6))
+                given = (c_mesh(self.mesh.nodes, elements), c_material(material))
+                call(lib.ct_solid_stress, *given, doubles(self.displacement), doubles(own))
+                values[numbers] = own
             if self.initial_stress is not None:
                 values += np.array(self.initial_stress)
         if callable(values):
@@ -124,7 +133,8 @@ class BodyState:
         if not names:
             raise ValueError(f'body "{self.name}": nothing was filtered; set [output] filter')
         fields = {name.removesuffix("_filtered"): self._field(name) for name in names}
-        return BodyState(self.name, self.mesh, self.material, self.initial_stress, **fields)
+        mesh, stress, of = self.mesh, self.initial_stress, self._by_material
+        return BodyState(self.name, mesh, self.material, stress, of, **fields)
 
     @property
     def nodes(self) -> Floats:

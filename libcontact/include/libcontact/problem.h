@@ -357,13 +357,18 @@ typedef struct ct_body {
   char name[64];
   /** Its nodes and elements. */
   const ct_mesh *mesh;
-  /** Its material. */
+  /** Its material; of several the stiffest, with the largest c₁. */
   ct_material material;
   /** Its nodes are first_node ... first_node + mesh->node_count - 1 of the problem. */
   int32_t first_node;
   /** Its stress without displacement, xx yy zz xy yz zx [stress], :eq:`initial-stress`. */
   double initial_stress[6];
+  /** Null, or the material of each element, shape (mesh->element_count). */
+  const ct_material *materials;
 } ct_body;
+
+/** The material of an element of a body. */
+CT_API const ct_material *ct_body_material(const ct_body *body, int32_t element);
 
 /**
  * Everything that is constant during a run. `ct_scene_build` creates a problem; a host may also

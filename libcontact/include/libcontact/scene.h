@@ -24,7 +24,7 @@ typedef struct ct_scene_body {
   ct_brick_kind kind;
   /** The box, read only when there is no mesh. */
   ct_box box;
-  /** The material of all its elements. */
+  /** The material of all its elements, read only without `materials`. */
   ct_material material;
   /** How masses are lumped. */
   ct_lumping lumping;
@@ -46,6 +46,9 @@ typedef struct ct_scene_body {
   /** Uniform stress of the body without displacement, xx yy zz xy yz zx [stress],
    * :eq:`initial-stress`; 0: none, at no cost. */
   double initial_stress[6];
+  /** Null, or the material of each element of the mesh or box, shape (element_count), copied. All
+   * have one law, and the kernel is CT_KERNEL_GENERAL or CT_KERNEL_REDUCED. */
+  const ct_material *materials;
 } ct_scene_body;
 
 /** The side of a body's mesh with the smallest or largest coordinate. */

@@ -48,7 +48,7 @@ typedef struct ct_optimisations {
 typedef struct ct_solid_body {
   /** Its nodes and elements. */
   const ct_mesh *mesh;
-  /** Its material. */
+  /** Its material, or the stiffest of `materials`. */
   ct_material material;
   /** Number of its first node in the problem. */
   int32_t first_node;
@@ -66,6 +66,9 @@ typedef struct ct_solid_body {
    * boxes is then in plane strain, and motions in this direction do not limit the step.
    */
   int fixed[3];
+  /** Null, or the material of each element, shape (element_count), all with one law. They must live
+   * as long as the effect. */
+  const ct_material *materials;
 } ct_solid_body;
 
 /**

@@ -46,6 +46,12 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_INLINE static inline
 #endif
 
+/* The same number in all lanes. */
+CT_INLINE void ct_lanes_fill(double number, ct_lanes *v)
+{
+  for (int l = 0; l < CT_LANES_COUNT; l++) ((double *)v)[l] = number;
+}
+
 /* Sum over the `count` nodes of a face, at most 8, paired so that a flipped face gives the same
  * bits (eq:tree-sum). */
 CT_INLINE void ct_sum_face(int32_t count, ct_quad t[8], ct_quad *out)

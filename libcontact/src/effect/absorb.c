@@ -6,6 +6,7 @@
 #include "../base/error.h"
 #include "../shape/facets.h"
 #include "../base/memory.h"
+#include "../mesh/mesh_internal.h"
 #include "../base/vector.h"
 
 #include <math.h>
@@ -72,6 +73,28 @@ static void face_dashpots(const ct_facets *facets, const ct_face *face, double n
   }
 }
 
+/* The elements behind the faces, if the body has several materials; else `owner` stays null. */
+static ct_status find_owners(const ct_facets *facets, const ct_body *body, int32_t **owner,
+                             ct_error *error)
+{
+  if (body->materials == NULL) return CT_OK;
+  const size_t entries = (size_t)facets->face_count * (size_t)facets->per;
+  int32_t *own = ct_allocate(entries, sizeof *own);
+  *owner = ct_allocate((size_t)facets->face_count, sizeof **owner);
+  ct_status status =
+      own != NULL && *owner != NULL ? CT_OK : CT_NO_MEMORY(error, "the effect absorb");
+  for (size_t i = 0; status == CT_OK && i < entries; i++)
+    own[i] = facets->faces[i] - body->first_node;
+  if (status == CT_OK)
+    status = ct_mesh_face_owners(body->mesh, facets->face_count, own, *owner, error);
+  for (int32_t f = 0; status == CT_OK && f < facets->face_count; f++)
+    if ((*owner)[f] < 0)
+      status = CT_REFUSE(error, "absorb: face %d is no face of an element of body %s", (int)f,
+                         body->name);
+  ct_release(own);
+  return status;
+}
+
 /* Dashpots of all nodes, and the largest rate (eq:absorb-rate). */
 static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_error *error)
 {
@@ -79,14 +102,17 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_erro
   int32_t body = ct_effect_body_of(problem, facets->nodes[0]);
   if (ct_effect_body_of(problem, facets->nodes[facets->node_count - 1]) != body)
     return CT_REFUSE(error, "absorb: the faces belong to several bodies; give each body its own");
-  const ct_material *material = &problem->bodies[body].material;
   double c1, c2, *C = ct_allocate(ct_facets_value_count(facets, 6), sizeof *C);
+  int32_t *owner = NULL;
+  ct_status status = find_owners(facets, &problem->bodies[body], &owner, error);
   absorb->dashpot =
       ct_pool_take(&absorb->pool, (size_t)facets->node_count, sizeof *absorb->dashpot);
-  absorb->pool.failed |= C == NULL;
-  ct_material_speeds(material, &c1, &c2);
+  absorb->pool.failed |= C == NULL || status != CT_OK;
   for (int32_t f = 0; !absorb->pool.failed && f < facets->face_count; f++) {
     ct_face face;
+    const ct_material *material =
+        ct_body_material(&problem->bodies[body], owner != NULL ? owner[f] : 0);
+    ct_material_speeds(material, &c1, &c2);
     ct_facets_face(facets, f, problem->reference, NULL, &face);
     face_dashpots(facets, &face, material->density * c1, material->density * c2,
                   &C[6 * (int64_t)f * facets->per]);
@@ -100,6 +126,8 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_erro
     absorb->rate = fmax(absorb->rate, fmax(x, fmax(y, z)) / problem->mass[facets->nodes[i]]);
   }
   ct_release(C);
+  ct_release(owner);
+  if (status != CT_OK) return status;
   return absorb->pool.failed ? CT_NO_MEMORY(error, "the effect absorb") : CT_OK;
 }
 

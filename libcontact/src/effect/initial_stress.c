@@ -71,6 +71,9 @@ static ct_status check(const ct_initial_stress_def *def, const ct_problem *probl
                      "body %s: an initial stress is for the law \"linear\"; give the displacement "
                      "that causes it instead",
                      body->name);
+    if (body->materials != NULL)
+      return ct_fail(error, CT_ERROR_UNSUPPORTED, place,
+                     "body %s: an initial stress is for a body of one material", body->name);
     bodies[(*count)++] = i;
   }
   return *count > 0 ? CT_OK : CT_REFUSE(error, "initial stress: no body has one");

@@ -221,6 +221,10 @@ static ct_status prepare_body(viscous_data *d, const ct_body *from, const double
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "viscosity: body %s has elements %s; bulk viscosity is for hex8 only",
                    from->name, facts->name);
+  if (from->materials != NULL)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "viscosity: body %s has several materials; bulk viscosity needs one",
+                   from->name);
   *body = (viscous_body){.mesh = from->mesh,
                          .density = from->material.density,
                          .linear = d->linear,

@@ -57,7 +57,7 @@ typedef struct ct_field {
 /* The struct; behind its fields there is one without a name. */
 typedef struct ct_row_type {
   size_t size;
-  ct_field field[13];
+  ct_field field[14];
 } ct_row_type;
 
 /* -- What an output holds -- */

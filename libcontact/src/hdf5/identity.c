@@ -27,7 +27,9 @@ typedef struct body_row {
   int64_t first_cell, cell_count;
   double young, poisson, density;
   int32_t law, rigid; /* 0: small strain, and not rigid, in files older than these */
-  uint64_t elements;  /* hash of the node numbers of its elements; 0 in older files */
+  /* Hashes of the node numbers of its elements, and of its materials by element; 0 in older files,
+   * and with one material. */
+  uint64_t elements, materials;
 } body_row;
 
 static const ct_row_type BODY_ROW = {
@@ -43,7 +45,8 @@ static const ct_row_type BODY_ROW = {
      CT_FIELD(body_row, density, CT_REAL, "density"),
      CT_FIELD(body_row, law, CT_INT32, "material law"),
      CT_FIELD(body_row, rigid, CT_INT32, "rigidity"),
-     CT_FIELD(body_row, elements, CT_WORD, "list of elements")}};
+     CT_FIELD(body_row, elements, CT_WORD, "list of elements"),
+     CT_FIELD(body_row, materials, CT_WORD, "set of materials")}};
 
 /* One row of /libcontact/effects. */
 typedef struct effect_row {
@@ -84,6 +87,20 @@ static uint64_t hash_of(const int32_t *numbers, int64_t count)
   return hash | 1;
 }
 
+/* A hash of the materials of a body's elements; 0 if it has one. */
+static uint64_t hash_of_materials(const ct_body *body)
+{
+  uint64_t hash = 0;
+  for (int32_t e = 0; body->materials != NULL && e < body->mesh->element_count; e++) {
+    const ct_material *m = &body->materials[e];
+    const double constants[4] = {m->young, m->poisson, m->density, (double)m->law};
+    int32_t words[8];
+    memcpy(words, constants, sizeof words);
+    hash = 31 * hash + hash_of(words, 8);
+  }
+  return hash;
+}
+
 static void fill_bodies(const ct_problem *problem, void *rows)
 {
   body_row *row = rows;
@@ -103,7 +120,8 @@ static void fill_bodies(const ct_problem *problem, void *rows)
         .law = (int32_t)material->law,
         .rigid = ct_problem_is_rigid(problem, b),
         .elements = hash_of(body->mesh->elements, (int64_t)ct_brick_node_count(body->mesh->kind) *
-                                                      body->mesh->element_count)};
+                                                      body->mesh->element_count),
+        .materials = hash_of_materials(body)};
     snprintf(row->name, sizeof row->name, "%.63s", body->name);
   }
 }

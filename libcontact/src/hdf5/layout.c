@@ -84,6 +84,28 @@ static ct_status fill_velocity(const ct_output *o, const ct_problem *problem, ct
   return ct_state_velocity_at(problem, state, (int32_t)first, (int32_t)count, o->now.piece, error);
 }
 
+/* ct_solid_stress of the elements from `from` on of a body, of which `part` has the list. */
+static ct_status body_stress(const ct_body *body, const ct_mesh *part, int32_t from,
+                             const double *displacement, double *values, ct_error *error)
+{
+  const int per = ct_brick_node_count(part->kind);
+  ct_status status = CT_OK;
+  for (int32_t e = 0, end; status == CT_OK && e < part->element_count; e = end) {
+    const ct_material *material = ct_body_material(body, from + e);
+    ct_mesh alike = *part;
+    // -- The next elements of the same material
+    for (end = body->materials == NULL ? part->element_count : e + 1;
+         end < part->element_count &&
+         memcmp(ct_body_material(body, from + end), material, sizeof *material) == 0;)
+      end++;
+    alike.elements += (int64_t)e * per;
+    alike.element_count = end - e;
+    status = ct_solid_stress(&alike, material, displacement, values + 6 * (int64_t)e, error);
+    if (status != CT_OK && error != NULL && error->element >= 0) error->element += from + e;
+  }
+  return status;
+}
+
 /* Stresses of some cells, counted over all bodies, from the displacements of all nodes. */
 static ct_status stress_rows(const ct_problem *problem, const double *displacement, int64_t first,
                              int64_t count, double *values, ct_error *error)
@@ -103,9 +125,8 @@ static ct_status stress_rows(const ct_problem *problem, const double *displaceme
     if (ct_problem_is_rigid(problem, b))
       memset(values, 0, 6 * (size_t)(end - from) * sizeof *values);
     else
-      status = ct_solid_stress(&part, &body->material, displacement + 3 * (int64_t)body->first_node,
-                               values, error);
-    if (status != CT_OK && error != NULL && error->element >= 0) error->element += from;
+      status = body_stress(body, &part, (int32_t)from, displacement + 3 * (int64_t)body->first_node,
+                           values, error);
     // -- The initial stress comes on top (eq:initial-stress)
     for (int64_t k = 0; k < 6 * (end - from); k++) *values++ += body->initial_stress[k % 6];
   }

@@ -228,6 +228,52 @@ ct_status ct_mesh_side_faces(const ct_mesh *mesh, int32_t count, const int32_t *
   return status;
 }
 
+/* By corners; of one face first the queries, whose elements are negative, then its elements. */
+static int compare_sides(const void *a, const void *b)
+{
+  const side *m = a, *n = b;
+  for (int k = 0; k < 4; k++)
+    if (m->corner[k] != n->corner[k]) return m->corner[k] < n->corner[k] ? -1 : 1;
+  return (m->element > n->element) - (m->element < n->element);
+}
+
+/* Write the elements of the queries -1 - element among sorted sides. */
+static void find_owners(const side *sides, size_t count, int32_t *owners)
+{
+  const side *owner = NULL;
+  for (const side *s = sides + count; s-- > sides;) {
+    if (s->element >= 0) owner = s;
+    else
+      owners[-1 - s->element] =
+          owner != NULL && memcmp(owner->corner, s->corner, sizeof s->corner) == 0 ? owner->element
+                                                                                   : -1;
+  }
+}
+
+ct_status ct_mesh_face_owners(const ct_mesh *mesh, int32_t count, const int32_t *faces,
+                              int32_t *owners, ct_error *error)
+{
+  int local[6][8];
+  const int per_face = per_side(mesh);
+  unsigned char *in = ct_allocate((size_t)mesh->node_count, 1);
+  if (in == NULL) return CT_NO_MEMORY(error, "the sides of a mesh");
+  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
+  for (int64_t i = 0; i < (int64_t)count * per_face; i++) in[faces[i]] = 1;
+  size_t listed = list_sides(mesh, local, in, NULL), all = listed + (size_t)count;
+  side *sides = ct_allocate(all, sizeof *sides);
+  if (sides != NULL) {
+    list_sides(mesh, local, in, sides);
+    for (int32_t i = 0; i < count; i++)
+      sides[listed + (size_t)i] = side_of(&faces[(int64_t)i * per_face], -1 - i, 0);
+    qsort(sides, all, sizeof *sides, compare_sides);
+    find_owners(sides, all, owners);
+  }
+  ct_status status = sides != NULL ? CT_OK : CT_NO_MEMORY(error, "the sides of a mesh");
+  ct_release(sides);
+  ct_release(in);
+  return status;
+}
+
 int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes)
 {
   if (mesh == NULL || axis < 0 || axis > 2) return 0;

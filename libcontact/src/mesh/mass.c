@@ -42,7 +42,7 @@ CT_INLINE void sum_points(int count, const ct_lanes *t, ct_lanes *sum)
 /* Integrals over the elements of a batch with the coordinates x[component][node], which are
  * overwritten: `row` of ρ N_a, `diagonal` of ρ N_a² (with scaling), both (nodes), and their masses.
  */
-CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double density,
+CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, const ct_lanes *density,
                          ct_lanes *row, ct_lanes *diagonal, ct_lanes *total)
 {
   int points = per == 8 ? 8 : 27;
@@ -50,7 +50,7 @@ CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double 
   ct_lanes_centre(per, x);
   for (int q = 0; q < points; q++) {
     ct_lanes_jacobian(per, at->dN[q], x, J, &det);
-    volume[q] = density * (at->rule.weight[q] * det);
+    volume[q] = *density * (at->rule.weight[q] * det);
   }
   // -- Integrals of ρ N_a, and of ρ N_a² where the diagonal is scaled
   for (int a = 0; a < per; a++) {
@@ -63,8 +63,8 @@ CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double 
   sum_points(points, volume, total);
 }
 
-CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, double density, ct_lanes *mass,
-                    ct_lanes *total)
+CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, const ct_lanes *density,
+                    ct_lanes *mass, ct_lanes *total)
 {
   ct_lanes diagonal[20], trace;
   integrate(at, per, x, density, mass, diagonal, total);
@@ -75,7 +75,7 @@ CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, double densi
 }
 
 CT_CLONES
-void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
+void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, const ct_lanes *density, ct_lanes *mass,
                    ct_lanes *total)
 {
   if (at->per == 8) lump(at, 8, x, density, mass, total);
@@ -93,7 +93,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
                           ct_lumping lumping, double *mass, ct_error *error)
 {
   ct_mass_shapes at;
-  ct_lanes x[3 * 20], m[20], total;
+  ct_lanes x[3 * 20], m[20], total, rho;
   double first;
   if (nodes == NULL || mass == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mass_tabulate(kind, lumping, &at, error);
@@ -101,7 +101,8 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   for (int i = 0; i < 3 * at.per; i++)
     for (size_t l = 0; l < CT_LANES_COUNT; l++)
       memcpy((double *)(void *)&x[at.per * (i % 3) + i / 3] + l, &nodes[i], sizeof *nodes);
-  ct_mass_lanes(&at, x, density, m, &total);
+  ct_lanes_fill(density, &rho);
+  ct_mass_lanes(&at, x, &rho, m, &total);
   memcpy(&first, &total, sizeof first);
   status = check_mass(first, -1, error);
   for (int a = 0; status == CT_OK && a < at.per; a++) memcpy(&mass[a], &m[a], sizeof *mass);
@@ -111,12 +112,12 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
 /* The masses of boxes along the axes, an eighth of the element's mass at each node for any lumping;
  * returns 0 if there are other elements. */
 CT_CLONES
-static int box_masses(const ct_lanes *x, double density, double mass[20][CT_LANES_COUNT],
-                      double total[CT_LANES_COUNT])
+static int box_masses(const ct_lanes *x, const double density[CT_LANES_COUNT],
+                      double mass[20][CT_LANES_COUNT], double total[CT_LANES_COUNT])
 {
   if (!ct_upright_boxes(x, total)) return 0;
   for (int l = 0; l < CT_LANES_COUNT; l++) {
-    total[l] *= density;
+    total[l] *= density[l];
     for (int a = 0; a < 8; a++) mass[a][l] = 0.125 * total[l];
   }
   return 1;
@@ -130,21 +131,32 @@ static int have_nodes(const int32_t *nodes, int64_t count, int32_t first, int32_
   return some;
 }
 
+/* The densities of `count` elements from `e` on, one per lane; the last ones repeat the last. */
+static void take_densities(double density, const ct_material *materials, int32_t e, int32_t count,
+                           double rho[CT_LANES_COUNT])
+{
+  for (int32_t l = 0; l < CT_LANES_COUNT; l++)
+    rho[l] = materials != NULL ? materials[e + (l < count ? l : count - 1)].density : density;
+}
+
 /* Add the masses of the nodes first ... last - 1 by octant, from all elements with some of these
  * nodes. */
 static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, double density,
-                              int32_t first, int32_t last, double (*octant)[8], ct_error *error)
+                              const ct_material *materials, int32_t first, int32_t last,
+                              double (*octant)[8], ct_error *error)
 {
   int slot[20], per = at->per;
   for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
   for (int32_t e = 0; e < mesh->element_count; e += CT_LANES_COUNT) {
-    ct_lanes x[3 * 20], m[20], total;
+    ct_lanes x[3 * 20], m[20], total, lanes;
     int32_t left = mesh->element_count - e, count = left < CT_LANES_COUNT ? left : CT_LANES_COUNT;
     if (!have_nodes(&mesh->elements[(int64_t)per * e], (int64_t)per * count, first, last)) continue;
-    double mass[20][CT_LANES_COUNT], sum[CT_LANES_COUNT];
+    double mass[20][CT_LANES_COUNT], sum[CT_LANES_COUNT], rho[CT_LANES_COUNT];
+    take_densities(density, materials, e, count, rho);
     ct_load_lanes(mesh, NULL, e / 8, per, mesh->nodes, e % 8, x);
-    if (per != 8 || !box_masses(x, density, mass, sum)) {
-      ct_mass_lanes(at, x, density, m, &total);
+    if (per != 8 || !box_masses(x, rho, mass, sum)) {
+      memcpy(&lanes, rho, sizeof lanes);
+      ct_mass_lanes(at, x, &lanes, m, &total);
       memcpy(mass, m, (size_t)per * sizeof *m);
       memcpy(sum, &total, sizeof sum);
     }
@@ -162,6 +174,12 @@ static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, dou
 ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping, double *mass,
                          ct_error *error)
 {
+  return ct_mass_of_materials(mesh, density, NULL, lumping, mass, error);
+}
+
+ct_status ct_mass_of_materials(const ct_mesh *mesh, double density, const ct_material *materials,
+                               ct_lumping lumping, double *mass, ct_error *error)
+{
   ct_mass_shapes at;
   if (mesh == NULL || mass == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mesh_check_numbers(mesh, error);
@@ -177,9 +195,11 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
     reduction(| : failed) if (threads > 1)
 #endif
   for (int share = 0; share < threads; share++)
-    failed |= fill_octants(mesh, &at, density, ct_share(mesh->node_count, share, threads),
-                           ct_share(mesh->node_count, share + 1, threads), octant, NULL) != CT_OK;
-  if (failed) status = fill_octants(mesh, &at, density, 0, mesh->node_count, octant, error);
+    failed |=
+        fill_octants(mesh, &at, density, materials, ct_share(mesh->node_count, share, threads),
+                     ct_share(mesh->node_count, share + 1, threads), octant, NULL) != CT_OK;
+  if (failed)
+    status = fill_octants(mesh, &at, density, materials, 0, mesh->node_count, octant, error);
   // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
   for (int32_t n = 0; status == CT_OK && n < mesh->node_count; n++) {
     const double *m = octant[n];

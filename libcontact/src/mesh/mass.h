@@ -15,8 +15,8 @@ ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shape
                            ct_error *error);
 
 /* Lumped masses at the nodes of a batch of elements, and of each whole element, from its
- * coordinates x[component][node], which are centred in place. */
-void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
+ * coordinates x[component][node], which are centred in place, and its density. */
+void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, const ct_lanes *density, ct_lanes *mass,
                    ct_lanes *total);
 
 #endif

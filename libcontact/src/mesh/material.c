@@ -2,6 +2,7 @@
 #include "mesh_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 void ct_material_lame(const ct_material *material, double *lambda, double *mu)
 {
@@ -32,5 +33,28 @@ ct_status ct_material_check(const ct_material *material, ct_error *error)
     return CT_REFUSE(error, "density must be positive, not %g", material->density);
   if ((int)material->law < CT_LINEAR || material->law >= CT_LAW_COUNT)
     return CT_REFUSE(error, "there is no material law %d", (int)material->law);
+  return CT_OK;
+}
+
+ct_status ct_materials_check(const ct_material *materials, int32_t count, int32_t *stiffest,
+                             ct_error *error)
+{
+  double largest = 0.0;
+  *stiffest = 0;
+  for (int32_t e = 0; e < count; e++) {
+    double c1, c2;
+    // Most elements have the material of the one before.
+    if (e > 0 && memcmp(&materials[e], &materials[e - 1], sizeof *materials) == 0) continue;
+    ct_status status = ct_material_check(&materials[e], error);
+    if (status == CT_OK && materials[e].law != materials[0].law)
+      status =
+          CT_REFUSE(error, "element %d has another law than element 0; a body has one law", (int)e);
+    if (status != CT_OK) {
+      if (error != NULL) error->element = e;
+      return status;
+    }
+    ct_material_speeds(&materials[e], &c1, &c2);
+    if (c1 > largest) largest = c1, *stiffest = e;
+  }
   return CT_OK;
 }

@@ -34,9 +34,23 @@ void ct_material_lame(const ct_material *material, double *lambda, double *mu);
  * `error`. */
 ct_status ct_material_check(const ct_material *material, ct_error *error);
 
+/* Refuse the materials of a body's elements: impossible constants, or more than one law; `error`
+ * names the element. Writes the number of the stiffest, with the largest c₁, to `stiffest`. */
+ct_status ct_materials_check(const ct_material *materials, int32_t count, int32_t *stiffest,
+                             ct_error *error);
+
+/* Elements of faces of a mesh, given by their nodes, shape (count, 4 or 8), in any order:
+ * `owners`, shape (count); -1 if no element has it. Of an inner face either one. */
+ct_status ct_mesh_face_owners(const ct_mesh *mesh, int32_t count, const int32_t *faces,
+                              int32_t *owners, ct_error *error);
+
 /* Smallest and largest coordinates of the nodes [length]; infinite and exchanged for a null mesh.
  */
 void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
+
+/* ct_mass_lumped with the density of each element's material, or `density` if there are none. */
+ct_status ct_mass_of_materials(const ct_mesh *mesh, double density, const ct_material *materials,
+                               ct_lumping lumping, double *mass, ct_error *error);
 
 /* Lumped mass of one element at its nodes, `mass` of shape (8 or 20) [mass].
  * Row sum is refused for hex20 (CT_ERROR_UNSUPPORTED): its corners would get negative masses. */

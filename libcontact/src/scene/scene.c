@@ -20,6 +20,8 @@ typedef struct scene_body {
   ct_scene_body given; /* without its mesh and arrays */
   ct_mesh *mesh;
   double *velocities, *displacements; /* of each node, or null */
+  ct_material *materials;             /* of each element, or null */
+  int32_t stiffest;                   /* element of the stiffest of them */
 } scene_body;
 
 typedef struct scene_contact {
@@ -165,7 +167,7 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
     return CT_REFUSE(error,
                      "body %s: stiffness_damping must be 0 (none) or positive and finite, not %g",
                      name, def->stiffness_damping);
-  return ct_material_check(&def->material, error);
+  return def->materials != NULL ? CT_OK : ct_material_check(&def->material, error);
 }
 
 /* Copies of a body's mesh or box and velocities, and entries in the tables. */
@@ -180,8 +182,13 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
   if (status == CT_OK) part->mesh->settings = source.settings;
   if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
   if (status == CT_OK) status = check_motion(def, part->mesh->node_count, name, error);
+  if (status == CT_OK && def->materials != NULL)
+    status = ct_materials_check(def->materials, part->mesh->element_count, &part->stiffest, error);
   if (status == CT_OK) {
     const size_t bytes = 3 * (size_t)part->mesh->node_count * sizeof(double);
+    if (def->materials != NULL)
+      part->materials = ct_pool_copy(&scene->pool, def->materials,
+                                     (size_t)part->mesh->element_count * sizeof *def->materials);
     if (def->velocities != NULL)
       part->velocities = ct_pool_copy(&scene->pool, def->velocities, bytes);
     if (def->displacements != NULL)
@@ -209,7 +216,8 @@ ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *
   ct_body *entry = &scene->bodies[scene->body_count];
   snprintf(entry->name, sizeof entry->name, "%s", name);
   entry->mesh = part.mesh;
-  entry->material = def->material;
+  entry->material = part.materials != NULL ? part.materials[part.stiffest] : def->material;
+  entry->materials = part.materials;
   memcpy(entry->initial_stress, def->initial_stress, sizeof entry->initial_stress);
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++)
@@ -380,8 +388,9 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   scene->mass = ct_pool_take(&scene->pool, n, sizeof(double));
   for (int32_t i = 0; status == CT_OK && scene->mass != NULL && i < scene->body_count; i++) {
     const ct_body *body = &scene->bodies[i];
-    status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].given.lumping,
-                            &scene->mass[body->first_node], error);
+    status =
+        ct_mass_of_materials(body->mesh, body->material.density, body->materials,
+                             scene->parts[i].given.lumping, &scene->mass[body->first_node], error);
     if (status != CT_OK && error != NULL) error->body = i;
   }
   double **arrays[] = {&scene->reference, &scene->inverse_mass, &scene->velocity};
@@ -473,6 +482,7 @@ static ct_status make_solid(ct_scene *scene, ct_error *error)
   for (int32_t i = 0; i < scene->body_count; i++) {
     bodies[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
                                 .material = scene->bodies[i].material,
+                                .materials = scene->bodies[i].materials,
                                 .kernel = is_rigid(scene, i) ? CT_KERNEL_RIGID
                                                              : scene->parts[i].given.kernel,
                                 .first_node = scene->bodies[i].first_node,
@@ -525,43 +535,67 @@ static double shortest_edge(const ct_scene *scene, const ct_scene_contact *conta
               ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
 }
 
-/* ρ c₁² of a material. */
-static double modulus_of(const ct_material *material)
+/* The smallest constants among the materials of a contact's surfaces: E, ρ c₁² and ρ. */
+typedef struct softest {
+  double young, modulus, density;
+} softest;
+
+static void take_material(const ct_material *material, softest *s)
 {
   double c1, c2;
   ct_material_speeds(material, &c1, &c2);
-  return material->density * c1 * c1;
+  s->young = fmin(s->young, material->young);
+  s->modulus = fmin(s->modulus, material->density * c1 * c1);
+  s->density = fmin(s->density, material->density);
 }
 
-/* The default penalty of an enforcement between two bodies (eq:penalty-default). */
-static double usual_penalty(const ct_scene *scene, const ct_scene_contact *contact,
-                            ct_enforcement enforcement)
+/* Take the materials behind the faces of surface `s` of a contact. */
+static ct_status take_surface(const ct_scene *scene, const scene_contact *entry, int s,
+                              softest *out, ct_error *error)
 {
-  double modulus = fmin(modulus_of(&scene->bodies[contact->body_a].material),
-                        modulus_of(&scene->bodies[contact->body_b].material));
-  return ct_contact_penalty_default(enforcement, modulus, shortest_edge(scene, contact));
+  const ct_body *body = &scene->bodies[entry->body[s]];
+  const int32_t count = entry->face_count[s],
+                entries = count * ct_face_node_count(ct_brick_face_kind(body->mesh->kind));
+  if (body->materials == NULL) take_material(&body->material, out);
+  if (body->materials == NULL) return CT_OK;
+  int32_t *own = ct_allocate((size_t)entries, sizeof *own),
+          *owner = ct_allocate((size_t)count, sizeof *owner);
+  ct_status status = own != NULL && owner != NULL ? CT_OK : CT_NO_MEMORY(error, "a contact");
+  for (int32_t i = 0; status == CT_OK && i < entries; i++)
+    own[i] = entry->faces[s][i] - body->first_node;
+  if (status == CT_OK) status = ct_mesh_face_owners(body->mesh, count, own, owner, error);
+  for (int32_t f = 0; status == CT_OK && f < count; f++)
+    if (owner[f] >= 0) take_material(&body->materials[owner[f]], out);
+  ct_release(own);
+  ct_release(owner);
+  return status;
+}
+
+/* The default penalty of an enforcement (eq:penalty-default). */
+static double usual_penalty(const ct_scene *scene, const ct_scene_contact *contact,
+                            const softest *soft, ct_enforcement enforcement)
+{
+  return ct_contact_penalty_default(enforcement, soft->modulus, shortest_edge(scene, contact));
 }
 
 /* The time in which a wave of the speed √(M / ρ) crosses the shortest edge, with the smaller
  * modulus and the smaller density of the two bodies (eq:travel-time). */
-static double travel_time(const ct_scene *scene, const ct_scene_contact *contact)
+static double travel_time(const ct_scene *scene, const ct_scene_contact *contact,
+                          const softest *soft)
 {
-  const ct_material *a = &scene->bodies[contact->body_a].material,
-                    *b = &scene->bodies[contact->body_b].material;
-  const double modulus = fmin(modulus_of(a), modulus_of(b)), density = fmin(a->density, b->density);
   // -- T = h √(ρ / (ρ c₁²)) of the node and spring that swing fastest (eq:travel-time)
-  return shortest_edge(scene, contact) * sqrt(density / modulus);
+  return shortest_edge(scene, contact) * sqrt(soft->density / soft->modulus);
 }
 
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
  * or the default. */
-static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
+static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact,
+                         const softest *soft)
 {
   if (contact->options.epsilon > 0.0) return contact->options.epsilon;
-  if (!(contact->beta > 0.0)) return usual_penalty(scene, contact, contact->options.enforcement);
-  double E = fmin(scene->bodies[contact->body_a].material.young,
-                  scene->bodies[contact->body_b].material.young);
-  return ct_contact_penalty(contact->beta, E, shortest_edge(scene, contact));
+  if (!(contact->beta > 0.0))
+    return usual_penalty(scene, contact, soft, contact->options.enforcement);
+  return ct_contact_penalty(contact->beta, soft->young, shortest_edge(scene, contact));
 }
 
 /* Make a contact and its friction. */
@@ -584,9 +618,14 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   def.a = &surface[0];
   def.b = &surface[self ? 0 : 1];
   def.options = entry->given.options;
-  def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given);
-  if (def.options.travel_time == 0.0) def.options.travel_time = travel_time(scene, &entry->given);
-  ct_status status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
+  softest soft = {INFINITY, INFINITY, INFINITY};
+  ct_status status = take_surface(scene, entry, 0, &soft, error);
+  if (status == CT_OK) status = take_surface(scene, entry, 1, &soft, error);
+  if (status != CT_OK) return status;
+  def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given, &soft);
+  if (def.options.travel_time == 0.0)
+    def.options.travel_time = travel_time(scene, &entry->given, &soft);
+  status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
   // Surface 0 or 1 of the contact is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
     error->body = entry->body[error->body];
@@ -599,7 +638,8 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   friction.tangent =
       entry->given.tangent != 0.0
           ? entry->given.tangent
-          : fmin(1.0, usual_penalty(scene, &entry->given, CT_ENFORCE_PENALTY) / entry->epsilon);
+          : fmin(1.0,
+                 usual_penalty(scene, &entry->given, &soft, CT_ENFORCE_PENALTY) / entry->epsilon);
   status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*next], error);
   if (status == CT_OK) (*next)++;
   return status;

@@ -36,16 +36,18 @@ CT_INLINE void point_gradients(const ct_mass_shapes *at, int per, int q, const c
 CT_INLINE void begin(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
                      ct_lanes *x, ct_lanes *mass)
 {
-  ct_lanes total;
+  ct_lanes total, density;
+  ct_part_constant(part, CT_DENSITY, part->material.density, e / 8, e % 8, &density);
   ct_load_lanes(part->mesh, NULL, e / 8, per, part->mesh->nodes, e % 8, x);
-  ct_mass_lanes(at, x, part->material.density, mass, &total);
+  ct_mass_lanes(at, x, &density, mass, &total);
 }
 
-/* The sum of the eigenvalues of each element without the factor λ + 4 μ: the trace of M⁻¹K. */
+/* The sum of the eigenvalues of each element, the trace of M⁻¹K, without the factor λ + 4 μ that
+ * elements of one material have in common. */
 CT_INLINE void find_trace(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
                           ct_lanes *trace)
 {
-  ct_lanes x[3 * 20], mass[20], g[20][3], weight;
+  ct_lanes x[3 * 20], mass[20], g[20][3], weight, lambda, mu;
   begin(part, at, per, e, x, mass);
   *trace = x[0] - x[0];
   for (int q = 0; q < at->rule.count; q++) {
@@ -53,6 +55,10 @@ CT_INLINE void find_trace(const ct_solid_part *part, const ct_mass_shapes *at, i
     for (int a = 0; a < per; a++)
       *trace += weight * ((g[a][0] * g[a][0] + g[a][1] * g[a][1]) + g[a][2] * g[a][2]) / mass[a];
   }
+  if (part->constants == NULL) return;
+  ct_part_constant(part, CT_LAMBDA, 0.0, e / 8, e % 8, &lambda);
+  ct_part_constant(part, CT_MU, 0.0, e / 8, e % 8, &mu);
+  *trace *= lambda + 4.0 * mu;
 }
 
 CT_CLONES
@@ -107,8 +113,10 @@ int32_t ct_solid_stiffest(const ct_solid_part *part, const ct_mass_shapes *at)
 CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per, int32_t e,
                     const int fixed[3], double omega_squared, ct_lanes *S)
 {
-  ct_lanes x[3 * 20], mass[20], g[20][3], weight, T[3][3];
+  ct_lanes x[3 * 20], mass[20], g[20][3], weight, T[3][3], lambda, mu;
   begin(part, at, per, e, x, mass);
+  ct_part_constant(part, CT_LAMBDA, part->lambda, e / 8, e % 8, &lambda);
+  ct_part_constant(part, CT_MU, part->mu, e / 8, e % 8, &mu);
   for (int i = 0; i < 3 * per * (3 * per + 1) / 2; i++) S[i] = x[0] - x[0];
   for (int q = 0; q < at->rule.count; q++) {
     point_gradients(at, per, q, x, g, &weight);
@@ -122,11 +130,10 @@ CT_INLINE void fill(const ct_solid_part *part, const ct_mass_shapes *at, int per
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
           T[i][j] = a == b && j > i ? row(S, 3 * a + j)[3 * b + i] : row(S, 3 * a + i)[3 * b + j];
-      ct_lanes trace = part->mu * ((T[0][0] + T[1][1]) + T[2][2]);
+      ct_lanes trace = mu * ((T[0][0] + T[1][1]) + T[2][2]);
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < (a == b ? i + 1 : 3); j++) {
-          ct_lanes K = part->lambda * T[i][j] + part->mu * T[j][i],
-                   *to = &row(S, 3 * a + i)[3 * b + j];
+          ct_lanes K = lambda * T[i][j] + mu * T[j][i], *to = &row(S, 3 * a + i)[3 * b + j];
           if (i == j) K += trace;
           // A fixed component has no stiffness here, only its own mass.
           if (fixed[i] || fixed[j]) K = K - K;

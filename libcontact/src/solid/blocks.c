@@ -57,7 +57,7 @@ static int64_t cell_at(const ct_solid_box *b, const double low[3], const double 
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
-/* Whether a body is a full box, and its description. */
+/* Whether a body is a full box of one material, and its description. */
 static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
@@ -65,7 +65,7 @@ static ct_status find_box(const ct_solid_part *part, ct_solid_box *b, ct_error *
   *b = (ct_solid_box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-  if (!ct_brick_facts_of(mesh->kind)->trilinear) return CT_OK;
+  if (!ct_brick_facts_of(mesh->kind)->trilinear || part->materials != NULL) return CT_OK;
   b->aligned = part->box;
   memcpy(b->edge, part->edge, sizeof b->edge);
   if (!part->box && !find_edges(mesh, size, b)) return CT_OK;
@@ -212,10 +212,10 @@ static int same_shape(int per, double x[20][3], double y[20][3])
 }
 
 /* Lower half of the stiffness of one element, and the masses of its nodes. */
-static ct_status element_matrices(const ct_solid_part *part, double x[20][3], double A[SIZE][SIZE],
-                                  double m[20], ct_error *error)
+static ct_status element_matrices(const ct_solid_part *part, int32_t element, double x[20][3],
+                                  double A[SIZE][SIZE], double m[20], ct_error *error)
 {
-  const ct_material *material = &part->material;
+  const ct_material *material = ct_part_material(part, element);
   ct_status status =
       ct_mass_element(part->mesh->kind, &x[0][0], material->density, part->lumping, m, error);
   if (status != CT_OK) return status;
@@ -232,7 +232,7 @@ static ct_status brick_matrices(const ct_solid_part *part, const ct_solid_box *b
   double x[20][3];
   for (int a = 0; a < 8; a++)
     for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
-  return element_matrices(part, x, A, m, error);
+  return element_matrices(part, 0, x, A, m, error);
 }
 
 /* The bound by blocks. Rotated bricks are equal to 12 digits of the size of the body only. */
@@ -257,13 +257,20 @@ ct_status ct_solid_joint_bound(const ct_solid_part *part, double stiffness, doub
   return status == CT_OK ? box_omega2_bound(&part->blocks, A, m, largest, error) : status;
 }
 
+/* Whether two elements have one material. */
+static int same_material(const ct_solid_part *part, int32_t e, int32_t other)
+{
+  return memcmp(ct_part_material(part, e), ct_part_material(part, other), sizeof part->material) ==
+         0;
+}
+
 /* Largest ω² of one element. */
-static ct_status element_omega2(const ct_solid_part *part, double x[20][3], const int fixed[3],
-                                double *omega_squared, ct_error *error)
+static ct_status element_omega2(const ct_solid_part *part, int32_t element, double x[20][3],
+                                const int fixed[3], double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], m[20], spread[SIZE];
   int per = ct_brick_node_count(part->mesh->kind);
-  ct_status status = element_matrices(part, x, A, m, error);
+  ct_status status = element_matrices(part, element, x, A, m, error);
   if (status != CT_OK) return status;
   ct_spread_mass(per, m, fixed, spread);
   return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
@@ -285,10 +292,10 @@ static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_sha
     if (full && e % CT_LANES_COUNT == 0)
       below = ct_solid_below(part, at, e, fixed, SURELY * reached);
     ct_solid_load_element(mesh, e, mesh->nodes, x);
-    if (e > first && same_shape(at->per, x, before)) continue;
+    if (e > first && same_shape(at->per, x, before) && same_material(part, e, e - 1)) continue;
     memcpy(before, x, sizeof before);
     if (below >> e % CT_LANES_COUNT & 1) continue;
-    status = element_omega2(part, x, fixed, &w, error);
+    status = element_omega2(part, e, x, fixed, &w, error);
     if (status != CT_OK && error != NULL) error->element = e;
     *omega_squared = fmax(*omega_squared, w); // (eq:element-bound)
     reached = fmax(reached, w);
@@ -311,8 +318,9 @@ static ct_status elements_omega2_bound(const ct_solid_part *part, const int fixe
   ct_status status = ct_mass_tabulate(mesh->kind, part->lumping, &at, error);
   if (status != CT_OK) return status;
   if (part->kernel != CT_KERNEL_REDUCED) {
-    ct_solid_load_element(mesh, ct_solid_stiffest(part, &at), mesh->nodes, x);
-    if (element_omega2(part, x, fixed, &reached, NULL) != CT_OK) reached = 0.0;
+    const int32_t stiffest = ct_solid_stiffest(part, &at);
+    ct_solid_load_element(mesh, stiffest, mesh->nodes, x);
+    if (element_omega2(part, stiffest, x, fixed, &reached, NULL) != CT_OK) reached = 0.0;
   }
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) reduction(max : largest) \
@@ -355,9 +363,10 @@ ct_status ct_solid_part_nodes_omega2(const ct_solid_part *part, double *omega2, 
   for (int32_t n = 0; n < mesh->node_count; n++) omega2[n] = 0.0;
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
     ct_solid_load_element(mesh, e, mesh->nodes, x);
-    if (b.cells[0] == 0 && (e == 0 || !same_shape(per, x, last))) {
+    if (b.cells[0] == 0 &&
+        (e == 0 || !same_shape(per, x, last) || !same_material(part, e, e - 1))) {
       memcpy(last, x, sizeof last);
-      status = element_omega2(part, x, FREE, &w, error);
+      status = element_omega2(part, e, x, FREE, &w, error);
       if (status != CT_OK && error != NULL) error->element = e;
     }
     for (int a = 0; a < per; a++) {

@@ -164,13 +164,16 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     field X[3], U[3];
-    ct_lanes P[3][3], J[3][3], H[3][3], volume, F[CT_MODES20], f[20];
+    ct_lanes P[3][3], J[3][3], H[3][3], volume, F[CT_MODES20], f[20], lambda_of, mu_of;
+    ct_part_constant(part, CT_LAMBDA, part->lambda, b, lane, &lambda_of);
+    ct_part_constant(part, CT_MU, part->mu, b, lane, &mu_of);
     find_gradients(part, b, lane, part->mesh->nodes, X);
     find_gradients(part, b, lane, displacement, U);
     for (int q = 0; q < 27; q++) {
-      double w = take_point(X, U, q, J, H), lambda = w * part->lambda, mu = w * part->mu;
-      if (large) ct_large_point(part->material.law, J, H, lambda, mu, P, &volume);
-      else ct_point_stress(J, H, lambda, mu, P);
+      double w = take_point(X, U, q, J, H);
+      ct_lanes lambda = w * lambda_of, mu = w * mu_of;
+      if (large) ct_large_point(part->material.law, J, H, &lambda, &mu, P, &volume);
+      else ct_point_stress(J, H, &lambda, &mu, P);
       if (large) ct_lanes_lowest(&volume, lowest);
       // The stresses replace the gradients.
       for (int i = 0; i < 9; i++) U[i / 3][i % 3][q] = P[i / 3][i % 3];
@@ -208,12 +211,15 @@ void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch,
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     field X[3], U[3];
-    ct_lanes J[3][3], H[3][3], W[27], line[9], plane[3];
+    ct_lanes J[3][3], H[3][3], W[27], line[9], plane[3], lambda_of, mu_of;
+    ct_part_constant(part, CT_LAMBDA, part->lambda, batch, lane, &lambda_of);
+    ct_part_constant(part, CT_MU, part->mu, batch, lane, &mu_of);
     find_gradients(part, batch, lane, part->mesh->nodes, X);
     find_gradients(part, batch, lane, displacement, U);
     for (int q = 0; q < 27; q++) {
       double w = take_point(X, U, q, J, H);
-      ct_large_point_energy(part->material.law, J, H, w * part->lambda, w * part->mu, &W[q]);
+      ct_lanes lambda = w * lambda_of, mu = w * mu_of;
+      ct_large_point_energy(part->material.law, J, H, &lambda, &mu, &W[q]);
     }
     for (int k = 0; k < 9; k++) line[k] = (W[3 * k] + W[3 * k + 2]) + W[3 * k + 1];
     for (int k = 0; k < 3; k++) plane[k] = (line[3 * k] + line[3 * k + 2]) + line[3 * k + 1];

@@ -98,21 +98,31 @@ CT_INLINE void take_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes H[3]
     }
 }
 
+/* Lamé's constants times the factor that converts stresses to forces from 8 times the gradients. */
+CT_INLINE void find_constants(const ct_solid_part *part, int32_t b, int lane, ct_lanes *lambda,
+                              ct_lanes *mu)
+{
+  ct_part_constant(part, CT_LAMBDA, part->lambda, b, lane, lambda);
+  ct_part_constant(part, CT_MU, part->mu, b, lane, mu);
+  *lambda = *lambda / 512.0;
+  *mu = *mu / 512.0;
+}
+
 /* Forces of one batch, and for large deformation its smallest J. */
 CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *displacement,
                             double *values, double *lowest, int large)
 {
-  const double lambda = part->lambda / 512.0, mu = part->mu / 512.0;
   int64_t stride;
   double *to = ct_batch_values(part->ring, 8, values, b, &stride);
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     lines g;
-    ct_lanes P[8][3][3], J[3][3], H[3][3], volume[8];
+    ct_lanes P[8][3][3], J[3][3], H[3][3], volume[8], lambda, mu;
+    find_constants(part, b, lane, &lambda, &mu);
     find_lines(part, b, lane, displacement, &g);
     for (int q = 0; q < 8; q++) {
       take_point(&g, q, J, H);
-      if (large) ct_large_point(part->material.law, J, H, lambda, mu, P[q], &volume[q]);
-      else ct_point_stress(J, H, lambda, mu, P[q]);
+      if (large) ct_large_point(part->material.law, J, H, &lambda, &mu, P[q], &volume[q]);
+      else ct_point_stress(J, H, &lambda, &mu, P[q]);
     }
     store_forces(P, 0, lane, stride, to);
     store_forces(P, 1, lane, stride, to);
@@ -143,14 +153,14 @@ CT_CLONES
 void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
                                   const double *displacement, double energies[8])
 {
-  const double lambda = part->lambda / 512.0, mu = part->mu / 512.0;
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     lines g;
-    ct_lanes W[8], J[3][3], H[3][3];
+    ct_lanes W[8], J[3][3], H[3][3], lambda, mu;
+    find_constants(part, batch, lane, &lambda, &mu);
     find_lines(part, batch, lane, displacement, &g);
     for (int q = 0; q < 8; q++) {
       take_point(&g, q, J, H);
-      ct_large_point_energy(part->material.law, J, H, lambda, mu, &W[q]);
+      ct_large_point_energy(part->material.law, J, H, &lambda, &mu, &W[q]);
     }
     ct_lanes sum = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
     memcpy(&energies[lane], &sum, sizeof sum);

@@ -37,8 +37,13 @@ typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch,
 
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
-  const ct_mesh *mesh; /* the user's, or that of `order` */
-  ct_material material;
+  const ct_mesh *mesh;  /* the user's, or that of `order` */
+  ct_material material; /* of all elements, or the stiffest of `materials` */
+  /* Null, or the material of each element in the order of the user; and the constants of the
+   * elements, CT_CONSTANT_COUNT arrays of 8 batch_count numbers: in the order of `mesh`, and in
+   * that of the user (the same memory if both orders are one). */
+  const ct_material *materials;
+  double *constants, *constants_given;
   ct_lumping lumping;
   ct_optimisations optimisations;
   double lambda, mu;
@@ -84,6 +89,25 @@ typedef struct ct_solid_part {
   int32_t *batch_begin, *batches_at;
 } ct_solid_part;
 
+/* Constants of the materials of single elements. */
+enum { CT_LAMBDA, CT_MU, CT_YOUNG, CT_DENSITY, CT_CONSTANT_COUNT };
+
+/* A constant of 8 elements of a batch, or of all elements, of the value `all`. */
+CT_INLINE void ct_part_constant(const ct_solid_part *part, int which, double all, int32_t b,
+                                int lane, ct_lanes *value)
+{
+  if (part->constants == NULL) ct_lanes_fill(all, value);
+  else
+    memcpy(value, &part->constants[8 * ((int64_t)which * part->batch_count + b) + lane],
+           sizeof *value);
+}
+
+/* The material of an element, numbered as by the user. */
+static inline const ct_material *ct_part_material(const ct_solid_part *part, int32_t element)
+{
+  return part->materials != NULL ? &part->materials[element] : &part->material;
+}
+
 /* The part in the user's order, for single elements. */
 static inline ct_solid_part ct_part_given(const ct_solid_part *part)
 {
@@ -92,6 +116,7 @@ static inline ct_solid_part ct_part_given(const ct_solid_part *part)
   given.mesh = part->order->given;
   given.order = NULL;
   given.rows = NULL;
+  given.constants = part->constants_given;
   return given;
 }
 

@@ -19,7 +19,7 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
       ct_solid_load_element(part->mesh, e, part->mesh->nodes, x);
       ct_solid_load_element(part->mesh, e, u, v);
       ct_status status = ct_solid_element_force(part->mesh->kind, &x[0][0], &v[0][0],
-                                                &part->material, f, NULL, error);
+                                                ct_part_material(part, e), f, NULL, error);
       if (status == CT_OK) continue;
       if (error != NULL) error->body = body, error->element = e;
       return status;
@@ -45,11 +45,12 @@ ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double 
     for (int a = 1; a < per; a++) deformed |= memcmp(v[a], v[0], sizeof v[a]) != 0;
     if (deformed) {
       ct_solid_load_element(mesh, e, mesh->nodes, x);
+      const ct_material *material = ct_part_material(part, e);
       ct_status status =
-          ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
+          ct_mass_element(mesh->kind, &x[0][0], material->density, part->lumping, m, error);
       if (status == CT_OK)
-        status = ct_solid_element_omega2_bound(mesh->kind, &x[0][0], &v[0][0], &part->material, m,
-                                               &w, error);
+        status =
+            ct_solid_element_omega2_bound(mesh->kind, &x[0][0], &v[0][0], material, m, &w, error);
       if (status != CT_OK) {
         if (error != NULL) error->element = e;
         return status;

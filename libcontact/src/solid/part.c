@@ -36,6 +36,8 @@ static const struct kernel_row {
 
 void ct_part_release(ct_solid_part *part)
 {
+  if (part->constants_given != part->constants) ct_release(part->constants_given);
+  ct_release(part->constants);
   ct_release(part->rows);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
@@ -133,7 +135,10 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *body, c
 {
   ct_solid_kernel asked = body->kernel;
   int large = part->material.law != CT_LINEAR;
-  part->box = !large && ct_solid_is_box(part->mesh, part->edge);
+  part->box = !large && part->materials == NULL && ct_solid_is_box(part->mesh, part->edge);
+  if ((asked == CT_KERNEL_BOX || asked == CT_KERNEL_PLANE) && part->materials != NULL)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "a body of several materials has the general or the reduced kernel");
   if (asked == CT_KERNEL_BOX && !large && !part->box)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel needs rectangular elements of one size, with nodes in the "
@@ -154,6 +159,36 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *body, c
   return CT_OK;
 }
 
+/* The constants of the elements as the kernels read them; element e has the place at[e], or e. The
+ * last batch repeats its last element. */
+static double *create_constants(const ct_solid_part *part, const int32_t *at)
+{
+  const int64_t count = part->mesh->element_count, room = 8 * (int64_t)part->batch_count;
+  double *constants = ct_allocate((size_t)(CT_CONSTANT_COUNT * room), sizeof *constants);
+  for (int32_t e = 0; constants != NULL && e < count; e++) {
+    const ct_material *m = &part->materials[e];
+    double *own = &constants[at != NULL ? at[e] : e];
+    ct_material_lame(m, &own[CT_LAMBDA * room], &own[CT_MU * room]);
+    own[CT_YOUNG * room] = m->young;
+    own[CT_DENSITY * room] = m->density;
+  }
+  for (int64_t i = count; constants != NULL && i < room; i++)
+    for (int k = 0; k < CT_CONSTANT_COUNT; k++)
+      constants[k * room + i] = constants[k * room + count - 1];
+  return constants;
+}
+
+static ct_status prepare_constants(ct_solid_part *part, ct_error *error)
+{
+  if (part->materials == NULL) return CT_OK;
+  part->constants = part->constants_given =
+      create_constants(part, part->order != NULL ? part->order->element : NULL);
+  if (part->order != NULL) part->constants_given = create_constants(part, NULL);
+  return part->constants != NULL && part->constants_given != NULL
+             ? CT_OK
+             : CT_NO_MEMORY(error, "the materials");
+}
+
 /* A table for the sums at the nodes, where there is no ring. */
 static ct_status prepare_table(ct_solid_part *part, ct_error *error)
 {
@@ -166,6 +201,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
 {
   part->mesh = body->mesh;
   part->material = body->material;
+  part->materials = body->materials;
   part->lumping = body->lumping;
   part->optimisations =
       body->optimisations == NULL ? (ct_optimisations){1, 1, 1} : *body->optimisations;
@@ -180,6 +216,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
   part->hourglass = body->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : body->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   ct_status status = choose_kernel(part, body, error);
+  if (status == CT_OK) status = prepare_constants(part, error);
   if (status != CT_OK || part->ring != NULL) return status;
   status = prepare_table(part, error);
   if (status != CT_OK) return status;

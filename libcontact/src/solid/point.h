@@ -21,15 +21,15 @@ CT_INLINE void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *
 
 /* The stress of one Gauss point conjugate to the reference gradients, P[i][j] = det J σ_ik
  * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements. */
-CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
-                               ct_lanes P[3][3])
+CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], const ct_lanes *lambda,
+                               const ct_lanes *mu, ct_lanes P[3][3])
 {
   ct_lanes C[3][3], D[3][3], s[3][3], det;
   ct_lanes_cofactors(J, C, &det);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       D[i][j] = (H[i][0] * C[j][0] + H[i][1] * C[j][1]) + H[i][2] * C[j][2];
-  ct_lanes scale = mu / det, trace = (lambda / det) * ((D[0][0] + D[1][1]) + D[2][2]);
+  ct_lanes scale = *mu / det, trace = (*lambda / det) * ((D[0][0] + D[1][1]) + D[2][2]);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j <= i; j++) {
       s[i][j] = scale * (D[i][j] + D[j][i]);
@@ -79,14 +79,14 @@ CT_INLINE void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_lanes 
 
 /* Second Piola-Kirchhoff stress from B and the change of volume J - 1 (eq:st-venant-kirchhoff,
  * eq:neo-hookean-stress). The compiler warns of a law without a case. */
-CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *change, double lambda,
-                            double mu, ct_lanes S[6])
+CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *change,
+                            const ct_lanes *lambda, const ct_lanes *mu, ct_lanes S[6])
 {
   ct_lanes A[6], I[3], trace;
   switch (law) {
   case CT_ST_VENANT_KIRCHHOFF:
-    trace = (0.5 * lambda) * ((B[0] + B[1]) + B[2]);
-    for (int k = 0; k < 6; k++) S[k] = k < 3 ? mu * B[k] + trace : mu * B[k];
+    trace = (0.5 * *lambda) * ((B[0] + B[1]) + B[2]);
+    for (int k = 0; k < 6; k++) S[k] = k < 3 ? *mu * B[k] + trace : *mu * B[k];
     return;
   case CT_NEO_HOOKEAN:
   case CT_LINEAR: // has no such kernel
@@ -94,16 +94,17 @@ CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *cha
     break;
   }
   ct_large_invariants(B, A, I);
-  ct_lanes inverse = 1.0 / (1.0 + *change), p = (mu * inverse) * inverse,
-           q = (lambda * *change) * inverse;
+  ct_lanes inverse = 1.0 / (1.0 + *change), p = (*mu * inverse) * inverse,
+           q = (*lambda * *change) * inverse;
   ct_lanes diagonal = p * (I[1] + I[2]) + q * (1.0 + I[0]), rest = p - q;
   for (int k = 0; k < 6; k++) S[k] = k < 3 ? rest * (B[k] - A[k]) + diagonal : rest * (B[k] - A[k]);
 }
 
 /* The stress conjugate to the reference gradients, P = F S C, and det F
  * (eq:large-reference-stress). */
-CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
-                              double mu, ct_lanes P[3][3], ct_lanes *volume)
+CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3],
+                              const ct_lanes *lambda, const ct_lanes *mu, ct_lanes P[3][3],
+                              ct_lanes *volume)
 {
   static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   ct_lanes C[3][3], G[3][3], minor[3][3], B[6], S[6], T[3], det, three;
@@ -124,8 +125,8 @@ CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], do
 }
 
 /* Stored energy of one point times det J, for its weight (eq:large-energy). */
-CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
-                                     double mu, ct_lanes *energy)
+CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3],
+                                     const ct_lanes *lambda, const ct_lanes *mu, ct_lanes *energy)
 {
   ct_lanes C[3][3], G[3][3], B[6], A[6], I[3], det, trace, normal, shear;
   ct_large_gradient(J, H, C, &det, G);
@@ -134,7 +135,7 @@ CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3]
   case CT_ST_VENANT_KIRCHHOFF:
     trace = (B[0] + B[1]) + B[2], normal = (B[0] * B[0] + B[1] * B[1]) + B[2] * B[2];
     shear = (B[3] * B[3] + B[4] * B[4]) + B[5] * B[5];
-    *energy = det * ((0.125 * lambda) * (trace * trace) + (0.25 * mu) * (normal + 2.0 * shear));
+    *energy = det * ((0.125 * *lambda) * (trace * trace) + (0.25 * *mu) * (normal + 2.0 * shear));
     return;
   case CT_NEO_HOOKEAN:
   case CT_LINEAR: // has no such kernel
@@ -144,8 +145,9 @@ CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3]
   ct_large_invariants(B, A, I);
   ct_lanes t = I[0] + (I[1] + I[2]), volume;
   for (int l = 0; l < CT_LANES_COUNT; l++)
-    ((double *)&volume)[l] = ct_large_volume_energy(lambda, mu, ((const double *)&t)[l]);
-  *energy = det * (volume - (0.5 * mu) * (I[1] + I[2]));
+    ((double *)&volume)[l] = ct_large_volume_energy(
+        ((const double *)lambda)[l], ((const double *)mu)[l], ((const double *)&t)[l]);
+  *energy = det * (volume - (0.5 * *mu) * (I[1] + I[2]));
 }
 
 /* Smallest of the given values, one lane after another; NaN stays. */

@@ -5,15 +5,18 @@
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };
 
 /* Data of 8 elements: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
- * volume and the stiffness c of the hourglass modes. */
+ * volume, the stiffness c of the hourglass modes, and Lamé's constants. */
 typedef struct reduced_lanes {
-  ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c;
+  ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c, lambda, mu;
 } reduced_lanes;
 
 CT_INLINE void find_shape(const ct_solid_part *part, int32_t b, int lane, reduced_lanes *r)
 {
-  const double scale = part->hourglass * part->material.young / 72.0;
-  ct_lanes x[3 * 8], X[3][CT_MODES], B[3][CT_MEAN_MODES], g[3];
+  ct_lanes x[3 * 8], X[3][CT_MODES], B[3][CT_MEAN_MODES], g[3], young;
+  ct_part_constant(part, CT_YOUNG, part->material.young, b, lane, &young);
+  ct_part_constant(part, CT_LAMBDA, part->lambda, b, lane, &r->lambda);
+  ct_part_constant(part, CT_MU, part->mu, b, lane, &r->mu);
+  const ct_lanes scale = part->hourglass * young / 72.0;
   ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
   ct_brick_modes(&x[0], X[0]);
   ct_brick_modes(&x[8], X[1]);
@@ -46,13 +49,13 @@ static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes
 /* All components, and V times the stress of the mean gradient. Unrolled by hand, so that the
  * compiler keeps the values in registers. */
 static inline void strain_and_hourglass(const reduced_lanes *r, const ct_lanes u[3 * 8],
-                                        double lambda, double mu, ct_lanes G[3][3],
-                                        ct_lanes S[3][3], ct_lanes q[3][HOURGLASS])
+                                        ct_lanes G[3][3], ct_lanes S[3][3],
+                                        ct_lanes q[3][HOURGLASS])
 {
   gradient_and_hourglass(r, &u[0], G[0], q[0]);
   gradient_and_hourglass(r, &u[8], G[1], q[1]);
   gradient_and_hourglass(r, &u[16], G[2], q[2]);
-  ct_lanes trace = (lambda * r->V) * ((G[0][0] + G[1][1]) + G[2][2]), stiff = mu * r->V;
+  ct_lanes trace = (r->lambda * r->V) * ((G[0][0] + G[1][1]) + G[2][2]), stiff = r->mu * r->V;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j <= i; j++) {
       S[i][j] = stiff * (G[i][j] + G[j][i]);
@@ -91,7 +94,7 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
       reduced_lanes r;
       find_shape(part, b, lane, &r);
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
-      strain_and_hourglass(&r, u, part->lambda, part->mu, G, P, q);
+      strain_and_hourglass(&r, u, G, P, q);
       collect(&r, P[0], q[0], &u[0]);
       collect(&r, P[1], q[1], &u[8]);
       collect(&r, P[2], q[2], &u[16]);
@@ -109,7 +112,7 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
     reduced_lanes r;
     find_shape(part, batch, lane, &r);
     ct_load_lanes(part->mesh, part->rows, batch, 8, displacement, lane, u);
-    strain_and_hourglass(&r, u, part->lambda, part->mu, G, S, q);
+    strain_and_hourglass(&r, u, G, S, q);
     // -- ½ V σ : G and ½ c Σ q² (eq:reduced-energy)
     for (int i = 0; i < 3; i++) {
       W[i] = (S[i][0] * G[i][0] + S[i][1] * G[i][1]) + S[i][2] * G[i][2];

@@ -250,7 +250,8 @@ static void take_stress(const ct_probes *probes, const probe *p, const ct_state 
     memcpy(x[a], &body->mesh->nodes[3 * (int64_t)nodes[a]], sizeof x[a]);
     memcpy(u[a], &displacement[3 * (int64_t)nodes[a]], sizeof u[a]);
   }
-  if (ct_solid_element_stress(body->mesh->kind, &x[0][0], &u[0][0], &body->material, centre, stress,
+  if (ct_solid_element_stress(body->mesh->kind, &x[0][0], &u[0][0],
+                              ct_body_material(body, p->def.element), centre, stress,
                               NULL) != CT_OK)
     for (int i = 0; i < 6; i++) stress[i] = NAN;
   for (int i = 0; i < 6; i++) stress[i] += body->initial_stress[i];

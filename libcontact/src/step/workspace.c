@@ -18,6 +18,11 @@ int ct_problem_is_linear(const ct_problem *problem)
   return 1;
 }
 
+const ct_material *ct_body_material(const ct_body *body, int32_t element)
+{
+  return body->materials != NULL ? &body->materials[element] : &body->material;
+}
+
 double ct_problem_edge(const ct_problem *problem)
 {
   double edge = INFINITY;

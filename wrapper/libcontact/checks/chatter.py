@@ -23,8 +23,9 @@ def chatter(problem: Problem) -> Iterator[SceneWarning]:
     for key, who, given in contact_tables(problem.parts):
         surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces
         bodies = [problem.bodies[name] for name, _ in surfaces]
-        young = min(body.material.young for body in bodies)
-        wave = min(body.material.density * speeds(body.material)[0] ** 2 for body in bodies)
+        materials = [m for each in surfaces for m in problem.materials_behind(each)]
+        young = min(m.young for m in materials)
+        wave = min(m.density * speeds(m)[0] ** 2 for m in materials)
         beta = given.beta or DEFAULT * wave / young
         if given.epsilon:
             beta = given.epsilon * min(body.mesh.shortest_edge for body in bodies) / young

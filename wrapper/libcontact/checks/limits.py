@@ -107,9 +107,10 @@ class Depths(Observer):
 
     def _usual(self, given: Any) -> float:
         """The default penalty of a contact or an obstacle, :eq:`penalty-default`."""
-        names = getattr(given, "surfaces", None) or [given.surface]
-        bodies = [self._problem.bodies[name] for name, _ in names]
-        modulus = min(body.material.density * speeds(body.material)[0] ** 2 for body in bodies)
+        surfaces = getattr(given, "surfaces", None) or [given.surface]
+        bodies = [self._problem.bodies[name] for name, _ in surfaces]
+        materials = [m for each in surfaces for m in self._problem.materials_behind(each)]
+        modulus = min(m.density * speeds(m)[0] ** 2 for m in materials)
         edge = min(body.mesh.shortest_edge for body in bodies)
         law = ENFORCEMENTS[given.enforcement]
         return float(lib.ct_contact_penalty_default(law, modulus, edge))
@@ -120,7 +121,8 @@ class Depths(Observer):
         if i < len(problem.contacts):
             return problem.contacts[i].epsilon
         number = list(problem.parts.bodies).index(given.surface[0])
-        return float(given.penalties(problem.joined.bodies[number])[0])
+        materials = problem.materials_behind(given.surface)
+        return float(given.penalties(problem.joined.bodies[number], materials)[0])
 
 
 def _element_size(mesh: Mesh, face: str, number: int) -> float:

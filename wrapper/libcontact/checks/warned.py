@@ -129,7 +129,7 @@ class Turning(Observer):
                 turned = (
                     f"{angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}"
                 )
-                strain, material = 0.5 * angle * angle, body.material.name
+                strain, material = 0.5 * angle * angle, '", "'.join(m.name for m in body.materials)
                 text = f'body "{body.name}" has turned by {turned}, and with the law "linear" '
                 text += f"this rotation causes a false strain of {strain:.2g}; "
                 text += f'give material "{material}" the law "st_venant_kirchhoff" or "neo_hookean"'
@@ -163,10 +163,11 @@ def _angle(X: NDArray[Any], u: NDArray[Any]) -> float:
 
 
 def _units(problem: Problem) -> Iterator[SceneWarning]:
-    for i, body in enumerate(problem.bodies.values()):
-        si = speeds(body.material)[0] * problem.parts.units.factor("velocity")
+    given = [(i, each) for i, body in enumerate(problem.bodies.values()) for each in body.materials]
+    for i, material in given:
+        si = speeds(material)[0] * problem.parts.units.factor("velocity")
         if not SLOW <= si <= FAST:
-            text = f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?'
+            text = f'material "{material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?'
             yield SceneWarning("units", text, f"body[{i}]")
 
 

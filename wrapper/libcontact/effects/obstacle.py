@@ -3,7 +3,7 @@ a body (chapter "Obstacle")."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -87,11 +87,11 @@ class Cylinder(Sphere):
             yield "axis", NO_DIRECTION
 
 
-def thinnest_element(body: Any) -> tuple[float, float]:
-    """The shortest edge of a body of the C scene, and its wave speed c1."""
-    c = ffi.new("double[2]")
-    lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
-    return lib.ct_mesh_shortest_edge(body.mesh), c[0]
+def stiffness_of(material: Any) -> tuple[float, float]:
+    """ρ c₁² of a material, and c₁."""
+    c, given = ffi.new("double[2]"), ffi.new("ct_material *", material.c("ct_material"))
+    lib.ct_material_speeds(given, c, c + 1)
+    return float(material.density * c[0] ** 2), float(c[0])
 
 
 class Obstacle(ContactLaw, OnSurface):
@@ -151,28 +151,30 @@ class Obstacle(ContactLaw, OnSurface):
         distance = np.linalg.norm(away, axis=1)
         return distance - shape.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
-    def penalties(self, body: Any) -> tuple[float, float]:
-        """The penalty ε for contact with a body of the C scene, and the ratio of the tangential penalty to
-        it."""
-        edge, c1 = thinnest_element(body)
-        modulus, law = body.material.density * c1**2, ENFORCEMENTS[self.enforcement]
+    def penalties(self, body: Any, materials: Sequence[Any]) -> tuple[float, float]:
+        """The penalty ε for contact with a body of the C scene, whose surface has these materials, and the ratio
+        of the tangential penalty to it."""
+        edge, law = lib.ct_mesh_shortest_edge(body.mesh), ENFORCEMENTS[self.enforcement]
+        modulus = min(map(stiffness_of, materials))[0]
         epsilon = self.epsilon or lib.ct_contact_penalty_default(law, modulus, edge)
         if self.beta:
-            epsilon = lib.ct_contact_penalty(self.beta, body.material.young, edge)
+            young = min(each.young for each in materials)
+            epsilon = lib.ct_contact_penalty(self.beta, young, edge)
         most = lib.ct_contact_penalty_default(lib.CT_ENFORCE_PENALTY, modulus, edge)
         return epsilon, self.tangent or min(1.0, most / epsilon)
 
     def members(self, maker: Any) -> dict[str, Any]:
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
-        edge, c1 = thinnest_element(body)
+        materials = maker.materials(self.surface)
         return {
             **super().members(maker),
             "shape": SHAPES[self.shape],
             "point": shape.point,
             "axis": shape.axis,
             "radius": shape.radius,
-            "epsilon": self.penalties(body)[0],
-            "travel_time": edge / c1,
+            "epsilon": self.penalties(body, materials)[0],
+            "travel_time": lib.ct_mesh_shortest_edge(body.mesh)
+            / min(map(stiffness_of, materials))[1],
             "amplitude": maker.history(self.history),
         }
 
@@ -181,7 +183,7 @@ class Obstacle(ContactLaw, OnSurface):
         made = super().create(maker)
         if not self.friction:
             return made
-        ratio = self.penalties(maker.body(self.surface[0]))[1]
+        ratio = self.penalties(maker.body(self.surface[0]), maker.materials(self.surface))[1]
         keys = {"on": made, "coefficient": self.friction, "tangent": ratio}
         return [made, maker.make("friction", self, **keys)]
 

@@ -63,7 +63,7 @@ class Plates:
         its last state. It averages over the elements next to the plane of symmetry, up to the distance d from
         the impact or, if that is farther, beyond the front."""
         assert run.state is not None
-        material = problem.parts.materials[problem.parts.bodies[self.bodies[0]].material]
+        material = problem.bodies[self.bodies[0]].material
         nu, c1 = material.poisson, speeds(material)[0]
         unit = material.density * c1 * self.speed * nu / (1.0 - nu)
         t, length = run.state.time * c1 / self.d, self.length / self.d

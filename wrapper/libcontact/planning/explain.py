@@ -145,7 +145,7 @@ def _assumptions(parts: Parts) -> list[str]:
     for body in parts.bodies.values():
         if body.name in parts.rigid_names:
             continue
-        bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
+        bodies.setdefault(parts.materials_of(body)[0].law, []).append(body.name)
     laws = [LAWS[law] for law in bodies]
     if len(bodies) > 1:
         laws = [f"{LAWS[law]} ({', '.join(names)})" for law, names in bodies.items()]
@@ -168,7 +168,9 @@ def _assumptions(parts: Parts) -> list[str]:
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     given, mesh, material = problem.parts.bodies[body.name], body.mesh, body.material
     c1, c2 = speeds(material)
-    facts: dict[str, Any] = {"name": body.name, "material": material.name, "law": material.law}
+    named = ", ".join(each.name for each in body.materials)
+    facts: dict[str, Any] = {"name": body.name, "material": named, "law": material.law}
+    facts |= {"elements_of": {each.name: len(own) for each, own in body.by_material}}
     facts |= {"element": mesh.element, "nodes": len(mesh.nodes), "elements": len(mesh.elements)}
     facts |= {"kernel": body.kernel, "kernel_why": _why(given.kernel, body)}
     facts |= {"lumping": given.lumping or ("row_sum" if FACTS[mesh.element].row_sum else "hrz")}
@@ -207,8 +209,9 @@ def _why(asked: str, body: BuiltBody) -> str:
     """The reason for the choice of a body's kernel."""
     if asked != "auto" or body.kernel in KERNELS:
         return "asked for" if asked != "auto" else KERNELS[body.kernel]
-    large = body.material.law != "linear"
-    why = "large strain" if large else "elements are not equal boxes along x, y, z"
+    large, several = body.material.law != "linear", len(body.materials) > 1
+    why = "several materials" if several else "elements are not equal boxes along x, y, z"
+    why = "large strain" if large else why
     return f"{why}: {'x'.join(3 * [str(FACTS[body.mesh.element].points)])} Gauss points"
 
 
