@@ -774,7 +774,8 @@ class Time(Table):
     force_tolerance
         Tolerance of the contact forces of a step, which are solved for together: the largest change
         by a further round, as a fraction of the largest force. The energy does not grow whatever it
-        is (:eq:`energy-stop`).
+        is (:eq:`energy-stop`). In a scene with dynamic ``relaxation`` the default is 1e-6, because
+        there the errors of thousands of steps add up at points that are about to slip.
     until_static
         The run ends before ``end`` as soon as all histories have ended and its residual
         (:eq:`residual`) is not above this number. A run that does not come to rest issues a
