@@ -287,12 +287,6 @@ def _rigid(parts: Parts) -> Iterator[tuple[str, str]]:
     if viscous:
         why = "is rigid and has no strain rate; leave it out"
         yield "viscosity.bodies", f'"{min(viscous)}" {why}'
-    touching = [(f"contact[{i}].surfaces", each.surfaces) for i, each in enumerate(parts.contact)]
-    walls = [(f"obstacle[{i}].surface", (each.surface,)) for i, each in enumerate(parts.obstacle)]
-    for at, surfaces in [*touching, *walls]:
-        for body, _ in surfaces:
-            if body in names:
-                yield at, f'"{body}" is rigid; rigid bodies have no contact yet'
     if names and parts.relaxed:
         yield (
             "rigid",

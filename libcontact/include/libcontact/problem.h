@@ -157,6 +157,15 @@ typedef struct ct_effect_bounds {
                      double stiffness, double mass, double *largest, ct_error *error);
 } ct_effect_bounds;
 
+/** How a rigid body moves until the next step by forces on its nodes, :eq:`rigid-mobility`. */
+typedef struct ct_body_mobility {
+  /** Displacement of its centre along x, y, z by a unit force [length / force]. */
+  double translation[3];
+  /** Its turn by a unit moment about the centre, in the order xx yy zz xy yz zx [1 / (force
+   * length)]. */
+  double rotation[6];
+} ct_body_mobility;
+
 /** Contribution of an effect to the constraints of a step, :eq:`constraint-problem`. */
 typedef struct ct_effect_constraints {
   /**
@@ -175,6 +184,13 @@ typedef struct ct_effect_constraints {
    */
   ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
                          ct_error *error);
+  /**
+   * Null, or, for an effect whose nodes are those of whole bodies that are rigid, write how each of
+   * these moves, in the order of their nodes, and the vector from its centre to each node, shape
+   * (node_count, 3) [length]. `increment` is then the motion without the constraints.
+   */
+  ct_status (*mobility)(const struct ct_effect *effect, const ct_view *view,
+                        ct_body_mobility *bodies, double *arms, ct_error *error);
   /** Null, or write the part of the stored energy that is held until points open [energy],
    * :eq:`impact-reserve`; `energy` was called before with the same view. */
   ct_status (*reserve)(const struct ct_effect *effect, const ct_view *view, double *reserve,

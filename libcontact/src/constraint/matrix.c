@@ -1,5 +1,6 @@
 /* The matrix G of the constraint problem, and its products. */
 #include "matrix.h"
+#include "bodies.h"
 #include "law_rows.h"
 #include "products.h"
 #include "slip.h"
@@ -201,10 +202,18 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force)
   return 1;
 }
 
+void ct_matrix_move(const ct_solver *s, int32_t count, const int32_t *place, double *sums,
+                    double *moved)
+{
+  if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, NULL, sums);
+  move_active_nodes(count, place, s->mobility, sums, moved);
+  if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, NULL, moved);
+}
+
 int ct_matrix_push(ct_solver *s, const double *force)
 {
   if (!add_forces(s, ct_add_full, force)) return 0;
-  move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
+  ct_matrix_move(s, s->active_node_count, s->active_nodes, s->sums, s->moved);
   return 1;
 }
 
@@ -255,7 +264,11 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
     A[3] = larger(larger(A[0], A[1]), A[2]);
   }
   if (!add_forces(s, ct_add_sizes, ones)) return 0;
+  if (s->bodies != NULL)
+    ct_bodies_push_sizes(s->bodies, s->active_node_count, s->active_nodes, s->sums);
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
+  if (s->bodies != NULL)
+    ct_bodies_move_sizes(s->bodies, s->active_node_count, s->active_nodes, s->moved);
   ct_times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
   if (s->along) project_mobility(s->active_node_count, s->active_nodes, s->normal, s->mobility);
   return 1;
@@ -285,8 +298,11 @@ void ct_matrix_motion(const ct_solver *s, int64_t count, double *x, double *out)
 /* Motions along the one normal of all rows, as fourth components of `moved`. */
 static int slide(ct_solver *s, const double *force)
 {
+  const int32_t count = s->active_node_count, *place = s->active_nodes;
   if (!add_forces(s, ct_add_along, force)) return 0;
-  move_along(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
+  if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, s->normal, s->sums);
+  move_along(count, place, s->mobility, s->sums, s->moved);
+  if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, s->normal, s->moved);
   return 1;
 }
 
@@ -306,10 +322,4 @@ void ct_matrix_choose(ct_solver *s)
   s->counted = 1;
   list_active_nodes(s);
   if (s->pieces != NULL) list_shared_nodes(s);
-}
-
-void ct_matrix_move(int32_t count, const int32_t *place, const double *mobility, double *sums,
-                    double *moved)
-{
-  move_active_nodes(count, place, mobility, sums, moved);
 }

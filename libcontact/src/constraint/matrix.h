@@ -30,7 +30,7 @@ int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 int ct_matrix_push(ct_solver *solver, const double *force);
 
 /* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
-void ct_matrix_move(int32_t count, const int32_t *place, const double *mobility, double *sums,
+void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place, double *sums,
                     double *moved);
 
 /* An upper bound of Σ_k |W_jk| y_k of each active row, for numbers y that are not negative: 1 for

@@ -46,6 +46,7 @@ typedef struct ct_group {
 } ct_group;
 
 struct ct_tangent;
+struct ct_bodies;
 
 /* Memory to solve for the forces of all constraints of a problem together. Its nodes are those of
  * all effects, each once. */
@@ -105,6 +106,7 @@ typedef struct ct_solver {
   double *after;              /* next gaps with the present forces */
   double tolerance;           /* largest change of a force by a further step, as a fraction of the
                                  largest force; see CT_SOLVER_USUAL */
+  struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */
   struct ct_tangent *tangent; /* null: no friction */
   int iterations;             /* of the last solution */
   int converged;              /* whether it met the tolerance */

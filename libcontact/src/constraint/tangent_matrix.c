@@ -5,6 +5,7 @@
 #include "../base/lanes.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
+#include "bodies.h"
 #include "matrix.h"
 
 #include <math.h>
@@ -279,7 +280,7 @@ int ct_tangent_push(ct_solver *s)
   if (!ct_grid_init(&grid, 4.0 * top, t->most_row_count)) return 0;
   push_rows(grid.coarse, t);
   join_sums(s);
-  ct_matrix_move(t->node_count, t->nodes, s->mobility, t->sums, t->moved);
+  ct_matrix_move(s, t->node_count, t->nodes, t->sums, t->moved);
   s->iterations++;
   t->pushed = 1;
   return 1;
@@ -407,12 +408,14 @@ int ct_tangent_bound(ct_solver *s)
   if (!ct_grid_init(&grid, top, t->most_row_count)) return 0;
   sum_sizes(grid.coarse, t);
   join_sums(s);
+  if (s->bodies != NULL) ct_bodies_push_sizes(s->bodies, t->node_count, t->nodes, t->sums);
   for (int32_t k = 0; k < t->node_count; k++) {
     const double *A = &s->mobility[t->nodes[k]];
     double *sum = &t->sums[t->nodes[k] + 3], most = A[0] > A[1] ? A[0] : A[1];
     t->moved[t->nodes[k] + 3] = *sum * (most > A[2] ? most : A[2]);
     *sum = 0.0;
   }
+  if (s->bodies != NULL) ct_bodies_move_sizes(s->bodies, t->node_count, t->nodes, t->moved);
   bound_all(t);
   return 1;
 }

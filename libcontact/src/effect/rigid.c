@@ -273,6 +273,34 @@ static ct_status rigid_increment(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
+static ct_status rigid_mobility(const ct_effect *effect, const ct_view *view,
+                                ct_body_mobility *bodies, double *arms, ct_error *error)
+{
+  static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+  const rigid_data *data = effect->data;
+  const double time = view->dt * view->r_dt;
+  (void)error;
+  for (int32_t b = 0; b < data->body_count; b++) {
+    const rigid_body *body = &data->bodies[b];
+    rigid_motion motion;
+    sum_body(data, body, view, (share){1.0, view->r_dt}, grids_of(view, b), &motion);
+    // -- Displacement by a unit force, and turn by a unit moment (eq:rigid-mobility)
+    for (int c = 0; c < 3; c++)
+      bodies[b].translation[c] = body->fixed[c] || body->pivoted ? 0.0 : time / body->mass;
+    for (int k = 0; k < 6; k++) {
+      const double unit[3] = {column[k] == 0, column[k] == 1, column[k] == 2};
+      double turn[3];
+      ct_inertia_solve(&motion.inertia, unit, turn);
+      bodies[b].rotation[k] = body->fixed[3 + column[k]] ? 0.0 : time * turn[row[k]];
+    }
+    for (int32_t n = 0; n < body->count; n++, arms += 3) {
+      arm_of(data, body, view, &motion.sum[CENTRE], body->first + n, arms);
+      for (int c = 0; c < 3; c++) arms[c] -= motion.off[c];
+    }
+  }
+  return CT_OK;
+}
+
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const rigid_data *data = effect->data;
@@ -286,11 +314,12 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-static const ct_effect_calls CALLS = {.force = rigid_force,
-                                      .create_scratch = create_scratch,
-                                      .free_scratch = ct_pool_free,
-                                      .free_data = ct_pool_free,
-                                      .constraints = {.increment = rigid_increment}};
+static const ct_effect_calls CALLS = {
+    .force = rigid_force,
+    .create_scratch = create_scratch,
+    .free_scratch = ct_pool_free,
+    .free_data = ct_pool_free,
+    .constraints = {.increment = rigid_increment, .mobility = rigid_mobility}};
 
 ct_rigid_def ct_rigid_def_default(void) { return (ct_rigid_def){.cookie = CT_DEF_COOKIE}; }
 

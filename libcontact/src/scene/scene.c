@@ -529,15 +529,10 @@ static ct_status make_initial_stress(ct_scene *scene, ct_effect **effect, ct_err
   return CT_OK;
 }
 
-static double shortest_edge(const ct_scene *scene, const ct_scene_contact *contact)
-{
-  return fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
-              ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
-}
-
-/* The smallest constants among the materials of a contact's surfaces: E, ρ c₁² and ρ. */
+/* The shortest edge and the smallest constants among the materials of a contact's surfaces: E, ρ
+ * c₁² and ρ. */
 typedef struct softest {
-  double young, modulus, density;
+  double edge, young, modulus, density;
 } softest;
 
 static void take_material(const ct_material *material, softest *s)
@@ -549,13 +544,16 @@ static void take_material(const ct_material *material, softest *s)
   s->density = fmin(s->density, material->density);
 }
 
-/* Take the materials behind the faces of surface `s` of a contact. */
+/* Take the materials behind the faces of surface `s` of a contact, unless its body is rigid and the
+ * other one is not (eq:rigid-penalty). */
 static ct_status take_surface(const ct_scene *scene, const scene_contact *entry, int s,
                               softest *out, ct_error *error)
 {
   const ct_body *body = &scene->bodies[entry->body[s]];
+  if (is_rigid(scene, entry->body[s]) && !is_rigid(scene, entry->body[1 - s])) return CT_OK;
   const int32_t count = entry->face_count[s],
                 entries = count * ct_face_node_count(ct_brick_face_kind(body->mesh->kind));
+  out->edge = fmin(out->edge, ct_mesh_shortest_edge(body->mesh));
   if (body->materials == NULL) take_material(&body->material, out);
   if (body->materials == NULL) return CT_OK;
   int32_t *own = ct_allocate((size_t)entries, sizeof *own),
@@ -572,30 +570,26 @@ static ct_status take_surface(const ct_scene *scene, const scene_contact *entry,
 }
 
 /* The default penalty of an enforcement (eq:penalty-default). */
-static double usual_penalty(const ct_scene *scene, const ct_scene_contact *contact,
-                            const softest *soft, ct_enforcement enforcement)
+static double usual_penalty(const softest *soft, ct_enforcement enforcement)
 {
-  return ct_contact_penalty_default(enforcement, soft->modulus, shortest_edge(scene, contact));
+  return ct_contact_penalty_default(enforcement, soft->modulus, soft->edge);
 }
 
 /* The time in which a wave of the speed √(M / ρ) crosses the shortest edge, with the smaller
  * modulus and the smaller density of the two bodies (eq:travel-time). */
-static double travel_time(const ct_scene *scene, const ct_scene_contact *contact,
-                          const softest *soft)
+static double travel_time(const softest *soft)
 {
   // -- T = h √(ρ / (ρ c₁²)) of the node and spring that swing fastest (eq:travel-time)
-  return shortest_edge(scene, contact) * sqrt(soft->density / soft->modulus);
+  return soft->edge * sqrt(soft->density / soft->modulus);
 }
 
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
  * or the default. */
-static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact,
-                         const softest *soft)
+static double penalty_of(const ct_scene_contact *contact, const softest *soft)
 {
   if (contact->options.epsilon > 0.0) return contact->options.epsilon;
-  if (!(contact->beta > 0.0))
-    return usual_penalty(scene, contact, soft, contact->options.enforcement);
-  return ct_contact_penalty(contact->beta, soft->young, shortest_edge(scene, contact));
+  if (!(contact->beta > 0.0)) return usual_penalty(soft, contact->options.enforcement);
+  return ct_contact_penalty(contact->beta, soft->young, soft->edge);
 }
 
 /* Make a contact and its friction. */
@@ -618,13 +612,12 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   def.a = &surface[0];
   def.b = &surface[self ? 0 : 1];
   def.options = entry->given.options;
-  softest soft = {INFINITY, INFINITY, INFINITY};
+  softest soft = {INFINITY, INFINITY, INFINITY, INFINITY};
   ct_status status = take_surface(scene, entry, 0, &soft, error);
   if (status == CT_OK) status = take_surface(scene, entry, 1, &soft, error);
   if (status != CT_OK) return status;
-  def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given, &soft);
-  if (def.options.travel_time == 0.0)
-    def.options.travel_time = travel_time(scene, &entry->given, &soft);
+  def.options.epsilon = entry->epsilon = penalty_of(&entry->given, &soft);
+  if (def.options.travel_time == 0.0) def.options.travel_time = travel_time(&soft);
   status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
   // Surface 0 or 1 of the contact is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
@@ -635,11 +628,9 @@ static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *e
   friction.on = scene->effects[*next - 1];
   friction.coefficient = entry->given.friction;
   // -- A tenth of the normal stiffness by default: half the rounds of a stiffer spring
-  friction.tangent =
-      entry->given.tangent != 0.0
-          ? entry->given.tangent
-          : fmin(1.0,
-                 usual_penalty(scene, &entry->given, &soft, CT_ENFORCE_PENALTY) / entry->epsilon);
+  friction.tangent = entry->given.tangent != 0.0
+                         ? entry->given.tangent
+                         : fmin(1.0, usual_penalty(&soft, CT_ENFORCE_PENALTY) / entry->epsilon);
   status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*next], error);
   if (status == CT_OK) (*next)++;
   return status;

@@ -1,6 +1,8 @@
 /* The constraints of a step: listed by their effects, solved together. */
 #include "constraints.h"
 
+#include "../constraint/bodies.h"
+
 #include "../base/bits.h"
 #include "../constraint/law.h"
 #include "../constraint/problem.h"
@@ -46,6 +48,36 @@ static void find_places(const ct_problem *problem, const int32_t *number, ct_con
   if (longest > 0) c->increment = ct_pool_take(pool, (size_t)longest, 3 * sizeof *c->increment);
 }
 
+/* The rigid bodies among the solver's nodes. */
+static void find_bodies(const ct_problem *problem, ct_constraints *c, ct_pool *pool)
+{
+  int32_t count = 0, *of = ct_allocate((size_t)c->solver->node_count, sizeof *of);
+  c->rigid = -1;
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    if (problem->effects[k]->calls->constraints.mobility != NULL) c->rigid = k;
+  pool->failed |= of == NULL;
+  if (c->rigid < 0 || pool->failed) {
+    ct_release(of);
+    return;
+  }
+  const ct_effect *effect = problem->effects[c->rigid];
+  for (int32_t n = 0; n < c->solver->node_count; n++) of[n] = -1;
+  for (int32_t b = 0; b < problem->body_count; b++) {
+    const ct_body *body = &problem->bodies[b];
+    if (!ct_problem_is_rigid(problem, b)) continue;
+    const int32_t first = ct_effect_below(effect, body->first_node),
+                  end = first + body->mesh->node_count;
+    for (int32_t i = first; i < end; i++)
+      if (c->place[c->rigid][i] >= 0) of[c->place[c->rigid][i]] = count;
+    count++;
+  }
+  c->bodies = ct_pool_take(pool, (size_t)count, sizeof *c->bodies);
+  c->arms = ct_pool_take(pool, (size_t)effect->node_count, 3 * sizeof *c->arms);
+  c->solver->bodies = ct_bodies_create(c->solver, count, of);
+  pool->failed |= c->solver->pool.failed;
+  ct_release(of);
+}
+
 void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
 {
   size_t effects = (size_t)problem->effect_count;
@@ -69,6 +101,7 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
       w->pool.failed =
           ct_solver_create(sets, count, problem->node_count, number, &c->solver) != CT_OK;
       find_places(problem, number, c, &w->pool);
+      if (!w->pool.failed) find_bodies(problem, c, &w->pool);
     }
   }
   ct_release(number);
@@ -153,14 +186,50 @@ static ct_prediction predict(const ct_problem *problem, const ct_state *state)
   return p;
 }
 
-/* Degrees of freedom with prescribed motion, which no force moves. */
-static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_error *error)
+/* The view of an effect that moves nodes. The first step of a rigid body is known while the state
+ * is created, too. */
+static ct_view view_of(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
+                       int32_t k)
+{
+  ct_view view = ct_workspace_view(problem, state, k);
+  if (k != state->workspace->constraints->rigid || !state->workspace->starting) return view;
+  view.dt = p->tau;
+  view.r_dt = p->force_time;
+  view.l_dt = 0.0;
+  return view;
+}
+
+/* How forces move the rigid bodies (eq:rigid-mobility). */
+static ct_status move_bodies(const ct_problem *problem, const ct_state *state,
+                             const ct_prediction *p, ct_error *error)
+{
+  ct_constraints *c = state->workspace->constraints;
+  if (c->rigid < 0) return CT_OK;
+  const ct_effect *effect = problem->effects[c->rigid];
+  const ct_view view = view_of(problem, state, p, c->rigid);
+  ct_bodies *bodies = c->solver->bodies;
+  ct_status status = effect->calls->constraints.mobility(effect, &view, c->bodies, c->arms, error);
+  for (int32_t b = 0; b < bodies->count; b++) {
+    memcpy(bodies->translation[b], c->bodies[b].translation, sizeof bodies->translation[b]);
+    memcpy(bodies->rotation[b], c->bodies[b].rotation, sizeof bodies->rotation[b]);
+  }
+  ct_bodies_bound(bodies);
+  for (int32_t i = 0; i < effect->node_count; i++)
+    if (c->place[c->rigid][i] >= 0)
+      memcpy(&bodies->arm[3 * (int64_t)c->place[c->rigid][i]], &c->arms[3 * (int64_t)i],
+             3 * sizeof *c->arms);
+  return status;
+}
+
+/* Degrees of freedom with prescribed motion, which no force moves, and those of rigid bodies. */
+static ct_status prescribe(const ct_problem *problem, const ct_state *state, const ct_prediction *p,
+                           ct_error *error)
 {
   ct_constraints *c = state->workspace->constraints;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->calls->constraints.increment == NULL) continue;
-    ct_view view = ct_workspace_view(problem, state, k);
+    ct_view view = view_of(problem, state, p, k);
     ct_status status = effect->calls->constraints.increment(effect, &view, c->increment, error);
     if (status != CT_OK) return status;
     for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
@@ -200,7 +269,8 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   const ct_prediction p = predict(problem, state);
   s->tolerance = ct_solver_tolerance(problem->force_tolerance);
   ct_rows_predict(s, &p);
-  status = prescribe(problem, state, error);
+  status = prescribe(problem, state, &p, error);
+  if (status == CT_OK) status = move_bodies(problem, state, &p, error);
   if (status == CT_OK) status = ct_rows_solve(s, state->time, error);
   if (status != CT_OK) return status;
   if (state->step == 0) mark_start(s, c->begun);

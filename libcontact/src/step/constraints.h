@@ -13,6 +13,9 @@ typedef struct ct_constraints {
   int32_t **place;   /* of each effect that prescribes motion: its nodes' places among the solver's,
                         or -1 */
   double *increment; /* prescribed by one effect; null if none does */
+  int32_t rigid;     /* the effect of the rigid bodies, or -1 */
+  ct_body_mobility *bodies; /* of them, and the arms of its nodes */
+  double *arms;
   uint64_t *begun; /* one bit per node of the problem: a force of a constraint begins there at t = 0
                       (eq:energy-start) */
 } ct_constraints;

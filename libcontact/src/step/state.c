@@ -36,20 +36,18 @@ static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
   return 0;
 }
 
-/* Refuse effects that need the strain of rigid bodies, or act through the masses of their nodes. */
+/* Refuse effects that need the strain of rigid bodies. */
 static ct_status check_rigid(const ct_problem *p, ct_error *error)
 {
   for (int32_t k = 0; k < p->effect_count; k++)
     for (int32_t i = 1; p->effects[k]->kind == CT_EFFECT_RIGID && i < p->effect_count; i++) {
       const ct_effect *other = p->effects[i];
-      const int touches = other->phase == CT_PHASE_CONSTRAINT || other->kind == CT_EFFECT_CONTACT ||
-                          other->kind == CT_EFFECT_OBSTACLE || other->kind == CT_EFFECT_FRICTION;
       const int strains = other->kind == CT_EFFECT_VISCOSITY ||
                           other->kind == CT_EFFECT_STIFFNESS_DAMPING ||
                           other->kind == CT_EFFECT_INITIAL_STRESS;
-      if ((touches || strains) && meet(other, p->effects[k]))
+      if (strains && meet(other, p->effects[k]))
         return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                       "problem: the effect %s acts on a rigid body, which it cannot",
+                       "problem: the effect %s acts on a rigid body, which has no strain",
                        other->label);
     }
   return CT_OK;
