@@ -134,6 +134,53 @@ def test_a_rigid_ball_rolls_down_an_incline():
     assert np.diff(total).max() < 1e-5 * run.energy["kinetic"].max()
 
 
+def lattice(x, y, z):
+    """Nodes and elements of bricks between coordinates along the axes."""
+    nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(len(nodes)).reshape(len(x), len(y), len(z))
+    corners = [number[i : len(x) - 1 + i, j : len(y) - 1 + j, k : len(z) - 1 + k].ravel()
+               for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]  # fmt: skip
+    return nodes, np.stack(corners, axis=1).astype(np.int32)
+
+
+def test_a_rigid_sphere_hits_an_elastic_plate_as_hertz_says():
+    """A quarter of a plate whose size is 20 radii of contact, with 4 elements in this radius a = 0.05 R; the impact
+    lasts as long as waves need for 8 times the plate."""
+    a, last, poisson = 0.05, 15.0, 0.3
+    modulus, depth = 1.0 / (1.0 - poisson**2), a * a
+    speed = 2.94 * depth / last
+    mass = 16 * modulus * depth**2.5 / (15 * speed**2) / 4
+    x = [*np.arange(0, 1.3 * a, a / 4)]
+    while x[-1] < 20 * a:
+        x.append(x[-1] + 1.5 * (x[-1] - x[-2]))
+    across = np.arange(-a / 2, 1.6 * a, a / 4)
+    nodes, elements = lattice(across, across, np.array([0.0, 0.2]))
+    nodes[:, 2] += 1 - np.sqrt(1 - nodes[:, 0] ** 2 - nodes[:, 1] ** 2)
+    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=poisson, density=1.0)
+    heavy = mass / (0.2 * (across[-1] - across[0]) ** 2)
+    scene.add_material("heavy", young=1.0, poisson=0.0, density=heavy)
+    plate = dict(zip(("nodes", "elements"), lattice(x, x, -np.array(x[::-1]))))
+    scene.add_body("plate", material="soft", **plate)
+    scene.add_body(
+        "ball", material="heavy", nodes=nodes, elements=elements, velocity=[0, 0, -speed]
+    )
+    scene.add("rigid", body="ball", fixed=["x", "y", "rx", "ry", "rz"])
+    for face in ("x_min", "y_min", "z_min"):
+        scene.add_support(f"plate.{face}", fix=face[0])
+    scene.add_contact("ball.outer", "plate.z_max").add_probe("on", resultant="contact")
+    run = scene.set_time(end=1.1 * last, fraction=0.9).run(progress=False)
+    force, time = np.abs(run.probes["on"]["force"][:, 2]), run.probes["on"]["time"]
+    on = time[force > 0]
+    np.testing.assert_allclose(force.max(), 4 / 3 * modulus * depth**1.5 / 4, rtol=0.02)
+    np.testing.assert_allclose(on[-1] - on[0], last, rtol=0.02)
+    own = run.momentum[run.momentum["body"] == 1]
+    given = own["contact_impulse"][:, 2] + own["support_impulse"][:, 2]
+    np.testing.assert_allclose(own["p"][:, 2] - own["p"][0, 2], given, atol=1e-12 * mass * speed)
+    assert own["p"][-1, 2] > 0.995 * mass * speed
+    energy = run.energy["total"] / run.energy["kinetic"][0]
+    assert np.diff(energy).max() < 1e-12 and energy[-1] > 0.9999
+
+
 REFUSED = [
     ({"rigid": [{"body": "bax"}]}, "rigid[0].body", 'did you mean "box"'),
     ({"rigid": [{"body": "box", "fixed": ["w"]}]}, "rigid[0].fixed[0]", "rx"),
