@@ -1,6 +1,7 @@
 /* Rigid bodies. */
 #include "bodies.h"
 
+#include "../../libcontact/src/constraint/bodies.h"
 #include "../../libcontact/src/effect/rotation.h"
 
 static const ct_material STEEL = {.young = 900.0, .poisson = 0.3, .density = 2.0};
@@ -638,8 +639,100 @@ static void hit_images(void)
   free_all(to[0], to[1]);
 }
 
+/* Motions of the nodes of two bodies by random forces, by hand, and their bounds
+ * (eq:rigid-mobility, eq:rigid-mobility-bound). */
+static void mobilities(void)
+{
+  enum { NODES = 9, WIDE = CT_SOLVER_WIDE };
+  static const int32_t of[NODES] = {0, -1, 1, 1, 0, 0, -1, 1, 0};
+  double off = 0.0, over = 0.0, sums[WIDE * NODES], moved[WIDE * NODES], sizes[WIDE * NODES];
+  int32_t place[NODES];
+  ct_solver s = {.node_count = NODES};
+  ct_bodies *b = ct_bodies_create(&s, 2, of);
+  for (int i = 0; i < 100; i++) {
+    for (int k = 0; k < 2; k++) {
+      double R[3][3];
+      random_rotation(R);
+      for (int c = 0; c < 3; c++) b->translation[k][c] = 1.0 + uniform(1.0);
+      for (int c = 0; c < 6; c++) b->rotation[k][c] = 0.0;
+      for (int a = 0; a < 3; a++) {
+        const double m = 1.5 + uniform(1.0);
+        for (int c = 0; c < 3; c++) b->rotation[k][c] += m * R[a][c] * R[a][c];
+        for (int c = 0; c < 3; c++) b->rotation[k][3 + c] += m * R[a][c] * R[a][(c + 1) % 3];
+      }
+    }
+    ct_bodies_bound(b);
+    for (int n = 0; n < NODES; n++) {
+      place[n] = WIDE * n;
+      for (int c = 0; c < 3; c++) sums[WIDE * n + c] = uniform(1.0), b->arm[3 * n + c] = uniform(1);
+      sums[WIDE * n + 3] = sqrt(ct_vector_dot(&sums[WIDE * n], &sums[WIDE * n]));
+    }
+    ct_bodies_push(b, NODES, place, NULL, sums);
+    ct_bodies_move(b, NODES, place, NULL, moved);
+    ct_bodies_push_sizes(b, NODES, place, sums);
+    ct_bodies_move_sizes(b, NODES, place, sizes);
+    for (int n = 0; n < NODES; n++) {
+      const int k = of[n];
+      double f[3] = {0}, m[3] = {0}, turn[3], u[3], moment[3];
+      for (int j = 0; k >= 0 && j < NODES; j++) {
+        if (of[j] != k) continue;
+        ct_vector_cross(&b->arm[3 * j], &sums[WIDE * j], moment);
+        for (int c = 0; c < 3; c++) f[c] += sums[WIDE * j + c], m[c] += moment[c];
+      }
+      if (k < 0) continue;
+      const double *q = b->rotation[k];
+      const double full[3][3] = {{q[0], q[3], q[5]}, {q[3], q[1], q[4]}, {q[5], q[4], q[2]}};
+      for (int c = 0; c < 3; c++) turn[c] = ct_vector_dot(full[c], m);
+      ct_vector_cross(turn, &b->arm[3 * n], u);
+      for (int c = 0; c < 3; c++) {
+        u[c] += b->translation[k][c] * f[c];
+        off = worst(off, u[c] - moved[WIDE * n + c]);
+      }
+      over = fmax(over, sqrt(ct_vector_dot(u, u)) / sizes[WIDE * n + 3]);
+    }
+  }
+  tap_close(off, 0.0, 1e-13, "forces move the nodes of rigid bodies");
+  tap_ok(over <= 1.0 && over > 0.2, "and no farther than %.3g of their bound", over);
+  ct_pool_empty(&s.pool);
+}
+
+/* A rigid block that stands on an elastic one at t = 0: its first forces are those of a rigid body,
+ * so that it has no momentum, and the penalty is that of the soft block (eq:rigid-start,
+ * eq:rigid-penalty). */
+static void standing(void)
+{
+  const ct_material stiff = {.young = 1e6, .poisson = 0.3, .density = 2.0};
+  ct_mesh *low = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
+          *high = box_mesh(CT_HEX8, 0.2, 0.2, 1, 0.6, 0.6, 1, 5, 5, 5);
+  ct_scene *scene = new_scene_with("soft", low, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+  add_body(scene, "rigid", high, &stiff, CT_KERNEL_AUTO, 0, 0, 0);
+  add_rigid(scene, &(ct_rigid){.body = 1});
+  static const int32_t second = 1;
+  ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -10}, .bodies = &second,
+                            .body_count = 1};
+  add_made(scene, ct_gravity_create_effect, &gravity);
+  add_contact_with(scene, 0, low, 1.0, 1, high, 1.0, 2, 0.0, ct_contact_options_default(), 0.0,
+                   0.0);
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, NULL, NULL);
+  ct_state *state = new_state(p);
+  double epsilon, c1, c2;
+  ct_error e;
+  ct_material_speeds(&STEEL, &c1, &c2);
+  need(ct_scene_contact_epsilon(scene, 0, &epsilon, &e), &e);
+  const double usual =
+      ct_contact_penalty_default(ct_contact_options_default().enforcement, 2.0 * c1 * c1, 0.5);
+  tap_close(epsilon / usual, 1.0, 1e-14, "the penalty is that of the body that deforms");
+  const ct_momentum start = momentum_of(p, state, 1);
+  tap_close(start.p[2] / (0.72 * 10.0 * p->dt), 0.0, 1e-12,
+            "a standing body has no momentum at t = 0");
+  close_run(state, scene, low);
+  ct_mesh_free(high);
+}
+
 int main(void)
 {
+  mobilities();
+  standing();
   hammer();
   hit_images();
   rotations();
