@@ -190,9 +190,11 @@ def bouncing_bar(keys: Keys) -> Answer:
     return Answer({"energy": (total[-1] - total[0]) / (5 * weight)}, run)
 
 
-def octant(parts: int, layers: int, core: float = 0.45) -> tuple[np.ndarray, np.ndarray]:
+def octant(
+    parts: int, layers: int, core: float = 0.45, grading: float = GRADING
+) -> NDArray[np.float64]:
     """The corners (elements, 8, 3) of the octant of the unit ball with non-negative coordinates: a cube,
-    and layers from three of its faces to the sphere."""
+    and layers from three of its faces to the sphere. Edges grow with the power ``grading`` from the axes."""
     corners = np.array(
         [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
     )
@@ -201,11 +203,11 @@ def octant(parts: int, layers: int, core: float = 0.45) -> tuple[np.ndarray, np.
         cells = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), -1).reshape(-1, 1, 3)
         return np.asarray((cells + corners) / np.array(counts))
 
-    inside = [core * lattice(parts, parts, parts) ** GRADING]
+    inside = [core * lattice(parts, parts, parts) ** grading]
     for axis in range(3):
         places = np.roll(lattice(layers, parts, parts), axis, axis=2)
-        depth = 1 - (1 - places[..., axis : axis + 1]) ** GRADING
-        places = places**GRADING
+        depth = 1 - (1 - places[..., axis : axis + 1]) ** grading
+        places = places**grading
         places[..., axis] = 1.0
         angle = np.tan(0.25 * np.pi * places)
         sphere = angle / np.linalg.norm(angle, axis=2, keepdims=True)

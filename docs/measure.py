@@ -40,10 +40,13 @@ import campaign  # noqa: E402 (the campaign of `make accuracy`)
 import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
 
+sys.path.insert(0, str(DOCS / "benchmarks"))
+import cases as benchmarks  # noqa: E402
+
 Numbers = dict[str, float]
-MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
-# Too long for the test: a hundred runs each, and balls of hex20.
-SLOW = {"integrator", "explicit", "recovered_balls"}
+MEASUREMENTS: dict[str, Callable[[], Numbers]] = dict(benchmarks.CASES)
+# Too long for the test: a hundred runs each, and balls of hex20. The benchmarks have a test of their own.
+SLOW = {"integrator", "explicit", "recovered_balls", *benchmarks.CASES}
 
 
 def measurement(function: Callable[[], Numbers]) -> Callable[[], Numbers]:

@@ -1,8 +1,10 @@
 """MOOSE's case ``settlement`` of explicit contact: a soft block falls on a floor and comes to rest with damping
 in proportion to stiffness, against the gold values of MOOSE (``gold/settlement_out.csv``)."""
 
+import tomllib
+from pathlib import Path
+
 import numpy as np
-from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -10,25 +12,15 @@ import libcontact as ct
 PEAK, PEAK_TIME, FORCE, LATE_ENERGY, LATE_FORCE = 0.38863, 0.0066, 1481.3, 0.15557, 978.63
 
 
-def settlement(**damping):
-    scene = ct.Scene(units=METRES)
-    scene.add_material("soft", young=1e6, poisson=0.0, density=10.0)
-    scene.add_material("stiff", young=1e10, poisson=0.0, density=1e6)
-    scene.add_body("block", material="soft", box=box_of([4.5, 4.5, 1e-4], [1, 1, 1], [3, 3, 3]))
-    scene.add_body("base", material="stiff", box=box_of([0, 0, -2], [10, 10, 2], [2, 2, 2]))
-    scene.add_contact("block.z_min", "base.z_max")
-    scene.add_support("block.z_max", fix="xy").add_support("base.z_min", fix="xyz")
-    scene.add_support("base.z_max", fix="z")
-    scene.add("gravity", acceleration=[0, 0, -98.1], bodies=["block"])
-    if damping:
-        scene.add("damping", **damping)
-    scene.add_probe("force", resultant="contact", body="block")
-    return scene.set_time(end=0.05, dt=1e-4).set_output(every=1)
+def settlement():
+    """The tables of the scene of the page."""
+    path = Path(__file__).parents[2] / "docs" / "benchmarks" / "settlement.toml"
+    return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def test_settlement_of_moose():
     """MOOSE stops the nodes that touch, and we have a penalty with a dashpot, so the two agree to 2 % only."""
-    run = settlement(stiffness=1e-3).run(progress=False)
+    run = ct.Scene(settlement()).run(progress=False)
     strain, force = run.energy["strain"], run.probes["force"]["force"][:, 2]
     first = np.argmax(strain)
     assert abs(run.energy["time"][first] - PEAK_TIME) <= 1.01e-4
@@ -41,5 +33,7 @@ def test_settlement_of_moose():
 
 
 def test_settlement_without_damping_is_another_motion():
-    run = settlement().run(progress=False)
+    data = settlement()
+    del data["damping"]
+    run = ct.Scene(data).run(progress=False)
     assert run.energy["strain"].max() > 1.5 * PEAK

@@ -1,0 +1,400 @@
+"""
+The benchmarks of the book: each function computes the numbers of one page from the scene beside it and returns them
+with their references. ``docs/measure.py`` writes them to ``docs/measured.json``; ``tests/python/test_benchmarks.py``
+compares them.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import libcontact as ct
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1] / "bench"))
+import hertz  # noqa: E402 (a rigid sphere on a block)
+
+sys.path.insert(0, str(HERE.parents[1] / "accuracy"))
+import defaults  # noqa: E402 (an elastic ball on a plane)
+
+sys.path.insert(0, str(HERE.parent / "figures"))
+import rigid  # noqa: E402 (Euler's equations)
+
+Numbers = dict[str, float]
+
+
+def load(name: str) -> dict[str, Any]:
+    """The tables of a scene of this folder or of the tutorials."""
+    own = HERE / f"{name}.toml"
+    path = own if own.exists() else ct.example(name)
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def done(data: dict[str, Any]) -> ct.Run:
+    """The run of a scene, without output."""
+    return ct.Scene(data).run(progress=False, output=False)
+
+
+def finer(name: str, factor: float) -> dict[str, Any]:
+    """A scene of boxes with one element across, with ``factor`` times as many elements along each one, cubes in the
+    first body."""
+    data = load(name)
+    for body in data["body"]:
+        box, first = body["box"], data["body"][0]["box"]
+        box["cells"] = [round(box["cells"][0] * factor), 1, 1]
+        box["size"] = [box["size"][0], *[first["size"][0] / first["cells"][0]] * 2]
+    return data
+
+
+def updates(run: ct.Run) -> float:
+    """What a run costs: millions of element updates."""
+    elements = sum(len(run.state[name].elements) for name in run.bodies)
+    return 1e-6 * elements * int(run.steps[-1])
+
+
+def contact_of(run: ct.Run, probe: str, axis: int) -> tuple[float, float, float]:
+    """Begin and end of a contact, and the median of its force."""
+    rows = run.probes[probe]
+    force = np.abs(rows["force"][:, axis])
+    plateau = float(np.median(force[force > 0]))
+    times = rows["time"][force > 0.05 * plateau]
+    return float(times[0]), float(times[-1]), plateau
+
+
+# -- Rods ------------------------------------------------------------------------------------------
+
+
+def rods(name: str, cells: int) -> Numbers:
+    """Two rods, the left one of ``cells`` elements: pressure, duration of the contact and coefficient of
+    restitution."""
+    data = finer(name, cells / 100)
+    run = done(data)
+    begin, end, force = contact_of(run, "contact", 0)
+    area, mass, after = data["body"][0]["box"]["size"][1] ** 2, [], []
+    for body, material in zip(data["body"], data["material"]):
+        mass.append(material["density"] * math.prod(body["box"]["size"]))
+        after.append(run.body_momentum(body["name"])["p"][-1, 0] / mass[-1])
+    before = [body["velocity"][0] for body in data["body"]]
+    restitution = (after[1] - after[0]) / (before[0] - before[1])
+    return {
+        "pressure": force / area,
+        "duration": end - begin,
+        "restitution": restitution,
+        "updates": updates(run),
+    }
+
+
+def rods_of(name: str, exact: Numbers) -> Numbers:
+    """Relative errors on three meshes."""
+    found = {}
+    for cells in (25, 50, 100):
+        computed = rods(name, cells)
+        found |= {f"{key}_{cells}": computed[key] / exact[key] - 1 for key in exact}
+    return found | {"updates": computed["updates"]}
+
+
+RODS: dict[str, Numbers] = {
+    "rods_equal": {"pressure": 0.1, "duration": 20.0, "restitution": 1.0},
+    "rods_unequal": {"pressure": 0.1 * 2 / 3, "duration": 20.0, "restitution": 1.0},
+    "rods_saint_venant": {"pressure": 0.05, "duration": 20.0, "restitution": 0.5},
+}
+
+
+# -- Rod and beam at a wall ------------------------------------------------------------------------
+
+ROD_MODULUS, ROD_DENSITY, ROD_SPEED, ROD_LENGTH, ROD_GAP = 3e7, 0.73e-3, 202.2, 10.0, 0.01
+
+
+def rod_exact() -> Numbers:
+    """Begin and end of the contact [µs], force [lbf] and speed of the rebound [in/s]."""
+    c = math.sqrt(ROD_MODULUS / ROD_DENSITY)
+    begin = ROD_GAP / ROD_SPEED
+    force = ROD_DENSITY * c * ROD_SPEED
+    end = begin + 2 * ROD_LENGTH / c
+    return {"begin": 1e6 * begin, "end": 1e6 * end, "force": force, "rebound": ROD_SPEED}
+
+
+def rod(cells: int) -> Numbers:
+    """The rod of VM265 with ``cells`` elements, as ``rod_exact``."""
+    data = finer("rod_at_wall", cells / 100)
+    run = done(data)
+    area = data["body"][0]["box"]["size"][1] ** 2
+    begin, end, force = contact_of(run, "wall", 0)
+    momentum = run.momentum["p"][-1, 0] / (ROD_DENSITY * ROD_LENGTH * area)
+    return {"begin": 1e6 * begin, "end": 1e6 * end, "force": force / area, "rebound": momentum}
+
+
+def beam(across: int) -> Numbers:
+    """The quarter of SDNV100's beam with ``across`` elements over half its width: median force, duration and rebound
+    over those of a rod."""
+    data = load("beam_at_wall")
+    data["body"][0]["box"]["cells"] = [across, across, 20 * across]
+    run = done(data)
+    begin, end, force = contact_of(run, "wall", 2)
+    p = run.momentum["p"][:, 2]
+    return {
+        "force": force / (1e-4 * 8000 * 5000 * 100) - 1,
+        "duration": (end - begin) / (2 * 0.2 / 5000) - 1,
+        "rebound": -p[-1] / p[0] - 1,
+        "updates": updates(run),
+    }
+
+
+def rod_at_wall() -> Numbers:
+    """The closed form, the rod on two meshes, and the errors of the beam on two meshes."""
+    found = {f"{key}_exact": value for key, value in rod_exact().items()}
+    for cells in (20, 100):
+        found |= {f"{key}_{cells}": value for key, value in rod(cells).items()}
+    for across in (2, 4):
+        last = beam(across)
+        found |= {f"beam_{key}_{across}": last[key] for key in ("force", "duration", "rebound")}
+    return found | {"updates": last["updates"]}
+
+
+# -- Hertz -----------------------------------------------------------------------------------------
+
+
+def pressed_sphere(elements: int) -> Numbers:
+    """Relative errors of force, contact radius and approach with so many elements over the radius."""
+    row = hertz.solve(elements)
+    a, deep = hertz.exact(row["force"])
+    modulus, depth = hertz.MODULUS, hertz.CONTACT**2 / hertz.RADIUS
+    whole = 4.0 / 3.0 * modulus * math.sqrt(hertz.RADIUS) * depth**1.5
+    return {
+        "force": row["force"] / whole - 1,
+        "radius": row["radius"] / a - 1,
+        "approach": row["approach"] / deep - 1,
+        "updates": 1e-6 * row["elements"] * row["steps"],
+    }
+
+
+def hertz_pressed() -> Numbers:
+    """A rigid sphere on a block, two meshes."""
+    return {f"{key}_{n}": value for n in (2, 3) for key, value in pressed_sphere(n).items()}
+
+
+def quarter_ball(parts: int, layers: int, grading: float) -> tuple[Any, Any]:
+    """Nodes and elements of the quarter x, y ≥ 0 of the unit ball, finest at the poles."""
+    part = defaults.octant(parts, layers, grading=grading)
+    turned = (part * [1, 1, -1])[:, np.roll(np.arange(8), 4)]
+    points = np.concatenate([part, turned]).reshape(-1, 3)
+    _, first, numbers = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    return points[first], numbers.reshape(-1, 8).astype(np.int32)
+
+
+def ball_on_plane(ratio: float, parts: int, layers: int, grading: float) -> Numbers:
+    """The impact of a ball at which the radius of contact reaches ``ratio`` R: relative errors of duration, force and
+    speed of the rebound."""
+    nodes, elements = quarter_ball(parts, layers, grading)
+    stiff, mass, depth = 1 / (1 - 0.3**2), 4 * math.pi / 3, ratio**2
+    speed = math.sqrt(16 * stiff * depth**2.5 / (15 * mass))
+    duration = defaults.DURATION * depth / speed
+    made = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    made.add_material("elastic", young=1.0, poisson=0.3, density=1.0)
+    made.add_body(
+        "ball", material="elastic", nodes=nodes, elements=elements, velocity=[0, 0, -speed]
+    )
+    made.add_support("ball.x_min", fix="x").add_support("ball.y_min", fix="y")
+    made.add(
+        "obstacle", surface="ball.outer", plane={"point": [0, 0, -1], "normal": [0, 0, 1]}
+    ).add_probe("wall", resultant="obstacle")
+    run = made.set_time(end=1.2 * duration, fraction=0.9).set_output(every=10**9)
+    result = run.run(progress=False)
+    lasts, peak = defaults.impact(result, 2)
+    p = result.momentum["p"][:, 2]
+    return {
+        "duration": lasts / duration - 1,
+        "force": 4 * peak / (4 / 3 * stiff * depth**1.5) - 1,
+        "rebound": -p[-1] / p[0] - 1,
+        "updates": updates(result),
+    }
+
+
+BALLS = {"020": (0.2, 6, 4, 1.8), "010": (0.1, 6, 4, 1.8), "fine": (0.1, 8, 5, 2.0)}
+
+
+def hertz_impact() -> Numbers:
+    """A ball that strikes a plane, two speeds and two meshes."""
+    found = {}
+    for name, case in BALLS.items():
+        found |= {f"{key}_{name}": value for key, value in ball_on_plane(*case).items()}
+    return found
+
+
+# -- Rotation --------------------------------------------------------------------------------------
+
+
+def first_flip(t: Any, rate: Any) -> float:
+    """When the rate about the middle axis passes zero for the first time."""
+    i = int(np.flatnonzero(rate[:-1] * rate[1:] < 0)[0])
+    return float(t[i] - rate[i] * (t[i + 1] - t[i]) / (rate[i + 1] - rate[i]))
+
+
+def flip_of_euler(cells: Any = None) -> float:
+    """By Euler's equations, with the inertia of the lumped masses (eq:lumped-inertia) or, without cells, of the solid
+    box."""
+    t = np.linspace(0, 40, 8001)
+    factor = 1.0 if cells is None else 1 + 2 / np.array(cells) ** 2
+    return first_flip(t, rigid.euler(rigid.inertia(factor), t))
+
+
+def flip_of_box(k: int) -> tuple[float, float, float]:
+    """First flip of a box of 3k × 2k × k bricks, computed and by Euler's equations with its lumped inertia; cost."""
+    data = load("tumbling_box")
+    cells = data["body"][0]["box"]["cells"] = [3 * k, 2 * k, k]
+    run = done(data)
+    t, rates = rigid.rates(run)
+    return first_flip(t, rates[:, 1]), flip_of_euler(cells), updates(run)
+
+
+def tumbling_box() -> Numbers:
+    """The box on three meshes."""
+    found = {"solid": flip_of_euler()}
+    for k in (1, 2, 4):
+        found[f"flip_{k}"], found[f"euler_{k}"], found["updates"] = flip_of_box(k)
+    return found
+
+
+# -- Friction --------------------------------------------------------------------------------------
+
+
+def newmark(friction: float, push: float, gravity: float, time: float) -> float:
+    """Displacement of Newmark's block under a rectangular pulse."""
+    speed = push * time
+    return speed**2 / (2 * friction * gravity) * (1 - friction * gravity / push)
+
+
+def slide(young: float) -> tuple[float, float]:
+    """Displacement of the block with this modulus, of which the ratio of damping is the scene's; cost."""
+    data = load("sliding_block")
+    data["material"][0]["young"] = young
+    data["damping"]["stiffness"] = 1e-3 * math.sqrt(1e4 / young)
+    run = done(data)
+    return float(run.probes["block"]["displacement"][-1, 0]), updates(run)
+
+
+def sliding_block() -> Numbers:
+    """The closed form and three stiffnesses."""
+    found = {"exact": newmark(0.3, 6.0, 10.0, 0.5)}
+    for power in (4, 5, 6):
+        found[f"e{power}"], found["updates"] = slide(10.0**power)
+    return found
+
+
+# -- A plate bent over a cylinder ------------------------------------------------------------------
+
+
+def elastica(force: float, bending: float, radius: float, length: float) -> tuple[float, float]:
+    """Angle of contact and depth of the end of an inextensible beam whose axis is wrapped round a circle and whose end
+    carries a dead weight. Beyond the contact ½ B κ² = F (sin θ_end − sin θ), with κ = 1/radius at its begin."""
+    x, weight = np.polynomial.legendre.leggauss(40)
+
+    def beam_of(angle: float) -> tuple[float, float]:
+        top = math.sin(angle) + bending / (2 * radius**2 * force)
+        if top >= 1:
+            return math.inf, math.inf
+        last = math.asin(top)
+        # θ = θ_end − u² removes the root from the integrand.
+        half = 0.5 * math.sqrt(last - angle)
+        u = half * (x + 1)
+        theta = last - u**2
+        ds = 2 * u * half * weight / np.sqrt(2 * force / bending * (top - np.sin(theta)))
+        depth = radius * (1 - math.cos(angle)) + float((ds * np.sin(theta)).sum())
+        return radius * angle + float(ds.sum()), depth
+
+    low, high = 1e-6, 0.5 * math.pi
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if beam_of(middle)[0] < length else (low, middle)
+    return math.degrees(low), beam_of(low)[1]
+
+
+def plate_exact() -> tuple[float, float]:
+    """Angle [degrees] and depth of the end's middle of the scene's plate."""
+    thick = 0.1
+    return elastica(1920 * thick, 1e6 * thick**3 / 12, 1 + thick / 2, 1.5)
+
+
+def plate(element: str, along: int, layers: int) -> tuple[float, float, float]:
+    """Angle of contact [degrees], of which the sine is horizontal over vertical force on the cylinder, depth of the
+    end's middle, and cost."""
+    data = load("bent_plate")
+    body = data["body"][0]
+    body["element"], body["box"]["cells"] = element, [along, 1, layers]
+    run = done(data)
+    force, state = run.probes["cylinder"]["force"][-1], run.state["plate"]
+    end = state.positions[np.isclose(state.nodes[:, 0], 1.5)].mean(axis=0)
+    angle = math.degrees(math.asin(abs(force[0] / force[2])))
+    return angle, 0.05 - float(end[2]), updates(run)
+
+
+PLATES = (("hex20", 8, 1), ("hex20", 15, 1), ("hex8", 30, 2), ("hex8", 60, 4))
+
+
+def bent_plate() -> Numbers:
+    """The elastica, two meshes of hex20 and two of hex8."""
+    found = dict(zip(("angle", "depth"), plate_exact()))
+    for element, along, layers in PLATES:
+        name, values = f"{element}_{along}", plate(element, along, layers)
+        found |= {f"{name}_{key}": value for key, value in zip(("angle", "depth", "cost"), values)}
+    return found
+
+
+# -- Other programs, unlike meshes -----------------------------------------------------------------
+
+
+def settlement() -> Numbers:
+    """MOOSE's case: largest strain energy and its time, largest force after the first impact, both at the end."""
+    run = done(load("settlement"))
+    strain, rows = run.energy["strain"], run.probes["force"]
+    first = int(np.argmax(strain))
+    return {
+        "peak": strain[first],
+        "peak_time": run.energy["time"][first],
+        "force": rows["force"][rows["time"] > 0.003, 2].max(),
+        "late_energy": strain[-1],
+        "late_force": rows["force"][-1, 2],
+        "updates": updates(run),
+    }
+
+
+def pulse_left(left: int, right: int) -> tuple[float, float]:
+    """Largest velocity that a pulse leaves in the column that it came through, over the largest in the other one;
+    cost."""
+    data = load("unlike_pulse")
+    for body, n in zip(data["body"], (left, right)):
+        body["box"]["cells"] = [6 * n, n, n]
+    run = done(data)
+    left_over, through = (np.abs(run.state[name].velocity[:, 0]).max() for name in run.bodies)
+    return float(left_over / through), updates(run)
+
+
+PAIRS = ((4, 4), (4, 6), (8, 8), (8, 11))
+
+
+def unlike_pulse() -> Numbers:
+    """Like and unlike meshes."""
+    found = {}
+    for n, m in PAIRS:
+        found[f"left_{n}_{m}"], found["updates"] = pulse_left(n, m)
+    return found
+
+
+CASES: dict[str, Callable[[], Numbers]] = {
+    "rod_at_wall": rod_at_wall,
+    "hertz_pressed": hertz_pressed,
+    "hertz_impact": hertz_impact,
+    "tumbling_box": tumbling_box,
+    "sliding_block": sliding_block,
+    "bent_plate": bent_plate,
+    "settlement": settlement,
+    "unlike_pulse": unlike_pulse,
+}
+CASES |= {name: lambda n=name, e=exact: rods_of(n, e) for name, exact in RODS.items()}

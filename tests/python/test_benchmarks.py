@@ -1,0 +1,124 @@
+"""The benchmarks of the book: the numbers that its pages quote are computed anew and compared with their references.
+Each tolerance has its reason beside it. The pages have one form."""
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+sys.path.insert(0, str(DOCS))
+import measure  # noqa: E402
+
+cases = measure.benchmarks
+FILE = json.loads(measure.FILE.read_text())
+SECTIONS = ("Problem", "Reference", "Model", "Result", "Cost", "Where the reference ends")
+PAGES = [page for page in (DOCS / "benchmarks").glob("*.rst") if page.stem != "index"]
+
+# Of each case: the number, its reference, the largest error over the reference (or over 1 where this is 0), the reason.
+FRONT = "a front of one element arrives late, and opening takes the steps of the law of restitution"
+MODES = "short waves keep energy of the fronts"
+LIMITS = {
+    name: [
+        ("pressure_100", 0, 2e-4, "the median of a plateau; its ripples are symmetric"),
+        ("duration_100", 0, 0.015, FRONT),
+        ("restitution_100", 0, 0.02, MODES),
+    ]
+    for name in cases.RODS
+}
+LIMITS |= {
+    "rod_at_wall": [
+        ("begin_100", FILE["rod_at_wall"]["begin_exact"], 0.01, "a step is 0.9 % of the time"),
+        ("end_100", FILE["rod_at_wall"]["end_exact"], 0.005, FRONT),
+        ("force_100", FILE["rod_at_wall"]["force_exact"], 1e-3, "as for two rods"),
+        ("rebound_100", FILE["rod_at_wall"]["rebound_exact"], 0.005, MODES),
+        ("beam_force_4", 0, 0.05, "lateral inertia, which one dimension does not have"),
+        ("beam_duration_4", 0, 0.05, "lateral inertia"),
+        ("beam_rebound_4", 0, 0.05, "lateral vibration keeps energy"),
+    ],
+    "hertz_pressed": [
+        ("force_3", 0, 0.06, "3.2 % is the finite block, the rest three elements over the radius"),
+        ("radius_3", 0, 0.03, "observed order 2, 4.5 % with two elements"),
+        ("approach_3", 0, 0.005, "measured on the surface, where the far faces do not count"),
+    ],
+    "hertz_impact": [
+        ("duration_fine", 0, 0.03, "a ball is stiffer than a half-space by the order of a/R"),
+        ("force_fine", 0, 0.03, "as the duration, and six elements over the diameter of contact"),
+        ("rebound_fine", 0, 0.002, "waves keep little of a slow impact"),
+    ],
+    "tumbling_box": [
+        (f"flip_{k}", FILE["tumbling_box"][f"euler_{k}"], 0.005, "half a step of 0.1")
+        for k in (1, 2, 4)
+    ],
+    "sliding_block": [
+        ("e4", 0.75, 0.0125, "1/c: the far end sticks until the wave of the push arrives"),
+        ("e5", 0.75, 0.004, "1/c"),
+        ("e6", 0.75, 0.00125, "1/c"),
+    ],
+    "bent_plate": [
+        ("hex20_15_angle", FILE["bent_plate"]["angle"], 0.005, "shear, of the order (h/R)²"),
+        ("hex20_15_depth", FILE["bent_plate"]["depth"], 0.005, "shear, of the order (h/R)²"),
+        ("hex8_60_angle", FILE["bent_plate"]["angle"], 0.02, "hex8 locks in bending"),
+    ],
+    "settlement": [
+        ("peak", 0.38863, 0.02, "MOOSE stops the nodes that touch; here a penalty gives back"),
+        ("force", 1481.3, 0.02, "as the peak"),
+        ("late_force", 978.63, 0.002, "what is left of the vibration"),
+    ],
+    "unlike_pulse": [
+        ("left_8_11", 0, 0.05, "0.25 % of the energy; half of it on like meshes, too"),
+        ("left_8_8", 0, 0.03, "the contact opens on the trailing waves of the mesh"),
+    ],
+}
+
+
+@pytest.mark.parametrize("name", list(cases.CASES))
+def test_benchmark(name):
+    """The file has what is computed, to a per mille, and this is as close to the reference as the page says."""
+    found = measure.rounded(cases.CASES[name]())
+    assert found.keys() == FILE[name].keys()
+    for key, value in found.items():
+        assert value == pytest.approx(FILE[name][key], rel=1e-3, abs=2e-6), key
+    for key, reference, most, reason in LIMITS[name]:
+        assert abs(found[key] - reference) <= most * (abs(reference) or 1), f"{key}: {reason}"
+
+
+def test_errors_fall_with_the_mesh():
+    """Where the page says that the error is that of the mesh, or of the stiffness."""
+    rods = FILE["rods_saint_venant"]
+    errors = [abs(rods[f"restitution_{n}"]) for n in (25, 50, 100)]
+    assert errors == sorted(errors, reverse=True)
+    block = [FILE["sliding_block"][f"e{n}"] - 0.75 for n in (4, 5, 6)]
+    assert np.divide(block[:-1], block[1:]) == pytest.approx(math.sqrt(10), rel=0.15)
+    box = [FILE["tumbling_box"][f"flip_{k}"] for k in (1, 2, 4)]
+    assert box[0] > box[1] > box[2] > FILE["tumbling_box"]["solid"]
+
+
+def test_elastica_has_the_limit_of_small_loads():
+    """While the beam touches the cylinder at its top only, F L = B/r: there the angle begins, and the depth is that of
+    a cantilever, F L³/3B, with small slopes."""
+    bending, radius, length = 1.0, 100.0, 1.0
+    angle, depth = cases.elastica(1.0001 * bending / (radius * length), bending, radius, length)
+    assert angle < 1e-3
+    assert depth == pytest.approx(length**2 / (3 * radius), rel=1e-3)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_pages_have_one_form(page):
+    text = page.read_text()
+    assert tuple(re.findall(r"^(.+)\n-+$", text, re.M)) == SECTIONS
+    assert re.search(r"^:Test: ", text, re.M)
+    index = (page.parent / "index.rst").read_text()
+    assert f"   {page.stem}\n" in index and f":doc:`{page.stem}`" in index
+    for name in re.findall(r"literalinclude:: (\w+\.toml)", text):
+        assert len((page.parent / name).read_text().splitlines()) <= 25, name
+
+
+def test_each_scene_is_shown_or_named():
+    shown = "".join(page.read_text() for page in PAGES)
+    for scene in (DOCS / "benchmarks").glob("*.toml"):
+        assert scene.name in shown
