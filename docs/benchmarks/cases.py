@@ -158,6 +158,43 @@ def rod_at_wall() -> Numbers:
     return found | {"updates": last["updates"]}
 
 
+# -- Bouncing bar ----------------------------------------------------------------------------------
+
+
+def bounces(cells: int) -> Numbers:
+    """The bar under gravity with the default contact: begin of the second and of the tenth impact, and the change of
+    energy over the energy of the fall."""
+    data = load("bouncing_bar")
+    wide = 10 / cells
+    data["body"][0]["box"] |= {"size": [wide, wide, 10], "cells": [1, 1, cells]}
+    del data["obstacle"][0]["beta"]
+    data["probe"] = [{"name": "floor", "resultant": "obstacle"}]
+    data["time"] = {"end": 25.5, "fraction": 0.9}
+    run = done(data)
+    rows = run.probes["floor"]
+    on = rows["force"][:, 2] > 30 * wide**2  # a tenth of the pressure ρ c v of an impact
+    off_before = np.flatnonzero(np.diff(on.astype(int)) == 1)
+    begins = rows["time"][off_before + 1]
+    # A gap of some steps in a contact begins no impact.
+    begins = begins[np.diff(begins, prepend=-1.0) > 1.0]
+    total = run.energy["total"]
+    return {
+        "second": begins[1],
+        "tenth": begins[9],
+        "energy": (total[-1] - total[0]) / (10 * 10 * wide**2 * 5),
+        "updates": updates(run),
+    }
+
+
+def bouncing_bar() -> Numbers:
+    """Two meshes."""
+    found = {}
+    for cells in (50, 100):
+        last = bounces(cells)
+        found |= {f"{key}_{cells}": last[key] for key in ("second", "tenth", "energy")}
+    return found | {"updates": last["updates"]}
+
+
 # -- Hertz -----------------------------------------------------------------------------------------
 
 
@@ -389,6 +426,7 @@ def unlike_pulse() -> Numbers:
 
 CASES: dict[str, Callable[[], Numbers]] = {
     "rod_at_wall": rod_at_wall,
+    "bouncing_bar": bouncing_bar,
     "hertz_pressed": hertz_pressed,
     "hertz_impact": hertz_impact,
     "tumbling_box": tumbling_box,

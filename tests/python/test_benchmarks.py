@@ -40,6 +40,11 @@ LIMITS |= {
         ("beam_duration_4", 0, 0.05, "lateral inertia"),
         ("beam_rebound_4", 0, 0.05, "lateral vibration keeps energy"),
     ],
+    "bouncing_bar": [
+        ("second_100", 1 + 8 / 3, 0.002, "half a step of the mesh's fronts"),
+        ("tenth_100", 25, 0.01, "what the impacts have lost shortens the flights"),
+        ("energy_100", 0, 0.01, "an impact leaves at most .1 % of its energy in short waves"),
+    ],
     "hertz_pressed": [
         ("force_3", 0, 0.06, "3.2 % is the finite block, the rest three elements over the radius"),
         ("radius_3", 0, 0.03, "observed order 2, 4.5 % with two elements"),
