@@ -418,12 +418,23 @@ def pulse_left(left: int, right: int) -> tuple[float, float]:
     return float(left_over / through), updates(run)
 
 
+def pulse_in_one(n: int) -> float:
+    """The same in one column without a contact: what the mesh leaves behind."""
+    data = load("unlike_pulse")
+    del data["contact"]
+    data["body"] = data["body"][:1]
+    data["body"][0]["box"] = {"origin": [-6, 0, 0], "size": [12, 1, 1], "cells": [12 * n, n, n]}
+    column = done(data).state["left"]
+    moves, x = np.abs(column.velocity[:, 0]), column.nodes[:, 0]
+    return float(moves[x < 0].max() / moves[x > 0].max())
+
+
 PAIRS = ((4, 4), (4, 6), (8, 8), (8, 11))
 
 
 def unlike_pulse() -> Numbers:
-    """Like and unlike meshes."""
-    found = {}
+    """One column, like and unlike meshes."""
+    found = {f"one_{n}": pulse_in_one(n) for n in (4, 8)}
     for n, m in PAIRS:
         found[f"left_{n}_{m}"], found["updates"] = pulse_left(n, m)
     return found

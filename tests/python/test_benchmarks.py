@@ -80,8 +80,8 @@ LIMITS |= {
         ("late_force", 978.63, 0.002, "what is left of the vibration"),
     ],
     "unlike_pulse": [
-        ("left_8_11", 0, 0.05, "0.25 % of the energy; half of it on like meshes, too"),
-        ("left_8_8", 0, 0.03, "the contact opens on the trailing waves of the mesh"),
+        ("left_8_11", 0, 0.05, "0.25 % of the energy; half of the velocity on like meshes"),
+        ("left_8_8", 0, 0.03, "the contact opens behind the pulse"),
     ],
 }
 
