@@ -30,6 +30,8 @@ def value_of(schema: dict) -> str:
     if "const" in schema:
         return f"``{str(schema['const']).lower()}``"
     if "anyOf" in schema:
+        if any("items" not in each for each in schema["anyOf"]):
+            return " or ".join(map(value_of, schema["anyOf"]))
         widths = [str(rows["items"]["minItems"]) for rows in schema["anyOf"]]
         return f"rows of {' or '.join(widths)} numbers"
     if "prefixItems" in schema:
