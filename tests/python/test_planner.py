@@ -224,7 +224,7 @@ def test_the_error_contains_the_front(end):
         body["box"]["origin"][0] *= length
         body["box"]["size"][0] *= length
         body["box"]["cells"][0] = 40
-    plan = ct.Scene(data).plan(error=0.06, trials=2.0, progress=False)
+    plan = ct.Scene(data).plan(error=0.06, trials=60.0, progress=False)
     body = run_of(plan.scene).state["right"]
     x, z = body.centres[:, 0] / 2.5, body.centres[:, 2]
     row = (z < 1.01 * z.min()) & (x < 2 * length - end - 1e-9)
