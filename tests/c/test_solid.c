@@ -8,13 +8,11 @@ static const char *KIND[2] = {"hex8", "hex20"};
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
 
-/* A linear displacement on a distorted mesh has its constant stress everywhere and no force at
- * inner nodes (eq:jacobian, eq:jacobian-gradient, eq:hooke, eq:internal-force). */
-static void patch_test(ct_brick_kind kind)
+/* A linear displacement on any mesh, which is freed, has its constant stress everywhere and no
+ * force at inner nodes (eq:jacobian, eq:jacobian-gradient, eq:hooke, eq:internal-force). */
+static void patch_test(ct_mesh *m)
 {
-  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 3, 3);
-  distort(m, kind == CT_HEX8 ? 0.08 : 0.03);
-  turn_elements(m);
+  ct_brick_kind kind = m->kind;
   double G[3][3], lambda, mu, want[6], off[2] = {0, 0}, inner = 0.0, top, resultant[3] = {0};
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = uniform(1e-3);
   ct_material_lame(&STEEL, &lambda, &mu);
@@ -70,6 +68,21 @@ static void patch_test(ct_brick_kind kind)
   close_block(&solid);
   free_all(mass, outer, is_outer, u, f, stress);
   ct_mesh_free(m);
+}
+
+/* A distorted box, a ball, a shell and a cylinder. */
+static void patches(ct_brick_kind kind)
+{
+  ct_ball ball = {{1, 2, 3}, {0, 1}, {1, 8}}, shell = {{1, 2, 3}, {0.5, 1}, {1, 8}};
+  ct_cylinder cylinder = {{1, 2, 3}, 1, 0.5, {1, 8, 2}};
+  ct_mesh *m[4] = {box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 3, 3), NULL, NULL, NULL};
+  ct_error e;
+  distort(m[0], kind == CT_HEX8 ? 0.08 : 0.03);
+  turn_elements(m[0]);
+  need(ct_mesh_create_ball(kind, &ball, &m[1], &e), &e);
+  need(ct_mesh_create_ball(kind, &shell, &m[2], &e), &e);
+  need(ct_mesh_create_cylinder(kind, &cylinder, &m[3], &e), &e);
+  for (int i = 0; i < 4; i++) patch_test(m[i]);
 }
 
 /* The stresses of all elements, in batches of any size, against the readable form at the centres:
@@ -653,7 +666,7 @@ int main(void)
 {
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
     for (int law = 0; law < CT_LAW_COUNT; law++) has_kernel((ct_brick_kind)kind, (ct_law)law);
-    patch_test((ct_brick_kind)kind);
+    patches((ct_brick_kind)kind);
     energy_gradient((ct_brick_kind)kind);
     for (int law = 0; law < CT_LAW_COUNT; law++) stresses((ct_brick_kind)kind, (ct_law)law);
   }

@@ -127,6 +127,49 @@ typedef struct ct_ring {
 CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh,
                                      ct_error *error);
 
+/** A solid cylinder (a disc) about an axis along z. */
+typedef struct ct_cylinder {
+  /** Its middle [length]. */
+  double centre[3];
+  /** Radius [length], > 0. */
+  double radius;
+  /** Length along z [length], > 0. */
+  double width;
+  /** Elements along the radius between core and surface, around (a multiple of 4), along z. */
+  int32_t cells[3];
+} ct_cylinder;
+
+/**
+ * Mesh a cylinder with bricks: a square core of cells[1] / 4 elements along x and y, and on each of
+ * its four sides cells[0] layers up to the circle; ζ runs along z. Corners and mid-side nodes of
+ * the surface lie on the circle, in nearly equal arcs, :eq:`mesh-spread`. Coordinates need only
+ * products, quotients and roots, and are exactly symmetric about the centre: along x, y and z, and
+ * under exchange of x and y. ``CT_ERROR_ARGUMENT``: a member is out of range.
+ */
+CT_API ct_status ct_mesh_create_cylinder(ct_brick_kind kind, const ct_cylinder *cylinder,
+                                         ct_mesh **mesh, ct_error *error);
+
+/** A ball, or the shell between two spheres. */
+typedef struct ct_ball {
+  /** Its centre [length]. */
+  double centre[3];
+  /** Inner and outer radius [length], 0 <= inner < outer; inner 0: a solid ball. */
+  double radius[2];
+  /** Elements along the radius (of a solid ball: between core and surface), and around a great
+   * circle (a multiple of 4). */
+  int32_t cells[2];
+} ct_ball;
+
+/**
+ * Mesh a ball with bricks: a core of cells[1] / 4 elements along x, y and z, unless it is hollow,
+ * and on each of its six sides cells[0] layers up to the sphere. Corners and mid-side nodes of the
+ * surface lie on the sphere, :eq:`mesh-blocks`. Coordinates need only products, quotients and
+ * roots, and are exactly symmetric about the centre: along x, y and z, and under every exchange of
+ * axes. ``CT_ERROR_ARGUMENT``: a member is out of range.
+ */
+CT_API ct_status ct_mesh_create_ball(ct_brick_kind kind, const ct_ball *ball, ct_mesh **mesh,
+                                     ct_error *error);
+
 /** Copy a mesh given by arrays and check it as `ct_mesh_check` does. The copy has no `settings`. */
 CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
 

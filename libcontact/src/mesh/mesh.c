@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, ct_mesh **out,
-                               ct_error *error)
+ct_status ct_mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, ct_mesh **out,
+                           ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
@@ -146,7 +146,7 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
   int64_t nodes = ct_brick_facts_of(kind)->cell_nodes > 1
                       ? l.first[3] + l.count[3][0] * l.count[3][1] * l.count[3][2]
                       : l.first[1];
-  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], out, error);
+  ct_status status = ct_mesh_allocate(kind, nodes, n[0] * n[1] * n[2], out, error);
   if (status != CT_OK) return status;
   (*out)->settings = settings;
 
@@ -266,7 +266,7 @@ ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *e
   if (source == NULL || mesh == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_mesh_check(source, error);
   if (status == CT_OK)
-    status = mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
+    status = ct_mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
   if (status != CT_OK) return status;
   size_t per = (size_t)ct_brick_node_count(source->kind);
   memcpy((*mesh)->nodes, source->nodes, 3 * (size_t)source->node_count * sizeof(double));

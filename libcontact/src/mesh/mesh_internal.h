@@ -12,6 +12,10 @@ ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *n
 /* Fewest elements or nodes of a thread if there is little work for each. */
 enum { CT_LEAST_OF_MESH = 16384 };
 
+/* A mesh with its arrays, zeroed. CT_ERROR_ARGUMENT: none or too many nodes or elements. */
+ct_status ct_mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, ct_mesh **out,
+                           ct_error *error);
+
 /* ct_mesh_create_box with the settings of a run. */
 ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_settings *settings,
                            ct_mesh **mesh, ct_error *error);
