@@ -1,4 +1,4 @@
-"""Picture of the chapter on meshes."""
+"""Pictures of the chapter on meshes."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -41,5 +41,39 @@ def maps():
         top = [4, 5, 6, 7, 12, 13, 14, 15]
         ax.plot(*nodes[top][:, :2].T, "o", ms=5, color=BLUE)
         ax.set(title=title, aspect="equal", xlim=(-1.3, 1.5), ylim=(-1.3, 1.5))
+        ax.set_axis_off()
+    return figure
+
+
+def blocks():
+    """A core with four arms of layers: on the lattice, and as a disc."""
+    n, m = 4, 4  # half cells from the middle of the core, and half layers
+
+    def place(x, y):
+        base = np.clip([x, y], -n, n)
+        layer = max(abs(x), abs(y)) - n
+        u = 11 * base * n / (14 * n * n - 3 * base**2)
+        core = u * (10 - u[::-1] ** 2) / 20
+        return core if layer <= 0 else ((m - layer) * core + layer * u / np.hypot(*u)) / m
+
+    figure = Figure(figsize=(7.5, 3.6))
+    cross, disc = figure.subplots(1, 2)
+    ends = range(-n - m, n + m + 1, 2)
+    for a in ends:
+        for b in ends[:-1]:
+            for x, y in (
+                (np.full(9, a), np.linspace(b, b + 2, 9)),
+                (np.linspace(b, b + 2, 9), np.full(9, a)),
+            ):
+                if (np.minimum(abs(x), abs(y)) > n).any():
+                    continue
+                glued = abs(x[4]) == n and abs(y[4]) > n or abs(y[4]) == n and abs(x[4]) > n
+                style = {"color": RED if glued else BLUE, "lw": 1.6 if glued else 0.9}
+                cross.plot(x, y, **style)
+                disc.plot(*np.array([place(*at) for at in zip(x, y)]).T, **style)
+    cross.set_title("on the lattice")
+    disc.set_title("in the body")
+    for ax in (cross, disc):
+        ax.set_aspect("equal")
         ax.set_axis_off()
     return figure

@@ -105,6 +105,18 @@ box = { origin = [0, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
 name = "e"
 material = "hard"
 box = { origin = [2, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
+[[body]]
+name = "f"
+material = "hard"
+cylinder = { centre = [30, 0, 0], radius = 1, width = 0.5, cells = [1, 8, 1] }
+[[body]]
+name = "g"
+material = "hard"
+ball = { centre = [33, 0, 0], radius = 1, cells = [1, 4] }
+[[body]]
+name = "h"
+material = "hard"
+shell = { centre = [36, 0, 0], radius = [0.5, 1], cells = [1, 4] }
 [[contact]]
 surfaces = ["a.x_max", "b.outer"]
 epsilon = 100.0
@@ -262,6 +274,9 @@ def test_the_schema_accepts_what_the_reader_accepts(data):
         (("body", 0, "box", "cells"), [2, 2, 0]),
         (("body", 0, "box", "cells"), [2, 2, 2.0]),
         (("body", 1, "ring", "cells"), [1, 2, 1]),
+        (("body", 5, "cylinder", "cells"), [1, 10, 1]),
+        (("body", 6, "ball", "radius"), [0, 1]),
+        (("body", 7, "shell", "cells"), [1, 6]),
         (("body", 0, "mesh"), "two.vtkhdf"),
         (("body", 2, "elements"), [[0, 1, 2]]),
         (("contact", 0, "beta"), 4),

@@ -31,10 +31,20 @@ def c_box(box: Any, layers: str) -> Any:
     return ffi.new("ct_box *", [list(box.origin), list(box.size), list(box.cells), LAYERS[layers]])
 
 
-def c_ring(ring: Any) -> Any:
-    """A ``ct_ring *`` of a ring (with ``centre``, ``radius``, ``width``, ``cells``)."""
-    members = [list(ring.centre), list(ring.radius), ring.width, list(ring.cells)]
-    return ffi.new("ct_ring *", members)
+def mesh_of(shape: str, table: Any, element: str) -> Mesh:
+    """The mesh of a ring, cylinder, ball or shell, whose keys are the members of the C struct."""
+    struct = "ball" if shape == "shell" else shape
+    radius = [0.0, table.radius] if shape == "ball" else table.radius
+    members = {"centre": list(table.centre), "cells": list(table.cells)}
+    members["radius"] = radius if shape == "cylinder" else list(radius)
+    if struct != "ball":
+        members["width"] = table.width
+    create = {
+        "ring": lib.ct_mesh_create_ring,
+        "cylinder": lib.ct_mesh_create_cylinder,
+        "ball": lib.ct_mesh_create_ball,
+    }[struct]
+    return Mesh(ask("ct_mesh **", create, KINDS[element], ffi.new(f"ct_{struct} *", members)))
 
 
 def c_mesh(nodes: Floats, elements: Ints) -> Any:

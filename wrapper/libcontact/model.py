@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,9 @@ CONTACT = lib.ct_contact_options_default()
 POSITIVE = Number(above=0.0)
 FORWARD = Number(least=0.0)
 ORIGIN = (0.0, 0.0, 0.0)
+# Cells around what stands on a core of cells with four sides.
+QUARTERS = Whole(4, step=4)
+ONE = "one of these seven"
 
 Vector = Sequence[float] | NDArray[Any]
 
@@ -108,7 +112,31 @@ class Material(Table):
     law: str = key(Choice(LAWS), default=word(LAWS, lib.CT_LINEAR))
 
 
-class Box(Table):
+class Shape(Table):
+    """A body that the library meshes."""
+
+    #: The cells around, ``cells[1]``, come in multiples of this number; 0: none are around.
+    step: ClassVar[int] = 1
+
+    def counts(self) -> tuple[int, int]:
+        """Numbers of elements and of their corners."""
+        x, y, z = getattr(self, "cells")
+        return x * y * z, (x + 1) * (y if self.step else y + 1) * (z + 1)
+
+    def scaled(self, scale: float, around: int = 3) -> Any:
+        """The shape with elements that are ``scale`` times smaller; a single cell stays one. At least
+        ``around`` cells remain around it, or as many as there are."""
+        steps, cells = (1, self.step, 1), list(getattr(self, "cells"))
+        for i, n in enumerate(cells if scale != 1.0 else ()):
+            if n > 1:
+                step = max(steps[i], 1)
+                fewest = min(n, around) if i == 1 and self.step else 1
+                cells[i] = step * max(-(-fewest // step), round(n * scale / step))
+        shape: Any = self
+        return replace(shape, cells=tuple(cells))
+
+
+class Box(Shape):
     """
     A rectangular box of equal elements.
 
@@ -127,13 +155,14 @@ class Box(Table):
         otherwise z.
     """
 
+    step = 0
     origin: Vector = key(VECTOR, unit="length", default=ORIGIN)
     size: Vector = key(Each(POSITIVE, POSITIVE, POSITIVE), unit="length")
     cells: tuple[int, int, int] = key(Each(Whole(), Whole(), Whole()))
     layers: str | None = key(Choice(sorted(LAYERS)), default=None, says="see text")
 
 
-class Ring(Table):
+class Ring(Shape):
     """
     A ring about an axis along z.
 
@@ -159,6 +188,90 @@ class Ring(Table):
         if outer <= inner:
             why = f"the outer radius must be above the inner one, {inner:g}"
             yield "radius[1]", f"is {outer:g}; {why}"
+
+
+class Cylinder(Shape):
+    """
+    A solid cylinder about an axis along z, such as a disc: a square core, and layers up to the circle,
+    :eq:`mesh-blocks`.
+
+    Attributes
+    ----------
+    centre
+        Its centre.
+    radius
+        Its radius.
+    width
+        Its length along z.
+    cells
+        Numbers of elements along the radius between core and surface, around (a multiple of 4) and across.
+    """
+
+    step = 4
+    centre: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    radius: float = key(POSITIVE, unit="length")
+    width: float = key(POSITIVE, unit="length")
+    cells: tuple[int, int, int] = key(Each(Whole(), QUARTERS, Whole()))
+
+    def counts(self) -> tuple[int, int]:
+        layers, around, across = self.cells
+        n = around // 4
+        return (n * n + around * layers) * across, ((n + 1) ** 2 + around * layers) * (across + 1)
+
+
+class Ball(Shape):
+    """
+    A solid ball: a core that is a cube with bulging sides, and layers up to the sphere,
+    :eq:`mesh-blocks`.
+
+    Attributes
+    ----------
+    centre
+        Its centre.
+    radius
+        Its radius.
+    cells
+        Numbers of elements along the radius between core and surface, and around a great circle (a
+        multiple of 4).
+    """
+
+    step = 4
+    centre: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    radius: float = key(POSITIVE, unit="length")
+    cells: tuple[int, int] = key(Each(Whole(), QUARTERS))
+
+    def counts(self) -> tuple[int, int]:
+        layers, n = self.cells[0], self.cells[1] // 4
+        return n**3 + 6 * n * n * layers, (n + 1) ** 3 + (6 * n * n + 2) * layers
+
+
+class Shell(Shape):
+    """
+    The shell between two spheres about one centre.
+
+    Attributes
+    ----------
+    centre
+        Its centre.
+    radius
+        Inner and outer radius.
+    cells
+        Numbers of elements through the shell and around a great circle (a multiple of 4).
+    """
+
+    step = 4
+    centre: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    radius: Vector = key(Each(POSITIVE, POSITIVE), unit="length")
+    cells: tuple[int, int] = key(Each(Whole(), QUARTERS))
+
+    def counts(self) -> tuple[int, int]:
+        layers, n = self.cells[0], self.cells[1] // 4
+        return 6 * n * n * layers, (6 * n * n + 2) * (layers + 1)
+
+    refusals = Ring.refusals
+
+
+SHAPES = {"box": Box, "ring": Ring, "cylinder": Cylinder, "ball": Ball, "shell": Shell}
 
 
 class Spin(Table):
@@ -299,8 +412,8 @@ class MeshSet(Table):
 
 class Body(Table):
     """
-    A body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
-    ``elements`` (cells, 8 or 20); the arrays are copied.
+    A body: a ``box``, ``ring``, ``cylinder``, ``ball`` or ``shell``, a ``mesh`` file, or ``nodes``
+    (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied.
 
     Attributes
     ----------
@@ -313,6 +426,12 @@ class Body(Table):
         A rectangular box.
     ring
         A ring about an axis along z.
+    cylinder
+        A solid cylinder about an axis along z.
+    ball
+        A solid ball.
+    shell
+        The shell between two spheres.
     mesh
         A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25); the
         path is relative to the folder of the scene file.
@@ -353,20 +472,23 @@ class Body(Table):
         Coefficient of the hourglass control; only with ``integration = "reduced"``.
     """
 
-    one = (("box", "ring", "mesh", "nodes"),)
+    one = ((*SHAPES, "mesh", "nodes"),)
     needs = {"elements": "nodes", "nodes": "elements", "sets": "nodes"}
     needs |= dict.fromkeys(("part", "scale", "extrude"), "mesh")
     belongs = {"kernel": ("integration", "full"), "hourglass": ("integration", "reduced")}
 
     name: str = key(Name(), kw_only=False)
     material: Any = key(OneOrByName(Reference("material")))
-    box: Any = key(Nested(Box), default=None, says="one of four")
-    ring: Any = key(Nested(Ring), default=None, says="one of four")
-    mesh: Any = key(FileName(), default=None, says="one of four")
+    box: Any = key(Nested(Box), default=None, says=ONE)
+    ring: Any = key(Nested(Ring), default=None, says=ONE)
+    cylinder: Any = key(Nested(Cylinder), default=None, says=ONE)
+    ball: Any = key(Nested(Ball), default=None, says=ONE)
+    shell: Any = key(Nested(Shell), default=None, says=ONE)
+    mesh: Any = key(FileName(), default=None, says=ONE)
     part: str | None = key(Name(), default=None, says="all elements")
     scale: float = key(POSITIVE, default=1.0)
     extrude: Any = key(Nested(Extrude), default=None, says="none")
-    nodes: Any = key(Rows(3), unit="length", default=None, says="one of four")
+    nodes: Any = key(Rows(3), unit="length", default=None, says=ONE)
     elements: Any = key(Rows(*WIDTH.values(), whole=True), default=None, says="with ``nodes``")
     sets: Any = key(ByName(Nested(MeshSet)), default=None, says="none")
     element: str | None = key(
@@ -385,6 +507,16 @@ class Body(Table):
     )
     integration: str = key(Choice(("full", "reduced")), default="full")
     hourglass: float | None = key(POSITIVE, default=None, says="1")
+
+    @property
+    def shape(self) -> str | None:
+        """The key of what the library meshes, ``"box"`` and so on; None with a mesh of its own."""
+        return next((name for name in SHAPES if getattr(self, name)), None)
+
+    @property
+    def lattice(self) -> Any:
+        """The table of this key, or None."""
+        return self.shape and getattr(self, self.shape)
 
     @property
     def bricks(self) -> str | None:
@@ -417,9 +549,11 @@ class Body(Table):
         except ValueError as error:
             yield "sets", str(error)
         if isinstance(self.material, dict):
-            if self.box or self.ring:
-                shape = "box" if self.box else "ring"
-                yield "material", f"names sets of elements, but a {shape} has none; give one name"
+            if self.shape:
+                yield (
+                    "material",
+                    f"names sets of elements, but a {self.shape} has none; give one name",
+                )
             if self.kernel in ("box", "plane"):
                 yield "kernel", f'"{self.kernel}" is for a body of one material'
             if self.initial and self.initial.stress is not None:

@@ -25,7 +25,7 @@ from .mesh import (
     Mesh,
     c_box,
     c_mesh,
-    c_ring,
+    mesh_of,
     physical_memory,
     row_length,
 )
@@ -259,18 +259,18 @@ class Problem:
     # The pieces.
 
     def _check_size(self) -> None:
-        """Raise an error for boxes and rings that exceed the memory of this machine, before their
+        """Raise an error for meshes of the library that exceed the memory of this machine, before their
         meshes are created."""
         need = 0
         for i, body in enumerate(self.parts.bodies.values()):
-            if body.box or body.ring:
-                x, y, z = (body.box or body.ring).cells
-                nodes = (x + 1) * (y + 1) * (z + 1) * FACTS[str(body.bricks)].cell_nodes
+            if body.shape:
+                elements, corners = body.lattice.counts()
+                nodes = corners * FACTS[str(body.bricks)].cell_nodes
                 width = WIDTH[str(body.bricks)]
-                need += memory_estimate(nodes, x * y * z, width, self._is_lattice(body))
+                need += memory_estimate(nodes, elements, width, self._is_lattice(body))
             if need > physical_memory():
                 there = f"this machine has {physical_memory() / 1e9:.3g} GB"
-                key = f"body[{i}].{'box' if body.box else 'ring'}.cells"
+                key = f"body[{i}].{body.shape}.cells"
                 raise self._error(f"the run needs about {need / 1e9:.3g} GB, {there}", key)
 
     def _is_lattice(self, body: Body) -> bool:
@@ -305,13 +305,13 @@ class Problem:
     def _shape(self, body: Body, key: str) -> tuple[dict[str, Any], Mesh | Arrays | None]:
         """The mesh members of a ``ct_scene_body``, and the object that keeps them alive. The scene itself
         meshes a box without spin."""
-        if body.box is None and body.ring is None:
+        if body.shape is None:
             arrays = self._arrays(body, key)
             return {"mesh": c_mesh(*arrays)}, arrays
         kind = KINDS[str(body.bricks)]
-        if body.ring is not None:
-            ring = Mesh(ask("ct_mesh **", lib.ct_mesh_create_ring, kind, c_ring(body.ring)))
-            return {"mesh": ring.pointer}, ring
+        if body.box is None:
+            mesh = mesh_of(body.shape, body.lattice, str(body.bricks))
+            return {"mesh": mesh.pointer}, mesh
         box = c_box(body.box, self.layers(body))
         needed = body.spin or (body.initial and body.initial.displaces)
         made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if needed else None

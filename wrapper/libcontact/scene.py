@@ -22,7 +22,7 @@ from .checks.warned import during, known
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
 from .loop import Loop, record_count, schedule
-from .model import Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
+from .model import SHAPES, Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .problem import Problem
@@ -640,7 +640,7 @@ class Scene:
 
 def _shape_of(body: dict[str, Any]) -> str:
     """The mesh of a body in words."""
-    for kind in ("box", "ring"):
+    for kind in SHAPES:
         if kind in body:
             return f"{kind}, {' × '.join(map(str, body[kind]['cells']))} cells"
     return str(body["mesh"]) if "mesh" in body else f"{len(body['elements'])} elements"

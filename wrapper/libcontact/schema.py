@@ -187,17 +187,19 @@ class Number(Kind):
 
 
 class Whole(Kind):
-    """A whole number from ``least`` to ``most``."""
+    """A whole number from ``least`` to ``most``, a multiple of ``step``."""
 
-    def __init__(self, least: int = 1, most: int = MOST):
-        self.least, self.most = least, most
+    def __init__(self, least: int = 1, most: int = MOST, step: int = 1):
+        self.least, self.most, self.step = least, most, step
         self.json = {"type": "integer", "minimum": least, "maximum": most}
+        self.json |= {"multipleOf": step} if step > 1 else {}
 
     def read(self, value: Any, at: Place) -> int:
         whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
         at.need(whole, value, "a whole number")
         inside = self.least <= value <= self.most
         at.need(inside, value, f"from {self.least} to {self.most}")
+        at.need(value % self.step == 0, value, f"a multiple of {self.step}")
         return int(value)
 
 

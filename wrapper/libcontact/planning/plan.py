@@ -357,34 +357,27 @@ def _coarse(problem: Problem, times: float) -> Problem:
     return Problem(replace(parts, body=bodies, time=time), problem.file, problem.threads, own)
 
 
-def _cells(body: Body, times: float) -> tuple[int, int, int] | None:
-    """Numbers of cells of a body with elements that are ``times`` times larger; None for a body with a
-    mesh of its own."""
-    lattice = body.box or body.ring
-    if lattice is None:
-        return None
-    fewest = (1, 1, 1) if body.box else (1, FEWEST_AROUND, 1)
-    x, y, z = (min(n, max(m, round(n / times))) for n, m in zip(lattice.cells, fewest))
-    return x, y, z
-
-
 def _larger(problem: Problem, body: Body, times: float) -> Body:
     """A body with elements that are ``times`` times larger, numbered along the same axis. A body with a
     mesh of its own is returned unchanged."""
-    cells = _cells(body, times)
-    if cells and body.box:
-        return replace(body, box=replace(body.box, cells=cells, layers=problem.layers(body)))
-    return replace(body, ring=replace(body.ring, cells=cells)) if cells and body.ring else body
+    if body.shape is None:
+        return body
+    larger = body.lattice.scaled(1.0 / times, FEWEST_AROUND)
+    if body.box:
+        larger = replace(larger, layers=problem.layers(body))
+    return replace(body, **{body.shape: larger})
 
 
 def _updates(problem: Problem, times: float) -> float:
     """Approximate cost of a run with elements that are ``times`` times larger, in updates of one element."""
     elements, whole, shorter = 0.0, 0.0, 1.0
     for name, body in problem.parts.bodies.items():
-        count, cells = len(problem.bodies[name].mesh.elements), _cells(body, times)
-        ratios = np.divide(cells, _cells(body, 1.0) or 1.0) if cells else np.ones(3)
-        elements, whole = elements + count * ratios.prod(), whole + count
-        shorter = min(shorter, ratios.mean())
+        count = fewer = len(problem.bodies[name].mesh.elements)
+        if body.shape is not None:
+            larger = body.lattice.scaled(1.0 / times, FEWEST_AROUND)
+            fewer = larger.counts()[0]
+            shorter = min(shorter, np.divide(larger.cells, body.lattice.cells).mean())
+        elements, whole = elements + fewer, whole + count
     touching = sum(one.node_count for one in problem.made if one.kind in TOUCHING)
     # The stable step is proportional to the size of the elements. The number of nodes on surfaces goes
     # with the power 2/3 of the number of elements.

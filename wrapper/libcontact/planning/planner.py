@@ -17,7 +17,7 @@ import numpy.typing as npt
 from .. import html
 from ..errors import EnergyGrowth, Error
 from ..loop import record_count
-from ..model import Box, Contact, Time
+from ..model import SHAPES, Contact, Time
 from ..progress import bar, table_text
 from ..schema import Place, SceneError, is_number
 from ..timing import OUTPUT
@@ -400,7 +400,7 @@ class Planner:
             reason = "is missing; the scene has no known closed form, so name the number whose error is meant"
             raise SceneError(f'{reason}, such as "energy.kinetic.end"', "functional", scene.file)
         parts = problem.parts
-        self.lattices = [body.box or body.ring for body in parts.body]
+        self.lattices = [body.lattice for body in parts.body]
         self.own_mesh = not all(self.lattices)
         several = (
             0 if self.own_mesh else max(sum(n > 1 for n in each.cells) for each in self.lattices)
@@ -439,7 +439,8 @@ class Planner:
         """Change the numbers of cells; a single cell across stays one. In plane strain the single layer
         gets the thickness of the shortest other edge."""
         for body, lattice in zip(bodies, self.lattices):
-            body["box" if "box" in body else "ring"]["cells"] = _cells(lattice, scale)
+            shape = next(name for name in SHAPES if name in body)
+            body[shape]["cells"] = list(lattice.scaled(scale).cells)
         across = self.plates.axes[1] if self.plates else 0
         if self.plates and all(body["box"]["cells"][across] == 1 for body in bodies):
             edges = [np.divide(body["box"]["size"], body["box"]["cells"]) for body in bodies]
@@ -451,7 +452,7 @@ class Planner:
         if self.own_mesh:
             return max(1.0, scale)
         ratios = [
-            np.divide(_cells(each, scale), each.cells)[np.array(each.cells) > 1]
+            np.divide(each.scaled(scale).cells, each.cells)[np.array(each.cells) > 1]
             for each in self.lattices
         ]
         logs = np.log(np.concatenate(ratios))
@@ -580,7 +581,7 @@ class Planner:
         cells = (
             ["mesh of its own"]
             if self.own_mesh
-            else [" x ".join(map(str, _cells(each, scale))) for each in self.lattices]
+            else [" x ".join(map(str, each.scaled(scale).cells)) for each in self.lattices]
         )
         keys = {"time.integrator": "central_difference", **tried.keys}
         words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
@@ -733,14 +734,6 @@ class Planner:
 def percent(fraction: float) -> str:
     """A fraction in per cent."""
     return f"{100.0 * fraction:.3g} %"
-
-
-def _cells(lattice: Any, scale: float) -> list[int]:
-    """Numbers of cells of a box or a ring with smaller elements; a single cell stays one."""
-    fewest = (1, 1, 1) if isinstance(lattice, Box) else (1, 3, 1)
-    return [
-        n if n == 1 else max(least, round(n * scale)) for n, least in zip(lattice.cells, fewest)
-    ]
 
 
 def plan(
