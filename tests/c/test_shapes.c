@@ -294,6 +294,23 @@ static void polyhedra(void)
             "four parabolas through eight points of the circle");
 }
 
+/* The corner of the core is at u = 1, where the other squares sum to 2 or 1 (eq:mesh-blocks). */
+static void core_corners(void)
+{
+  for (int k = 0; k < 3; k += 2) {
+    double at = FORMS[k].radius[1] * (k == 0 ? 0.4 : 0.45);
+    int found = 0;
+    ct_mesh *m = mesh_form(CT_HEX8, &FORMS[k], 2, 3, 1);
+    for (int i = 0; i < m->node_count; i++) {
+      const double *x = &m->nodes[3 * i];
+      found += fabs(fabs(x[0]) - at) < 1e-15 && fabs(fabs(x[1]) - at) < 1e-15 &&
+               (k == 2 || fabs(fabs(x[2]) - at) < 1e-15);
+    }
+    tap_ok(found == 8, "%s: the core has its 8 corners, %d", FORMS[k].name, found);
+    ct_mesh_free(m);
+  }
+}
+
 /* Arcs around the equator are equal within 2 % (eq:mesh-spread). */
 static void equal_arcs(void)
 {
@@ -358,6 +375,7 @@ int main(void)
     moved((ct_brick_kind)kind);
   }
   polyhedra();
+  core_corners();
   equal_arcs();
   for (int k = 0; k < 3; k++) {
     form f = FORMS[k];
