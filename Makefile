@@ -63,7 +63,7 @@ CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
 ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
 ARCHIVES := $(BUILD)/lib/libcontact.a $(ADDON_ARCHIVES)
 SHARED := $(ARCHIVES:.a=.so)
-WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/planning/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
+WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml tutorials/scenes/*.inp) wrapper/libcontact/py.typed wrapper/libcontact/planning/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools

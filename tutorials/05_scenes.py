@@ -2,10 +2,11 @@
 A scene, a picture
 ==================
 
-The folder ``tutorials/scenes`` has nine scenes, which also come with the package
+The folder ``tutorials/scenes`` has ten scenes, which also come with the package
 (``ct.example("hertz")``). Each is a text of at most 40 lines, and for each there is a result that
-can be computed by hand. Here we run all but that of :doc:`08_bending_over_a_cylinder` and compare
-each with its closed form. Start from them for scenes of your own (:doc:`/theory/scene`).
+can be computed by hand. Here we run all but those of :doc:`08_bending_over_a_cylinder` and
+:doc:`09_your_own_mesh` and compare each with its closed form. Start from them for scenes of your
+own (:doc:`/theory/scene`).
 """
 
 # %%

@@ -206,11 +206,15 @@ def file(monkeypatch):
     """A scene whose mesh is in a file, and the file's content with the arguments of its reader."""
     held = {"data": mesh_data()}
 
-    def read(path, **given):
-        held.update(given)
-        return held["data"]
+    class File(meshes.MeshFile):
+        def __init__(self, path):
+            self._taken = []
 
-    monkeypatch.setattr(problem, "read_mesh", read)
+        def bricks(self, part, scale, extrude):
+            held.update(part=part, scale=scale, extrude=extrude)
+            return held["data"]
+
+    monkeypatch.setattr(problem, "MeshFile", File)
     body = {"name": "a", "material": "soft", "mesh": "block.msh"}
     scene = {
         "units": METRES,

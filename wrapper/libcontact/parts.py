@@ -107,7 +107,7 @@ EFFECTS = {name: kind.model for name, kind in MODELS.items() if issubclass(kind.
 def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     """Check the tables of a scene. ``whole`` also requires bodies and time, which a scene that is still
     being built may lack."""
-    top = Place("", file)
+    top = Place("", file, _dotted(data))
     for name, reason in NO_TABLE.items():
         if isinstance(data, dict) and name in data:
             raise (top / name).error(reason)
@@ -135,6 +135,14 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     for name, reason in (*conflicts(parts), *(_turning(parts) if whole else ())):
         raise (top / name).error(reason)
     return parts
+
+
+def _dotted(data: Any) -> tuple[str, ...]:
+    """Names of bodies that have dots, in tables that are not checked yet."""
+    bodies = data.get("body") if isinstance(data, dict) else None
+    tables = [each for each in bodies if isinstance(each, dict)] if isinstance(bodies, list) else []
+    names = [name for table in tables if isinstance(name := table.get("name"), str)]
+    return tuple(name for name in names if "." in name)
 
 
 def _check_set(parts: Parts, surface: Face, at: Place) -> None:

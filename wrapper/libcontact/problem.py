@@ -29,11 +29,11 @@ from .mesh import (
     physical_memory,
     row_length,
 )
-from .meshes import read_mesh
+from .meshes import MeshFile
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts, acts_on
 from .probes import locate
-from .schema import FACES, SceneError, Table, listed, suggestion, word
+from .schema import FACES, SceneError, Table, listed, nearest, suggestion, word
 from .sets import KINDS as SET_KINDS
 from .sets import Sets
 
@@ -323,12 +323,16 @@ class Problem:
         plane, extrude = None, body.extrude
         if extrude is not None:  # in the units of the file
             plane = (extrude.height / body.scale, extrude.layers)
-        found = read_mesh(path, part=body.part, scale=body.scale, extrude=plane)
+        file = self._files.setdefault(path, MeshFile(path))
+        found = file.bricks(body.part, body.scale, plane)
+        if body.initial is None or not body.initial.displaces:
+            file.take(body.name, found.cells, body.scale)
         body = replace(body, mesh=None, nodes=found.nodes, elements=found.elements)
         for name, reason in body.refusals():
             raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
         given = (found.node_sets, found.face_sets, found.element_sets)
-        return body, Sets.read(dict(zip(SET_KINDS, given)), len(body.nodes), len(body.elements))
+        counts = len(body.nodes), len(body.elements)
+        return body, Sets.of_file(dict(zip(SET_KINDS, given)), *counts, found.outside)
 
     def _arrays(self, body: Body, key: str) -> Arrays:
         """Nodes and elements of a body, from the scene or its mesh file, and its sets."""
@@ -344,6 +348,7 @@ class Problem:
     def _add_bodies(self) -> None:
         """Add all bodies and join them. From then on the C scene holds their meshes."""
         self._sets: dict[str, Sets] = dict.fromkeys(self.parts.bodies, NO_SETS)
+        self._files: dict[Path, MeshFile] = {}
         # The number of each element's material, of bodies with several.
         self._material_at: dict[str, Ints] = {}
         for i, body in enumerate(self.parts.bodies.values()):
@@ -353,6 +358,7 @@ class Problem:
                     reason = f'material "{given.name}" has the wave speed {c1:g}'
                     raise self._error(reason, f"body[{i}].material")
             self._add_body(i, body)
+        self._files.clear()
         joined = ffi.new("const ct_problem **")
         self._call("", lib.ct_scene_join, self._scene, joined)
         self.joined = joined[0]
@@ -411,7 +417,7 @@ class Problem:
             key = f"body[{i}].material.{name}"
             where = f'body "{body.name}"{self._file_of(body.name)}'
             if name not in sets:
-                near = suggestion(name, sets, "its sets of elements are ")
+                near = suggestion(name, nearest(name, sets), "its sets of elements are ")
                 raise self._error(f'{where} has no set of elements "{name}"{near}', key)
             twice = sets[name][at[sets[name]] >= 0]
             if twice.size:
@@ -458,9 +464,14 @@ class Problem:
         return faces[:1] if contact.with_itself else faces
 
     def on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
-        """The faces or the nodes of a surface; a surface that is empty or does not exist is an error."""
+        """The faces or the nodes of a surface. A surface that is empty or does not exist is an error, and so is a
+        set of a mesh file with the name of a face."""
         body, face = surface
         mesh, name = self._meshes[body], f'"{body}.{face}"'
+        kinds = mesh.sets.kinds(face) if face in FACES else ()
+        if kinds and (nodes or kinds != ("elements",)) and face != self.parts.bodies[body].part:
+            text = f"{name} is a face that every body has and a set of {kinds[0]}"
+            raise self._error(f"{text}{self._file_of(body)}; rename the set in the file", key)
         try:
             found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
         except Error as error:

@@ -70,16 +70,17 @@ class SceneError(Error, ValueError):
 @dataclass(frozen=True)
 class Place:
     """Position of a value in a scene: ``place / "beta"`` is a key of a table, ``place[0]`` an entry
-    of a list."""
+    of a list. ``dotted`` are the names of the scene's bodies that have dots."""
 
     key: str = ""
     file: str | None = None
+    dotted: tuple[str, ...] = ()
 
     def __truediv__(self, name: str) -> Place:
-        return Place(f"{self.key}.{name}".strip("."), self.file)
+        return Place(f"{self.key}.{name}".strip("."), self.file, self.dotted)
 
     def __getitem__(self, i: int) -> Place:
-        return Place(f"{self.key}[{i}]", self.file)
+        return Place(f"{self.key}[{i}]", self.file, self.dotted)
 
     def error(self, reason: str) -> SceneError:
         """The error for this position, with a reason."""
@@ -102,6 +103,15 @@ def suggestion(word: str, known: Iterable[str], lead: str = "known: ") -> str:
     if near:
         return f'; did you mean "{near[0]}"?'
     return f"; {lead}{listed(known)}" if known else "; there is none"
+
+
+def nearest(word: str, known: Iterable[str], most: int = 20) -> list[str]:
+    """The known names, of many those that are most like the word."""
+    known = list(known)
+    if len(known) <= most:
+        return known
+    near = difflib.get_close_matches(word, known, n=most, cutoff=0.0)
+    return [name for name in known if name in near]
 
 
 def listed(words: Iterable[str], last: str = "or") -> str:
@@ -290,8 +300,8 @@ FACES = (*SIDES, "outer")
 
 
 class Surface(Text):
-    """``"left.x_max"``, a body and one of its faces, or ``"gear.teeth"``, a body and a set of its mesh. The name
-    of a set may have dots."""
+    """``"left.x_max"``, a body and one of its faces, or ``"gear.teeth"``, a body and a set of its mesh. Both names
+    may have dots; of two bodies ``"a"`` and ``"a.b"`` the longer name counts."""
 
     json = {"type": "string", "pattern": r"^.+\..+$"}
 
@@ -300,6 +310,9 @@ class Surface(Text):
         body, dot, face = value.rpartition(".")
         if face not in FACES:
             body, dot, face = value.partition(".")
+            for name in at.dotted:
+                if value.startswith(f"{name}.") and len(name) > len(body):
+                    body, face = name, value[len(name) + 1 :]
         if not (dot and face):
             reason = "is no face; write body and face with a dot, such as"
             raise at.error(f'"{value}" {reason} "left.x_max"')

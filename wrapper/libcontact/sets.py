@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 
 from .bridge import Ints
-from .schema import FACES, listed, suggestion
+from .schema import FACES, listed, nearest, suggestion
 
 KINDS = ("nodes", "faces", "elements")
-# A message lists at most so many names.
-MOST_LISTED = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +28,14 @@ class Sets:
         ζ = -1, ζ = 1.
     elements : dict
         Element numbers of each set, ascending.
+    outside : frozenset of str
+        Sets of the mesh file that have no members in the body.
     """
 
     nodes: Mapping[str, Ints] = field(default_factory=dict)
     faces: Mapping[str, Ints] = field(default_factory=dict)
     elements: Mapping[str, Ints] = field(default_factory=dict)
+    outside: frozenset[str] = frozenset()
 
     @classmethod
     def read(cls, given: Mapping[str, Mapping[str, Any]], nodes: int, elements: int) -> Sets:
@@ -58,6 +59,21 @@ class Sets:
         ValueError
             A set has the name of a face of every body, or a number that the mesh does not have.
         """
+        for kind in KINDS:
+            for name in set(FACES) & given.get(kind, {}).keys():
+                reason = "is the name of a face that every body has; give the set another name"
+                raise ValueError(f'the set of {kind} "{name}" {reason}')
+        return cls.of_file(given, nodes, elements)
+
+    @classmethod
+    def of_file(
+        cls,
+        given: Mapping[str, Mapping[str, Any]],
+        nodes: int,
+        elements: int,
+        outside: frozenset[str] = frozenset(),
+    ) -> Sets:
+        """Check and sort the sets of a mesh file. They may have names of faces, see :meth:`Problem.on`."""
         ends = {"nodes": (nodes,), "faces": (elements, 6), "elements": (elements,)}
         found: dict[str, dict[str, Ints]] = {}
         for kind in KINDS:
@@ -65,7 +81,7 @@ class Sets:
                 name: _sorted(name, kind, entries, ends[kind])
                 for name, entries in given.get(kind, {}).items()
             }
-        return cls(**found)
+        return cls(**found, outside=outside)
 
     def __bool__(self) -> bool:
         return bool(self.nodes or self.faces or self.elements)
@@ -78,26 +94,25 @@ class Sets:
         """What a message says of a name that no face or set has, with the names that exist."""
         near = suggestion(name, dict.fromkeys([*self.nodes, *self.faces, *self.elements, *FACES]))
         lead = f"{near} There are" if near.startswith("; did") else "; there are"
-        parts = [*_by_kind(self), f"the faces {listed(FACES, 'and')} of every body"]
+        if name in self.outside:
+            lead = f"; the part that is read has no members of this set of the file{lead}"
+        parts = [*_by_kind(self, name), f"the faces {listed(FACES, 'and')} of every body"]
         return f'has no face or set "{name}"{lead} {", ".join(parts)}'
 
 
-def _by_kind(sets: Sets) -> Iterator[str]:
-    """The names of the sets in words, kind by kind."""
+def _by_kind(sets: Sets, name: str) -> Iterator[str]:
+    """The names of the sets in words, kind by kind; of many those that are most like the name."""
     for kind in KINDS:
-        names = list(getattr(sets, kind))
+        names = nearest(name, getattr(sets, kind))
         if names:
-            left = len(names) - MOST_LISTED
-            more = f" and {left} more" if left > 0 else ""
-            end = "," if left > 0 else "and"
-            yield f"sets of {kind} {listed(names[:MOST_LISTED], end)}{more}"
+            left = len(getattr(sets, kind)) - len(names)
+            quoted = ", ".join(f'"{each}"' for each in names)
+            text = f"{quoted} and {left} more" if left > 0 else listed(names, "and")
+            yield f"sets of {kind} {text}"
 
 
 def _sorted(name: str, kind: str, entries: Any, ends: tuple[int, ...]) -> Ints:
     """The entries of a set in ascending order, each once."""
-    if name in FACES:
-        reason = "is the name of a face that every body has; give the set another name"
-        raise ValueError(f'the set of {kind} "{name}" {reason}')
     rows = np.unique(np.asarray(entries, np.int64).reshape(-1, len(ends)), axis=0)
     bad = np.flatnonzero(((rows < 0) | (rows >= np.array(ends))).any(axis=1))
     if bad.size:

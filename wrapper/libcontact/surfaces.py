@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 
@@ -12,6 +12,12 @@ def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
         surface if isinstance(surface, str) else ".".join(surface) for surface in surfaces
     )
     return f"{first} with " + ("itself" if first == second else second)
+
+
+def split_name(name: str, bodies: Iterable[str]) -> tuple[str, str]:
+    """Body and face or set of a name such as ``"left.x_max"``; all of them may have dots."""
+    body = max((each for each in bodies if name.startswith(f"{each}.")), key=len)
+    return body, name[len(body) + 1 :]
 
 
 def whole_skin(surfaces: Sequence[Any]) -> str:

@@ -14,7 +14,7 @@ from ..mesh import Mesh
 from ..model import ENFORCEMENTS
 from ..observers import Observer, spread
 from ..problem import Problem, penetrations, speeds
-from ..surfaces import contact_tables
+from ..surfaces import contact_tables, split_name
 
 # Steps and time [s] of a long run, and operations per second of a slow core (eq:long-run).
 MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
@@ -78,9 +78,11 @@ class Depths(Observer):
         for i, (key, found) in enumerate(zip(keys, penetrations(self._problem, state, ["points"]))):
             points = found["points"]
             grown = points["deepest"] - self._start.setdefault(key, points["deepest"])
-            body, _, face = (points["surface"] or "").partition(".")
-            mesh = self._problem.bodies[body].mesh if body else None
-            if key not in self._open or mesh is None or not grown > DEEP * mesh.shortest_edge:
+            if key not in self._open or not points["surface"]:
+                continue
+            body, face = split_name(points["surface"], self._problem.bodies)
+            mesh = self._problem.bodies[body].mesh
+            if not grown > DEEP * mesh.shortest_edge:
                 continue
             size = _element_size(mesh, face, points["face"])
             # (eq:too-soft)

@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import NotBuiltIn
 from . import abaqus, exodus, gmsh, vtk
 from .convert import MeshData, Report, convert
-from .raw import Raw, Reading
+from .raw import Numbers, Raw, Reading
 
 __all__ = ["MeshData", "Report", "read_mesh"]
 
@@ -68,35 +70,93 @@ def read_mesh(
     NotBuiltIn
         A package that reads this format is not installed.
     """
-    path, reading = Path(path), Reading(path)
-    read = FORMATS.get(path.suffix.lower())
-    if read is None and _is_hdf5(path):
-        read = vtk.read_vtkhdf
-    if read is None:
-        raise reading.wrong(f"the ending must be one of {', '.join(FORMATS)}")
-    if not (math.isfinite(scale) and scale > 0.0):
-        raise reading.wrong(f"scale is {scale:g}; it must be positive")
-    if extrude is not None:
-        height, layers = extrude
-        if not (math.isfinite(height) and height > 0.0 and 1 <= layers <= MOST_LAYERS):
-            text = f"extrude is {[height, layers]}; a positive height and 1 to {MOST_LAYERS} layers"
-            raise reading.wrong(f"{text} are needed")
-    try:
-        return convert(read(reading), part, scale, extrude)
-    except NotBuiltIn:
-        raise
-    except ValueError as error:
-        if str(path) in str(error) or any(str(file) in str(error) for file in reading.files):
+    return MeshFile(path).bricks(part, scale, extrude)
+
+
+class MeshFile:
+    """A mesh file that is read once, also if several bodies are parts of it."""
+
+    def __init__(self, path: str | Path):
+        self.path, self.reading = Path(path), Reading(path)
+        self._raw: Raw | None = None
+        self._taken: list[tuple[str, float, Numbers]] = []
+
+    def take(self, body: str, cells: Numbers, scale: float) -> None:
+        """
+        Refuse a body with an element of another body of the same scale, which would be in the same place.
+
+        Parameters
+        ----------
+        body
+            Name of the body.
+        cells
+            Its cells of the file.
+        scale
+            Its coordinates over those of the file.
+
+        Raises
+        ------
+        ValueError
+            The text names the file, an element and the two bodies.
+        """
+        for other, its, theirs in self._taken:
+            common = np.intersect1d(cells, theirs)
+            if its == scale and common.size and self._raw is not None:
+                text = f'{self._raw.who(int(common[0]))} is in the bodies "{other}" and "{body}"'
+                cure = "give each body a part that has no elements of the others"
+                raise self.reading.wrong(f"{text}, {common.size} in all; {cure}")
+        self._taken.append((body, scale, cells))
+
+    def bricks(self, part: str | None, scale: float, extrude: tuple[float, int] | None) -> MeshData:
+        """
+        The bricks of a part.
+
+        Parameters
+        ----------
+        part, scale, extrude
+            As for :func:`read_mesh`.
+
+        Returns
+        -------
+        MeshData
+            Nodes, elements and sets.
+
+        Raises
+        ------
+        ValueError, NotBuiltIn
+            As for :func:`read_mesh`.
+        """
+        path, reading = self.path, self.reading
+        read = FORMATS.get(path.suffix.lower())
+        if read is None and _is_hdf5(path):
+            read = vtk.read_vtkhdf
+        if read is None:
+            raise reading.wrong(f"the ending must be one of {', '.join(FORMATS)}")
+        if not (math.isfinite(scale) and scale > 0.0):
+            raise reading.wrong(f"scale is {scale:g}; it must be positive")
+        if extrude is not None:
+            height, layers = extrude
+            if not (math.isfinite(height) and height > 0.0 and 1 <= layers <= MOST_LAYERS):
+                text = f"extrude is {[height, layers]}; a positive height and 1 to {MOST_LAYERS}"
+                raise reading.wrong(f"{text} layers are needed")
+        try:
+            if self._raw is None:
+                self._raw = read(reading)
+            return convert(self._raw, part, scale, extrude)
+        except NotBuiltIn:
             raise
-        raise reading.wrong(f"is damaged: {error}") from None
-    except OSError as error:
-        raise reading.wrong(f"can't be read: {error.strerror or error}") from None
-    except MemoryError:
-        raise reading.wrong("needs more memory than there is") from None
-    except (Exception, SystemExit) as error:
-        # What the libraries that read damaged files raise: anything.
-        text = f"is damaged: {type(error).__name__} {error}".strip()
-        raise reading.wrong(text) from None
+        except ValueError as error:
+            if str(path) in str(error) or any(str(file) in str(error) for file in reading.files):
+                raise
+            raise reading.wrong(f"is damaged: {error}") from None
+        except OSError as error:
+            raise reading.wrong(f"can't be read: {error.strerror or error}") from None
+        except MemoryError:
+            raise reading.wrong("needs more memory than there is") from None
+        except (Exception, SystemExit) as error:
+            # What the libraries that read damaged files raise: anything.
+            text = f"is damaged: {type(error).__name__} {error}".strip()
+            raise reading.wrong(text) from None
 
 
 def _is_hdf5(path: Path) -> bool:

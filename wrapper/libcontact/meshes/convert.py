@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from .._core import lib
 from ..bridge import Floats, Ints
 from ..errors import Error, bare
 from ..mesh import Mesh, c_mesh
-from ..schema import suggestion
+from ..schema import nearest, suggestion
 from .bricks import COLLAPSED, Split, extruded
 from .raw import BRICK, KINDS, Block, Numbers, Raw
 
@@ -71,6 +71,10 @@ class MeshData:
         Element numbers, ascending.
     report : Report
         What was converted and what was dropped.
+    cells : ndarray of int64
+        The cells of the file that became bricks, counted through the file.
+    outside : frozenset of str
+        Names of the file's sets that have no members in the part that was read.
     """
 
     nodes: Floats
@@ -79,6 +83,8 @@ class MeshData:
     face_sets: dict[str, Ints]
     element_sets: dict[str, Ints]
     report: Report
+    cells: Numbers = field(default_factory=lambda: np.empty(0, np.int64))
+    outside: frozenset[str] = frozenset()
 
 
 @dataclass
@@ -110,16 +116,16 @@ def convert(
         read[block.kind] += len(block.nodes)
     if extrude is not None:
         _extrude(raw, chosen, *extrude)
-    return _finish(raw, chosen, scale, dict(read), dropped)
+    found = _finish(raw, chosen, scale, dict(read), dropped)
+    of_file = {_short(raw, name, part) for sets in raw.sets for name in sets}
+    kept = {*found.node_sets, *found.face_sets, *found.element_sets}
+    cells = np.flatnonzero(chosen.number >= 0)
+    return replace(found, cells=cells, outside=frozenset(of_file - kept))
 
 
 def _check_sets(raw: Raw) -> None:
     """A set without members is a mistake in the file."""
-    for what, sets in (
-        ("node", raw.node_sets),
-        ("face", raw.face_sets),
-        ("element", raw.element_sets),
-    ):
+    for what, sets in zip(("node", "face", "element"), raw.sets):
         for name, members in sets.items():
             if not len(members):
                 raise raw.reading.wrong(f'the {what} set "{name}" is empty')
@@ -134,7 +140,7 @@ def _part(raw: Raw, part: str | None) -> Any:
     name = part if part in raw.element_sets else names.get(part.upper(), "")
     if not name:
         near = suggestion(part, list(raw.element_sets))
-        known = ", ".join(f'"{each}"' for each in list(raw.element_sets)[:20]) or "none"
+        known = ", ".join(f'"{each}"' for each in nearest(part, raw.element_sets)) or "none"
         raise raw.reading.wrong(
             f'no part or set of elements is named "{part}"{near}; it has {known}'
         )

@@ -212,3 +212,16 @@ class Raw:
     dropped: Counter[str] = field(default_factory=Counter)
     # Element sets whose names are prefixes of the names of other sets, as in "part.set".
     parts: tuple[str, ...] = ()
+
+    @property
+    def sets(self) -> tuple[dict[str, Numbers], ...]:
+        """The sets of nodes, faces and elements."""
+        return self.node_sets, self.face_sets, self.element_sets
+
+    def who(self, cell: int) -> str:
+        """What an error calls a cell."""
+        for block in self.blocks:
+            if cell < len(block.nodes):
+                break
+            cell -= len(block.nodes)
+        return block.who(cell)[0]

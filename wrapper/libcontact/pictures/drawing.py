@@ -22,6 +22,7 @@ from ..bridge import Floats
 from ..model import AXES
 from ..schema import suggestion
 from ..state import COMPONENTS, State
+from ..surfaces import split_name
 from .faces import Faces, outer_values, places
 from .rigid import displacement_at, draw_directions, draw_obstacle, draw_scale, nice, patch
 
@@ -350,7 +351,7 @@ def _surfaces(scene: dict[str, Any]) -> dict[str, list[str]]:
     named = [name for contact in scene.get("contact", []) for name in contact["surfaces"]]
     out: dict[str, list[str]] = {}
     for name in named + [obstacle["surface"] for obstacle in scene.get("obstacle", [])]:
-        body, _, surface = name.rpartition(".")
+        body, surface = split_name(name, [body["name"] for body in scene["body"]])
         out.setdefault(body, []).append(surface)
     return out
 
