@@ -31,7 +31,7 @@ TOPICS = (
     ),
     (
         "further physics",
-        """effect/ absorb. damping. stiffness_damping. initial_stress. friction. gravity. history. load. motion. obstacle. rigid. rotation. viscosity. amplitude.
+        """effect/ absorb. damping. stiffness_damping. initial_stress. friction. gravity. history. load. motion. obstacle. rigid. rotation. tie. viscosity. amplitude.
         contact/friction contact/obstacle solid/large solid/reduced integrator. step/integrator refine. step/refine
         step/subdivide""".split(),
     ),

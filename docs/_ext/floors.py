@@ -21,7 +21,7 @@ FLOORS = (
     ({"scene": "bodies, effects and time put together", "hdf5": "results files and restart"}),
     (
         {
-            "effect": "solid, contact, support, motion, gravity, load, damping, viscosity, absorb, initial stress, rigid",
+            "effect": "solid, contact, support, motion, gravity, load, damping, viscosity, absorb, initial stress, tie, rigid",
             "dispersion": "waves of a mesh in space and time",
         }
     ),

@@ -72,7 +72,9 @@ static ct_status take(world *w, ct_status status, ct_effect **effect, ct_error *
   return status == CT_OK ? ct_scene_add_effect(w->scene, *effect, e) : status;
 }
 
-/* Effects on faces or nodes below: an obstacle, a prescribed motion, absorbing faces, a load. */
+/* Effects on faces or nodes below: an obstacle, a prescribed motion, absorbing faces, a tie, a
+ * load.
+ */
 static ct_status add_boundaries(world *w, ct_error *e)
 {
   static const double time[2] = {0, 1}, factor[2] = {0, 1};
@@ -93,6 +95,10 @@ static ct_status add_boundaries(world *w, ct_error *e)
   if (status != CT_OK) return status;
   ct_absorb_def absorb = {COOKIE, .kind = CT_Q4, .face_count = count, .faces = bottom};
   status = take(w, ct_absorb_create_effect(&absorb, w->problem, &effect, e), &effect, e);
+  if (status != CT_OK) return status;
+  ct_tie_def tie = {COOKIE,           {CT_Q4, CT_Q4}, {count, count},
+                    {bottom, bottom}, .epsilon = 1.0, .reach = 1.0};
+  status = take(w, ct_tie_create_effect(&tie, w->problem, &effect, e), &effect, e);
   if (status != CT_OK) return status;
   ct_load_def load = {COOKIE, .kind = CT_Q4, .face_count = count, .faces = bottom};
   load.pressure = 1.0;

@@ -202,7 +202,7 @@ static void release_of_rows(void)
     for (int64_t j = 0; j < s->count; j++)
       gain[s->force[j] > 0.0] += s->gradient[j] * fmin(s->gradient[j] * s->scale[j], s->force[j]);
     double measures[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, measures);
+    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, measures);
     wrong += releases(s) != (gain[0] > gain[1]);
     taken += gain[0] > gain[1];
     release(&r);
@@ -339,6 +339,42 @@ static void loose_solution(double tolerance)
          tolerance, off, gain, loss_off, rounds);
 }
 
+/* Ties take part however far their gaps are, between contacts that need not: their forces have any
+ * sign and leave no gradient, and those of contacts are a minimum with them (eq:tie-force). */
+static void ties(void)
+{
+  double off = 0.0, below = 0.0;
+  int missing = 0, pulls = 0, contacts = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    rows r;
+    int tied = 0;
+    fill(&r);
+    ct_solver *s = r.s;
+    for (int j = 0; j < ROWS; j += 2) {
+      r.row[j].enforcement = (ct_enforcement)CT_ENFORCE_TIE;
+      r.row[j].gap = 20.0 * uniform(1.0), r.row[j].force = uniform(1.0);
+    }
+    if (!ct_solver_solve(s)) off = HUGE_VAL;
+    fill_dense(&r);
+    for (int64_t j = 0; j < s->count; j++) {
+      const int is_tie = (s->active[j] - r.row) % 2 == 0;
+      double slope = s->free[j] + s->b[j] + s->C[j] * s->force[j];
+      for (int64_t k = 0; k < s->count; k++) slope += r.W[j][k] * s->force[k];
+      if (is_tie || s->force[j] > 0.0) off = worst(off, slope * s->scale[j]);
+      else below = fmin(below, slope);
+      tied += is_tie, contacts += !is_tie;
+      pulls += is_tie && s->force[j] < 0.0;
+      if (!is_tie) below = fmin(below, s->force[j]);
+    }
+    missing += tied != ROWS / 2;
+    release(&r);
+  }
+  // The tolerance 1e-10 of forces up to 1e2.
+  tap_ok(off < 1e-7 && below > -1e-7 && missing == 0 && pulls > 200 && contacts > 100,
+         "ties leave no gradient (%.1e), contacts beside them are a minimum (%.1e); %d of %d pull",
+         off, below, pulls, 200 * ROWS / 2);
+}
+
 int main(void)
 {
   slopes();
@@ -348,5 +384,6 @@ int main(void)
   solution();
   loose_solution(1e-4);
   loose_solution(1e-2);
+  ties();
   return tap_done();
 }

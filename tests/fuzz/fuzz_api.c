@@ -315,7 +315,7 @@ static ct_effect *surface_effect(play *p, int body)
   ct_effect *effect = NULL;
   ct_face_kind kind;
   int32_t count, *faces = any_faces(p, body, 1, &count, &kind);
-  switch (below(d, 3)) {
+  switch (below(d, 4)) {
   case 0: {
     ct_load_def load = {COOKIE,
                         .kind = kind,
@@ -331,6 +331,18 @@ static ct_effect *surface_effect(play *p, int body)
   case 1: {
     ct_absorb_def absorb = {COOKIE, kind, count, faces};
     (void)TRY(ct_absorb_create_effect(&absorb, p->joined, &effect, &e));
+    break;
+  }
+  case 2: {
+    ct_face_kind of;
+    int32_t others, *other = any_faces(p, below(d, p->body_count), 1, &others, &of);
+    ct_tie_def tie = {COOKIE,
+                      {kind, of},
+                      {count, others},
+                      {faces, other},
+                      between(d, 0.1, 50.0),
+                      between(d, 0.1, 5.0)};
+    (void)TRY(ct_tie_create_effect(&tie, p->joined, &effect, &e));
     break;
   }
   default: {

@@ -163,6 +163,10 @@ adjust = 0.1
 points = "lobatto"
 initial_penetration = "remove"
 removal_time = 0.5
+[[tie]]
+surfaces = ["a.y_max", "c.top"]
+beta = 50
+reach = 9
 [[rigid]]
 body = "d"
 fixed = ["x", "rx"]

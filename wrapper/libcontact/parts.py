@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, rigid, viscosity
+from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, rigid, tie, viscosity
 from .mesh import FACTS
 from .model import (
     FEEDS,
@@ -50,6 +50,7 @@ class Parts(Table):
     damping: Any = key(Nested(damping.Damping), default=None)
     absorb: Any = key(Several(absorb.Absorb), default=())
     viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
+    tie: Any = key(Several(tie.Tie), default=())
     rigid: Any = key(Several(rigid.Rigid), default=())
     time: Any = key(Nested(Time), default=None)
     output: Output = key(Nested(Output), default=Output())
@@ -303,7 +304,7 @@ def _rigid(parts: Parts) -> Iterator[tuple[str, str]]:
 
 
 def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Refuse two contacts of one pair, whose force would act twice."""
+    """Refuse two contacts of one pair, whose force would act twice, and a tie of such a pair."""
     pairs = [frozenset(contact.surfaces) for contact in parts.contact]
     for i, pair in enumerate(pairs):
         if pair in pairs[:i]:
@@ -311,6 +312,11 @@ def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
                 "its penalty would count twice (the order of the two surfaces makes no difference)"
             )
             yield f"contact[{i}].surfaces", f"is the pair of contact[{pairs.index(pair)}]; {why}"
+    for i, tied in enumerate(parts.tie):
+        pair = frozenset(tied.surfaces)
+        if pair in pairs:
+            why = "what is glued together needs no contact"
+            yield f"tie[{i}].surfaces", f"is the pair of contact[{pairs.index(pair)}]; {why}"
 
 
 def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:

@@ -666,10 +666,10 @@ class Maker:
         nodes = self._built.on(surface, key or self.key, nodes=True)
         return np.ascontiguousarray(nodes + self.body(surface[0]).first_node, np.int32)
 
-    def faces(self, surface: tuple[str, str]) -> dict[str, Any]:
+    def faces(self, surface: tuple[str, str], key: str = "surface") -> dict[str, Any]:
         """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); an empty surface is
-        an error."""
-        body, faces = self.body(surface[0]), self._built.on(surface, f"{self.key}.surface")
+        an error of ``key``."""
+        body, faces = self.body(surface[0]), self._built.on(surface, f"{self.key}.{key}")
         rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
         kind = lib.ct_brick_face_kind(body.mesh.kind)
         return {"kind": kind, "face_count": len(rows), "faces": ffi.from_buffer("int32_t[]", rows)}
@@ -696,6 +696,17 @@ def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
     both = np.concatenate([first, second])
     _, places = np.unique(both, axis=0, return_index=True)
     return np.ascontiguousarray(both[np.sort(places)])
+
+
+def tied_points(problem: Problem) -> dict[str, tuple[int, int]]:
+    """The numbers of tied points and of all points of each tie, by its key."""
+    ties = [effect for effect in problem.made if effect.kind == lib.CT_EFFECT_TIE]
+    numbers = ffi.new("int64_t[2]")
+    found = {}
+    for i, effect in enumerate(ties):
+        call(lib.ct_tie_count, effect, numbers, numbers + 1, ffi.new("double *"))
+        found[f"tie[{i}]"] = (int(numbers[0]), int(numbers[1]))
+    return found
 
 
 def _contacts(problem: Problem, state: Any) -> Iterator[Any]:

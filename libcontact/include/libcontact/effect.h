@@ -1,5 +1,5 @@
 /* Effects of the library: solid bodies, supports, prescribed motions, loads, gravity, damping,
- * viscosity, absorbing faces, rigid bodies; and the filter of output fields.
+ * viscosity, absorbing faces, ties, rigid bodies; and the filter of output fields.
  * Threads: effects may be created at any time. An effect is constant, so several states may use it
  * at the same time. */
 #ifndef LIBCONTACT_EFFECT_H
@@ -319,6 +319,40 @@ CT_API ct_absorb_def ct_absorb_def_default(void);
  */
 CT_API ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
+
+/** Two surfaces that are glued together. */
+typedef struct ct_tie_def {
+  /** Set by `ct_tie_def_default`. */
+  int32_t cookie;
+  /** Kind of the faces of each surface. */
+  ct_face_kind kind[2];
+  /** Number of faces of each surface. */
+  int32_t face_count[2];
+  /** Node numbers of the problem, shapes (face_count, nodes of a face). */
+  const int32_t *faces[2];
+  /** Penalty ε > 0 [stress / length], the stiffness of the glue per area. */
+  double epsilon;
+  /** Largest distance in the reference shape over which a point is tied, > 0 [length]. */
+  double reach;
+} ct_tie_def;
+
+/** A definition with its cookie set and all other members zero. */
+CT_API ct_tie_def ct_tie_def_default(void);
+
+/**
+ * Create the effect "tie": the Gauss points of both surfaces are tied to the closest places on the
+ * other one in the reference shape, :eq:`tie-force`. The forces are solved for with those of all
+ * contacts, so the stable step does not change. `problem` comes from `ct_scene_join`.
+ * ``CT_ERROR_ARGUMENT``: a missing or invalid argument, or no point is tied;
+ * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the face).
+ */
+CT_API ct_status ct_tie_create_effect(const ct_tie_def *def, const ct_problem *problem,
+                                      ct_effect **effect, ct_error *error);
+
+/** Write the number of tied points, that of all points, and the largest distance over which a point
+ * is tied [length]. ``CT_ERROR_ARGUMENT``: the effect is no tie. */
+CT_API ct_status ct_tie_count(const ct_effect *effect, int64_t *tied, int64_t *points,
+                              double *farthest, ct_error *error);
 
 /** One body that is rigid and moves by the forces on it. */
 typedef struct ct_rigid {

@@ -42,8 +42,8 @@ typedef struct ct_momentum {
   double p[3];
   /** Angular momentum about the origin [mass · length² / time]. */
   double L[3];
-  /** Impulse of the contacts on the body since t = 0 [mass · length / time], :eq:`impulse-balance`.
-   */
+  /** Impulse of the contacts and ties on the body since t = 0 [mass · length / time],
+   * :eq:`impulse-balance`. */
   double contact_impulse[3];
   /** Impulse of the obstacles on the body since t = 0 without their friction [mass · length /
    * time]. */

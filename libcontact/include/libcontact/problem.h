@@ -100,7 +100,9 @@ typedef enum ct_effect_kind {
   /** `ct_initial_stress_create_effect` */
   CT_EFFECT_INITIAL_STRESS = 15,
   /** `ct_rigid_create_effect` */
-  CT_EFFECT_RIGID = 16
+  CT_EFFECT_RIGID = 16,
+  /** `ct_tie_create_effect` */
+  CT_EFFECT_TIE = 17
 } ct_effect_kind;
 
 /**

@@ -114,9 +114,9 @@ static void drop_rows(ct_solver *s, double near)
     for (int32_t i = 0; i < g->rows; i++, j++) {
       const ct_constraint *c = of->row[j];
       while (s->first[set] <= j) s->first_point[set++] = count;
-      // -- Inside before, or now, or without the force (eq:near-constraints), or held
-      const int is_near = of->before[j] < 0.0 || of->gap[j] <= near || of->after[j] <= near ||
-                          ct_law_may_release(c),
+      // -- Inside before, or now, or without the force (eq:near-constraints), or held, or tied
+      const int is_near = ct_law_least(c->enforcement) < 0.0 || of->before[j] < 0.0 ||
+                          of->gap[j] <= near || of->after[j] <= near || ct_law_may_release(c),
                 has_law = s->tangent == NULL || ct_law_has_rows(c->enforcement);
       if (is_near && has_law) {
         ct_matrix_add(s, g, i);
@@ -157,6 +157,7 @@ static int fix_laws(ct_solver *s)
 {
   set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->least[r] = ct_law_least(s->active[r]->enforcement);
   ct_law_fix(&s->laws, s->scale, s->fraction, s->C, s->b);
   return 1;
 }
@@ -185,6 +186,7 @@ static void list_releases(ct_solver *s)
         s->opened[s->count - s->point_count] = r;
         s->free[s->count] = s->free[r];
         s->scale[s->count] = s->scale[r];
+        s->least[s->count] = 0.0;
         s->active[s->count++] = s->active[r];
       }
 }

@@ -86,6 +86,50 @@ static double controlled_raise(const ct_constraint *c, double most)
   return fmax(-fmin(c->gap, c->before) - deeper, 0.0);
 }
 
+/* Tie (eq:tie-force). */
+
+CT_INLINE ct_ramp tie_ramp(const ct_constraint *c)
+{
+  // -- -½ k (g_{n+1} + g_{n-1}), of either sign (eq:tie-force)
+  return (ct_ramp){.C = 2.0 / c->stiffness, .b = c->before};
+}
+
+CT_INLINE double tie_stored(const ct_constraint *c, double g0, double g1)
+{
+  // -- The mean of ½ k g² at both ends of the step (eq:tie-store)
+  return 0.25 * c->stiffness * (g0 * g0 + g1 * g1);
+}
+
+CT_CLONES
+static void tie_ramps(const ct_law_rows *of, int64_t first, int64_t end, double *C, double *b)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    const ct_ramp ramp = tie_ramp(&c);
+    C[r] = ramp.C;
+    b[r] = ramp.b;
+  }
+}
+
+CT_CLONES
+static void tie_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
+                       const double *g1, double *stored)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    stored[r] = tie_stored(&c, g0[r], g1[r]);
+  }
+}
+
+/* No point of a tie is found inside. */
+static double tie_raise(const ct_constraint *c, double most)
+{
+  (void)c, (void)most;
+  return 0.0;
+}
+
 /* All laws. */
 
 static const struct law {
@@ -103,12 +147,16 @@ static const struct law {
   double (*raise)(const ct_constraint *c, double most);
   /* Factor of the default penalty (eq:penalty-default). */
   double usual;
-} LAWS[] = {[CT_ENFORCE_PENALTY] = {.usual = 4.0},
-            [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
-                                              controlled_stores, controlled_raise, 40.0}};
+  /* The least force; 0 unless given. */
+  double least;
+} LAWS[] = {
+    [CT_ENFORCE_PENALTY] = {.usual = 4.0},
+    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
+                                      controlled_stores, controlled_raise, 40.0},
+    [CT_ENFORCE_TIE] = {tie_ramp, tie_stored, tie_ramps, tie_stores, tie_raise, 40.0, -HUGE_VAL}};
 
-/* A value of ct_enforcement without a row does not compile. */
-typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_COUNT ? 1 : -1];
+/* A value of ct_enforcement without a row does not compile, nor a tie without one. */
+typedef char every_law_has_its_row[sizeof LAWS / sizeof LAWS[0] == CT_ENFORCE_TIE + 1 ? 1 : -1];
 
 static int is_known(ct_enforcement law) { return (int)law >= 0 && law < CT_ENFORCE_COUNT; }
 
@@ -138,6 +186,8 @@ double ct_law_usual(ct_enforcement law)
 {
   return LAWS[is_known(law) ? law : CT_ENFORCE_PENALTY].usual;
 }
+
+double ct_law_least(ct_enforcement law) { return LAWS[law].least; }
 
 int ct_law_has_rows(ct_enforcement law) { return LAWS[law].ramp != NULL; }
 
@@ -430,5 +480,5 @@ double ct_law_raise(const ct_constraint *c, double most)
 double ct_law_start(const ct_constraint *c)
 {
   // -- Energy of the gap itself, before the force has acted (eq:energy-start)
-  return ramp_energy(c->stiffness, c->gap);
+  return stored_between(c, c->gap, c->gap);
 }

@@ -5,6 +5,13 @@
 
 #include <stdint.h>
 
+/* The law of a tie, which no row of a host has: a force of either sign, from the means of the gaps
+ * before and after (eq:tie-force). */
+enum { CT_ENFORCE_TIE = CT_ENFORCE_COUNT };
+
+/* The least force of a law: 0, or that of a tie without a limit. */
+double ct_law_least(ct_enforcement law);
+
 /* Refuse an unknown law, or parameters out of range: of the row only `enforcement` and the
  * parameters of its law are read. `who` begins the message. */
 ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *error);

@@ -77,7 +77,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, CT_SOLVER_WIDE * sizeof(double));
   double **numbers[] = {&s->C,         &s->b,     &s->free,  &s->force, &s->gradient, &s->scale,
-                        &s->direction, &s->image, &s->terms, &s->guide, &s->after};
+                        &s->direction, &s->image, &s->terms, &s->guide, &s->after,    &s->least};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   if (pool->failed) return CT_ERROR_MEMORY;
@@ -146,25 +146,29 @@ static double product(ct_solver *s, const double *x, const double *y)
   return ct_sum_over(s->pieces, s->terms, s->count);
 }
 
-/* Measures of a unit step down the gradient that keeps forces non-negative: the largest change of
- * any force, the largest change of a force that is 0, and the largest force. */
+/* Measures of a unit step down the gradient that keeps forces at their least value or above: the
+ * largest change of any force, the largest change of a force that has this value, and the largest
+ * force. */
 enum { MOST, LIFT, TOP, MEASURES };
 
 /* `steps` are set for all rows, and `guide`, the gradient over D, for rows with a force. */
 CT_CLONES
 static void descend(int64_t count, const double *gradient, const double *scale, const double *force,
-                    double *restrict steps, double *restrict guide, double measures[MEASURES])
+                    const double *least, double *restrict steps, double *restrict guide,
+                    double measures[MEASURES])
 {
   double most = 0.0, top = 0.0, lift = 0.0;
 #pragma omp simd reduction(max : most, top, lift)
   for (int64_t r = 0; r < count; r++) {
-    // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration)
-    double down = gradient[r] * scale[r], step = down < force[r] ? down : force[r],
-           size = fabs(step), up = force[r] > 0.0 ? 0.0 : size;
-    guide[r] = force[r] > 0.0 ? down : 0.0;
+    // -- Decrease of a force by a step down, which keeps it positive (eq:constraint-iteration), or
+    // that of a tie, which has no limit (eq:tie-force)
+    double down = gradient[r] * scale[r], above = force[r] - least[r],
+           step = down < above ? down : above, size = fabs(step), up = above > 0.0 ? 0.0 : size,
+           strength = fabs(force[r]);
+    guide[r] = above > 0.0 ? down : 0.0;
     steps[r] = step;
     most = size > most ? size : most;
-    top = force[r] > top ? force[r] : top;
+    top = strength > top ? strength : top;
     lift = up > lift ? up : lift;
   }
   measures[MOST] = most, measures[LIFT] = lift, measures[TOP] = top;
@@ -172,21 +176,22 @@ static void descend(int64_t count, const double *gradient, const double *scale, 
 
 /* The largest part of any force by which a step along the direction decreases it. */
 CT_CLONES
-static double fastest_decrease(int64_t count, const double *force, const double *direction)
+static double fastest_decrease(int64_t count, const double *force, const double *least,
+                               const double *direction)
 {
   double fastest = 0.0;
 #pragma omp simd reduction(max : fastest)
   for (int64_t r = 0; r < count; r++) {
-    double part = direction[r] / force[r]; // NaN if both are 0
+    double part = direction[r] / (force[r] - least[r]); // NaN if both are 0; 0 of a tie
     fastest = part > fastest ? part : fastest;
   }
   return fastest;
 }
 
-/* Largest step along the direction until the first force becomes 0. */
+/* Largest step along the direction until the first force has its least value. */
 static double longest_step(const ct_solver *s)
 {
-  double fastest = fastest_decrease(s->count, s->force, s->direction);
+  double fastest = fastest_decrease(s->count, s->force, s->least, s->direction);
   ct_pieces_largest(s->pieces, &fastest, 1);
   return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
 }
@@ -194,12 +199,12 @@ static double longest_step(const ct_solver *s)
 /* Step along the direction, and update the gradient. */
 CT_CLONES
 static void step_along(int64_t count, double length, const double *direction, const double *image,
-                       double *restrict force, double *restrict gradient)
+                       const double *least, double *restrict force, double *restrict gradient)
 {
 #pragma omp simd
   for (int64_t r = 0; r < count; r++) {
     double next = force[r] - length * direction[r];
-    force[r] = next > 0.0 ? next : 0.0;
+    force[r] = next > least[r] ? next : least[r];
     gradient[r] -= length * image[r];
   }
 }
@@ -214,12 +219,12 @@ static void next_direction(int64_t count, double share, const double *guide,
   for (int64_t r = 0; r < count; r++) direction[r] = guide[r] + share * direction[r];
 }
 
-/* Step all forces down the gradient without making one negative: this always decreases the function
+/* Step all forces down the gradient, none below its least value: this always decreases the function
  * (eq:constraint-iteration). */
 static int step_down(ct_solver *s)
 {
   double measures[MEASURES];
-  descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, measures);
+  descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, measures);
   for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->image[r];
   return find_gradient(s);
 }
@@ -233,8 +238,8 @@ static int improve(ct_solver *s, double slope)
   double curvature = product(s, s->direction, s->image), longest = longest_step(s),
          best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
-    step_along(s->count, best < longest ? best : longest, s->direction, s->image, s->force,
-               s->gradient);
+    step_along(s->count, best < longest ? best : longest, s->direction, s->image, s->least,
+               s->force, s->gradient);
     if (best < longest) return 0;
   }
   // -- Beyond this length a force would be tensile
@@ -249,11 +254,12 @@ static int releases(ct_solver *s)
   for (int with_force = 0; with_force < 2; with_force++) {
     // -- Σ r_j δ_j of the rows without a force, and of those with one
     for (int64_t r = 0; r < s->count; r++)
-      s->terms[r] = (s->force[r] > 0.0) == with_force ? s->gradient[r] * s->image[r] : 0.0;
+      s->terms[r] = (s->force[r] > s->least[r]) == with_force ? s->gradient[r] * s->image[r] : 0.0;
     gain[with_force] = ct_sum_over(s->pieces, s->terms, s->count);
   }
   if (!(gain[0] > gain[1])) return 0; // (eq:proportioning)
-  for (int64_t r = 0; r < s->count; r++) s->direction[r] = s->force[r] > 0.0 ? 0.0 : s->image[r];
+  for (int64_t r = 0; r < s->count; r++)
+    s->direction[r] = s->force[r] > s->least[r] ? 0.0 : s->image[r];
   return 1;
 }
 
@@ -286,7 +292,7 @@ static void find_point_sizes(const ct_law_rows *of, const double *force, const d
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++)
-    sizes[r] = force[r] * (fabs(after[r]) + fabs(of->before[r]));
+    sizes[r] = fabs(force[r]) * (fabs(after[r]) + fabs(of->before[r]));
 }
 
 static void find_sizes(ct_solver *s)
@@ -352,7 +358,7 @@ static int find_forces(ct_solver *s)
   if (!find_gradient(s) || !is_finite(s)) return 0;
   for (;; tolerance = least) {
     double d[MEASURES];
-    descend(s->count, s->gradient, s->scale, s->force, s->image, s->guide, d);
+    descend(s->count, s->gradient, s->scale, s->force, s->least, s->image, s->guide, d);
     ct_pieces_largest(s->pieces, d, MEASURES);
     s->converged = is_solved(s, tolerance, d[MOST], d[TOP]);
     if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;

@@ -97,6 +97,7 @@ typedef struct ct_solver {
   double *C, *b;              /* their laws: compliance, and offset of the next gap (eq:ramp) */
   double *free;               /* gaps at t_{n+1} without the constraints */
   double *force;              /* λ */
+  double *least;              /* its least value: 0, or that of a tie (eq:tie-force) */
   double *gradient;           /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
   double *scale;              /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
   double *guide;              /* gradient over D in rows with a force */

@@ -35,6 +35,7 @@ static int is_outside(const ct_effect *effect)
   case CT_EFFECT_MOTION:
   case CT_EFFECT_LOAD:
   case CT_EFFECT_ABSORB:
+  case CT_EFFECT_TIE:
     return 1;
   case CT_EFFECT_USER:
     return effect->nodes != NULL;

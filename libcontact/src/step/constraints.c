@@ -248,7 +248,7 @@ static void mark_start(const ct_solver *s, uint64_t *begun)
   const double *force = s->force;
   for (const ct_group *g = s->groups; g < s->groups + s->group_count; force += g->rows, g++) {
     int some = 0;
-    for (int32_t r = 0; r < g->rows; r++) some |= force[r] > 0.0;
+    for (int32_t r = 0; r < g->rows; r++) some |= force[r] != 0.0;
     for (int64_t i = g->place; some && i < g->place + g->own + g->other; i++) {
       const int32_t node = s->nodes[s->entry_place[i] / CT_SOLVER_WIDE];
       ct_bits_put(begun, node, node + 1, 1);

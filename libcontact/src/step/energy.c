@@ -65,8 +65,8 @@ static void add_impulse(const ct_problem *problem, int32_t k, const double impul
                         ct_momentum *momentum)
 {
   ct_effect_kind kind = problem->effects[k]->kind;
-  double *to = kind == CT_EFFECT_CONTACT    ? momentum->contact_impulse
-               : kind == CT_EFFECT_OBSTACLE ? momentum->obstacle_impulse
+  double *to = kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_TIE ? momentum->contact_impulse
+               : kind == CT_EFFECT_OBSTACLE                       ? momentum->obstacle_impulse
                : kind == CT_EFFECT_SUPPORT || kind == CT_EFFECT_MOTION || kind == CT_EFFECT_RIGID
                    ? momentum->support_impulse
                    : NULL;

@@ -89,13 +89,15 @@ typedef struct energies {
   double elastic, appeared, expected, most_expected, scale, least;
 } energies;
 
-/* Energy that a contact or an obstacle stores by rows. Only what the bodies get back of it counts
- * as growth: it depends on the square of a gap, which a stiff penalty multiplies (eq:energy-lent).
+/* Energy that a contact, a tie or an obstacle stores by rows. Only what the bodies get back of it
+ * counts as growth: it depends on the square of a gap, which a stiff penalty multiplies
+ * (eq:energy-lent).
  */
 static double lent_to(const ct_monitor *w, int32_t k)
 {
   const ct_effect *effect = w->problem->effects[k];
-  int touches = effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_OBSTACLE;
+  int touches = effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_TIE ||
+                effect->kind == CT_EFFECT_OBSTACLE;
   return touches && effect->phase == CT_PHASE_CONSTRAINT ? fmax(w->next.effects[k].stored, 0.0)
                                                          : 0.0;
 }

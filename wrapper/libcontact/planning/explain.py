@@ -17,7 +17,7 @@ from ..mesh import FACTS
 from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support
 from ..parts import EFFECTS, Parts
 from ..probes import Located
-from ..problem import BuiltBody, BuiltContact, Problem, speeds
+from ..problem import BuiltBody, BuiltContact, Problem, speeds, tied_points
 from ..schema import FACES, Face, Place, walk
 from ..surfaces import contact_tables, pair_name
 from ..units import Units
@@ -88,8 +88,15 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
             row["warnings"] = [str(warning) for warning in own]
     labels = {name: units.label(name) for name in ("stress", "energy")}
     depths = {key: points for (key, _, _), points in zip(contact_tables(parts), found)}
+    tied = {
+        key: "; {} of {} points are tied".format(*of) for key, of in tied_points(problem).items()
+    }
     added = [
-        {"name": each.name, "key": each.key, "text": each.given.describe(units)}
+        {
+            "name": each.name,
+            "key": each.key,
+            "text": each.given.describe(units) + tied.get(each.key, ""),
+        }
         | ({"penetration": depths[each.key]} if each.key in depths else {})
         for each in parts.effects
     ]
