@@ -60,8 +60,13 @@ def test_a_divided_step_keeps_their_times():
     assert [each.every for each in made.observers] == [2 * every for every in before]
 
 
-def test_a_scene_without_contacts_is_not_cut_into_steps():
-    assert [each.next(5) for each in during(bars(contact=False)._built(1))] == [np.inf] * 3
+def test_a_scene_without_contacts_is_cut_only_to_look_at_its_volumes():
+    assert [each.next(5) for each in during(bars(contact=False)._built(1))] == [
+        np.inf,
+        64,
+        np.inf,
+        np.inf,
+    ]
 
 
 @pytest.mark.parametrize(

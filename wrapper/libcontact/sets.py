@@ -73,7 +73,7 @@ class Sets:
         elements: int,
         outside: frozenset[str] = frozenset(),
     ) -> Sets:
-        """Check and sort the sets of a mesh file. They may have names of faces, see :meth:`Problem.on`."""
+        """Check and sort the sets of a mesh file. They may have names of faces, see ``Problem.on``."""
         ends = {"nodes": (nodes,), "faces": (elements, 6), "elements": (elements,)}
         found: dict[str, dict[str, Ints]] = {}
         for kind in KINDS:
