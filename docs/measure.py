@@ -41,7 +41,7 @@ import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
 
 sys.path.insert(0, str(DOCS / "benchmarks"))
-import cases as benchmarks  # noqa: E402
+import problems as benchmarks  # noqa: E402
 
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = dict(benchmarks.CASES)

@@ -4,7 +4,7 @@
 
 int main(void)
 {
-  enum { INPUTS = 800 };
+  enum { INPUTS = 1000 };
   for (uint64_t i = 0; i < INPUTS; i++) {
     uint64_t mixed = (i + 1) * 0x9E3779B97F4A7C15u;
     LLVMFuzzerTestOneInput((const uint8_t *)&mixed, sizeof mixed);

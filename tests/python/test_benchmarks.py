@@ -14,7 +14,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
 import measure  # noqa: E402
 
-cases = measure.benchmarks
+problems = measure.benchmarks
 FILE = json.loads(measure.FILE.read_text())
 SECTIONS = ("Problem", "Reference", "Model", "Result", "Cost", "Where the reference ends")
 PAGES = [page for page in (DOCS / "benchmarks").glob("*.rst") if page.stem != "index"]
@@ -28,7 +28,7 @@ LIMITS = {
         ("duration_100", 0, 0.015, FRONT),
         ("restitution_100", 0, 0.02, MODES),
     ]
-    for name in cases.RODS
+    for name in problems.RODS
 }
 LIMITS |= {
     "rod_at_wall": [
@@ -86,11 +86,11 @@ LIMITS |= {
 }
 
 
-@pytest.mark.parametrize("name", list(cases.CASES))
+@pytest.mark.parametrize("name", list(problems.CASES))
 def test_benchmark(name):
     """What is computed is as close to the reference as the page says, and the file has it, to a per mille. The slow
     case is taken from the file."""
-    found = FILE[name] if name in cases.SLOW else measure.rounded(cases.CASES[name]())
+    found = FILE[name] if name in problems.SLOW else measure.rounded(problems.CASES[name]())
     for key, reference, most, reason in LIMITS[name]:
         assert abs(found[key] - reference) <= most * (abs(reference) or 1), f"{key}: {reason}"
     assert found.keys() == FILE[name].keys()
@@ -113,7 +113,7 @@ def test_elastica_has_the_limit_of_small_loads():
     """While the beam touches the cylinder at its top only, F L = B/r: there the angle begins, and the depth is that of
     a cantilever, F L³/3B, with small slopes."""
     bending, radius, length = 1.0, 100.0, 1.0
-    angle, depth = cases.elastica(1.0001 * bending / (radius * length), bending, radius, length)
+    angle, depth = problems.elastica(1.0001 * bending / (radius * length), bending, radius, length)
     assert angle < 1e-3
     assert depth == pytest.approx(length**2 / (3 * radius), rel=1e-3)
 

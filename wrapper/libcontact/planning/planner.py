@@ -410,6 +410,9 @@ class Planner:
             listed = [keys for keys in listed if all(name.startswith("time.") for name in keys)]
         self.tried = [Tried(keys, 1.0 + several) for keys in listed]
         self.value, self.uncertainty, self.interrupted = 0.0, 0.0, False
+        # The scale that was asked for of each one that was tried: whole numbers of cells make another mesh of the
+        # scale that results.
+        self.asked: dict[float, float] = {}
 
     # The scene with another setting on another mesh.
 
@@ -492,6 +495,7 @@ class Planner:
             self.reason = SceneError("energy grows with every setting", "", self.scene.file)
             return False
         exact = self.plates.error(scene._built(None), run) if self.plates else 0.0
+        self.asked.setdefault(true, scale)
         tried.add(true, self.functional.value(run) if self.functional else exact, min(seconds))
         return True
 
@@ -569,7 +573,7 @@ class Planner:
     def price(self, tried: Tried, scale: float) -> float:
         """Time of a setting on a mesh with the scene's output [s]: measured if this mesh was tried,
         otherwise predicted."""
-        problem = self.changed(tried.keys, scale)._built(None)
+        problem = self.changed(tried.keys, self.asked.get(scale, scale))._built(None)
         prediction = predict(problem, record_count(problem))
         if prediction.seconds is not None and scale not in tried.scales:
             return prediction.seconds
@@ -578,14 +582,15 @@ class Planner:
 
     def offer(self, tried: Tried, scale: float, seconds: float) -> Offer:
         """Describe a setting on a mesh, with its time."""
+        asked = self.asked.get(scale, scale)
         cells = (
             ["mesh of its own"]
             if self.own_mesh
-            else [" x ".join(map(str, each.scaled(scale).cells)) for each in self.lattices]
+            else [" x ".join(map(str, each.scaled(asked).cells)) for each in self.lattices]
         )
         keys = {"time.integrator": "central_difference", **tried.keys}
         words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
-        scene, mesh = self.changed(tried.keys, scale), ", ".join(dict.fromkeys(cells))
+        scene, mesh = self.changed(tried.keys, asked), ", ".join(dict.fromkeys(cells))
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
     def ranked(self, goal: Goal) -> list[Tried]:
