@@ -147,12 +147,12 @@ static const struct law {
   double (*raise)(const ct_constraint *c, double most);
   /* Factor of the default penalty (eq:penalty-default). */
   double usual;
-  /* The least force; 0 unless given. */
+  /* The least force: 0, or none. */
   double least;
 } LAWS[] = {
     [CT_ENFORCE_PENALTY] = {.usual = 4.0},
     [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_ramps,
-                                      controlled_stores, controlled_raise, 40.0},
+                                      controlled_stores, controlled_raise, 40.0, 0.0},
     [CT_ENFORCE_TIE] = {tie_ramp, tie_stored, tie_ramps, tie_stores, tie_raise, 40.0, -HUGE_VAL}};
 
 /* A value of ct_enforcement without a row does not compile, nor a tie without one. */

@@ -161,7 +161,7 @@ static ct_status join_nodes(tie_data *tie, ct_error *error)
 {
   const ct_facets *a = &tie->facets[0], *b = &tie->facets[1];
   tie->nodes =
-      ct_pool_take(&tie->pool, (size_t)(a->node_count + b->node_count), sizeof *tie->nodes);
+      ct_pool_take(&tie->pool, (size_t)a->node_count + (size_t)b->node_count, sizeof *tie->nodes);
   for (int s = 0; s < 2; s++)
     tie->own[s] =
         ct_pool_take(&tie->pool, (size_t)tie->facets[s].face_count * (size_t)tie->facets[s].per,
