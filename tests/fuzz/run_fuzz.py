@@ -74,31 +74,27 @@ def savings(program: str, seconds: float, seed: int, folder: Path) -> dict:
     return run(program, seconds, seed, folder, [], PAIRS)
 
 
-def scenes(seconds: float, seed: int, folder: Path) -> dict:
+def script(name: str, seed: int, *arguments: str) -> dict:
+    """Run a program in Python; its last line has the counts."""
     done = subprocess.run(
-        [sys.executable, str(HERE / "fuzz_scenes.py"), str(seconds), str(seed), str(folder)],
+        [sys.executable, str(HERE / name), *arguments],
         capture_output=True,
         text=True,
         errors="replace",
     )
     if done.returncode:
-        raise SystemExit(f"fuzz_scenes.py ended with {done.returncode}\n{done.stderr[-6000:]}")
+        raise SystemExit(f"{name} ended with {done.returncode}\n{done.stderr[-6000:]}")
     print(f"seeds from {seed}: {done.stdout.strip()}", flush=True)
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def scenes(seconds: float, seed: int, folder: Path) -> dict:
+    return script("fuzz_scenes.py", seed, str(seconds), str(seed), str(folder))
 
 
 def meshes(seed: int, folder: Path) -> dict:
     """Changed mesh files, 300 of each format, whatever time they take (about ten seconds)."""
-    done = subprocess.run(
-        [sys.executable, str(HERE / "fuzz_meshes.py"), "300", str(seed), str(folder)],
-        capture_output=True,
-        text=True,
-        errors="replace",
-    )
-    if done.returncode:
-        raise SystemExit(f"fuzz_meshes.py ended with {done.returncode}\n{done.stderr[-6000:]}")
-    print(f"seeds from {seed}: {done.stdout.strip()}", flush=True)
-    return json.loads(done.stdout.splitlines()[-1])
+    return script("fuzz_meshes.py", seed, "300", str(seed), str(folder))
 
 
 def main() -> None:

@@ -23,6 +23,10 @@ KINDS = names("ct_brick_kind")
 FACTS = {name: lib.ct_brick_facts_of(kind) for name, kind in KINDS.items()}
 WIDTH: dict[str, int] = {name: facts.node_count for name, facts in FACTS.items()}
 LAYERS = names("ct_layers")
+# The corners at the other ends of the three edges of each corner of a brick, right-handed.
+CORNER_ENDS = np.array(
+    [(1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)]
+)
 NO_SETS = Sets()
 
 

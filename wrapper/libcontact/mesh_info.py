@@ -10,23 +10,12 @@ import numpy as np
 
 from ._core import lib
 from .bridge import Floats, call, doubles
-from .mesh import Mesh
+from .mesh import CORNER_ENDS, Mesh
 from .meshes import MeshData
 from .scene import Scene
 
 # Speed of the dilatational wave in steel [m/s].
 STEEL = 6020.0
-# Neighbours of each corner of a brick, so that their edges are a right-handed frame.
-NEIGHBOURS = (
-    (1, 3, 4),
-    (2, 0, 5),
-    (3, 1, 6),
-    (0, 2, 7),
-    (7, 5, 0),
-    (4, 6, 1),
-    (5, 7, 2),
-    (6, 4, 3),
-)
 
 
 def describe(path: str | Path, data: MeshData, speed: float | None = None) -> dict[str, Any]:
@@ -88,8 +77,8 @@ def scaled_jacobian(nodes: Floats, elements: Any) -> Floats:
     a flat one. Corners with a collapsed edge do not count."""
     x = nodes[elements[:, :8]]
     least = np.full(len(x), np.inf)
-    for corner, ends in enumerate(NEIGHBOURS):
-        edges = x[:, list(ends)] - x[:, corner, None]
+    for corner, ends in enumerate(CORNER_ENDS):
+        edges = x[:, ends] - x[:, corner, None]
         lengths = np.linalg.norm(edges, axis=2)
         size = lengths.max(axis=1)
         whole = (lengths > 1e-9 * size[:, None]).all(axis=1)

@@ -370,7 +370,7 @@ class Initial(Table):
 
 class Extrude(Table):
     """
-    The third dimension of a plane mesh of quadrilaterals.
+    The third dimension of a plane mesh of quadrilaterals and triangles.
 
     Attributes
     ----------
@@ -433,14 +433,14 @@ class Body(Table):
     shell
         The shell between two spheres.
     mesh
-        A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25); the
-        path is relative to the folder of the scene file.
+        A mesh file of Gmsh, Abaqus, Exodus or VTK (:doc:`/start/meshes`); the path is relative to the
+        folder of the scene file.
     part
         Name of a set of elements of the mesh file, which alone are the body; by default all elements are.
     scale
         Factor of the coordinates in the mesh file, such as 1000 for metres in a scene in millimetres.
     extrude
-        Height and layers of a plane mesh of quadrilaterals.
+        Height and layers of a plane mesh of quadrilaterals and triangles.
     nodes
         Coordinates (n, 3); meant for Python.
     elements

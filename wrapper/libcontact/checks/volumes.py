@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneWarning
-from ..mesh import Mesh
+from ..mesh import CORNER_ENDS, Mesh
 from ..observers import Observer, spread
 from ..problem import Problem
 from .limits import CHECKS, LEAST_STEPS
 
-# The corners at the other ends of the three edges of each corner of a brick, right-handed.
-BESIDE = np.array(
-    [(1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)]
-)
 # An element has collapsed if the volume at a corner is below this fraction of that at the start (eq:corner-volume).
 COLLAPSED = 0.1
 
@@ -64,5 +60,5 @@ class Volumes(Observer):
 def corner_volumes(mesh: Mesh, x: Any) -> Any:
     """The volume spanned by the three edges at each corner of the elements with nodes at x, shape (elements, 8)."""
     corners = x[mesh.elements[:, :8]]
-    a, b, c = (corners[:, BESIDE[:, k]] - corners for k in range(3))
+    a, b, c = (corners[:, CORNER_ENDS[:, k]] - corners for k in range(3))
     return (np.cross(a, b) * c).sum(axis=2)
