@@ -112,6 +112,23 @@ class Material(Table):
     law: str = key(Choice(LAWS), default=word(LAWS, lib.CT_LINEAR))
 
 
+def c_material(material: Material) -> Any:
+    """A ``ct_material *`` of a material."""
+    return ffi.new("ct_material *", material.c("ct_material"))
+
+
+def speeds(material: Material) -> tuple[float, float]:
+    """Speeds c₁ and c₂ of a material's waves, in the units of the scene."""
+    c = ffi.new("double[2]")
+    lib.ct_material_speeds(c_material(material), c, c + 1)
+    return c[0], c[1]
+
+
+def modulus(material: Material) -> float:
+    """The modulus ρ c₁² of a material's dilatational wave."""
+    return float(material.density * speeds(material)[0] ** 2)
+
+
 class Shape(Table):
     """A body that the library meshes."""
 

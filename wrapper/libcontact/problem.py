@@ -30,7 +30,7 @@ from .mesh import (
     row_length,
 )
 from .meshes import MeshFile
-from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
+from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support, speeds
 from .parts import Parts, acts_on
 from .probes import locate
 from .schema import FACES, SceneError, Table, listed, nearest, suggestion, word
@@ -94,18 +94,6 @@ class BuiltContact:
     faces: tuple[int, ...]
     gauss_points: tuple[int, ...]
     epsilon: float
-
-
-def speeds(material: Material) -> tuple[float, float]:
-    """Speeds c₁ and c₂ of a material's waves, in the units of the scene."""
-    c = ffi.new("double[2]")
-    lib.ct_material_speeds(c_material(material), c, c + 1)
-    return c[0], c[1]
-
-
-def c_material(material: Material) -> Any:
-    """A ``ct_material *`` of a material."""
-    return ffi.new("ct_material *", material.c("ct_material"))
 
 
 def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:

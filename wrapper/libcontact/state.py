@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ._core import lib
 from .bridge import Floats, Ints, call, doubles
 from .mesh import Mesh, c_mesh
-from .model import FILTERED, Material
-from .problem import c_material
+from .model import FILTERED, Material, c_material
 from .schema import suggestion
 
 __all__ = ["BodyState", "State"]

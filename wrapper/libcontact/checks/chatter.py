@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 from .._core import lib
 from ..errors import SceneWarning
-from ..problem import Problem, speeds
+from ..model import modulus
+from ..problem import Problem
 from ..surfaces import contact_tables
 
 # Pairs (β, largest fraction of the stable step), measured on the bar on a wall for different initial
@@ -25,7 +26,7 @@ def chatter(problem: Problem) -> Iterator[SceneWarning]:
         bodies = [problem.bodies[name] for name, _ in surfaces]
         materials = [m for each in surfaces for m in problem.materials_behind(each)]
         young = min(m.young for m in materials)
-        wave = min(m.density * speeds(m)[0] ** 2 for m in materials)
+        wave = min(map(modulus, materials))
         beta = given.beta or DEFAULT * wave / young
         if given.epsilon:
             beta = given.epsilon * min(body.mesh.shortest_edge for body in bodies) / young

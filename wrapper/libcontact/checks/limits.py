@@ -11,9 +11,9 @@ import numpy as np
 from .._core import lib
 from ..errors import SceneWarning
 from ..mesh import Mesh
-from ..model import ENFORCEMENTS
+from ..model import ENFORCEMENTS, modulus, speeds
 from ..observers import Observer, spread
-from ..problem import Problem, penetrations, speeds
+from ..problem import Problem, penetrations
 from ..surfaces import contact_tables, split_name
 
 # Steps and time [s] of a long run, and operations per second of a slow core (eq:long-run).
@@ -112,10 +112,10 @@ class Depths(Observer):
         surfaces = getattr(given, "surfaces", None) or [given.surface]
         bodies = [self._problem.bodies[name] for name, _ in surfaces]
         materials = [m for each in surfaces for m in self._problem.materials_behind(each)]
-        modulus = min(m.density * speeds(m)[0] ** 2 for m in materials)
+        least = min(map(modulus, materials))
         edge = min(body.mesh.shortest_edge for body in bodies)
         law = ENFORCEMENTS[given.enforcement]
-        return float(lib.ct_contact_penalty_default(law, modulus, edge))
+        return float(lib.ct_contact_penalty_default(law, least, edge))
 
     def _epsilon(self, i: int, given: Any) -> float:
         """The penalty of contact or obstacle number ``i``."""

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from ..bridge import has
 from ..errors import SceneWarning, came_in_late
 from ..mesh import FACTS, rotation
-from ..model import AXES, FEEDS, Contact
+from ..model import AXES, FEEDS, Contact, speeds
 from ..observers import Observer, spread
 from ..parts import acts_on
-from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
+from ..problem import BuiltBody, Problem, contact_points, new_state, penetrations
 from ..schema import SIDES
 from ..surfaces import contact_tables, pair_name, whole_skin
 from .chatter import chatter

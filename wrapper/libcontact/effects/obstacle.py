@@ -9,9 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import ffi, lib
+from .._core import lib
 from ..bridge import names
-from ..model import ENFORCEMENTS, FEEDS, ORIGIN, POSITIVE, ContactLaw, History, Vector
+from ..model import (
+    ENFORCEMENTS,
+    FEEDS,
+    ORIGIN,
+    POSITIVE,
+    ContactLaw,
+    History,
+    Vector,
+    modulus,
+    speeds,
+)
 from ..schema import VECTOR, Nested, Table, key
 from ..units import Units
 from . import OnSurface
@@ -87,13 +97,6 @@ class Cylinder(Sphere):
             yield "axis", NO_DIRECTION
 
 
-def stiffness_of(material: Any) -> tuple[float, float]:
-    """ρ c₁² of a material, and c₁."""
-    c, given = ffi.new("double[2]"), ffi.new("ct_material *", material.c("ct_material"))
-    lib.ct_material_speeds(given, c, c + 1)
-    return float(material.density * c[0] ** 2), float(c[0])
-
-
 class Obstacle(ContactLaw, OnSurface):
     """A rigid obstacle. Its displacement is ``velocity`` times time plus ``travel`` times
     ``history``.
@@ -155,17 +158,18 @@ class Obstacle(ContactLaw, OnSurface):
         """The penalty ε for contact with a body of the C scene, whose surface has these materials, and the ratio
         of the tangential penalty to it."""
         edge, law = lib.ct_mesh_shortest_edge(body.mesh), ENFORCEMENTS[self.enforcement]
-        modulus = min(map(stiffness_of, materials))[0]
-        epsilon = self.epsilon or lib.ct_contact_penalty_default(law, modulus, edge)
+        least = min(map(modulus, materials))
+        epsilon = self.epsilon or lib.ct_contact_penalty_default(law, least, edge)
         if self.beta:
             young = min(each.young for each in materials)
             epsilon = lib.ct_contact_penalty(self.beta, young, edge)
-        most = lib.ct_contact_penalty_default(lib.CT_ENFORCE_PENALTY, modulus, edge)
+        most = lib.ct_contact_penalty_default(lib.CT_ENFORCE_PENALTY, least, edge)
         return epsilon, self.tangent or min(1.0, most / epsilon)
 
     def members(self, maker: Any) -> dict[str, Any]:
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
         materials = maker.materials(self.surface)
+        softest = min(materials, key=modulus)
         return {
             **super().members(maker),
             "shape": SHAPES[self.shape],
@@ -173,8 +177,7 @@ class Obstacle(ContactLaw, OnSurface):
             "axis": shape.axis,
             "radius": shape.radius,
             "epsilon": self.penalties(body, materials)[0],
-            "travel_time": lib.ct_mesh_shortest_edge(body.mesh)
-            / min(map(stiffness_of, materials))[1],
+            "travel_time": lib.ct_mesh_shortest_edge(body.mesh) / speeds(softest)[0],
             "amplitude": maker.history(self.history),
         }
 

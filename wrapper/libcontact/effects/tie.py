@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from .._core import lib
-from ..model import POSITIVE
+from ..model import POSITIVE, modulus
 from ..schema import Each, Surface, key
 from ..units import Units
 from . import Effect
-from .obstacle import stiffness_of
 
 
 class Tie(Effect):
@@ -52,7 +51,7 @@ class Tie(Effect):
         materials = [each for surface in self.surfaces for each in maker.materials(surface)]
         both = [maker.faces(surface, "surfaces") for surface in self.surfaces]
         members: dict[str, Any] = {name: [each[name] for each in both] for name in both[0]}
-        members["epsilon"] = self.beta * min(map(stiffness_of, materials))[0] / edge
+        members["epsilon"] = self.beta * min(map(modulus, materials)) / edge
         members["reach"] = edge / 4 if self.reach is None else self.reach
         return members
 

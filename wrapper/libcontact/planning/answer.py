@@ -11,8 +11,7 @@ import numpy as np
 
 from .. import exact
 from ..bridge import Floats
-from ..model import AXES
-from ..problem import speeds
+from ..model import AXES, speeds
 from ..run import Run
 from ..schema import Place, suggestion
 from ..state import STRESS

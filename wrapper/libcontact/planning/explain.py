@@ -14,10 +14,10 @@ from ..checks.warned import at_start, known
 from ..errors import SceneWarning
 from ..html import sections
 from ..mesh import FACTS
-from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support
+from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support, speeds
 from ..parts import EFFECTS, Parts
 from ..probes import Located
-from ..problem import BuiltBody, BuiltContact, Problem, speeds, tied_points
+from ..problem import BuiltBody, BuiltContact, Problem, tied_points
 from ..schema import FACES, Face, Place, walk
 from ..surfaces import contact_tables, pair_name
 from ..units import Units
