@@ -410,8 +410,8 @@ class Planner:
             listed = [keys for keys in listed if all(name.startswith("time.") for name in keys)]
         self.tried = [Tried(keys, 1.0 + several) for keys in listed]
         self.value, self.uncertainty, self.interrupted = 0.0, 0.0, False
-        # The scale that was asked for of each one that was tried: whole numbers of cells make another mesh of the
-        # scale that results.
+        # Of each scale that results from whole numbers of cells the one that was asked for: another one may make
+        # other numbers.
         self.asked: dict[float, float] = {}
 
     # The scene with another setting on another mesh.
@@ -441,25 +441,32 @@ class Planner:
     def _refine(self, bodies: list[Keys], scale: float) -> None:
         """Change the numbers of cells; a single cell across stays one. In plane strain the single layer
         gets the thickness of the shortest other edge."""
-        for body, lattice in zip(bodies, self.lattices):
+        for body, lattice in zip(bodies, self._scaled(scale)):
             shape = next(name for name in SHAPES if name in body)
-            body[shape]["cells"] = list(lattice.scaled(scale).cells)
+            body[shape]["cells"] = list(lattice.cells)
         across = self.plates.axes[1] if self.plates else 0
         if self.plates and all(body["box"]["cells"][across] == 1 for body in bodies):
             edges = [np.divide(body["box"]["size"], body["box"]["cells"]) for body in bodies]
             for body in bodies:
                 body["box"]["size"][across] = float(np.delete(edges, across, axis=1).min())
 
+    def _scaled(self, scale: float) -> list[Any]:
+        """The shapes of the bodies with elements that are ``scale`` times smaller, in whole numbers."""
+        asked = self.asked.get(scale, scale)
+        return [each.scaled(asked) for each in self.lattices]
+
     def true_scale(self, scale: float) -> float:
-        """The scale that results from whole numbers of elements."""
+        """The scale that results from whole numbers of elements. It has the same numbers."""
         if self.own_mesh:
             return max(1.0, scale)
         ratios = [
-            np.divide(each.scaled(scale).cells, each.cells)[np.array(each.cells) > 1]
-            for each in self.lattices
+            np.divide(made.cells, each.cells)[np.array(each.cells) > 1]
+            for made, each in zip(self._scaled(scale), self.lattices)
         ]
         logs = np.log(np.concatenate(ratios))
-        return math.exp(logs.mean()) if logs.size else 1.0
+        true = math.exp(logs.mean()) if logs.size else 1.0
+        self.asked.setdefault(true, self.asked.get(scale, scale))
+        return true
 
     # Trials.
 
@@ -495,7 +502,6 @@ class Planner:
             self.reason = SceneError("energy grows with every setting", "", self.scene.file)
             return False
         exact = self.plates.error(scene._built(None), run) if self.plates else 0.0
-        self.asked.setdefault(true, scale)
         tried.add(true, self.functional.value(run) if self.functional else exact, min(seconds))
         return True
 
@@ -573,7 +579,7 @@ class Planner:
     def price(self, tried: Tried, scale: float) -> float:
         """Time of a setting on a mesh with the scene's output [s]: measured if this mesh was tried,
         otherwise predicted."""
-        problem = self.changed(tried.keys, self.asked.get(scale, scale))._built(None)
+        problem = self.changed(tried.keys, scale)._built(None)
         prediction = predict(problem, record_count(problem))
         if prediction.seconds is not None and scale not in tried.scales:
             return prediction.seconds
@@ -582,15 +588,14 @@ class Planner:
 
     def offer(self, tried: Tried, scale: float, seconds: float) -> Offer:
         """Describe a setting on a mesh, with its time."""
-        asked = self.asked.get(scale, scale)
         cells = (
             ["mesh of its own"]
             if self.own_mesh
-            else [" x ".join(map(str, each.scaled(asked).cells)) for each in self.lattices]
+            else [" x ".join(map(str, each.cells)) for each in self._scaled(scale)]
         )
         keys = {"time.integrator": "central_difference", **tried.keys}
         words = ", ".join(WORDS[name].format(value) for name, value in keys.items())
-        scene, mesh = self.changed(tried.keys, asked), ", ".join(dict.fromkeys(cells))
+        scene, mesh = self.changed(tried.keys, scale), ", ".join(dict.fromkeys(cells))
         return Offer(scene, mesh, words, tried.error_at(scale), seconds, "")
 
     def ranked(self, goal: Goal) -> list[Tried]:
