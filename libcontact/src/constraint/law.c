@@ -38,6 +38,31 @@ CT_INLINE ct_constraint row_of(const ct_law_rows *of, int64_t r)
                                     .release = of->release[r]}};
 }
 
+/* Compliances and offsets of rows with one law, which the caller inlines. */
+CT_INLINE void fill_ramps(ct_ramp (*ramp)(const ct_constraint *c), const ct_law_rows *of,
+                          int64_t first, int64_t end, double *C, double *b)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    const ct_ramp one = ramp(&c);
+    C[r] = one.C;
+    b[r] = one.b;
+  }
+}
+
+/* Energies that they store, likewise. */
+CT_INLINE void fill_stores(double (*store)(const ct_constraint *c, double g0, double g1),
+                           const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
+                           const double *g1, double *stored)
+{
+#pragma omp simd
+  for (int64_t r = first; r < end; r++) {
+    const ct_constraint c = row_of(of, r);
+    stored[r] = store(&c, g0[r], g1[r]);
+  }
+}
+
 /* Energy-controlled penalty (eq:energy-controlled). */
 
 CT_INLINE ct_ramp controlled_ramp(const ct_constraint *c)
@@ -57,24 +82,14 @@ CT_CLONES
 static void controlled_ramps(const ct_law_rows *of, int64_t first, int64_t end, double *C,
                              double *b)
 {
-#pragma omp simd
-  for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
-    const ct_ramp ramp = controlled_ramp(&c);
-    C[r] = ramp.C;
-    b[r] = ramp.b;
-  }
+  fill_ramps(controlled_ramp, of, first, end, C, b);
 }
 
 CT_CLONES
 static void controlled_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
                               const double *g1, double *stored)
 {
-#pragma omp simd
-  for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
-    stored[r] = controlled_stored(&c, g0[r], g1[r]);
-  }
+  fill_stores(controlled_stored, of, first, end, g0, g1, stored);
 }
 
 /* With the depths x = -g_n and y = -g_{n-1} = x + e the store is ¼ k (⟨x⟩² + ⟨y⟩²). */
@@ -103,24 +118,14 @@ CT_INLINE double tie_stored(const ct_constraint *c, double g0, double g1)
 CT_CLONES
 static void tie_ramps(const ct_law_rows *of, int64_t first, int64_t end, double *C, double *b)
 {
-#pragma omp simd
-  for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
-    const ct_ramp ramp = tie_ramp(&c);
-    C[r] = ramp.C;
-    b[r] = ramp.b;
-  }
+  fill_ramps(tie_ramp, of, first, end, C, b);
 }
 
 CT_CLONES
 static void tie_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
                        const double *g1, double *stored)
 {
-#pragma omp simd
-  for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
-    stored[r] = tie_stored(&c, g0[r], g1[r]);
-  }
+  fill_stores(tie_stored, of, first, end, g0, g1, stored);
 }
 
 /* No point of a tie is found inside. */
