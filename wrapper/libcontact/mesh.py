@@ -271,7 +271,7 @@ class Mesh:
         if "elements" in kinds and "faces" not in kinds:
             return np.unique(self.elements[self.sets.elements[name]])
         elements, sides = self.sets.faces[name].T
-        return np.unique(self.elements[elements[:, None], _side_nodes(self.element)[sides]])
+        return np.unique(self.elements[elements[:, None], side_nodes(self.element)[sides]])
 
     def centres(self, positions: Floats | None = None) -> Floats:
         """
@@ -369,7 +369,7 @@ class Mesh:
 
 
 @cache
-def _side_nodes(element: str) -> Ints:
+def side_nodes(element: str) -> Ints:
     """Local numbers of the nodes of the six sides of a kind of brick, shape (6, 4 or 8)."""
     facts = FACTS[element]
     numbers = np.arange(facts.node_count, dtype=np.int32).reshape(1, -1)

@@ -34,6 +34,12 @@ static int per_side(const ct_mesh *mesh)
   return ct_face_node_count(ct_brick_face_kind(mesh->kind));
 }
 
+/* Local numbers of the nodes of all sides. */
+static void list_local(const ct_mesh *mesh, int local[6][8])
+{
+  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
+}
+
 /* Node numbers of a side of an element, shape (4 or 8). */
 static void side_nodes(const ct_mesh *mesh, int local[6][8], int32_t element, int number,
                        int32_t node[8])
@@ -105,7 +111,6 @@ static double plane_tolerance(const ct_mesh *mesh)
  * inner face are listed or none. Null: no memory. */
 static side *sides_in(const ct_mesh *mesh, int local[6][8], const unsigned char *in, size_t *count)
 {
-  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
   *count = list_sides(mesh, local, in, NULL);
   side *sides = *count > INT32_MAX ? NULL : ct_allocate(*count, sizeof *sides);
   if (sides != NULL) list_sides(mesh, local, in, sides);
@@ -121,6 +126,7 @@ static int32_t collect(const ct_mesh *mesh, const unsigned char *in, int32_t *fa
   int local[6][8];
   int32_t kept = 0;
   size_t per_face = (size_t)per_side(mesh), count;
+  list_local(mesh, local);
   side *sides = sides_in(mesh, local, in, &count);
   if (sides == NULL) return -CT_ERROR_MEMORY;
   for (size_t i = 0; i < count; i++) {
@@ -164,22 +170,19 @@ int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners
 }
 
 /* Write the faces of listed sides and mark their nodes. */
-static ct_status enter_sides(const ct_mesh *mesh, int32_t count, const int32_t *sides,
-                             unsigned char *in, int32_t *faces, ct_error *error)
+static ct_status enter_sides(const ct_mesh *mesh, int local[6][8], int32_t count,
+                             const int32_t *sides, unsigned char *in, int32_t *faces,
+                             ct_error *error)
 {
-  const size_t per = (size_t)ct_brick_node_count(mesh->kind), per_face = (size_t)per_side(mesh);
+  const int per_face = per_side(mesh);
   for (int32_t i = 0; i < count; i++, faces += per_face) {
     const int32_t element = sides[2 * (int64_t)i], number = sides[2 * (int64_t)i + 1];
-    int local[8];
     if (element < 0 || element >= mesh->element_count || number < 0 || number > 5)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i},
                      "face %d is side %d of element %d; sides are 0 to 5, elements 0 to %d", (int)i,
                      (int)number, (int)element, (int)mesh->element_count - 1);
-    ct_brick_face(mesh->kind, number, local);
-    for (size_t a = 0; a < per_face; a++) {
-      faces[a] = mesh->elements[(size_t)element * per + (size_t)local[a]];
-      in[faces[a]] = 1;
-    }
+    side_nodes(mesh, local, element, number, faces);
+    for (int a = 0; a < per_face; a++) in[faces[a]] = 1;
   }
   return CT_OK;
 }
@@ -216,7 +219,8 @@ ct_status ct_mesh_side_faces(const ct_mesh *mesh, int32_t count, const int32_t *
   unsigned char *in = ct_allocate((size_t)mesh->node_count, 1),
                 *outer = ct_allocate((size_t)mesh->element_count, 6);
   if (in == NULL || outer == NULL) status = CT_NO_MEMORY(error, "the sides of a mesh");
-  if (status == CT_OK) status = enter_sides(mesh, count, sides, in, faces, error);
+  list_local(mesh, local);
+  if (status == CT_OK) status = enter_sides(mesh, local, count, sides, in, faces, error);
   if (status == CT_OK) all = sides_in(mesh, local, in, &found);
   if (status == CT_OK && all == NULL) status = CT_NO_MEMORY(error, "the sides of a mesh");
   for (size_t i = 0; status == CT_OK && i < found; i++)
@@ -257,7 +261,7 @@ ct_status ct_mesh_face_owners(const ct_mesh *mesh, int32_t count, const int32_t 
   const int per_face = per_side(mesh);
   unsigned char *in = ct_allocate((size_t)mesh->node_count, 1);
   if (in == NULL) return CT_NO_MEMORY(error, "the sides of a mesh");
-  for (int number = 0; number < 6; number++) ct_brick_face(mesh->kind, number, local[number]);
+  list_local(mesh, local);
   for (int64_t i = 0; i < (int64_t)count * per_face; i++) in[faces[i]] = 1;
   size_t listed = list_sides(mesh, local, in, NULL), all = listed + (size_t)count;
   side *sides = ct_allocate(all, sizeof *sides);

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bridge import Floats
+from ..mesh import side_nodes
 from ..schema import check_file
 
 Numbers = NDArray[np.int64]
@@ -32,8 +33,8 @@ class Kind:
     cure: str = ""
 
 
-# Faces as `ct_brick_face` has them: x_min, x_max, y_min, y_max, z_min, z_max.
-BRICK = ((3, 0, 4, 7), (1, 2, 6, 5), (0, 1, 5, 4), (2, 3, 7, 6), (1, 0, 3, 2), (4, 5, 6, 7))
+# Faces of the library's bricks: x_min, x_max, y_min, y_max, z_min, z_max.
+BRICK = tuple(tuple(face) for face in side_nodes("hex8").tolist())
 WEDGE = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
 TET = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
 LINEAR = "mesh with first-order elements (Gmsh: Mesh.ElementOrder = 1)"
