@@ -189,7 +189,8 @@ typedef struct ct_effect_constraints {
   /**
    * Null, or, for an effect whose nodes are those of whole bodies that are rigid, write how each of
    * these moves, in the order of their nodes, and the vector from its centre to each node, shape
-   * (node_count, 3) [length]. `increment` is then the motion without the constraints.
+   * (node_count, 3) [length]. `increment` is then the motion without the constraints, and was
+   * called before with the same view.
    */
   ct_status (*mobility)(const struct ct_effect *effect, const ct_view *view,
                         ct_body_mobility *bodies, double *arms, ct_error *error);

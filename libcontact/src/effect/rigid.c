@@ -39,17 +39,6 @@ typedef struct rigid_data {
   const ct_problem *problem;
 } rigid_data;
 
-/* Grids of the sums of the last step: if they fit, the terms are computed once. */
-typedef struct rigid_scratch {
-  ct_pool pool;
-  ct_grid (*grids)[SUMS];
-} rigid_scratch;
-
-static ct_grid *grids_of(const ct_view *view, int32_t b)
-{
-  return ((rigid_scratch *)view->scratch)->grids[b];
-}
-
 /* The sums of a body, and the motion that follows from them. */
 typedef struct rigid_motion {
   double sum[SUMS];
@@ -58,6 +47,24 @@ typedef struct rigid_motion {
   double velocity[3]; /* of the centre */
   double b[3], a;     /* quaternion of the turn until the next evaluation */
 } rigid_motion;
+
+/* Grids of the sums of the last step: if they fit, the terms are computed once. And the motions
+ * without the forces of constraints. */
+typedef struct rigid_scratch {
+  ct_pool pool;
+  ct_grid (*grids)[SUMS];
+  rigid_motion *motions;
+} rigid_scratch;
+
+static ct_grid *grids_of(const ct_view *view, int32_t b)
+{
+  return ((rigid_scratch *)view->scratch)->grids[b];
+}
+
+static rigid_motion *motion_of(const ct_view *view, int32_t b)
+{
+  return &((rigid_scratch *)view->scratch)->motions[b];
+}
 
 /* Factors of m v, and of the forces so far, in a momentum. */
 typedef struct share {
@@ -262,12 +269,14 @@ static ct_status rigid_increment(const ct_effect *effect, const ct_view *view, d
   const rigid_data *data = effect->data;
   for (int32_t b = 0; b < data->body_count; b++) {
     const rigid_body *body = &data->bodies[b];
-    rigid_motion motion;
-    ct_status status = view->dt == 0.0 ? CT_OK : find_motion(data, b, view, &motion, error);
+    rigid_motion *motion = motion_of(view, b);
+    ct_status status = CT_OK;
+    if (view->dt != 0.0) status = find_motion(data, b, view, motion, error);
+    else sum_body(data, body, view, (share){1.0, view->r_dt}, grids_of(view, b), motion);
     if (status != CT_OK) return status;
     for (int32_t n = 0; n < body->count; n++, increment += 3) {
       if (view->dt == 0.0) increment[0] = increment[1] = increment[2] = NAN;
-      else increment_of(data, b, view, &motion, body->first + n, increment);
+      else increment_of(data, b, view, motion, body->first + n, increment);
     }
   }
   return CT_OK;
@@ -282,20 +291,19 @@ static ct_status rigid_mobility(const ct_effect *effect, const ct_view *view,
   (void)error;
   for (int32_t b = 0; b < data->body_count; b++) {
     const rigid_body *body = &data->bodies[b];
-    rigid_motion motion;
-    sum_body(data, body, view, (share){1.0, view->r_dt}, grids_of(view, b), &motion);
+    const rigid_motion *motion = motion_of(view, b);
     // -- Displacement by a unit force, and turn by a unit moment (eq:rigid-mobility)
     for (int c = 0; c < 3; c++)
       bodies[b].translation[c] = body->fixed[c] || body->pivoted ? 0.0 : time / body->mass;
     for (int k = 0; k < 6; k++) {
       const double unit[3] = {column[k] == 0, column[k] == 1, column[k] == 2};
       double turn[3];
-      ct_inertia_solve(&motion.inertia, unit, turn);
+      ct_inertia_solve(&motion->inertia, unit, turn);
       bodies[b].rotation[k] = body->fixed[3 + column[k]] ? 0.0 : time * turn[row[k]];
     }
     for (int32_t n = 0; n < body->count; n++, arms += 3) {
-      arm_of(data, body, view, &motion.sum[CENTRE], body->first + n, arms);
-      for (int c = 0; c < 3; c++) arms[c] -= motion.off[c];
+      arm_of(data, body, view, &motion->sum[CENTRE], body->first + n, arms);
+      for (int c = 0; c < 3; c++) arms[c] -= motion->off[c];
     }
   }
   return CT_OK;
@@ -305,7 +313,9 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 {
   const rigid_data *data = effect->data;
   rigid_scratch *s = ct_allocate(1, sizeof *s);
-  if (s != NULL) s->grids = ct_pool_take(&s->pool, (size_t)data->body_count, sizeof *s->grids);
+  const size_t count = (size_t)data->body_count;
+  if (s != NULL) s->grids = ct_pool_take(&s->pool, count, sizeof *s->grids);
+  if (s != NULL) s->motions = ct_pool_take(&s->pool, count, sizeof *s->motions);
   if (s == NULL || s->pool.failed) {
     ct_pool_free(s);
     return CT_NO_MEMORY(error, "the rigid bodies");
