@@ -74,7 +74,7 @@ help:
 	@echo "make figures          the plate impact: Figs. 3, 4, 5 in build/figures, errors against the exact solution"
 	@echo "make test             all tests; the last line has their number"
 	@echo "make check-c          only the C tests, without a Python environment"
-	@echo "make docs             the book, in build/docs/html"
+	@echo "make docs             the book, in build/docs/html; STUDENT=1: without the answers of the exercises, in build/docs/student"
 	@echo "make pdf              the book as one PDF, build/docs/libcontact.pdf (made by Chromium)"
 	@echo "make measured         compute the numbers that the book quotes again, into docs/measured.json"
 	@echo "make bench            measurements of speed, tables and pictures, in build/bench"
@@ -189,12 +189,15 @@ _figures: $(VENV)/.wrapper
 	MPLBACKEND=Agg LIBCONTACT_FIGURES=$(BUILD)/figures $(VENV)/bin/python tutorials/01_plate_impact.py
 	@echo "written: $(BUILD)/figures/"
 
+# STUDENT=1: the book without the answers of its exercises, in a folder of its own.
+STUDENT ?=
+BOOK := $(BUILD)/docs/$(if $(STUDENT),student,html)
 _docs: $(VENV)/.wrapper $(VENV)/.docs
-	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html docs $(BUILD)/docs/html
-	@echo "written: $(BUILD)/docs/html/index.html"
+	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html $(if $(STUDENT),-D student=1) docs $(BOOK)
+	@echo "written: $(BOOK)/index.html"
 
 _pdf: _docs $(VENV)/.browser
-	$(VENV)/bin/python docs/printed.py $(BUILD)/docs/html $(BUILD)/docs/libcontact.pdf
+	$(VENV)/bin/python docs/printed.py $(BOOK) $(BUILD)/docs/libcontact$(if $(STUDENT),-student).pdf
 
 _measured: $(VENV)/.wrapper
 	$(VENV)/bin/python docs/measure.py

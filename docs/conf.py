@@ -38,6 +38,7 @@ extensions = [
     "floors",  # the rooms of the sources, drawn from their includes
     "methodtable",  # measures the methods of projection side by side
     "scenekeys",  # the tables of a scene's keys come from the package's model
+    "exercises",  # with folded answers, which -D student=1 leaves out
     "parts",  # one count of chapters through all parts
     "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it
@@ -51,7 +52,7 @@ extensions = [
     "sphinxcontrib.bibtex",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["tutorials/sg_execution_times.rst", "tutorials/**/*.ipynb"]
+exclude_patterns = ["tutorials/sg_execution_times.rst", "tutorials/**/*.ipynb", "exercises/*"]
 default_role = "cname"
 highlight_language = "c"
 nitpicky = True
@@ -88,7 +89,12 @@ nitpick_ignore_regex = [
 numfig = True
 math_numfig = True
 numfig_secnum_depth = 1
-numfig_format = {"code-block": "Listing %s", "figure": "Fig. %s", "table": "Table %s"}
+numfig_format = {
+    "code-block": "Listing %s",
+    "exercise": "Exercise %s",
+    "figure": "Fig. %s",
+    "table": "Table %s",
+}
 math_eqref_format = "({number})"
 
 # -- Equations, their lines and tests ------------------------------------------------------------------------------

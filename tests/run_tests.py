@@ -1,7 +1,7 @@
 """Run every test and count: ``run_tests.py BUILD [--no-pytest] [--skip REASON]... PROGRAM...``.
 
 ``make test`` and ``make check-c`` call it. The C programs run first, then pytest over the Python,
-tutorial and docs tests. ``--skip`` counts what could not be built here. The line before the last
+tutorial, docs and exercise tests. ``--skip`` counts what could not be built here. The line before the last
 counts different checks: one that ran plain and under sanitizers is one check. The last line is
 ``N passed, M failed, K skipped``; a check fails if it fails in any build of its program. The exit
 code is not 0 exactly when something failed.
@@ -147,7 +147,7 @@ def run_programs(programs: list[str], count: Count) -> None:
 
 
 def run_pytest(build: Path, count: Count) -> None:
-    """pytest over tests/python and tests/docs, counted from its report."""
+    """pytest over tests/python, tests/docs and docs/exercises, counted from its report."""
     report = build / "tests" / "pytest.xml"
     report.unlink(missing_ok=True)
     command = [
@@ -164,6 +164,7 @@ def run_pytest(build: Path, count: Count) -> None:
         "no:cacheprovider",
         "tests/python",
         "tests/docs",
+        "docs/exercises",
     ]
     environment = {
         **os.environ,

@@ -7,6 +7,8 @@ step if its class says so. Any other is computed if a listing of its own page na
 does. "Own line" counts the listings that name an equation of their page. A forward reference is a link to a chapter or
 to an equation that comes later in the order of the contents, and does not stand in a box "Later"; pages of contents
 have none.
+
+Exercises are counted by their kind, with the minutes of all; "tested" are those whose answer has a test.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import textwrap
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
@@ -36,6 +40,11 @@ COLUMNS = (
     "listings",
     "own line",
     "forward",
+    "hand",
+    "program",
+    "error",
+    "tested",
+    "minutes",
 )
 DIRECTIVE = re.compile(r"^( *)\.\. ([\w:-]+)::(.*)$")
 
@@ -69,6 +78,61 @@ def blocks(text: str) -> list[tuple[str, str, str]]:
                 elif not (name == "admonition" and start[3].strip() == "Later"):
                     prose += part[2].splitlines()
     return [*found, ("", "", "\n".join(prose))]
+
+
+class Exercise(NamedTuple):
+    """An exercise, from its source."""
+
+    label: str
+    kind: str
+    grade: int
+    minutes: int
+    question: str
+    answer: str
+
+    @property
+    def test(self) -> str:
+        """The name of the test of its answer."""
+        return "test_" + self.label.replace("-", "_")
+
+
+def exercises(text: str) -> list[Exercise]:
+    """The exercises of a file of ``docs/exercises``."""
+    found = []
+    for name, label, body in blocks(text):
+        if name == "exercise":
+            options = dict(re.findall(r"^ *:(\w+): *(\S+)$", body, re.M))
+            question, _, answer = textwrap.dedent(body).partition(".. answer::\n")
+            found.append(
+                Exercise(
+                    label,
+                    options.get("kind", ""),
+                    int(options.get("grade", 0)),
+                    int(options.get("minutes", 0)),
+                    question,
+                    textwrap.dedent(answer),
+                )
+            )
+    return found
+
+
+def included(docs: Path, text: str) -> list[Path]:
+    """The files of exercises that a page includes."""
+    return [
+        docs / path for path in re.findall(r"^\.\. include:: /(exercises/\S+\.rst)$", text, re.M)
+    ]
+
+
+def count_exercises(docs: Path, text: str) -> dict[str, int]:
+    counts = dict.fromkeys(("hand", "program", "error", "tested", "minutes"), 0)
+    for file in included(docs, text):
+        answers = file.with_name(f"answers_{file.stem}.py")
+        tests = answers.read_text() if answers.exists() else ""
+        for one in exercises(file.read_text()):
+            counts[one.kind] += 1
+            counts["minutes"] += one.minutes
+            counts["tested"] += f"def {one.test}(" in tests
+    return counts
 
 
 def words(prose: str) -> int:
@@ -168,6 +232,7 @@ def measure(root: Path) -> dict[str, dict[str, int]]:
             "listings": len(shown),
             "own line": sum(bool(n & own) for n in named),
             "forward": ahead,
+            **count_exercises(docs, text[page]),
         }
     return counts
 
@@ -198,11 +263,11 @@ def main() -> None:
         for page, row in counts.items()
         if not given.page or any(name in page for name in given.page)
     }
-    print(f"{'':32}" + "".join(f"{name:>12}" for name in COLUMNS))
+    print(f"{'':32}" + "".join(f"{name:>11}" for name in COLUMNS))
     for page, row in chosen.items():
-        print(f"{page:32}" + "".join(f"{row[name]:12}" for name in COLUMNS))
+        print(f"{page:32}" + "".join(f"{row[name]:11}" for name in COLUMNS))
     total = {name: sum(row[name] for row in chosen.values()) for name in COLUMNS}
-    print(f"{'together':32}" + "".join(f"{total[name]:12}" for name in COLUMNS))
+    print(f"{'together':32}" + "".join(f"{total[name]:11}" for name in COLUMNS))
 
 
 if __name__ == "__main__":

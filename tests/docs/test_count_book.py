@@ -37,12 +37,45 @@ See :doc:`second`, :doc:`first`.
 
    Not ahead: :doc:`second`
 
+.. include:: /exercises/first.rst
+
 .. weave:: libcontact/src/a.c square
 .. weave:: libcontact/src/a.c "Not there"
 """
 
+EXERCISES = """
+Exercises
+---------
+
+.. exercise:: first-one
+   :kind: hand
+   :grade: 1
+   :minutes: 10
+
+   Words of an exercise.
+
+   .. answer::
+
+      Two.
+
+.. exercise:: first-two
+   :kind: error
+   :grade: 2
+   :minutes: 15
+
+   Which?
+
+   .. answer::
+
+      None.
+"""
+
 
 def test_counts_of_a_page(tmp_path):
+    asked = tmp_path / "docs" / "exercises"
+    asked.mkdir(parents=True)
+    (asked / "first.rst").write_text(EXERCISES)
+    (asked / "answers_first.py").write_text("def test_first_two():\n    pass\n")
     theory, source = tmp_path / "docs" / "theory", tmp_path / "libcontact" / "src"
     theory.mkdir(parents=True), source.mkdir(parents=True)
     toc = ".. toctree::\n   :hidden:\n\n"
@@ -62,5 +95,10 @@ def test_counts_of_a_page(tmp_path):
         "listings": 2,
         "own line": 1,
         "forward": 2,
+        "hand": 1,
+        "program": 0,
+        "error": 1,
+        "tested": 1,
+        "minutes": 25,
     }
     assert counts["theory/second"]["open"] == 1 and counts["theory/second"]["forward"] == 0

@@ -1,0 +1,94 @@
+"""Exercises with folded answers.
+
+::
+
+    .. exercise:: wall-depth
+       :kind: hand
+       :grade: 1
+       :minutes: 10
+
+       How deep does the mass enter?
+
+       .. answer::
+
+          By :eq:`week-by-hand` ...
+
+The kinds are ``hand``, ``program`` (with the library or a program of one's own) and ``error`` (find the error in
+``exercises/programs``, a file with the name of the exercise); the grades 1 to 3. A chapter includes its file of
+``exercises`` at its end. The test of an answer stands beside that file and has the name of the exercise; see
+``exercises/conftest.py``. With ``-D student=1`` (``make docs STUDENT=1``) answers are not read at all, so they are in
+no file of the book.
+"""
+
+from __future__ import annotations
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.util.docutils import SphinxDirective
+from sphinx_design.dropdown import DropdownDirective
+
+KINDS = {"hand": "by hand", "program": "with a program", "error": "find the error"}
+
+
+class exercise(nodes.General, nodes.Element):
+    """Numbered like a figure: ``:numref:`wall-depth``` is a link."""
+
+
+class Exercise(SphinxDirective):
+    required_arguments = 1
+    has_content = True
+    option_spec = {
+        "kind": lambda text: directives.choice(text, tuple(KINDS)),
+        "grade": lambda text: directives.choice(text, ("1", "2", "3")),
+        "minutes": directives.positive_int,
+    }
+
+    def run(self) -> list[nodes.Node]:
+        if len(self.options) < len(self.option_spec):
+            raise self.error("an exercise needs :kind:, :grade: and :minutes:")
+        node = exercise("", *self.parse_content_to_nodes(), names=[self.arguments[0]])
+        self.set_source_info(node)
+        self.state.document.note_explicit_target(node)
+        grade = int(self.options["grade"])
+        node["about"] = " · ".join(
+            (
+                KINDS[self.options["kind"]],
+                f"grade {grade} of 3",
+                f"{self.options['minutes']} minutes",
+            )
+        )
+        return [node]
+
+
+class Answer(DropdownDirective):
+    """A dropdown of sphinx-design; nothing in the students' book."""
+
+    optional_arguments = 0
+
+    def run(self) -> list[nodes.Node]:
+        if self.config.student:
+            return []
+        self.arguments = ["Answer"]
+        return super().run()
+
+
+def visit(translator, node: exercise) -> None:
+    translator.body.append(translator.starttag(node, "div", CLASS="exercise"))
+    translator.body.append('<p class="exercise-title">')
+    translator.add_fignumber(node)
+    translator.body.append(f"{node['about']}</p>\n")
+
+
+def depart(translator, node: exercise) -> None:
+    translator.body.append("</div>\n")
+
+
+def setup(app):
+    app.setup_extension("sphinx_design")
+    app.add_config_value("student", False, "env", bool)
+    app.add_enumerable_node(
+        exercise, "exercise", title_getter=lambda node: node["about"], html=(visit, depart)
+    )
+    app.add_directive("exercise", Exercise)
+    app.add_directive("answer", Answer)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,115 @@
+"""The exercises of the book: each has a test, and the students' book has no answer."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+FOLDER = DOCS / "exercises"
+sys.path[:0] = [str(ROOT / "tools"), str(DOCS / "_ext")]
+import count_book  # noqa: E402
+from parts import parts  # noqa: E402
+
+FILES = sorted(FOLDER.glob("*.rst"))
+BOOK = parts(DOCS)
+COURSE = [*BOOK["week/index"], *BOOK["theory/index"], "theory/enforcement"]
+
+
+@pytest.mark.parametrize("chapter", COURSE)
+def test_each_chapter_of_the_course_has_four(chapter):
+    counts = count_book.count_exercises(DOCS, (DOCS / f"{chapter}.rst").read_text())
+    assert counts["hand"] + counts["program"] + counts["error"] >= 4
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_each_answer_has_its_test(file):
+    """And each test its exercise, each kind "error" its program and a diff that mends it."""
+    exercises = count_book.exercises(file.read_text())
+    tests = file.with_name(f"answers_{file.stem}.py").read_text()
+    assert [one.test for one in exercises] == re.findall(r"^def (test_\w+)\(", tests, re.M)
+    for one in exercises:
+        program = FOLDER / "programs" / f"{one.label}.py"
+        assert one.kind in ("hand", "program", "error") and one.grade in (1, 2, 3)
+        assert 5 <= one.minutes <= 240 and len(one.question.split()) > 5
+        assert len(one.answer.split()) > 5
+        assert (one.kind == "error") == program.exists()
+        if program.exists():
+            assert ".. code-block:: diff" in one.answer
+            assert f"programs/{one.label}.py" in one.question
+
+
+def test_each_file_belongs_to_one_chapter():
+    included = [
+        path for page in DOCS.rglob("*.rst") for path in count_book.included(DOCS, page.read_text())
+    ]
+    labels = [one.label for file in FILES for one in count_book.exercises(file.read_text())]
+    assert sorted(included) == FILES and len(labels) == len(set(labels))
+    programs = {program.stem for program in (FOLDER / "programs").glob("*.py")}
+    assert programs <= set(labels)
+
+
+PAGE = """
+Book
+====
+
+See :numref:`one`.
+
+.. exercise:: one
+   :kind: hand
+   :grade: 1
+   :minutes: 10
+
+   Which number?
+
+   .. answer::
+
+      It is fortytwo.
+
+.. exercise:: two
+   :kind: program
+   :grade: 3
+   :minutes: 20
+
+   And now?
+"""
+
+
+def build(book: Path, page: str, *options: str) -> subprocess.CompletedProcess:
+    """The book of one page, built in a process of its own, as directives stay registered."""
+    pytest.importorskip("sphinx_design")
+    book.mkdir(exist_ok=True)
+    (book / "index.rst").write_text(page)
+    (book / "conf.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\n"
+        "extensions = ['exercises']\nhtml_copy_source = False\nnumfig = True\n"
+        "numfig_format = {'exercise': 'Exercise %s'}\n"
+    )
+    command = [sys.executable, "-m", "sphinx", "-q", "-b", "html", *options, book, book / "out"]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_students_get_no_answer(tmp_path):
+    """In no file of their book."""
+    for options, having in ((), {"index.html", "searchindex.js"}), (("-D", "student=1"), set()):
+        done = build(tmp_path / f"book{len(having)}", PAGE, *options)
+        assert (done.returncode, done.stderr) == (0, "")
+        out = tmp_path / f"book{len(having)}" / "out"
+        found = {
+            path.relative_to(out).as_posix()
+            for path in out.rglob("*")
+            if path.is_file() and "fortytwo" in path.read_text(encoding="utf-8", errors="ignore")
+        }
+        page = (out / "index.html").read_text()
+        assert found - {".doctrees/index.doctree", ".doctrees/environment.pickle"} == having
+        assert bool(found) == bool(having)
+        assert ("<details" in page) == bool(having)
+        assert "Exercise 1 </span>by hand · grade 1 of 3 · 10 minutes" in page
+
+
+def test_an_exercise_without_its_grade_fails(tmp_path):
+    done = build(tmp_path / "book", "Book\n====\n\n.. exercise:: x\n   :kind: hand\n\n   Why?\n")
+    assert "needs :kind:, :grade: and :minutes:" in done.stderr
