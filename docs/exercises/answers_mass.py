@@ -5,7 +5,6 @@ import math
 import numpy as np
 import sympy as sp
 from answers_segment import q8
-
 from libcontact.mesh import Mesh
 
 X, Y = sp.symbols("x y")

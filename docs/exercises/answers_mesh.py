@@ -4,14 +4,15 @@ import itertools
 
 import numpy as np
 import sympy as sp
-
 from libcontact.mesh import Mesh
 
 
 def test_mesh_counts(says):
     box = Mesh.box("hex8", [0, 0, 0], [10, 5, 2], [10, 5, 2])
-    faces = sum(len(box.faces(side)[0]) for side in ("x-", "x+", "y-", "y+", "z-", "z+"))
-    glued = faces * 2 - 2 * len(box.faces("z+")[0])
+    faces = sum(
+        len(box.faces(side)[0]) for side in ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+    )
+    glued = faces * 2 - 2 * len(box.faces("z_max")[0])
     says(str(len(box.nodes)), str(3 * len(box.nodes)), str(faces), str(glued))
 
 
