@@ -267,6 +267,13 @@ static void refusals(ct_brick_kind kind)
   refused(m, CT_ERROR_ARGUMENT, 3, -1, "corners of element 1", "an element that is listed twice");
   memcpy(three, keep, sizeof(int32_t) * (size_t)per);
 
+  // The last element reaches over the one before it to that one's first side.
+  const int32_t *two = &m->elements[2 * per];
+  static const int first[8] = {0, 3, 4, 7, 11, 15, 16, 19};
+  for (int a = 0; a < (kind == CT_HEX20 ? 8 : 4); a++) three[first[a]] = two[first[a]];
+  refused(m, CT_ERROR_ARGUMENT, 3, -1, "both element 1 and element 2", "a face of three elements");
+  memcpy(three, keep, sizeof(int32_t) * (size_t)per);
+
   old = m->nodes[3 * 5 + 1];
   m->nodes[3 * 5 + 1] = NAN;
   refused(m, CT_INVALID, -1, 5, "node 5", "a coordinate that is NaN");

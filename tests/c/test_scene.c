@@ -256,6 +256,22 @@ static void contacts(void)
   c = good, c.beta = INFINITY;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "penalty", "an infinite beta");
   close_plates(&p);
+
+  // Two contacts with a common face on each side are one too many; a face may meet several others.
+  p = two_plates(0.0);
+  ct_error e = {0};
+  c = good, c.face_count_a--;
+  need(ct_scene_add_contact(p.scene, &c, &e), &e);
+  for (int k = 0; k < 4; k++) wrong[k] = fa[(k + 1) % 4];
+  c = good, c.faces_a = wrong, c.face_count_a = 1;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "contact[0] has faces of both", "a second contact");
+  c = (ct_scene_contact){1, 0, good.face_count_b, 1, fb, wrong, .options = good.options};
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "contact[0] has faces of both",
+                  "the other way round");
+  c = good, c.faces_a = &fa[4 * (good.face_count_a - 1)], c.face_count_a = 1;
+  tap_ok(ct_scene_add_contact(p.scene, &c, &e) == CT_OK,
+         "another face of the first surface may meet the same second surface");
+  close_plates(&p);
 }
 
 /* The points of a contact of a small box with one of a larger one: their number, and where their
@@ -360,7 +376,8 @@ static void built_twice(void)
   ct_scene_time t = {.end = 1e-9, .courant = 0.1};
   ct_stable_step before, after;
   build(p.scene, t, NULL, &before);
-  for (int k = 0; k < 3; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
+  for (int k = 0; k < 3; k++)
+    add_contact(p.scene, 0, p.left, -(k != 2), 1, p.right, k != 0, 0, 4.0);
   const ct_problem *problem = build(p.scene, t, NULL, &after);
   tap_ok(problem->effect_count == 5 && after.dt < before.dt,
          "three more contacts after a build: five effects and a smaller stable step");
@@ -368,7 +385,16 @@ static void built_twice(void)
   problem = build(p.scene, t, NULL, &after);
   tap_ok(problem->effect_count == 6 && problem->inverse_mass[0] == 0.0, "and a support after that");
   for (int k = 0; k < 40; k++) add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
-  for (int k = 0; k < 20; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
+  for (int k = 0; k < 8; k++)
+    add_contact(p.scene, 0, p.left,
+                k % 2   ? 0.0
+                : k / 4 ? 1.0
+                        : 0.25,
+                1, p.right,
+                k / 2 % 2 ? 0.0
+                : k / 4   ? 1.0
+                          : 0.25,
+                1 + k / 4, 4.0);
   close_plates(&p); // a scene that grew after its last build: a leak ends the sanitized program
 }
 

@@ -161,3 +161,31 @@ def test_the_assumptions_are_those_of_the_scene():
     assert bounces not in part and "restitution below 1: an impact loses" in part
     assert "loses" not in assumed(PAIR) + assumed(PAIR + 'enforcement = "penalty"\n')
     assert "oscillations" in assumed("") and "oscillations" not in assumed("[damping]\nrate = 1\n")
+
+
+@pytest.mark.parametrize(
+    "surfaces, refused",
+    [
+        ('"a.outer", "b.outer"', True),
+        ('"b.outer", "a.x_max"', True),
+        ('"a.x_max", "b.y_min"', False),
+        ('"a.y_max", "b.x_min"', False),
+        ('"a.outer", "a.outer"', False),
+    ],
+)
+def test_two_contacts_that_have_faces_of_both_surfaces(surfaces, refused, tmp_path):
+    """The faces at x = 1 are those of the elements 1, 3, 5, 7 of "a" and 0, 2, 4, 6 of "b"."""
+    path = tmp_path / "scene.toml"
+    path.write_text(f"{SCENE}{PAIR}[[contact]]\nsurfaces = [{surfaces}]\n")
+    scene = ct.Scene.load(path)
+    if not refused:
+        scene.explain()
+        return
+    with pytest.raises(ct.SceneError, match=r"contact\[0\] has faces of both") as found:
+        scene.explain()
+    assert found.value.key == "contact[1]" and str(found.value).startswith(f"{path}:")
+    for body, elements in {"a": "1357", "b": "0246"}.items():
+        place = re.search(
+            rf'element (\d) of "{body}" \(face at 1, 0\.[27]5, 0\.[27]5\)', str(found.value)
+        )
+        assert place and place[1] in elements

@@ -435,7 +435,7 @@ BRICK = "*Element, type=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
         (CUBE + BRICK + "1, 1, 2, 3, 4, 5, 6, 7, 8\n", "line 12: element 1 is defined twice"),
         (
             CUBE + BRICK + "2, 2, 3, 4, 1, 6, 7, 8, 5\n",
-            "line 12: element 2 has the same nodes as element 1",
+            "line 12: element 2 has the corners of element 1",
         ),
         (CUBE + BRICK.replace("1, 2, 3, 4,", "4, 3, 2, 1,"), "line 11: element 1 is inverted"),
         (CUBE.replace(", 1.0\n", ", 0.0\n") + BRICK, "line 11: element 1 is collapsed"),

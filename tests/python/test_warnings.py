@@ -152,21 +152,6 @@ def test_rings_in_one_place(radius, one_place):
     assert [one.kind for one in scene.explain().warnings] == (["same_place"] if one_place else [])
 
 
-@pytest.mark.parametrize(
-    "surfaces, twice",
-    [
-        (("a.outer", "b.outer"), True),
-        (("b.outer", "a.x_max"), True),
-        (("a.x_max", "b.y_min"), False),
-        (("a.y_max", "b.x_min"), False),
-        (("a.outer", "a.outer"), False),
-    ],
-)
-def test_two_contacts_with_the_same_faces(surfaces, twice):
-    found = pair().add_contact(*surfaces).explain().warnings
-    assert [one.key for one in found if one.kind == "twice"] == ["contact[1]"] * twice
-
-
 def test_bodies_that_never_meet():
     never = [("never_meet", "contact[0]")]
     assert (

@@ -99,7 +99,6 @@ KINDS = {
     "output": "a run continues without something that was requested, for example a file in a build without HDF5",
     "inside_out": "the two surfaces of a contact, or an obstacle and its surface, face away from each other",
     "same_place": "two bodies occupy the same space",
-    "twice": "two contacts have the same faces, so that the contact force acts twice",
     "overlap": "surfaces of a contact, or a surface and an obstacle, overlap at the start",
     "never_meet": "the surfaces of a contact cannot come together before the run ends",
     "thin": "an impact with a restitution below 1 on a body that is about one element thick loses a large part of its energy",

@@ -36,6 +36,7 @@ from .probes import locate
 from .schema import FACES, SceneError, Table, listed, nearest, suggestion, word
 from .sets import KINDS as SET_KINDS
 from .sets import Sets
+from .surfaces import pair_name
 
 MOST_STEPS = 10**12
 # With shorter rows the layers follow one another along z: many short rows cost more than layers save.
@@ -448,7 +449,9 @@ class Problem:
             setattr(new, f"body_{side}", numbers[body])
             setattr(new, f"face_count_{side}", len(own))
             setattr(new, f"faces_{side}", ffi.from_buffer("int32_t[]", own))
-        self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new)
+        of = dict.fromkeys(self._file_of(body) for body, _ in contact.surfaces)
+        about = f"{pair_name(contact.surfaces)}{''.join(of)}: "
+        self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new, about=about)
         return faces[:1] if contact.with_itself else faces
 
     def on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:

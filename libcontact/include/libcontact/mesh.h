@@ -177,12 +177,13 @@ CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_e
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
- * Check a mesh. ``CT_ERROR_ARGUMENT``: a node number out of range, or two elements with the same
- * corners; ``CT_INVALID``: a coordinate is not finite. ``CT_ERROR_GEOMETRY``: the Jacobian
- * determinant of an element is not positive at a Gauss point or at a node. `error` then names the
- * first such element and its Gauss point; its text names the corner or mid-side node and gives the
- * number of all such elements. At a node the determinant may be zero if an edge has collapsed or a
- * mid-side node is at the quarter point, :eq:`jacobian-nodes`.
+ * Check a mesh. ``CT_ERROR_ARGUMENT``: a node number out of range, two elements with the same
+ * corners, or a face that three elements have; ``CT_INVALID``: a coordinate is not finite.
+ * ``CT_ERROR_GEOMETRY``: the Jacobian determinant of an element is not positive at a Gauss point or
+ * at a node. `error` then names the first such element and its Gauss point; its text names the
+ * corner or mid-side node and gives the number of all such elements. At a node the determinant may
+ * be zero if an edge has collapsed or a mid-side node is at the quarter point,
+ * :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 

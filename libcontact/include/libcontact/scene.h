@@ -163,7 +163,11 @@ CT_API ct_status ct_scene_set_run_settings(ct_scene *scene, const ct_run_setting
 CT_API ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                                    ct_error *error);
 
-/** Add a contact; its arrays are copied. */
+/**
+ * Add a contact; its arrays are copied. ``CT_ERROR_ARGUMENT``: an invalid member, or an earlier
+ * contact has faces of both surfaces, too, so that their force would act twice; the text names the
+ * elements.
+ */
 CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
                                       ct_error *error);
 

@@ -1,6 +1,7 @@
 /* The outer faces of a mesh: those that belong to one element only. */
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "corners.h"
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -8,23 +9,15 @@
 #include <string.h>
 
 typedef struct side {
-  int32_t corner[4]; /* distinct ones, ascending, so that both owners of an inner face agree; -1 in
-                        front of them where a corner is collapsed */
+  int32_t corner[4]; /* ct_corners_of, so that both owners of an inner face agree */
   int32_t element;
   int32_t number; /* of the side of the element; -1: another element also has the face */
-  int32_t next;   /* the previous side with the same hash, or -1 */
 } side;
 
 static side side_of(const int32_t node[8], int32_t element, int number)
 {
-  side s = {{-1, -1, -1, -1}, element, number, -1};
-  for (int i = 0; i < 4; i++) {
-    int j = 0;
-    for (int k = 0; k < 4; k++) j |= s.corner[k] == node[i];
-    if (j) continue;
-    for (j = 0; j < 3 && s.corner[j + 1] < node[i]; j++) s.corner[j] = s.corner[j + 1];
-    s.corner[j] = node[i];
-  }
+  side s = {{-1, -1, -1, -1}, element, number};
+  ct_corners_of(node, 4, s.corner);
   return s;
 }
 
@@ -75,27 +68,18 @@ static size_t list_sides(const ct_mesh *mesh, int local[6][8], const unsigned ch
   return count;
 }
 
-/* Mark the sides that occur more than once: each is compared with earlier ones with the same hash.
- */
+/* Mark the sides that occur more than once. */
 static ct_status mark_inner(side *sides, size_t count)
 {
-  size_t capacity = 1;
-  while (capacity < count) capacity *= 2;
-  int32_t *latest =
-      ct_allocate(capacity, sizeof *latest); // number + 1 of the latest side of a hash
-  if (latest == NULL) return CT_ERROR_MEMORY;
+  ct_corner_list list;
+  if (ct_corner_list_open(&list, sides[0].corner, 4, sizeof *sides / sizeof(int32_t), count) !=
+      CT_OK)
+    return CT_ERROR_MEMORY;
   for (size_t i = 0; i < count; i++) {
-    uint64_t hash = 0;
-    for (int k = 0; k < 4; k++)
-      hash = (hash + (uint64_t)sides[i].corner[k]) * UINT64_C(0x9e3779b97f4a7c15);
-    int32_t *head = &latest[(hash >> 32) & (capacity - 1)], k = *head - 1;
-    while (k >= 0 && memcmp(sides[k].corner, sides[i].corner, sizeof sides[i].corner) != 0)
-      k = sides[k].next;
-    sides[i].next = *head - 1;
-    *head = (int32_t)i + 1;
+    const int32_t k = ct_corner_list_enter(&list, (int32_t)i);
     if (k >= 0) sides[i].number = sides[k].number = -1;
   }
-  ct_release(latest);
+  ct_corner_list_close(&list);
   return CT_OK;
 }
 

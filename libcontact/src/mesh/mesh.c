@@ -455,7 +455,7 @@ static int32_t first_doubtful(const ct_mesh *mesh, const checks *at)
   return first;
 }
 
-ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
+ct_status ct_mesh_check_shapes(const ct_mesh *mesh, ct_error *error)
 {
   if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL) return CT_REFUSE_NULL(error);
   if (ct_brick_node_count(mesh->kind) == 0)
@@ -482,7 +482,14 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
     status = element_check(mesh, &rule, e, error);
     if (status == CT_ERROR_GEOMETRY && error != NULL) count_bad(mesh, &rule, e, error);
   }
-  return status == CT_OK ? ct_mesh_check_twins(mesh, error) : status;
+  return status;
+}
+
+ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
+{
+  ct_status status = ct_mesh_check_shapes(mesh, error);
+  if (status == CT_OK) status = ct_mesh_check_twins(mesh, error);
+  return status == CT_OK ? ct_mesh_check_sides(mesh, error) : status;
 }
 
 /* Square of the shortest edge of the elements from `e` on, one per lane; edges of zero length do

@@ -24,8 +24,14 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_s
  */
 ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error);
 
+/* ct_mesh_check of a mesh of the library, in which no element and no face is listed too often. */
+ct_status ct_mesh_check_shapes(const ct_mesh *mesh, ct_error *error);
+
 /* CT_ERROR_ARGUMENT if two elements of a mesh with valid numbers have the same corners. */
 ct_status ct_mesh_check_twins(const ct_mesh *mesh, ct_error *error);
+
+/* CT_ERROR_ARGUMENT if a face belongs to more than two of its elements. */
+ct_status ct_mesh_check_sides(const ct_mesh *mesh, ct_error *error);
 
 /* The octant around local node `a` of a brick in which the brick lies: bit 0 is set when it lies on
  * the side of positive ξ. */
@@ -47,6 +53,11 @@ ct_status ct_materials_check(const ct_material *materials, int32_t count, int32_
  * `owners`, shape (count); -1 if no element has it. Of an inner face either one. */
 ct_status ct_mesh_face_owners(const ct_mesh *mesh, int32_t count, const int32_t *faces,
                               int32_t *owners, ct_error *error);
+
+/* Place in `a` of its first face that is also in `b`; -1: none, -2: no memory. Faces have `per` (4
+ * or 8) nodes and are equal if their corners are, in any order. */
+int32_t ct_mesh_common_face(int per, const int32_t *a, int32_t count_a, const int32_t *b,
+                            int32_t count_b);
 
 /* Smallest and largest coordinates of the nodes [length]; infinite and exchanged for a null mesh.
  */

@@ -180,7 +180,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
                                        : ct_mesh_make_box(def->kind, &def->box, source.settings,
                                                           &part->mesh, error);
   if (status == CT_OK) part->mesh->settings = source.settings;
-  if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check(part->mesh, error);
+  if (status == CT_OK && def->mesh == NULL) status = ct_mesh_check_shapes(part->mesh, error);
   if (status == CT_OK) status = check_motion(def, part->mesh->node_count, name, error);
   if (status == CT_OK && def->materials != NULL)
     status = ct_materials_check(def->materials, part->mesh->element_count, &part->stiffest, error);
@@ -290,6 +290,59 @@ static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, cons
   return check_memory(scene, "a contact", error);
 }
 
+/* Surface `s` of a contact and surface `t` of another one: the place of a face of both in the
+ * first, -1 or -2 as ct_mesh_common_face. */
+static int32_t common_face(const ct_scene *scene, const scene_contact *a, int s,
+                           const scene_contact *b, int t)
+{
+  if (a->body[s] != b->body[t]) return -1;
+  int per = ct_face_node_count(ct_brick_face_kind(scene->parts[a->body[s]].mesh->kind));
+  return ct_mesh_common_face(per, a->faces[s], a->face_count[s], b->faces[t], b->face_count[t]);
+}
+
+/* Write the element behind a face of a contact, its body and the middle of the face. */
+static ct_status name_face(const ct_scene *scene, const scene_contact *c, int s, int32_t at,
+                           char text[160], ct_error *error)
+{
+  const ct_body *body = &scene->bodies[c->body[s]];
+  const ct_mesh *mesh = scene->parts[c->body[s]].mesh;
+  const int per = ct_face_node_count(ct_brick_face_kind(mesh->kind));
+  int32_t face[8], owner = -1;
+  double x[3] = {0.0, 0.0, 0.0};
+  for (int k = 0; k < per; k++) face[k] = c->faces[s][at * per + k] - body->first_node;
+  for (int k = 0; k < 4; k++)
+    for (int d = 0; d < 3; d++) x[d] += mesh->nodes[3 * (int64_t)face[k] + d] / 4.0;
+  ct_status status = ct_mesh_face_owners(mesh, 1, face, &owner, error);
+  snprintf(text, 160, "element %d of \"%s\" (face at %.4g, %.4g, %.4g)", (int)owner, body->name,
+           x[0], x[1], x[2]);
+  return status;
+}
+
+/* Refuse a contact that has faces of both surfaces in common with an earlier one: the force between
+ * them would act twice. */
+static ct_status check_shared(const ct_scene *scene, const scene_contact *c, ct_error *error)
+{
+  for (int32_t i = 0; i < scene->contact_count; i++)
+    for (int turned = 0; turned < 2; turned++) {
+      char first[160], second[160];
+      const scene_contact *other = &scene->contacts[i];
+      int32_t a = common_face(scene, c, 0, other, turned),
+              b = a == -1 ? -1 : common_face(scene, c, 1, other, 1 - turned);
+      if (a == -1 || b == -1) continue;
+      if (a == -2 || b == -2) return CT_NO_MEMORY(error, "a contact");
+      ct_status status = name_face(scene, c, 0, a, first, error);
+      if (status == CT_OK) status = name_face(scene, c, 1, b, second, error);
+      if (status != CT_OK) return status;
+      return ct_fail(
+          error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+          "contact[%d] has faces of both surfaces, too, and their force would act twice: "
+          "%s and %s; leave one of the contacts out, or name surfaces without common "
+          "faces",
+          (int)i, first, second);
+    }
+  return CT_OK;
+}
+
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
   if (scene == NULL || contact == NULL) return CT_REFUSE_NULL(error);
@@ -310,6 +363,7 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
   ct_status status = copy_surface(scene, &entry, 0, contact->faces_a, contact->side_a, error);
   if (status == CT_OK)
     status = copy_surface(scene, &entry, 1, contact->faces_b, contact->side_b, error);
+  if (status == CT_OK) status = check_shared(scene, &entry, error);
   if (status != CT_OK) return status;
   scene->contacts = grow(scene, scene->contacts, scene->contact_count, sizeof *scene->contacts);
   status = check_memory(scene, "a contact", error);

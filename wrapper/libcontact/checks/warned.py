@@ -71,7 +71,6 @@ def known(
         *_file(output),
         *away,
         *_same_place(problem),
-        *_twice(problem),
         *(warning for warning in follow if warning.key not in keys),
         *chatter(problem),
         *long_run(problem),
@@ -383,32 +382,6 @@ def _common_fraction(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
     some = np.linspace(0, len(small.mesh.elements) - 1, TRIED).astype(int)
     centres = small.mesh.nodes[small.mesh.elements[some]].mean(axis=1)
     return float((large.mesh.locate(centres)[0] >= 0).mean())
-
-
-# Contacts that have the same faces.
-
-
-def _twice(problem: Problem) -> Iterator[SceneWarning]:
-    for (i, a), (j, b) in combinations(enumerate(problem.parts.contact), 2):
-        for one, two in (b.surfaces, b.surfaces[::-1]):
-            if _have_common_face(problem, a.surfaces[0], one) and _have_common_face(
-                problem, a.surfaces[1], two
-            ):
-                text = f"{pair_name(b.surfaces)}: contact[{i}], {pair_name(a.surfaces)}, also has faces of both surfaces, so the contact force acts twice, at twice the cost and stiffness; "
-                text += (
-                    "leave one of the contacts out, or name surfaces that have no faces in common"
-                )
-                yield SceneWarning("twice", text, f"contact[{j}]")
-                break
-
-
-def _have_common_face(problem: Problem, a: tuple[str, str], b: tuple[str, str]) -> bool:
-    """Whether two surfaces have a face in common."""
-    if a[0] != b[0] or a[1] == b[1]:
-        return a == b
-    faces = (problem.bodies[a[0]].mesh.faces(name)[0] for _, name in (a, b))
-    one, two = ({tuple(face) for face in each.tolist()} for each in faces)
-    return not one.isdisjoint(two)
 
 
 # Bodies that can never meet.

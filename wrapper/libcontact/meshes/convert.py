@@ -15,7 +15,7 @@ from ..errors import Error, bare
 from ..mesh import Mesh, c_mesh
 from ..schema import nearest, suggestion
 from .bricks import COLLAPSED, Split, extruded
-from .raw import BRICK, KINDS, Block, Numbers, Raw
+from .raw import KINDS, Block, Numbers, Raw
 
 # Bricks with the shape of other cells, with collapsed sides.
 SHAPES = {"hex8": list(range(8)), "wedge6": list(COLLAPSED), "tet4": [0, 1, 2, 2, 3, 3, 3, 3]}
@@ -386,52 +386,11 @@ def _check(raw: Raw, chosen: Chosen, nodes: Floats, elements: Ints, parents: Num
         number = int(np.searchsorted(starts, cell, side="right")) - 1
         return chosen.blocks[number].who(cell - int(starts[number]))
 
-    _check_twice(raw, elements, parents, who)
     try:
         Mesh.copy(nodes, np.ascontiguousarray(elements, np.int32))
     except Error as error:
         at = error.element
-        name, line = who(at) if at is not None else ("", 0)
+        line = 0 if at is None else who(at)[1]
         text = re.sub(r" \(node \d+\)", "", bare(str(error)))  # of the mesh, not of the file
-        text = re.sub(rf"\belement {at}\b", name, text) if name else text
+        text = re.sub(r"\belement (\d+)", lambda found: who(int(found[1]))[0], text)
         raise raw.reading.wrong(text, line) from None
-
-
-def _check_twice(raw: Raw, elements: Ints, parents: Numbers, who: Any) -> None:
-    """Refuse elements that have the same nodes, and faces of more than two elements."""
-    order, same = _equal(_hash(elements[:, :8]), 2)
-    for i in same.tolist():
-        first, second = sorted(order[i : i + 2].tolist())
-        if set(elements[first, :8].tolist()) == set(elements[second, :8].tolist()):
-            text = f"{who(second)[0]} has the same nodes as {who(first)[0]}"
-            raise raw.reading.wrong(text, who(second)[1])
-    sides = [elements[:, list(face)] for face in BRICK]
-    order, same = _equal(np.concatenate([_hash(side) for side in sides]), 3)
-    for i in same.tolist():
-        at = sorted((int(j) % len(elements), int(j) // len(elements)) for j in order[i : i + 3])
-        corners = [frozenset(sides[side][element].tolist()) for element, side in at]
-        if len(set(corners)) == 1 and len(corners[0]) > 2:  # a collapsed side is no face
-            names = [who(element) for element, _ in at]
-            text = f"{names[2][0]} shares a face with both {names[0][0]} and {names[1][0]}"
-            raise raw.reading.wrong(text, names[2][1])
-
-
-def _hash(nodes: Ints) -> Any:
-    """A number for each row that is the same for equal nodes in any order, where a node that occurs twice counts
-    once."""
-    columns = np.sort(nodes, axis=1)
-    total = np.zeros(len(nodes), np.uint64)
-    for i in range(columns.shape[1]):
-        mixed = (columns[:, i].astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
-        mixed = (mixed ^ (mixed >> np.uint64(32))) * np.uint64(0xD6E8FEB86659FD93)
-        if i > 0:
-            mixed[columns[:, i] == columns[:, i - 1]] = 0
-        total += mixed
-    return total
-
-
-def _equal(key: Any, count: int) -> tuple[Any, Any]:
-    """An order of the keys, and where in it so many equal ones follow one another."""
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    return order, np.flatnonzero(key[count - 1 :] == key[: len(key) - count + 1])
