@@ -33,6 +33,26 @@ static void projection(void)
 
 enum { NODES = 9, ROWS = 6, DOFS = 3 * NODES };
 
+/* One point with friction, its numbers in the order of slip.h. */
+typedef struct point {
+  double normal[3], k, e[3], before[3], force[3], reserve, stuck, work, lag, lever[3], weight[8][3];
+  ct_slips of;
+  ct_slip slip;
+} point;
+
+static void open_point(point *p, const double normal[3], double mu)
+{
+  *p = (point){.slip.of = &p->of, .of = {.mu = mu, .stride = 1, .numbers = p->normal}};
+  memcpy(p->normal, normal, sizeof p->normal);
+}
+
+static double stored_of(const point *p)
+{
+  double stored;
+  ct_slip_stored(&p->of, 1, &stored);
+  return stored;
+}
+
 /* A linear scene: masses and springs, and rows with fixed entries. */
 typedef struct linear {
   int rows;
@@ -40,7 +60,7 @@ typedef struct linear {
   double own_shape[ROWS][4], other_shape[ROWS][4];
   int32_t own[ROWS][4], other[ROWS][4];
   ct_constraint row[ROWS];
-  ct_slip slip[ROWS];
+  point slip[ROWS];
   ct_solver *s;
   double u[DOFS], last[DOFS], v[DOFS];
 } linear;
@@ -93,7 +113,7 @@ static void new_linear(linear *t, double spread, double fraction, double mu)
   t->dt = fraction * 2.0 / sqrt(top);
   for (int j = 0; j < t->rows; j++) {
     ct_constraint *c = &t->row[j];
-    ct_slip *p = &t->slip[j];
+    point *p = &t->slip[j];
     int perm[NODES];
     for (int i = 0; i < NODES; i++) perm[i] = i;
     for (int i = 0; i < NODES; i++) {
@@ -113,11 +133,11 @@ static void new_linear(linear *t, double spread, double fraction, double mu)
                          .other_shape = t->other_shape[j],
                          .dissipation = 0.15,
                          .gap = pick(3) ? fabs(uniform(0.2)) : 0.0,
-                         .slip = p};
+                         .slip = &p->slip};
     double n[3] = {spread * uniform(1.0), spread * uniform(1.0), 1.0 + spread * uniform(1.0)};
     double length = sqrt(ct_vector_dot(n, n));
     for (int k = 0; k < 3; k++) c->normal[k] = n[k] / length;
-    *p = (ct_slip){.mu = mu};
+    open_point(p, c->normal, mu);
     for (int k = 0; k < 3; k++) p->lever[k] = 0.1 * c->normal[k];
     for (int b = 0; b < 4; b++)
       for (int k = 0; k < 3; k++) p->weight[b][k] = spread > 0.0 ? uniform(1.0) : 0.0;
@@ -175,7 +195,7 @@ static void tangential_motion(const linear *t, int j, const double *du, double o
 static void push(const linear *t, int j, double *f)
 {
   const ct_constraint *c = &t->row[j];
-  const ct_slip *p = &t->slip[j];
+  const point *p = &t->slip[j];
   for (int k = 0; k < 3; k++) {
     for (int a = 0; a < 4; a++)
       f[3 * t->own[j][a] + k] += t->own_shape[j][a] * (c->force * c->normal[k] + p->force[k]);
@@ -209,20 +229,21 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
     s->first[1] = 0;
     for (int j = 0; j < t->rows; j++) {
       ct_constraint *c = &t->row[j];
-      ct_slip *p = &t->slip[j];
+      point *p = &t->slip[j];
       lost[j] = step % 17 == 16 && pick(10) == 0;
-      if (randomly) p->mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
+      if (randomly) p->of.mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
       for (int k = 0; k < 3; k++) p->force[k] = -p->k * p->e[k];
       p->work = 0.0;
       if (c->other_count == 0)
         for (int k = 0; k < 3; k++)
-          p->came[k] = p->coming[k], p->coming[k] = moving[k] * cos(0.3 * step), p->moves = 1;
-      c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->came);
-      c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->coming);
+          p->of.came[k] = p->of.coming[k], p->of.coming[k] = moving[k] * cos(0.3 * step),
+          p->of.moves = 1;
+      c->came = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.came);
+      c->moved = c->other_count ? 0.0 : -ct_vector_dot(c->normal, p->of.coming);
       reserve -= c->impact.reserve;
-      if (lost[j]) ct_slip_open(p), normals -= c->impact.stored, ct_law_leave(c, t->dt);
+      if (lost[j]) ct_slip_open(&p->slip), normals -= c->impact.stored, ct_law_leave(c, t->dt);
       else s->rows[s->first[1]++] = c;
-      before += ct_slip_stored(p);
+      before += stored_of(p);
     }
     for (int d = 0; d < DOFS; d++) {
       f[d] = t->load[d];
@@ -244,7 +265,7 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
     }
     for (int j = 0; j < t->rows; j++) {
       ct_constraint *c = &t->row[j];
-      ct_slip *p = &t->slip[j];
+      point *p = &t->slip[j];
       double a[3], b[3];
       relative_motion(t, j, dl, a), relative_motion(t, j, du, b);
       const double last = c->gap - (ct_vector_dot(a, c->normal) + c->came), gap = c->gap,
@@ -254,12 +275,12 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
         obstacle += 0.5 * c->force * (c->moved + c->came);
         tangential_motion(t, j, dl, a), tangential_motion(t, j, du, b);
         for (int k = 0; k < 3 && !c->other_count; k++) {
-          obstacle -= 0.5 * p->force[k] * (p->came[k] + p->coming[k]);
-          a[k] -= p->came[k], b[k] -= p->coming[k];
+          obstacle -= 0.5 * p->force[k] * (p->of.came[k] + p->of.coming[k]);
+          a[k] -= p->of.came[k], b[k] -= p->of.coming[k];
         }
         rub += 0.5 * (ct_vector_dot(p->force, a) + ct_vector_dot(p->force, b));
       }
-      held += ct_slip_stored(p), reserve += c->impact.reserve;
+      held += stored_of(p), reserve += c->impact.reserve;
       sum->releases += c->impact.release > 0.0;
       c->gap = g;
     }
@@ -316,7 +337,7 @@ static void last_motion(const linear *t, int j, double out[3])
   double du[DOFS];
   for (int d = 0; d < DOFS; d++) du[d] = t->u[d] - t->last[d];
   tangential_motion(t, j, du, out);
-  for (int i = 0; i < 3 && t->row[j].other_count == 0; i++) out[i] -= t->slip[j].coming[i];
+  for (int i = 0; i < 3 && t->row[j].other_count == 0; i++) out[i] -= t->slip[j].of.coming[i];
   ct_vector_make_tangential(t->row[j].normal, out);
 }
 
@@ -324,7 +345,7 @@ static void last_motion(const linear *t, int j, double out[3])
  * (eq:slip-loss, eq:slip-work) */
 static double loss_of(const linear *t, int j, const trip *r, double *size)
 {
-  const ct_slip *p = &t->slip[j];
+  const point *p = &t->slip[j];
   double both[3], k4 = 0.25 * p->k, e2 = ct_vector_dot(p->e, p->e),
                   earlier2 = ct_vector_dot(r->earlier, r->earlier);
   for (int i = 0; i < 3; i++) both[i] = r->last[i] + (r->whole[i] - p->before[i]);
@@ -348,7 +369,7 @@ static void count_payments(const linear *t, const trip trips[ROWS], payments *su
   double factor = -1.0, loss = 0.0, size = 0.0;
   int stuck = 0, payers = 0;
   for (int j = 0; j < t->rows; j++) {
-    const ct_slip *p = &t->slip[j];
+    const point *p = &t->slip[j];
     const trip *r = &trips[j];
     double off = 0.0, e = 0.0, whole = sqrt(ct_vector_dot(r->whole, r->whole));
     if (ct_vector_dot(p->force, p->force) == 0.0) return;
@@ -360,7 +381,7 @@ static void count_payments(const linear *t, const trip trips[ROWS], payments *su
     if (off <= 1e-9 * e) continue;
     const double own = sqrt(ct_vector_dot(p->e, p->e)) / whole;
     if (payers++ > 0) sum->unlike = worst(sum->unlike, own - factor);
-    factor = own, stuck += p->stuck, sum->wrong += p->reserve > 1e-12 * size;
+    factor = own, stuck += p->stuck != 0.0, sum->wrong += p->reserve > 1e-12 * size;
     for (int i = 0; i < 3; i++)
       sum->unlike = worst(sum->unlike, (p->e[i] - own * r->whole[i]) / whole);
   }
@@ -408,7 +429,7 @@ static void springs_pay(void)
 /* The size of the entry of node `i` of the scene in row `j`. */
 static double entry(const linear *t, int j, int i)
 {
-  const ct_slip *p = &t->slip[j];
+  const point *p = &t->slip[j];
   for (int a = 0; a < 4; a++) {
     const double *w = p->weight[a],
                  couple = sqrt(ct_vector_dot(w, w) * ct_vector_dot(p->lever, p->lever));
@@ -433,8 +454,8 @@ static void solution(double spread)
     ct_tangent *of = t.s->tangent;
     for (int64_t r = 0; r < of->count && of->top > 0.0; r++) {
       const ct_tangent_row *row = &of->rows[r];
-      const ct_slip *p = row->slip;
       const int j = (int)(row->row - t.row);
+      const point *p = &t.slip[j];
       ct_slip_set set = {.limit = of->limit[r], .most = of->most[r]};
       ct_columns_get(&of->c, r, set.c);
       double D = 0.0, du[DOFS], motion[3], slip[3], T[3], size = 0.0;
@@ -450,7 +471,7 @@ static void solution(double spread)
       // The last step has led from t.last to t.u, and e is that of its end.
       for (int d = 0; d < DOFS; d++) du[d] = t.u[d] - t.last[d];
       tangential_motion(&t, j, du, motion);
-      for (int i = 0; i < 3 && row->row->other_count == 0; i++) motion[i] -= p->coming[i];
+      for (int i = 0; i < 3 && row->row->other_count == 0; i++) motion[i] -= p->of.coming[i];
       ct_vector_make_tangential(row->row->normal, motion);
       for (int i = 0; i < 3; i++) {
         slip[i] = motion[i] - (p->e[i] - p->before[i]);
@@ -459,7 +480,7 @@ static void solution(double spread)
       }
       ct_slip_project(&set, T);
       for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size_of_force);
-      slips += !p->stuck, sticks += p->stuck;
+      slips += p->stuck == 0.0, sticks += p->stuck != 0.0;
       slope = worst(slope, fmax(ct_vector_dot(p->force, slip), 0.0) /
                                (of->size_of_force * of->size_of_force * D));
     }
@@ -483,7 +504,7 @@ static void rotation(void)
     double own[8] = {0.0}, other[8] = {0.0}, size = 0.0;
     static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     const double xi[2] = {uniform(0.9), uniform(0.9)}, depth = 0.1;
-    ct_slip p = {.mu = 1.0};
+    point p;
     ct_face face = {.kind = CT_Q4};
     for (int a = 0; a < 4; a++) {
       for (int c = 0; c < 2; c++) x[4 * (4 + a) + c] = CORNER[a][c] + uniform(0.2);
@@ -494,6 +515,7 @@ static void rotation(void)
     ct_segment_gradient(CT_Q4, xi, dN);
     ct_segment_tangents(&face, xi, t[0], t[1]);
     ct_vector_unit_normal(t[0], t[1], n);
+    open_point(&p, n, 1.0);
     const double m11 = ct_vector_dot(t[0], t[0]), m22 = ct_vector_dot(t[1], t[1]),
                  m12 = ct_vector_dot(t[0], t[1]), det = m11 * m22 - m12 * m12;
     for (int a = 0; a < 4; a++)
@@ -516,11 +538,14 @@ static void rotation(void)
     ct_constraint row = {.own_count = 4, .other_count = 4, .own_shape = own, .other_shape = other};
     memcpy(row.normal, n, sizeof n);
     static const int32_t place[8] = {0, 4, 8, 12, 16, 20, 24, 28};
-    ct_tangent_row r = {.row = &row, .slip = &p, .place = place};
-    relative(4, 4, &r, u, out);
+    const ct_tangent_row r = {.row = &row, .slip = &p.slip};
+    double couple[CT_TANGENT_LANES];
+    fill_alone(&r, couple);
+    relative(4, 4, &row, couple, place, u, out);
     for (int c = 0; c < 3; c++) off = worst(off, out[c]);
     memset(p.weight, 0, sizeof p.weight);
-    relative(4, 4, &r, u, out);
+    fill_alone(&r, couple);
+    relative(4, 4, &row, couple, place, u, out);
     for (int c = 0; c < 3; c++) size = worst(size, out[c]);
     plain = fmax(plain, size);
   }
@@ -532,8 +557,8 @@ static void rotation(void)
 static void take_step(linear *t, double moves)
 {
   double f[DOFS] = {0.0}, fc[DOFS] = {0.0};
-  ct_slip *p = &t->slip[0];
-  p->came[0] = p->coming[0], p->coming[0] = moves, p->moves = 1;
+  point *p = &t->slip[0];
+  p->of.came[0] = p->of.coming[0], p->of.coming[0] = moves, p->of.moves = 1;
   for (int c = 0; c < 3; c++) p->force[c] = -p->k * p->e[c];
   for (int d = 0; d < DOFS; d++) {
     f[d] = t->load[d] - t->K[d][d] * t->u[d];
@@ -569,8 +594,9 @@ static void crawls(void)
                              .gap = -4.0 / k,
                              .force = 4.0,
                              .normal = {0.0, 0.0, 1.0},
-                             .slip = &t.slip[0]};
-  t.slip[0] = (ct_slip){.mu = mu, .k = k};
+                             .slip = &t.slip[0].slip};
+  open_point(&t.slip[0], t.row[0].normal, mu);
+  t.slip[0].k = k;
   for (int i = 0; i < NODES; i++) t.mass[i] = 1.0;
   for (int a = 0; a < 4; a++) {
     t.own[0][a] = a, t.own_shape[0][a] = 0.25;

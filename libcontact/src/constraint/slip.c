@@ -1,15 +1,14 @@
 /* The law of friction at a point. */
 #include "slip.h"
 
+#include "../base/lanes.h"
 #include "../base/vector.h"
 
 #include <math.h>
 
-void ct_slip_open(ct_slip *s)
+void ct_slip_open(const ct_slip *s)
 {
-  s->stuck = 0;
-  s->reserve = s->work = s->lag = 0.0;
-  for (int i = 0; i < 3; i++) s->e[i] = s->before[i] = s->force[i] = 0.0;
+  for (int i = CT_SLIP_E; i <= CT_SLIP_LAG; i++) *ct_slip_number(s, i) = 0.0;
 }
 
 /* Shorten a vector to a length. */
@@ -34,9 +33,19 @@ void ct_slip_project(const ct_slip_set *set, double T[3])
   for (int i = 0; i < 3; i++) T[i] += middle * c[i];
 }
 
-double ct_slip_stored(const ct_slip *s)
+CT_CLONES
+void ct_slip_stored(const ct_slips *of, int64_t count, double *restrict stored)
 {
-  // -- ½ (Π(e_n) + Π(e_{n+1})) + R (eq:slip-store)
-  return 0.25 * s->k * (ct_vector_dot(s->before, s->before) + ct_vector_dot(s->e, s->e)) +
-         s->reserve;
+  const int64_t to = of->stride;
+  const double *k = &of->numbers[to * CT_SLIP_K], *e = &of->numbers[to * CT_SLIP_E],
+               *before = &of->numbers[to * CT_SLIP_BEFORE],
+               *reserve = &of->numbers[to * CT_SLIP_RESERVE];
+#pragma omp simd
+  for (int64_t n = 0; n < count; n++) {
+    const double first = (before[n] * before[n] + before[to + n] * before[to + n]) +
+                         before[2 * to + n] * before[2 * to + n],
+                 last = (e[n] * e[n] + e[to + n] * e[to + n]) + e[2 * to + n] * e[2 * to + n];
+    // -- ½ (Π(e_n) + Π(e_{n+1})) + R (eq:slip-store)
+    stored[n] = 0.25 * k[n] * (first + last) + reserve[n];
+  }
 }

@@ -7,31 +7,59 @@
 /* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
  * a disc, and a reserve of energy that bounds what friction may give back (eq:slip-law). */
 
-/* A vector at a point has a fourth component, 0, so that it fills a register. */
+/* Numbers of a point: first those that the solver reads, of which it replaces those from the elastic
+ * slip on; then those that it only writes; and those of its row. A vector fills three. */
+enum {
+  CT_SLIP_NORMAL = 0,                  /* unit normal of the row */
+  CT_SLIP_K = CT_SLIP_NORMAL + 3,      /* stiffness of the tangential spring [force / length] */
+  CT_SLIP_E,                           /* elastic slip e_n; afterwards e_{n+1} */
+  CT_SLIP_BEFORE = CT_SLIP_E + 3,      /* e_{n-1}; afterwards e_n */
+  CT_SLIP_FORCE = CT_SLIP_BEFORE + 3,  /* where the iteration begins; afterwards T, the force on the
+                                          point's own face */
+  CT_SLIP_RESERVE = CT_SLIP_FORCE + 3, /* R of the last step; afterwards of this one */
+  CT_SLIP_STUCK,                       /* whether the point stuck in that step, 1 or 0 */
+  CT_SLIP_WORK,                        /* of T between the middles of two steps (eq:slip-work) */
+  CT_SLIP_LAG,    /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
+  CT_SLIP_LEVER,  /* d = ȳ - y, from the point to its partner */
+  CT_SLIP_WEIGHT = CT_SLIP_LEVER + 3, /* w_b, for each node b of the partner: the force T adds
+                                         -(w_b · T) d there (eq:slip-row) */
+  CT_SLIP_GIVEN = CT_SLIP_WORK        /* number of those that the solver reads */
+};
+
+/* Points with one coefficient of friction. Their numbers stand side by side: number i of point n is
+ * `numbers[stride i + n]`. */
+typedef struct ct_slips {
+  double mu;        /* coefficient of friction */
+  int moves;        /* whether the points meet an obstacle that moves */
+  double came[3];   /* its motion since the last step */
+  double coming[3]; /* and until the next one */
+  int64_t stride;
+  double *numbers;
+} ct_slips;
+
+/* One of them, to which its row refers. */
 typedef struct ct_slip {
-  /* Written by the effect that lists the row. */
-  double mu;           /* coefficient of friction */
-  double k;            /* stiffness of the tangential spring [force / length] */
-  double lever[4];     /* d = ȳ - y, from the point to its partner */
-  double weight[8][4]; /* w_b: the force T adds -(w_b · T) d on node b of the partner
-                          (eq:slip-row) */
-  double came[3];      /* motion of an obstacle since the last step, if it `moves` */
-  double coming[3];    /* and until the next one */
-  int moves;           /* whether the point meets an obstacle that moves */
-  int stuck;           /* whether the point stuck in the last step; the solver replaces it */
-  double e[3];         /* elastic slip e_n; the solver replaces it with e_{n+1} */
-  double before[3];    /* e_{n-1}; the solver replaces it with e_n */
-  double reserve;      /* R of the last step; the solver replaces it with that of this one */
-  double force[4];     /* where the iteration begins; the solver replaces it with T, the force on
-                          the point's own face */
-  int64_t place;       /* of its row's nodes in the solver's list; the solver writes it */
-  /* Written by the solver; all 0 if the point has no normal force. */
-  double work; /* of T between the middles of two steps (eq:slip-work) */
-  double lag;  /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
+  ct_slips *of;
+  int64_t at;    /* its number */
+  int64_t place; /* of its row's nodes in the solver's list; the solver writes it */
 } ct_slip;
 
+/* Number of the numbers of a point whose partners have at most `nodes` nodes. */
+static inline int ct_slip_count(int nodes) { return CT_SLIP_WEIGHT + 3 * nodes; }
+
+/* A number of a point, and a vector. */
+static inline double *ct_slip_number(const ct_slip *slip, int number)
+{
+  return &slip->of->numbers[slip->of->stride * number + slip->at];
+}
+
+static inline void ct_slip_vector(const ct_slip *slip, int first, double v[3])
+{
+  for (int c = 0; c < 3; c++) v[c] = *ct_slip_number(slip, first + c);
+}
+
 /* A point without a normal force: its spring is empty, as that of a new point. */
-void ct_slip_open(ct_slip *slip);
+void ct_slip_open(const ct_slip *slip);
 
 /* The allowed forces of a step: |T| <= limit and T · c <= most (eq:slip-set). */
 typedef struct ct_slip_set {
@@ -49,7 +77,8 @@ static inline double ct_slip_part(double limit, double size2)
 /* The force of a set that is closest to `T`. */
 void ct_slip_project(const ct_slip_set *set, double T[3]);
 
-/* Energy S of the spring and the reserve at the middle of a step (eq:slip-store). */
-double ct_slip_stored(const ct_slip *slip);
+/* Energies S of the springs and the reserves of the first points at the middle of a step
+ * (eq:slip-store). */
+void ct_slip_stored(const ct_slips *of, int64_t count, double *stored);
 
 #endif

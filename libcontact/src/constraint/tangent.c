@@ -40,12 +40,19 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   double **vectors[] = {&t->sums, &t->moved, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  ct_columns *columns[] = {&t->normal, &t->last, &t->q,    &t->T, &t->image, &t->slip, &t->T0,
-                           &t->slip0,  &t->aim,  &t->next, &t->c, &t->e,     &t->e0,   &t->end};
+  for (int i = 0; i < CT_SLIP_GIVEN; i++)
+    t->given[i] = ct_pool_take(pool, rows, sizeof(double));
+  ct_columns *points[] = {&t->normal, &t->e, &t->e0, &t->T};
+  static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE};
+  for (int i = 0; i < 4; i++) memcpy(points[i]->x, &t->given[FIRST[i]], sizeof points[i]->x);
+  t->k = t->given[CT_SLIP_K];
+  t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
+  ct_columns *columns[] = {&t->last,  &t->q,   &t->image, &t->slip, &t->T0,
+                           &t->slip0, &t->aim, &t->next,  &t->c,    &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
-  double **numbers[] = {&t->limit,   &t->most, &t->k,   &t->C,    &t->kappa,  &t->scale, &t->terms,
-                        &t->reserve, &t->work, &t->lag, &t->loss, &t->wanted, &t->stuck, &t->zeta};
+  double **numbers[] = {&t->limit, &t->most, &t->C,    &t->kappa,  &t->scale, &t->terms, &t->work,
+                        &t->lag,   &t->loss, &t->mu,   &t->wanted, &t->zeta};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
@@ -120,8 +127,7 @@ static void fix_limits(ct_solver *s)
   ct_tangent *t = s->tangent;
   double measures[2] = {0.0, 0.0}, size[2] = {0.0, 0.0}; // the largest limit, whether T has changed
   for (int64_t j = 0; j < t->count; j++) {
-    const ct_tangent_row *r = &t->rows[j];
-    t->limit[j] = r->slip->mu * r->row->force;
+    t->limit[j] = t->mu[j] * t->rows[j].row->force;
     measures[0] = t->limit[j] > measures[0] ? t->limit[j] : measures[0];
   }
   project(t, &t->T, &t->next);
@@ -361,10 +367,8 @@ static int has_new_limits(ct_solver *s)
 {
   const ct_tangent *t = s->tangent;
   double change = 0.0;
-  for (int64_t j = 0; j < t->count; j++) {
-    const ct_tangent_row *r = &t->rows[j];
-    change = fmax(change, fabs(r->slip->mu * r->row->force - t->limit[j]));
-  }
+  for (int64_t j = 0; j < t->count; j++)
+    change = fmax(change, fabs(t->mu[j] * t->rows[j].row->force - t->limit[j]));
   ct_pieces_largest(s->pieces, &change, 1);
   return change > LIMIT_CHANGE * t->top;
 }

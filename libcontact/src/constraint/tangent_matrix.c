@@ -9,57 +9,58 @@
 #include "matrix.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
 
-/* Where the numbers of four rows begin, each four doubles. */
-enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4 };
-
-/* `to[4 i + j]` = number i of vector j. */
-CT_INLINE void transpose(const double *const from[4], int count, double *to)
-{
-#if CT_ROWS
-  const ct_quad a = *(const ct_quad *)from[0], b = *(const ct_quad *)from[1],
-                c = *(const ct_quad *)from[2], d = *(const ct_quad *)from[3],
-                low = CT_PICK(a, b, 0, 4, 2, 6), high = CT_PICK(a, b, 1, 5, 3, 7),
-                next = CT_PICK(c, d, 0, 4, 2, 6), last = CT_PICK(c, d, 1, 5, 3, 7);
-  ct_quad *out = (ct_quad *)to;
-  out[0] = CT_PICK(low, next, 0, 1, 4, 5), out[1] = CT_PICK(high, last, 0, 1, 4, 5);
-  out[2] = CT_PICK(low, next, 2, 3, 6, 7);
-  if (count > 3) out[3] = CT_PICK(high, last, 2, 3, 6, 7);
-#else
-  for (int i = 0; i < count; i++)
-    for (int j = 0; j < 4; j++) to[4 * i + j] = from[j][i];
-#endif
-}
+/* Where the numbers of four rows begin, each four doubles; and those of a row alone, in which
+ * vectors have a fourth component, 0, so that they fill a register. */
+enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4, ALONE_WEIGHT = 4 };
 
 /* The numbers of four rows. */
 CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
 {
   const double *from[4];
   for (int j = 0; j < 4; j++) from[j] = r[j].row->own_shape;
-  transpose(from, 4, to);
+  ct_transpose_four(from, 4, to);
   if (r->row->other_count == 0) return;
   for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
-  transpose(from, 4, to + OTHER);
-  for (int j = 0; j < 4; j++) from[j] = r[j].slip->lever;
-  transpose(from, 3, to + LEVER);
-  for (int b = 0; b < 4; b++) {
-    for (int j = 0; j < 4; j++) from[j] = r[j].slip->weight[b];
-    transpose(from, 3, to + WEIGHT + 12 * b);
+  ct_transpose_four(from, 4, to + OTHER);
+  for (int i = 0; i < 15; i++)
+    memcpy(to + LEVER + 4 * i, ct_slip_number(r->slip, CT_SLIP_LEVER + i), 4 * sizeof *to);
+}
+
+/* Lever and weights of a row alone. */
+static void fill_alone(const ct_tangent_row *r, double *to)
+{
+  const int32_t nodes = r->row->other_count;
+  for (int32_t b = -1; b < nodes && nodes > 0; b++) {
+    double *v = to + ALONE_WEIGHT + 4 * b;
+    ct_slip_vector(r->slip, CT_SLIP_WEIGHT + 3 * b, v);
+    v[3] = 0.0;
   }
+}
+
+/* Whether four rows from one on have points that stand side by side. */
+CT_INLINE int stand_together(const ct_tangent_row *r)
+{
+  for (int j = 1; j < 4; j++)
+    if (r[j].slip->of != r->slip->of || r[j].slip->at != r->slip->at + j) return 0;
+  return 1;
 }
 
 CT_CLONES
 void ct_tangent_fill(ct_tangent *t)
 {
   for (int64_t j = 0, end; j < t->count; j = end) {
-    ct_tangent_row *r = &t->rows[j];
+    ct_tangent_row *r = &t->rows[j], *last = r + r->alike;
+    const int fits = r->row->own_count == 4 && (r->row->other_count & ~4) == 0;
     end = j + r->alike;
-    if (r->row->own_count != 4 || (r->row->other_count & ~4) != 0) continue;
-    for (; r + 4 <= &t->rows[end]; r += 4) {
-      r->together = 4;
-      fill_four(r, &t->lanes[LANES * (r - t->rows)]);
+    for (; r < last; r += r->together) {
+      double *to = &t->lanes[LANES * (r - t->rows)];
+      r->together = fits && r + 4 <= last && stand_together(r) ? 4 : 1;
+      if (r->together == 4) fill_four(r, to);
+      else fill_alone(r, to);
     }
   }
 }
@@ -121,24 +122,23 @@ CT_INLINE void sum_face(int32_t count, const double *N, const int32_t *place, co
   }
 }
 
-/* The same for one row with any faces. */
-CT_INLINE void relative(int32_t own, int32_t other, const ct_tangent_row *r, const double *x,
-                        double out[WIDE])
+/* The same for one row with any faces; `couple`: its lever and weights. */
+CT_INLINE void relative(int32_t own, int32_t other, const ct_constraint *c, const double *couple,
+                        const int32_t *place, const double *x, double out[WIDE])
 {
-  const ct_constraint *c = r->row;
-  const ct_slip *slip = r->slip;
-  const int32_t *place = r->place + own;
+  const double *weight = couple + ALONE_WEIGHT;
   double theirs[WIDE], turn[8];
-  sum_face(own, c->own_shape, r->place, x, out);
+  sum_face(own, c->own_shape, place, x, out);
+  place += own;
   if (other > 0) {
     sum_face(other, c->other_shape, place, x, theirs);
-    for (int32_t b = 0; b < other; b++) turn[b] = ct_vector_dot(slip->lever, &x[place[b]]);
+    for (int32_t b = 0; b < other; b++) turn[b] = ct_vector_dot(couple, &x[place[b]]);
     for (int i = 0; i < PARTS; i++) {
-      ct_quad t[8], couple;
-      for (int32_t b = 0; b < other; b++) t[b] = turn[b] * ((const ct_quad *)slip->weight[b])[i];
-      ct_sum_face(other, t, &couple);
+      ct_quad t[8], sum;
+      for (int32_t b = 0; b < other; b++) t[b] = turn[b] * ((const ct_quad *)&weight[4 * b])[i];
+      ct_sum_face(other, t, &sum);
       // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
-      ((ct_quad *)out)[i] -= ((const ct_quad *)theirs)[i] + couple;
+      ((ct_quad *)out)[i] -= ((const ct_quad *)theirs)[i] + sum;
     }
   }
   ct_vector_make_tangential(c->normal, out);
@@ -147,11 +147,12 @@ CT_INLINE void relative(int32_t own, int32_t other, const ct_tangent_row *r, con
 CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const ct_columns *to)
 {
   const ct_tangent_row *r = &t->rows[j];
+  const double *couple = &t->lanes[LANES * j];
   const int32_t own = r->row->own_count, other = r->row->other_count;
   double out[WIDE];
-  if (own == 4 && other == 4) relative(4, 4, r, x, out);
-  else if (own == 4 && other == 0) relative(4, 0, r, x, out);
-  else relative(own, other, r, x, out);
+  if (own == 4 && other == 4) relative(4, 4, r->row, couple, r->place, x, out);
+  else if (own == 4 && other == 0) relative(4, 0, r->row, couple, r->place, x, out);
+  else relative(own, other, r->row, couple, r->place, x, out);
   ct_columns_set(to, j, out);
 }
 
@@ -172,17 +173,17 @@ void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *o
 /* Add a row times a force to the sums at nodes, as multiples of the grid's spacing: these sums are
  * exact in any order (eq:order-free-sum). */
 CT_INLINE void add_row(double coarse, int32_t own, int32_t other, const ct_tangent_row *r,
-                       const double T[WIDE], double *sums)
+                       const double *couple, const double T[WIDE], double *sums)
 {
   const ct_constraint *c = r->row;
-  const ct_slip *slip = r->slip;
-  const ct_quad *force = (const ct_quad *)T, *lever = (const ct_quad *)slip->lever;
+  const double *weight = couple + ALONE_WEIGHT;
+  const ct_quad *force = (const ct_quad *)T, *lever = (const ct_quad *)couple;
   for (int32_t a = 0; a < own; a++)
     for (int i = 0; i < PARTS; i++)
       // -- N_a T on the own face (eq:slip-row)
       ((ct_quad *)&sums[r->place[a]])[i] += (c->own_shape[a] * force[i] + coarse) - coarse;
   for (int32_t b = 0; b < other; b++) {
-    const double turn = ct_vector_dot(slip->weight[b], T);
+    const double turn = ct_vector_dot(&weight[4 * b], T);
     for (int i = 0; i < PARTS; i++)
       // -- -(N̄_b T + (w_b · T) d) on the other
       ((ct_quad *)&sums[r->place[own + b]])[i] -=
@@ -194,11 +195,12 @@ CT_INLINE void push_row(double coarse, const ct_tangent *t, int64_t j)
 {
   const ct_tangent_row *r = &t->rows[j];
   const int32_t own = r->row->own_count, other = r->row->other_count;
+  const double *couple = &t->lanes[LANES * j];
   double T[WIDE] = {0.0};
   ct_columns_get(&t->T, j, T);
-  if (own == 4 && other == 4) add_row(coarse, 4, 4, r, T, t->sums);
-  else if (own == 4 && other == 0) add_row(coarse, 4, 0, r, T, t->sums);
-  else add_row(coarse, own, other, r, T, t->sums);
+  if (own == 4 && other == 4) add_row(coarse, 4, 4, r, couple, T, t->sums);
+  else if (own == 4 && other == 0) add_row(coarse, 4, 0, r, couple, T, t->sums);
+  else add_row(coarse, own, other, r, couple, T, t->sums);
 }
 
 #if CT_ROWS
@@ -297,14 +299,13 @@ int ct_tangent_apply(ct_solver *s)
 }
 
 /* Sizes of the entries of one row, for each node (eq:slip-bound). */
-static void size_row(const ct_tangent_row *r, double *size)
+static void size_row(const ct_tangent_row *r, const double *couple, double *size)
 {
   const ct_constraint *c = r->row;
-  const ct_slip *slip = r->slip;
-  const double d = ct_vector_dot(slip->lever, slip->lever);
+  const double d = ct_vector_dot(couple, couple);
   for (int32_t a = 0; a < c->own_count; a++) *size++ = fabs(c->own_shape[a]);
   for (int32_t b = 0; b < c->other_count; b++) {
-    const double *w = slip->weight[b];
+    const double *w = &couple[ALONE_WEIGHT + 4 * b];
     // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
     *size++ = fabs(c->other_shape[b]) + sqrt(ct_vector_dot(w, w) * d);
   }
@@ -337,7 +338,7 @@ static double size_rows(const ct_tangent *t)
     const ct_tangent_row *r = &t->rows[j];
     const int32_t count = r->together * (r->row->own_count + r->row->other_count);
     double *size = &t->size[CT_ROW_NODES * j];
-    if (r->together == 1) size_row(r, size);
+    if (r->together == 1) size_row(r, &t->lanes[LANES * j], size);
     else size_four(r->row->other_count, &t->lanes[LANES * j], size);
 #pragma omp simd reduction(max : top)
     for (int32_t i = 0; i < count; i++) top = size[i] > top ? size[i] : top;

@@ -1,6 +1,7 @@
 /* The list of the rows of the tangential forces. */
 #include "tangent_rows.h"
 
+#include "../base/lanes.h"
 #include "../base/vector.h"
 #include "law.h"
 #include "matrix.h"
@@ -43,33 +44,67 @@ static void list_nodes(ct_solver *s)
 
 /* Add a row to the list; `head` is the first of those before it with the same nodes, or null.
  * Returns that of the next row. */
-static ct_tangent_row *list_row(ct_solver *s, ct_constraint *c, ct_tangent_row *head)
+static ct_tangent_row *list_row(const ct_solver *s, ct_constraint *c, ct_tangent_row *head)
 {
   ct_tangent *t = s->tangent;
-  const int64_t j = t->count++;
-  ct_tangent_row *r = &t->rows[j];
-  double T[3] = {c->slip->force[0], c->slip->force[1], c->slip->force[2]};
+  ct_tangent_row *r = &t->rows[t->count++];
   *r = (ct_tangent_row){c, c->slip, &s->entry_place[c->slip->place], 1, 1};
-  ct_vector_make_tangential(c->normal, T);
-  ct_columns_set(&t->T, j, T);
-  t->some_move |= c->slip->moves;
-  ct_columns_set(&t->normal, j, c->normal);
-  ct_columns_set(&t->e, j, c->slip->e);
-  ct_columns_set(&t->e0, j, c->slip->before);
-  t->k[j] = c->slip->k, t->zeta[j] = c->dissipation;
-  t->reserve[j] = c->slip->reserve, t->stuck[j] = c->slip->stuck;
+  t->some_move |= c->slip->of->moves;
   if (head == NULL || head->place != r->place) return r;
   head->alike++;
   return head;
 }
 
+int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
+{
+  const ct_slip *first = t->rows[j].slip;
+  int64_t count = 1;
+  while (j + count < t->count && t->rows[j + count].slip->of == first->of &&
+         t->rows[j + count].slip->at == first->at + count)
+    count++;
+  return count;
+}
+
+/* Read the numbers of the points of all rows. */
+CT_CLONES
+static void read_points(const ct_tangent *t)
+{
+  for (int64_t j = 0, count; j < t->count; j += count) {
+    const ct_slip *first = t->rows[j].slip;
+    count = ct_tangent_run(t, j);
+    for (int i = 0; i < CT_SLIP_GIVEN; i++) {
+      const double *from = ct_slip_number(first, i);
+      double *restrict to = &t->given[i][j];
+#pragma omp simd
+      for (int64_t n = 0; n < count; n++) to[n] = from[n];
+    }
+  }
+  for (int64_t j = 0; j < t->count; j++) {
+    t->mu[j] = t->rows[j].slip->of->mu;
+    t->zeta[j] = t->rows[j].row->dissipation;
+  }
+}
+
+/* Remove the normal parts of the forces. */
+CT_CLONES
+static void make_tangential(const ct_tangent *t)
+{
+  const double *n0 = t->normal.x[0], *n1 = t->normal.x[1], *n2 = t->normal.x[2];
+  double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2];
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    const double along = (n0[j] * x[j] + n1[j] * y[j]) + n2[j] * z[j];
+    x[j] -= along * n0[j], y[j] -= along * n1[j], z[j] -= along * n2[j];
+  }
+}
+
 void ct_tangent_take_off(const ct_tangent *t, int next, const ct_columns *motion)
 {
   for (int64_t j = 0; j < t->count && t->some_move; j++) {
-    const ct_slip *slip = t->rows[j].slip;
-    const double *way = next ? slip->coming : slip->came;
+    const ct_slips *of = t->rows[j].slip->of;
+    const double *way = next ? of->coming : of->came;
     double D[3];
-    if (!slip->moves) continue;
+    if (!of->moves) continue;
     ct_columns_get(motion, j, D);
     for (int i = 0; i < 3; i++) D[i] -= way[i];
     ct_vector_make_tangential(t->rows[j].row->normal, D);
@@ -106,6 +141,8 @@ void ct_tangent_list(ct_solver *s)
   ct_pieces_largest(s->pieces, &some, 1);
   t->some = some > 0.0;
   if (!t->some) return;
+  read_points(t);
+  make_tangential(t);
   ct_tangent_fill(t);
   list_nodes(s);
   find_last(s);

@@ -31,20 +31,22 @@ typedef struct ct_tangent {
   double *lanes;              /* the numbers of four rows side by side, for each of them
                                  CT_TANGENT_LANES */
   double *size;               /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
-  ct_columns normal, last;    /* unit normal; motion D₋ of the last step */
-  ct_columns e, e0;           /* elastic slips e_n and e_{n-1} */
-  ct_columns end;             /* e_{n+1} */
-  ct_columns q;               /* D without friction + e_n + κ e_{n-1} */
-  ct_columns T, image;        /* the forces, and W times them */
+  double *given[CT_SLIP_GIVEN]; /* the numbers of the points; the next five refer to them */
+  ct_columns normal;            /* unit normal */
+  ct_columns e, e0;             /* elastic slips e_n and e_{n-1} */
+  ct_columns T;                 /* the forces */
+  double *k, *reserve, *stuck;  /* stiffness; R of the last step; 1 where the point stuck in it */
+  ct_columns image;             /* W times the forces */
+  ct_columns last;              /* motion D₋ of the last step */
+  ct_columns end;               /* e_{n+1} */
+  ct_columns q;                 /* D without friction + e_n + κ e_{n-1} */
   ct_columns slip;            /* the slip of the step (eq:slip-residual) */
   ct_columns T0, slip0;       /* forces and slips of the last round */
   ct_columns aim, next;       /* a force before and after its projection */
   ct_columns c;               /* slip of the last step, of the sets (eq:slip-set) */
   double *limit, *most;       /* of the sets */
-  double *k, *C, *kappa;      /* of the laws (eq:slip-residual) */
-  double *zeta;               /* damping ratios of their dashpots */
-  double *reserve;            /* R of the last step */
-  double *stuck;              /* 1 where the point stuck in it, else 0 */
+  double *C, *kappa;          /* of the laws (eq:slip-residual) */
+  double *mu, *zeta;          /* coefficients of friction; damping ratios of the laws' dashpots */
   double *work, *lag;         /* of the forces of this step, as of ct_slip */
   double *loss;               /* S₋ - S₊ - W without the next reserve */
   double *wanted;             /* this reserve; -1 where the point sticks */
@@ -79,6 +81,9 @@ static inline double ct_columns_dot(const ct_columns *a, const ct_columns *b, in
 {
   return (a->x[0][j] * b->x[0][j] + a->x[1][j] * b->x[1][j]) + a->x[2][j] * b->x[2][j];
 }
+
+/* Number of rows from row j on whose points stand side by side. */
+int64_t ct_tangent_run(const ct_tangent *tangent, int64_t j);
 
 /* Take the motion of the obstacles, since the last step or until the next one, off that of the
  * points. */

@@ -127,19 +127,55 @@ static double part_of_reserves(ct_solver *s)
   return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
 }
 
-/* Store the force of a row, its elastic slips, and its part of the reserve it wants. */
-static void store_row(const ct_tangent *t, int64_t j, double part)
+/* What the points store of the rows: for those without a force nothing, as for new points. */
+CT_CLONES
+static void find_stored(const ct_tangent *t, double part)
 {
-  ct_slip *p = t->rows[j].slip;
-  const double wanted = t->wanted[j];
-  for (int i = 0; i < 3; i++) {
-    p->force[i] = t->T.x[i][j];
-    p->before[i] = t->e.x[i][j];
-    p->e[i] = t->end.x[i][j];
+  const double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], *limit = t->limit,
+               *wanted = t->wanted;
+  double *reserve = t->reserve, *stuck = t->stuck, *acts = t->terms;
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    const double size = (fabs(x[j]) + fabs(y[j])) + fabs(z[j]), R = wanted[j];
+    acts[j] = limit[j] > 0.0 || size != 0.0 ? 1.0 : 0.0;
+    reserve[j] = R > 0.0 ? part * R : 0.0;
+    stuck[j] = R < 0.0 ? 1.0 : 0.0;
   }
-  p->work = t->work[j], p->lag = t->lag[j];
-  p->stuck = wanted < 0.0;
-  p->reserve = wanted > 0.0 ? part * wanted : 0.0;
+}
+
+/* Write one number of the points of some rows, 0 where they do not act. */
+CT_INLINE void write_number(int64_t count, const double *acts, const double *from,
+                            double *restrict to)
+{
+#pragma omp simd
+  for (int64_t n = 0; n < count; n++) {
+    const double own = from[n];
+    to[n] = acts[n] != 0.0 ? own : 0.0;
+  }
+}
+
+/* Write the forces of the rows from `j` on, the elastic slips and the reserves of their points. */
+CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count)
+{
+  enum { FIRST = CT_SLIP_E, COUNT = CT_SLIP_LAG + 1 - FIRST };
+  const ct_columns *vectors[] = {&t->end, &t->e, &t->T};
+  const double *from[COUNT];
+  for (int v = 0; v < 3; v++)
+    for (int c = 0; c < 3; c++) from[3 * v + c] = vectors[v]->x[c];
+  from[CT_SLIP_RESERVE - FIRST] = t->reserve, from[CT_SLIP_STUCK - FIRST] = t->stuck;
+  from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
+  for (int i = 0; i < COUNT; i++)
+    write_number(count, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j].slip, FIRST + i));
+}
+
+/* The same of all rows. */
+CT_CLONES
+static void write_all(const ct_tangent *t)
+{
+  for (int64_t j = 0, count; j < t->count; j += count) {
+    count = ct_tangent_run(t, j);
+    write_points(t, j, count);
+  }
 }
 
 void ct_tangent_store(ct_solver *s)
@@ -147,10 +183,6 @@ void ct_tangent_store(ct_solver *s)
   ct_tangent *t = s->tangent;
   if (!t->some) return;
   const double part = part_of_reserves(s);
-  for (int64_t j = 0; j < t->count; j++) {
-    const int acts =
-        t->limit[j] > 0.0 || t->T.x[0][j] != 0.0 || t->T.x[1][j] != 0.0 || t->T.x[2][j] != 0.0;
-    if (acts) store_row(t, j, part);
-    else ct_slip_open(t->rows[j].slip);
-  }
+  find_stored(t, part);
+  write_all(t);
 }

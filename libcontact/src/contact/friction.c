@@ -59,9 +59,8 @@ static void treat(ct_friction_memory *s, const ct_friction_call *now, int solved
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t first = 0; first < s->listed_count; first += CT_BATCH) {
-    if (!solved) ct_friction_prepare(now, s, first);
-    for (int64_t n = first; solved && n < first + CT_BATCH && n < s->listed_count; n++)
-      ct_friction_store(now, s, n);
+    if (solved) ct_friction_store(now, s, first);
+    else ct_friction_prepare(now, s, first);
   }
 }
 
@@ -80,6 +79,11 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
   ct_friction_memory *s = state;
   const int64_t count = s->data->explicit ? ct_contact_list_rows(at->on, at->dt, rows) : 0;
   const ct_friction_call now = begin(s, at);
+  const ct_contact *on = at->on;
+  for (int c = 0; c < 3 && s->slips.moves; c++) {
+    s->slips.came[c] = on->part * on->came[c];
+    s->slips.coming[c] = on->coming[c];
+  }
   list_points(s, &now);
   treat(s, &now, 0);
   return count;
@@ -89,11 +93,15 @@ static int64_t list_rows(void *state, const ct_surface_motion *at, ct_constraint
 static void count_energy(ct_friction_memory *s)
 {
   ct_friction_tail *tail = &s->tail;
-  const double before = tail->stored, after = ct_sum_over(s->pieces, s->stored, s->listed_count),
-               lost = (before - after) - ct_sum_over(s->pieces, s->work, s->listed_count);
+  const int64_t count = s->listed_count;
+  ct_slip_stored(&s->slips, count, s->terms);
+  const double before = tail->stored, after = ct_sum_over(s->pieces, s->terms, count),
+               work = ct_sum_over(s->pieces, ct_friction_numbers(s, CT_SLIP_WORK, 0), count),
+               lag = ct_sum_over(s->pieces, ct_friction_numbers(s, CT_SLIP_LAG, 0), count),
+               lost = (before - after) - work;
   const int begun = tail->begun != 0.0;
   // -- The mean of the stores of two half steps (eq:slip-held)
-  s->held = begun ? 0.5 * (before + after) + ct_sum_over(s->pieces, s->lag, s->listed_count) : 0.0;
+  s->held = begun ? 0.5 * (before + after) + lag : 0.0;
   s->dissipated = begun ? tail->lost + 0.5 * lost : 0.0;
   tail->begun = 1.0;
   tail->stored = after;
@@ -131,14 +139,19 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   if (s == NULL) return CT_NO_MEMORY(error, "friction");
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;
-  s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
-  s->listed = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->listed);
-  s->turn = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->turn);
-  s->axes = ct_pool_take(&s->pool, (size_t)data->points / CT_BATCH + 1, sizeof *s->axes);
-  double **energies[] = {&s->stored, &s->work, &s->lag};
-  for (int i = 0; i < 3; i++)
-    *energies[i] = ct_pool_take(&s->pool, (size_t)data->points, sizeof(double));
-  s->terms = ct_pool_take(&s->pool, (size_t)data->points + nodes, sizeof *s->terms);
+  const size_t points = (size_t)data->points, batches = points / CT_BATCH + 1;
+  s->points = ct_pool_take(&s->pool, points, sizeof *s->points);
+  s->listed = ct_pool_take(&s->pool, points, sizeof *s->listed);
+  s->axes = ct_pool_take(&s->pool, batches, sizeof *s->axes);
+  s->terms = ct_pool_take(&s->pool, CT_BATCH * batches + nodes, sizeof *s->terms);
+  // An odd number of batches apart, numbers of one point do not compete for places in a cache.
+  s->slips = (ct_slips){.mu = data->mu,
+                        .moves = data->rigid && ((const ct_contact_fixed *)interaction->on)->moves,
+                        .stride = CT_BATCH * (int64_t)(batches | 1)};
+  const size_t stride = (size_t)s->slips.stride, others = (size_t)data->other_nodes;
+  s->slips.numbers =
+      ct_pool_take(&s->pool, stride * (size_t)ct_slip_count(data->other_nodes), sizeof(double));
+  s->turn = ct_pool_take(&s->pool, stride * others + 1, sizeof(double));
   s->coarse = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
   s->fine = ct_pool_take(&s->pool, 3 * nodes + 1, sizeof(double));
   if (!s->pool.failed) {
@@ -173,7 +186,8 @@ static ct_status check(double coefficient, double tangent, ct_error *error)
 /* Friction as an interaction. Flops and bytes were counted on two plane surfaces and on a plane. */
 static ct_interaction describe(const ct_friction *data, const ct_interaction *on)
 {
-  double bytes = 2.0 * sizeof(ct_slip) + sizeof(ct_point) + 2.0 * sizeof(ct_slip_record),
+  double bytes = 2.0 * sizeof(double) * ct_slip_count(data->other_nodes) + sizeof(ct_point) +
+                 2.0 * sizeof(ct_slip_record),
          points = (double)data->points;
   return (ct_interaction){.calls = &CALLS,
                           .nodes = on->nodes,
@@ -204,10 +218,9 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
   for (int k = 0; k < data->sides; k++) {
     data->side[k] = &fixed->gaps.side[k];
     data->points += data->side[k]->point_count;
-    if (!data->rigid && data->side[k]->search->per > data->other_nodes)
-      data->other_nodes = data->side[k]->search->per;
     data->quads &= data->side[k]->search->kind == CT_Q4;
   }
+  data->other_nodes = data->rigid ? 0 : data->quads ? 4 : 8;
   data->is = describe(data, on);
   *out = &data->is;
   return CT_OK;

@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/lanes.h"
+#include "../base/stream.h"
 #include "../base/vector.h"
 #include "friction_internal.h"
 #include "heap.h"
@@ -16,21 +17,26 @@ typedef struct heaps {
   ct_heap own, theirs;
 } heaps;
 
-/* Add the traction and the couple of a listed point of side `k`. */
+/* Add the traction and the couple of the listed point number `n`, which is one of this place. */
 CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid *grid,
-                         ct_friction_place at, const ct_friction_memory *s, heaps *to)
+                         ct_friction_place at, int64_t n, const ct_friction_memory *s, heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
-  const ct_slip *p = &s->points[at.j];
-  const double back[3] = {-p->force[0], -p->force[1], -p->force[2]},
-               lever[3] = {-p->lever[0], -p->lever[1], -p->lever[2]};
-  if (ct_vector_dot(p->force, p->force) == 0.0) return;
+  double T[3], back[3], lever[3], turn[8];
+  for (int c = 0; c < 3; c++) {
+    T[c] = *ct_friction_numbers(s, CT_SLIP_FORCE + c, n);
+    back[c] = -T[c];
+  }
+  if (ct_vector_dot(T, T) == 0.0) return;
   // -- N_a T on the own face; -N̄_b T - (w_b · T) d on the other (eq:slip-row)
-  ct_heap_add(stride, grid, point->row.own, point->row.own_shape, p->force, &to->own);
+  ct_heap_add(stride, grid, point->row.own, point->row.own_shape, T, &to->own);
   if (now->data->rigid) return;
+  for (int c = 0; c < 3; c++) lever[c] = -*ct_friction_numbers(s, CT_SLIP_LEVER + c, n);
+  for (int b = 0; b < 8; b++)
+    turn[b] = b < now->data->other_nodes ? s->turn[s->slips.stride * b + n] : 0.0;
   const int32_t *node = ct_side_row_nodes(to->other, point->other);
   ct_heap_add(stride, grid, node, point->N, back, &to->theirs);
-  ct_heap_add(stride, grid, node, s->turn[at.j], lever, &to->theirs);
+  ct_heap_add(stride, grid, node, turn, lever, &to->theirs);
 }
 
 /* Whether four listed points from the given one on are those of one face and meet one face. */
@@ -45,20 +51,38 @@ static int are_four(const ct_friction_call *now, const int64_t *listed, int64_t 
   return now->data->side[first.s]->rule.count == 4;
 }
 
-/* Tractions and couples of four points, on a face of the other side with `count` nodes; summed
- * first, as in `ct_heap_add_four`. */
-CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
-                          const ct_point *point, const ct_slip *slip, double (*const turn)[8],
-                          const ct_heap *heap)
+/* Vectors of four points side by side, each with a fourth component, 0. */
+CT_INLINE void load_vectors(const double *first, int64_t stride, double (*v)[4])
 {
-  for (int b = 0; b < count; b++) {
+#if CT_ROWS
+  const ct_quad x = *(const ct_quad *)first, y = *(const ct_quad *)(first + stride),
+                z = *(const ct_quad *)(first + 2 * stride), none = {0.0},
+                low = CT_PICK(x, y, 0, 4, 2, 6), high = CT_PICK(x, y, 1, 5, 3, 7),
+                low2 = CT_PICK(z, none, 0, 4, 2, 6), high2 = CT_PICK(z, none, 1, 5, 3, 7);
+  *(ct_quad *)v[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  *(ct_quad *)v[1] = CT_PICK(high, high2, 0, 1, 4, 5);
+  *(ct_quad *)v[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+  *(ct_quad *)v[3] = CT_PICK(high, high2, 2, 3, 6, 7);
+#else
+  for (int q = 0; q < 4; q++)
+    for (int c = 0; c < 4; c++) v[q][c] = c < 3 ? first[stride * c + q] : 0.0;
+#endif
+}
+
+/* Tractions and couples of four points, on a face of the other side with `count` nodes; summed
+ * first, as in `ct_heap_add_four`. `turn` are those of the first point. */
+CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
+                          const ct_point *point, double (*const T)[4], double (*const lever)[4],
+                          const double *turn, int64_t stride, const ct_heap *heap)
+{
+  for (int b = 0; b < count; b++, turn += stride) {
     double *coarse = &heap->coarse_sum[3 * (int64_t)node[b]],
            *fine = &heap->fine_sum[3 * (int64_t)node[b]], v[4][4];
     for (int q = 0; q < 4; q++)
 #pragma omp simd
       for (int c = 0; c < 4; c++)
         // -- -N̄_b T - (w_b · T) d (eq:slip-row)
-        v[q][c] = -(point[q].N[b] * slip[q].force[c]) - turn[q][b] * slip[q].lever[c];
+        v[q][c] = -(point[q].N[b] * T[q][c]) - turn[q] * lever[q][c];
 #pragma omp simd
     for (int c = 0; c < 4; c++)
       ct_grid_add(grid, (v[0][c] + v[3][c]) + (v[1][c] + v[2][c]), &coarse[c], &fine[c]);
@@ -67,24 +91,23 @@ CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
 
 /* As `add_point`, of four such points together. */
 CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, ct_friction_place at,
-                        const ct_friction_memory *s, const heaps *to)
+                        int64_t n, const ct_friction_memory *s, const heaps *to)
 {
   const ct_point *point = &now->side[at.s]->points[at.i];
-  const ct_slip *slip = &s->points[at.j];
-  const double *N[4];
-  double force[4][4];
-  for (int q = 0; q < 4; q++) {
-    memcpy(force[q], slip[q].force, sizeof force[q]);
-    N[q] = point[q].row.own_shape;
-  }
+  const int64_t stride = s->slips.stride;
+  const double *N[4], *turn = &s->turn[n];
+  double T[4][4], lever[4][4];
+  load_vectors(ct_friction_numbers(s, CT_SLIP_FORCE, n), stride, T);
+  for (int q = 0; q < 4; q++) N[q] = point[q].row.own_shape;
   // -- N_a T on the own face (eq:slip-row)
   const int own = to->own.count;
-  ct_heap_add_four(own == 4 ? 4 : own, grid, point->row.own, N, 1.0, force, &to->own);
+  ct_heap_add_four(own == 4 ? 4 : own, grid, point->row.own, N, 1.0, T, &to->own);
   if (now->data->rigid) return;
   const int32_t *node = ct_side_row_nodes(to->other, point->other);
   const int count = to->theirs.count;
-  if (count == 4) add_theirs(4, grid, node, point, slip, &s->turn[at.j], &to->theirs);
-  else add_theirs(count, grid, node, point, slip, &s->turn[at.j], &to->theirs);
+  load_vectors(ct_friction_numbers(s, CT_SLIP_LEVER, n), stride, lever);
+  if (count == 4) add_theirs(4, grid, node, point, T, lever, turn, stride, &to->theirs);
+  else add_theirs(count, grid, node, point, T, lever, turn, stride, &to->theirs);
 }
 
 /* Add the tractions and couples of the listed points of side `k` to the sums at the nodes. */
@@ -99,8 +122,8 @@ CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct
   for (int64_t n = 0; n < s->listed_count;) {
     const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
     const int four = at.s == k && are_four(now, &s->listed[n], s->listed_count - n);
-    if (four) add_four(now, grid, at, s, &to);
-    else if (at.s == k) add_point(stride, now, grid, at, s, &to);
+    if (four) add_four(now, grid, at, n, s, &to);
+    else if (at.s == k) add_point(stride, now, grid, at, n, s, &to);
     n += four ? 4 : 1;
   }
   ct_heap_bring(stride, &to.own, NULL);
@@ -123,12 +146,8 @@ ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_memory *s,
 {
   const ct_friction *data = now->data;
   const size_t size = 3 * (size_t)nodes * sizeof *force;
-  double top = 0.0;
+  double top = ct_largest(s->terms, s->listed_count);
   ct_grid grid;
-  for (int64_t n = 0; n < s->listed_count; n++) {
-    const double own = s->terms[s->listed[n]];
-    top = own > top || isnan(own) ? own : top;
-  }
   ct_pieces_largest(s->pieces, &top, 1);
   memset(s->coarse, 0, size);
   memset(s->fine, 0, size);

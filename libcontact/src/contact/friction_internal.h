@@ -12,8 +12,8 @@ typedef struct ct_friction {
   ct_interaction is;
   double mu, rho;
   int rigid, sides, explicit;
-  int other_nodes; /* largest number of nodes of a partner's face */
-  int quads;       /* whether all of these have four */
+  int quads;       /* whether the partners' faces have four nodes */
+  int other_nodes; /* 4 or, if one may have others, 8; 0 at an obstacle */
   const ct_side_fixed *side[2];
   int64_t points;
 } ct_friction;
@@ -53,16 +53,16 @@ typedef struct ct_face_axes {
 typedef struct ct_friction_memory {
   ct_pool pool;
   const ct_friction *data;
-  ct_slip *points;
+  ct_slip *points;         /* of all points; those of the listed ones are in use */
+  ct_slips slips;          /* of the listed points, in this order */
   int64_t listed_count;
   int64_t *listed;         /* the points whose rows are listed in this step */
   ct_face_axes *axes;      /* of the listed points, from the list of rows to the forces */
-  double (*turn)[8];       /* w_b · T of each point, for the nodes of the other face */
+  double *turn;            /* w_b · T of the listed points, for the nodes of the other face, as in
+                              `slips` */
   const ct_pieces *pieces; /* those of the sides */
   double *coarse, *fine;   /* sums at the nodes, and one number more, 0 */
   double *terms;           /* one number per point or node */
-  double *stored, *work,
-      *lag; /* of the listed points (eq:slip-store, eq:slip-work, eq:slip-held) */
   ct_friction_tail tail;
   double held, dissipated; /* at t_n */
 } ct_friction_memory;
@@ -94,8 +94,14 @@ static inline const ct_search *ct_friction_other(const ct_friction_call *now, in
 /* Give eight listed points, from one on, their friction in the next step. */
 void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *state, int64_t first);
 
-/* Store what the next step needs of the listed point number `n`, and its energies. */
-void ct_friction_store(const ct_friction_call *now, ct_friction_memory *state, int64_t n);
+/* Store what the next step needs of eight listed points, from one on. */
+void ct_friction_store(const ct_friction_call *now, ct_friction_memory *state, int64_t first);
+
+/* The numbers of the listed points from one on: number `i` of the first. */
+static inline double *ct_friction_numbers(const ct_friction_memory *state, int i, int64_t first)
+{
+  return &state->slips.numbers[state->slips.stride * i + first];
+}
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
  * (eq:slip-row). */

@@ -5,6 +5,7 @@
 #include "../base/vector.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /* Faces of eight points side by side, lane by lane: their nodes, the derivatives of their shape
@@ -14,7 +15,6 @@ typedef struct frames {
   double xi[2][CT_BATCH];
   double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH];
   ct_face_axes axes;
-  double w[8][3][CT_BATCH]; /* weights of the couple */
 } frames;
 
 /* The nodes of a face, in some lanes. */
@@ -30,7 +30,7 @@ CT_INLINE void load_nodes(const ct_search *search, int per, int32_t face, int la
 }
 
 /* Nodes and derivatives of one lane. */
-static void load_face(const ct_search *search, int32_t face, const double xi[2], int lane,
+CT_INLINE void load_face(const ct_search *search, int32_t face, const double xi[2], int lane,
                       frames *f)
 {
   double dN[8][2];
@@ -93,47 +93,47 @@ CT_INLINE void find_dual(frames *f)
   memcpy(dual[2], n, sizeof dual[2]);
 }
 
-/* The weights of the couple (eq:slip-row). */
-CT_INLINE void weigh(int count, frames *f)
+/* The weights of the couple (eq:slip-row), `stride` numbers apart. */
+CT_INLINE void weigh(int count, const frames *f, int64_t stride, double *w)
 {
   for (int b = 0; b < count; b++)
     for (int c = 0; c < 3; c++)
 #pragma omp simd
       for (int l = 0; l < CT_BATCH; l++)
         // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-        f->w[b][c][l] = f->dN[b][0][l] * f->axes.a[0][c][l] + f->dN[b][1][l] * f->axes.a[1][c][l];
+        w[stride * (3 * b + c) + l] = f->dN[b][0][l] * f->axes.a[0][c][l] + f->dN[b][1][l] * f->axes.a[1][c][l];
 }
 
-/* Elastic slips of eight points, side by side: as they were stored, and afterwards along the axes
- * of space. */
-typedef struct slips {
-  double part[3][CT_BATCH], length[CT_BATCH];
-} slips;
+/* Where the numbers of a point's record stand (ct_slip_record). */
+enum {
+  OTHER = offsetof(ct_slip_record, other) / sizeof(double),
+  PLACE = offsetof(ct_slip_record, place) / sizeof(double),
+  E = offsetof(ct_slip_record, e) / sizeof(double),
+  BEFORE = offsetof(ct_slip_record, before) / sizeof(double),
+  RESERVE = offsetof(ct_slip_record, reserve) / sizeof(double),
+  STUCK = offsetof(ct_slip_record, stuck) / sizeof(double),
+  FORCE = offsetof(ct_slip_record, force) / sizeof(double),
+  QUADS = CT_FRICTION_RECORD / 4
+};
 
-static void load_slip(const ct_slip_memory *from, int lane, slips *to)
-{
-  for (int c = 0; c < 3; c++) to->part[c][lane] = from->part[c];
-  to->length[lane] = from->length;
-}
-
-/* The stored slips along the present frames of their faces, turned into the present plane of
- * contact with their lengths (eq:friction-turn). */
-CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH], slips *of)
+/* The stored slips of eight points along the present frames of their faces, turned into the present
+ * plane of contact with their lengths (eq:friction-turn). Their components are `stride` apart. */
+CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH],
+                      double (*const of)[CT_BATCH], int64_t stride, double *slip)
 {
   double e[3][CT_BATCH];
   for (int c = 0; c < 3; c++)
 #pragma omp simd
     for (int l = 0; l < CT_BATCH; l++)
-      e[c][l] =
-          (of->part[0][l] * t[0][c][l] + of->part[1][l] * t[1][c][l]) + of->part[2][l] * t[2][c][l];
+      e[c][l] = (of[0][l] * t[0][c][l] + of[1][l] * t[1][c][l]) + of[2][l] * t[2][c][l];
 #pragma omp simd
   for (int l = 0; l < CT_BATCH; l++) {
     const double along = dot(n, e, l);
     for (int c = 0; c < 3; c++) e[c][l] -= along * n[c][l];
     const double length = sqrt(dot(e, e, l)), some = length > 0.0 ? length : 1.0,
-                 part = of->length[l] / some;
+                 part = of[3][l] / some;
     // -- The length stays (eq:friction-turn)
-    for (int c = 0; c < 3; c++) of->part[c][l] = e[c][l] * part;
+    for (int c = 0; c < 3; c++) slip[stride * c + l] = e[c][l] * part;
   }
 }
 
@@ -141,35 +141,45 @@ CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH
 typedef struct batch {
   ct_friction_place at[CT_BATCH];
   ct_point *point[CT_BATCH];
-  ct_slip_record last[CT_BATCH]; /* with `other` 0 where nothing is recalled */
-  double n[3][CT_BATCH];         /* normals of the rows */
-  frames now, then;              /* of the partners now; and where slips were stored */
-  slips e, before;
+  double last[CT_FRICTION_RECORD][CT_BATCH]; /* records, with OTHER 0 where nothing is recalled */
+  double n[3][CT_BATCH];                     /* normals of the rows */
+  frames now, then; /* of the partners now; and where slips were stored */
 } batch;
 
-static void load_batch(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
-                       batch *b)
+/* Forget what is not of a partner, lane by lane. */
+CT_INLINE void forget(const ct_friction_call *now, batch *b)
 {
   for (int l = 0; l < CT_BATCH; l++) {
-    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
-    const ct_friction_place at = b->at[l] = ct_friction_place_of(now, s->listed[n]);
-    ct_slip_record *last = &b->last[l];
-    b->point[l] = &now->side[at.s]->points[at.i];
-    memcpy(last, &now->at->memory[CT_FRICTION_RECORD * at.j], sizeof *last);
-    const double most = now->data->rigid ? 1.0 : (double)ct_friction_other(now, at.s)->face_count;
+    const double *other = &b->last[OTHER][l],
+                 most = now->data->rigid
+                            ? 1.0
+                            : (double)ct_friction_other(now, b->at[l].s)->face_count;
     // -- At t = 0 forces are solved for twice: the second time from those of the first
-    if (!(last->other >= 1.0 && last->other <= most) || now->at->before == 0.0) {
-      last->other = 0.0;
-      last->e = last->before = (ct_slip_memory){.length = 0.0};
-      last->reserve = last->stuck = 0.0;
-    }
-    for (int c = 0; c < 3; c++) b->n[c][l] = b->point[l]->row.normal[c];
-    load_slip(&last->e, l, &b->e), load_slip(&last->before, l, &b->before);
+    if (*other >= 1.0 && *other <= most && now->at->before != 0.0) continue;
+    for (int i = OTHER; i < FORCE; i++) b->last[i][l] = 0.0;
   }
 }
 
+CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
+                       batch *b)
+{
+  const double *record[CT_BATCH];
+  for (int l = 0; l < CT_BATCH; l++) {
+    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
+    const ct_friction_place at = b->at[l] = ct_friction_place_of(now, s->listed[n]);
+    b->point[l] = &now->side[at.s]->points[at.i];
+    record[l] = &now->at->memory[CT_FRICTION_RECORD * at.j];
+    for (int c = 0; c < 3; c++) b->n[c][l] = b->point[l]->row.normal[c];
+  }
+  for (int l = 0; l < CT_BATCH; l += 4)
+    for (int i = 0; i < QUADS; i++, record[l] += 4, record[l + 1] += 4, record[l + 2] += 4,
+             record[l + 3] += 4)
+      ct_transpose_four(&record[l], CT_BATCH, &b->last[4 * i][l]);
+  forget(now, b);
+}
+
 /* Whether four lanes from `l` on are points of one side that meet one face. */
-static int meet_one_face(const batch *b, int l)
+CT_INLINE int meet_one_face(const batch *b, int l)
 {
   for (int i = l + 1; i < l + 4; i++)
     if (b->at[i].s != b->at[l].s || b->point[i]->other != b->point[l]->other) return 0;
@@ -177,7 +187,7 @@ static int meet_one_face(const batch *b, int l)
 }
 
 /* The faces of the partners of four lanes with one face, which has four nodes. */
-static void load_four(const ct_search *search, const batch *b, int l, frames *f)
+CT_INLINE void load_four(const ct_search *search, const batch *b, int l, frames *f)
 {
   load_nodes(search, 4, b->point[l]->other, l, 4, f);
   for (int k = l; k < l + 4; k++)
@@ -186,7 +196,7 @@ static void load_four(const ct_search *search, const batch *b, int l, frames *f)
 
 /* The faces of the partners; and faces that are no longer partners, where their point was. Returns
  * whether there are such. */
-static int load_frames(const ct_friction_call *now, batch *b)
+CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
 {
   int changed = 0;
   b->now.quads = now->data->quads;
@@ -202,19 +212,20 @@ static int load_frames(const ct_friction_call *now, batch *b)
     }
   }
   for (int l = 0; l < CT_BATCH; l++)
-    changed |= b->last[l].other != 0.0 && b->last[l].other != b->point[l]->other + 1.0;
+    changed |= b->last[OTHER][l] != 0.0 && b->last[OTHER][l] != b->point[l]->other + 1.0;
   if (!changed) return 0;
   b->then = b->now;
   for (int l = 0; l < CT_BATCH; l++) {
-    const int32_t face = (int32_t)b->last[l].other - 1;
+    const int32_t face = (int32_t)b->last[OTHER][l] - 1;
+    const double place[2] = {b->last[PLACE][l], b->last[PLACE + 1][l]};
     if (face >= 0 && face != b->point[l]->other)
-      load_face(ct_friction_other(now, b->at[l].s), face, b->last[l].place, l, &b->then);
+      load_face(ct_friction_other(now, b->at[l].s), face, place, l, &b->then);
   }
   return 1;
 }
 
 /* The axes of space in all lanes. */
-static void take_axes_of_space(frames *f)
+CT_INLINE void take_axes_of_space(frames *f)
 {
   memset(f->t, 0, sizeof f->t);
   for (int c = 0; c < 3; c++)
@@ -233,99 +244,145 @@ CT_INLINE void find_frames(int count, frames *f)
   find_dual(f);
 }
 
-/* Frames, weights of the couples and elastic slips of all lanes. */
-CT_CLONES
-static void find_slips(int rigid, int changed, batch *b)
+/* Frames, weights of the couples, elastic slips, and the forces that would hold them, of all
+ * lanes. */
+CT_INLINE void find_slips(int rigid, int changed, const ct_friction_memory *s, int64_t first,
+                       batch *b)
 {
+  const int64_t stride = s->slips.stride;
+  double *w = ct_friction_numbers(s, CT_SLIP_WEIGHT, first),
+         *e = ct_friction_numbers(s, CT_SLIP_E, first),
+         *k = ct_friction_numbers(s, CT_SLIP_K, first);
   if (rigid) {
     take_axes_of_space(&b->now);
   } else if (b->now.quads) {
     find_frames(4, &b->now);
-    weigh(4, &b->now);
+    weigh(4, &b->now, stride, w);
   } else {
     find_frames(8, &b->now);
-    weigh(8, &b->now);
+    weigh(8, &b->now, stride, w);
   }
   if (changed && b->now.quads) find_frames(4, &b->then);
   else if (changed) find_frames(8, &b->then);
-  recall(changed ? b->then.t : b->now.t, b->n, &b->e);
-  recall(changed ? b->then.t : b->now.t, b->n, &b->before);
+  recall(changed ? b->then.t : b->now.t, b->n, &b->last[E], stride, e);
+  recall(changed ? b->then.t : b->now.t, b->n, &b->last[BEFORE], stride,
+         e + stride * (CT_SLIP_BEFORE - CT_SLIP_E));
+  for (int c = 0; c < 3; c++, e += stride)
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++)
+      // -- -k e (eq:slip-law)
+      e[stride * (CT_SLIP_FORCE - CT_SLIP_E) + l] = -k[l] * e[l];
 }
 
-/* The weights of the couple of one lane, with `per` nodes. */
-CT_INLINE void store_weights(const frames *f, int l, int per, const double d[3], ct_slip *p)
-{
-  for (int c = 0; c < 3; c++) p->lever[c] = d[c];
-  for (int b = 0; b < per; b++)
-    for (int c = 0; c < 3; c++) p->weight[b][c] = f->w[b][c][l];
-}
-
-/* Give one listed point its friction in the next step. */
-static void store_point(const ct_friction_call *now, ct_friction_memory *s, const batch *b, int l)
+/* Give eight listed points what does not hang on their faces. */
+CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, int64_t first,
+                        const batch *b)
 {
   const ct_friction *data = now->data;
-  const ct_contact *contact = now->at->on;
-  ct_point *point = b->point[l];
-  const ct_slip_record *last = &b->last[l];
-  const int64_t j = b->at[l].j;
-  ct_slip *p = &s->points[j];
-  point->row.slip = p;
-  p->work = p->lag = 0.0;
-  p->mu = data->mu;
-  p->moves = data->rigid && contact->fixed->moves;
-  p->k = data->rho * point->row.stiffness;
-  p->reserve = last->reserve, p->stuck = last->stuck != 0.0;
-  for (int c = 0; c < 3; c++) {
-    p->e[c] = b->e.part[c][l], p->before[c] = b->before.part[c][l];
-    p->force[c] = now->at->before > 0.0 ? -p->k * p->e[c] : last->force[c];
-    if (!p->moves) continue;
-    p->came[c] = contact->part * contact->came[c];
-    p->coming[c] = contact->coming[c];
+  double *normal = ct_friction_numbers(s, CT_SLIP_NORMAL, first);
+  const int64_t to = s->slips.stride;
+  memcpy(normal, b->n[0], sizeof b->n[0]);
+  memcpy(normal + to, b->n[1], sizeof b->n[1]);
+  memcpy(normal + 2 * to, b->n[2], sizeof b->n[2]);
+  memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
+  memcpy(normal + to * CT_SLIP_STUCK, b->last[STUCK], sizeof b->last[STUCK]);
+  for (int l = 0; l < CT_BATCH; l++) {
+    ct_point *point = b->point[l];
+    normal[to * CT_SLIP_K + l] = data->rho * point->row.stiffness;
+    for (int c = 0; c < 3 && !data->rigid; c++)
+      normal[to * (CT_SLIP_LEVER + c) + l] = point->d[c];
+    if (first + l >= s->listed_count) continue;
+    ct_slip *slip = point->row.slip = &s->points[b->at[l].j];
+    *slip = (ct_slip){.of = &s->slips, .at = first + l};
+    // -- The force of the explicit penalty is known: k ⟨-g⟩
+    if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
   }
-  if (data->quads) store_weights(&b->now, l, 4, point->d, p);
-  else if (!data->rigid)
-    store_weights(&b->now, l, ct_friction_other(now, b->at[l].s)->per, point->d, p);
-  // -- The force of the explicit penalty is known: k ⟨-g⟩
-  if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
 }
 
+CT_CLONES
 void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
 {
   const int rigid = now->data->rigid;
   batch b;
   load_batch(now, s, first, &b);
-  find_slips(rigid, !rigid && load_frames(now, &b), &b);
+  give_points(now, s, first, &b);
+  find_slips(rigid, !rigid && load_frames(now, &b), s, first, &b);
   if (!rigid) s->axes[first / CT_BATCH] = b.now.axes;
-  for (int l = 0; l < CT_BATCH && first + l < s->listed_count; l++) store_point(now, s, &b, l);
+  for (int c = 0; c < 3 && !(now->at->before > 0.0); c++)
+    memcpy(ct_friction_numbers(s, CT_SLIP_FORCE + c, first), b.last[FORCE + c],
+           sizeof b.last[FORCE + c]);
 }
 
-/* Components of a slip along the axes of a face in lane `l`, or null: those of space. */
-static inline void keep(const double e[3], const ct_face_axes *axes, int l, ct_slip_memory *to)
+/* Components of eight slips along the axes of their faces, or null: those of space; and their
+ * lengths. */
+CT_INLINE void keep(const double *e, int64_t stride, const ct_face_axes *axes,
+                    double (*restrict to)[CT_BATCH])
 {
-  if (axes == NULL) {
-    memcpy(to->part, e, sizeof to->part);
+  const double *x = e, *y = e + stride, *z = e + 2 * stride;
+  for (int i = 0; i < 3 && axes == NULL; i++) memcpy(to[i], e + stride * i, sizeof to[i]);
+  for (int i = 0; i < 3 && axes != NULL; i++)
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++)
+      to[i][l] = (x[l] * axes->a[i][0][l] + y[l] * axes->a[i][1][l]) + z[l] * axes->a[i][2][l];
+#pragma omp simd
+  for (int l = 0; l < CT_BATCH; l++) to[3][l] = sqrt((x[l] * x[l] + y[l] * y[l]) + z[l] * z[l]);
+}
+
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
+/* The largest components of eight vectors. */
+CT_INLINE void find_largest(const double *v, int64_t stride, double *restrict largest)
+{
+  const double *x = v, *y = v + stride, *z = v + 2 * stride;
+#pragma omp simd
+  for (int l = 0; l < CT_BATCH; l++)
+    largest[l] = larger(larger(fabs(x[l]), fabs(y[l])), fabs(z[l]));
+}
+
+/* The weights of the couples of eight points, for the nodes of the other face, and a bound of the
+ * components of their forces at nodes. `of` has the numbers of the first point. */
+CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *restrict turn,
+                          double *restrict most)
+{
+  const double *T = of + stride * CT_SLIP_FORCE, *w = of + stride * CT_SLIP_WEIGHT;
+  double top[CT_BATCH] = {0.0}, arm[CT_BATCH];
+  find_largest(T, stride, most);
+  if (nodes == 0) return;
+  find_largest(of + stride * CT_SLIP_LEVER, stride, arm);
+  for (int b = 0; b < nodes; b++, turn += stride, w += 3 * stride)
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++) {
+      turn[l] = (w[l] * T[l] + w[stride + l] * T[stride + l]) + w[2 * stride + l] * T[2 * stride + l];
+      top[l] = larger(fabs(turn[l]), top[l]);
+    }
+#pragma omp simd
+  for (int l = 0; l < CT_BATCH; l++) most[l] = larger(top[l] * arm[l], most[l]);
+}
+
+/* The records of eight points but for their partners. */
+CT_INLINE void find_records(const ct_friction_memory *s, int64_t first,
+                         double (*record)[CT_BATCH])
+{
+  const int64_t stride = s->slips.stride;
+  const int nodes = s->data->other_nodes;
+  const double *of = ct_friction_numbers(s, 0, first);
+  const ct_face_axes *axes = &s->axes[first / CT_BATCH];
+  double *turn = &s->turn[first], *most = &s->terms[first];
+  if (s->data->rigid) {
+    keep(of + stride * CT_SLIP_E, stride, NULL, &record[E]);
+    keep(of + stride * CT_SLIP_BEFORE, stride, NULL, &record[BEFORE]);
   } else {
-    for (int i = 0; i < 3; i++)
-      to->part[i] = (e[0] * axes->a[i][0][l] + e[1] * axes->a[i][1][l]) + e[2] * axes->a[i][2][l];
+    keep(of + stride * CT_SLIP_E, stride, axes, &record[E]);
+    keep(of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
   }
-  to->length = sqrt(ct_vector_dot(e, e));
-}
-
-/* The weights of a point's couple, for the nodes of the other face; returns its largest force at a
- * node. */
-CT_INLINE double turn_of(int nodes, const ct_slip *p, double *turn)
-{
-  double top = 0.0, arm = 0.0, force = 0.0;
-  for (int b = 0; b < nodes; b++) {
-    const double w = turn[b] = ct_vector_dot(p->weight[b], p->force), size = fabs(w);
-    top = size > top ? size : top;
-  }
-  for (int c = 0; c < 3; c++) {
-    const double size = fabs(p->force[c]), length = fabs(p->lever[c]);
-    force = size > force ? size : force;
-    arm = length > arm ? length : arm;
-  }
-  return top * arm > force ? top * arm : force;
+  if (nodes == 0) find_turns(0, of, stride, turn, most);
+  else if (nodes == 4) find_turns(4, of, stride, turn, most);
+  else find_turns(8, of, stride, turn, most);
+  memcpy(record[RESERVE], of + stride * CT_SLIP_RESERVE, sizeof record[RESERVE]);
+  memcpy(record[STUCK], of + stride * CT_SLIP_STUCK, sizeof record[STUCK]);
+  for (int c = 0; c < 3; c++)
+    memcpy(record[FORCE + c], of + stride * (CT_SLIP_FORCE + c), sizeof record[FORCE + c]);
 }
 
 /* Whether a face has axes in lane `l`. */
@@ -334,26 +391,37 @@ static int has_axes(const ct_face_axes *axes, int l)
   return axes->a[2][0][l] != 0.0 || axes->a[2][1][l] != 0.0 || axes->a[2][2][l] != 0.0;
 }
 
-void ct_friction_store(const ct_friction_call *now, ct_friction_memory *s, int64_t n)
+/* The partners of eight points in their records; a record without a partner is 0. */
+CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
+                          double (*record)[CT_BATCH], double *next[CT_BATCH])
 {
-  const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
-  const ct_point *point = &now->side[at.s]->points[at.i];
-  const ct_slip *p = &s->points[at.j];
-  const int rigid = now->data->rigid, l = (int)(n % CT_BATCH);
-  const ct_face_axes *axes = rigid ? NULL : &s->axes[n / CT_BATCH];
-  const int nodes = now->data->other_nodes;
-  ct_slip_record *next = (ct_slip_record *)&now->at->next_memory[CT_FRICTION_RECORD * at.j];
-  s->terms[at.j] = nodes == 4 ? turn_of(4, p, s->turn[at.j]) : turn_of(nodes, p, s->turn[at.j]);
-  s->stored[n] = ct_slip_stored(p), s->work[n] = p->work, s->lag[n] = p->lag;
-  if (!(point->row.force > 0.0 && (rigid || has_axes(axes, l)))) {
-    *next = (ct_slip_record){.other = 0.0};
-    return;
+  const int rigid = now->data->rigid;
+  for (int l = 0; l < CT_BATCH; l++) {
+    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
+    const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
+    const ct_point *point = &now->side[at.s]->points[at.i];
+    next[l] = &now->at->next_memory[CT_FRICTION_RECORD * at.j];
+    if (point->row.force > 0.0 && (rigid || has_axes(&s->axes[first / CT_BATCH], l))) {
+      record[OTHER][l] = rigid ? 1.0 : (double)point->other + 1.0;
+      for (int i = 0; i < 2; i++) record[PLACE + i][l] = rigid ? 0.0 : point->xi[i];
+    } else {
+      for (int i = 0; i < CT_FRICTION_RECORD; i++) record[i][l] = 0.0;
+    }
   }
-  next->other = rigid ? 1.0 : (double)point->other + 1.0;
-  for (int i = 0; i < 2; i++) next->place[i] = rigid ? 0.0 : point->xi[i];
-  keep(p->e, axes, l, &next->e);
-  keep(p->before, axes, l, &next->before);
-  next->reserve = p->reserve;
-  next->stuck = p->stuck;
-  memcpy(next->force, p->force, sizeof next->force);
+}
+
+CT_CLONES
+void ct_friction_store(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
+{
+  double record[CT_FRICTION_RECORD][CT_BATCH], own[CT_BATCH][CT_FRICTION_RECORD], *next[CT_BATCH];
+  find_records(s, first, record);
+  find_partners(now, s, first, record, next);
+  for (int l = 0; l < CT_BATCH; l += 4)
+    for (int i = 0; i < QUADS; i++) {
+      const double *from[4];
+      for (int k = 0; k < 4; k++) from[k] = &record[4 * i + k][l];
+      ct_transpose_four(from, CT_FRICTION_RECORD, &own[l][4 * i]);
+    }
+  for (int l = 0; l < CT_BATCH && first + l < s->listed_count; l++)
+    memcpy(next[l], own[l], sizeof own[l]);
 }

@@ -66,10 +66,11 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points,
       // -- Friction of the point (eq:slip-law)
       const ct_slip *slip = from->row.force > 0.0 ? from->row.slip : NULL;
       for (int c = 0; slip != NULL && c < 3; c++)
-        points->friction[c] = slip->force[c] / (0.5 * side->fixed->weight[i]);
-      points->slip = slip == NULL  ? CT_FRICTION_NONE
-                     : slip->stuck ? CT_FRICTION_STICKS
-                                   : CT_FRICTION_SLIPS;
+        points->friction[c] =
+            *ct_slip_number(slip, CT_SLIP_FORCE + c) / (0.5 * side->fixed->weight[i]);
+      points->slip = slip == NULL                                  ? CT_FRICTION_NONE
+                     : *ct_slip_number(slip, CT_SLIP_STUCK) != 0.0 ? CT_FRICTION_STICKS
+                                                                   : CT_FRICTION_SLIPS;
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;
       for (int c = 0; c < 2; c++) points->xi[c] = met ? from->xi[c] : NAN;
     }

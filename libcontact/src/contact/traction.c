@@ -162,13 +162,15 @@ static const ct_slip *friction_of(const ct_point *point)
 }
 
 /* A bound of the components that a point adds to a node. */
-static double bound_of(const ct_slip *slip)
+static double bound_of(const ct_slip *slip, int32_t nodes)
 {
-  double arm = 0.0;
-  for (int b = 0; b < 8; b++) arm = fmax(arm, ct_vector_dot(slip->weight[b], slip->weight[b]));
-  const double T = ct_vector_dot(slip->force, slip->force),
-               d = ct_vector_dot(slip->lever, slip->lever);
-  return 2.0 * sqrt(T) * (1.0 + sqrt(arm * d));
+  double arm = 0.0, w[3], T[3], d[3];
+  ct_slip_vector(slip, CT_SLIP_FORCE, T), ct_slip_vector(slip, CT_SLIP_LEVER, d);
+  for (int32_t b = 0; b < nodes; b++) {
+    ct_slip_vector(slip, CT_SLIP_WEIGHT + 3 * b, w);
+    arm = fmax(arm, ct_vector_dot(w, w));
+  }
+  return 2.0 * sqrt(ct_vector_dot(T, T)) * (1.0 + sqrt(arm * ct_vector_dot(d, d)));
 }
 
 /* Note at the nearest node of a face whether a point sticks. */
@@ -177,8 +179,9 @@ static void note(const int32_t *node, int per, const double N[8], const ct_slip 
 {
   double nearest = 0.0;
   for (int a = 0; a < per; a++) nearest = fmax(nearest, N[a]);
+  const int sticks = *ct_slip_number(slip, CT_SLIP_STUCK) != 0.0;
   for (int a = 0; a < per; a++)
-    if (N[a] == nearest) (slip->stuck ? sums->sticks : sums->slips)[node[a]] = 1.0;
+    if (N[a] == nearest) (sticks ? sums->sticks : sums->slips)[node[a]] = 1.0;
 }
 
 /* Add N_a T of a side's own points, or of the points that act on it -N_b T - (w_b · T) d
@@ -194,11 +197,13 @@ static void add_friction(const ct_side *side, const ct_side *from, int own, fric
     const int32_t face = own ? (int32_t)(i / points) : point->other,
                   *node = &search->faces[(int64_t)face * search->per];
     const double *N = own ? from->fixed->N[i % points] : point->N;
+    double T[3], d[3], w[3] = {0.0};
+    ct_slip_vector(slip, CT_SLIP_FORCE, T), ct_slip_vector(slip, CT_SLIP_LEVER, d);
     for (int a = 0; a < search->per; a++) {
-      const double turn = own ? 0.0 : ct_vector_dot(slip->weight[a], slip->force);
+      if (!own) ct_slip_vector(slip, CT_SLIP_WEIGHT + 3 * a, w);
+      const double turn = ct_vector_dot(w, T);
       for (int c = 0; c < 3; c++) {
-        const double f =
-            own ? N[a] * slip->force[c] : -N[a] * slip->force[c] - turn * slip->lever[c];
+        const double f = own ? N[a] * T[c] : -N[a] * T[c] - turn * d[c];
         const int64_t dof = 3 * (int64_t)node[a] + c;
         ct_grid_add(&sums->grid, f, &sums->coarse[dof], &sums->fine[dof]);
       }
@@ -215,7 +220,7 @@ static double bound_of_sides(const ct_side *side, const ct_side *other)
   for (int s = 0; s < 2; s++)
     for (int64_t i = 0; both[s] != NULL && i < both[s]->fixed->point_count; i++) {
       const ct_slip *slip = friction_of(&both[s]->points[i]);
-      if (slip != NULL) top = fmax(top, bound_of(slip));
+      if (slip != NULL) top = fmax(top, bound_of(slip, both[s]->points[i].row.other_count));
     }
   ct_pieces_largest(side->pieces, &top, 1);
   return top;
