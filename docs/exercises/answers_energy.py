@@ -24,7 +24,7 @@ def test_energy_negative(says):
         says(f"{100 * (-half * half / 2) / (x * x / 2):.0f} %")
 
 
-def energies(elements, courant, penalty):
+def energies(elements, courant, penalty, controlled=True, end=4):
     """Total energy of each step of two bars that collide; the program of Part I with its balance."""
     import wall
 
@@ -35,17 +35,22 @@ def energies(elements, courant, penalty):
     mass[[0, last, first, -1]] /= 2
     u, v = np.zeros_like(mass), np.repeat([1.0, -1.0], elements + 1)
     W, before, found = 2 * dt**2 / (h / 2), 0.0, []
-    for _ in range(round(4 / dt)):
+    for _ in range(round(end / dt)):
         stress = np.diff(u) / h
         stress[last] = 0
         force = np.diff(stress, prepend=0, append=0)
         free = u + dt * (v + dt * force / mass)
-        contact = wall.ramp(free[first] - free[last], before, W, penalty)
-        before = u[first] - u[last]
+        gap = u[first] - u[last]
+        if controlled:
+            contact = wall.ramp(free[first] - free[last], before, W, penalty)
+        else:
+            contact = penalty * max(0.0, -gap)
+        before = gap
         force[last] -= contact
         force[first] += contact
         after = v + dt * force / mass
-        found.append(mass @ (v * after) / 2 + h * stress @ stress / 2)
+        held = 0.0 if controlled else penalty * min(gap, 0) ** 2 / 2
+        found.append(mass @ (v * after) / 2 + h * stress @ stress / 2 + held)
         v, u = after, u + dt * after
     return np.array(found)
 
