@@ -145,7 +145,7 @@ int main(int count, char **argument)
   ct_solid_body solid[2];
   int32_t steps = count > 1 ? atoi(argument[1]) : 10, made = 1;
   for (int b = 0; b < 2; b++) {
-    ct_box box = {{0, 0, b}, {1, 1, 1}, {CELLS, CELLS, CELLS}, CT_LAYERS_Z};
+    ct_box box = {.origin = {0, 0, b}, .size = {1, 1, 1}, .cells = {CELLS, CELLS, CELLS}};
     need(ct_mesh_create_box(CT_HEX8, &box, &mesh[b], &error));
     body[b] = (ct_body){.mesh = mesh[b], .material = material, .first_node = b * NODES};
     solid[b] = (ct_solid_body){.mesh = mesh[b], .material = material, .first_node = b * NODES};

@@ -452,7 +452,7 @@ static void ring_refused(ct_ring ring, const char *word, const char *what)
 
 static void box_refused(double size, int cells, double origin, const char *what)
 {
-  ct_box box = {{0, origin, 0}, {1, size, 1}, {1, cells, 1}, CT_LAYERS_Z};
+  ct_box box = {.origin = {0, origin, 0}, .size = {1, size, 1}, .cells = {1, cells, 1}};
   ct_mesh *m = NULL;
   ct_error e = {0};
   ct_status status = ct_mesh_create_box(CT_HEX8, &box, &m, &e);
@@ -537,6 +537,80 @@ static void wedge_faces(void)
          "no face is between the wedges, and one on top");
 }
 
+/* Corners of a box from -1 to 3 along y; `x`, shape (n + 1). */
+static void graded_points(ct_brick_kind kind, int32_t n, double R, int symmetric, double begin,
+                          double *x)
+{
+  ct_box box = {.origin = {0, begin, 0}, .size = {1, 4, 1}, .cells = {1, n, 1}};
+  box.grading[1] = R, box.symmetric[1] = symmetric;
+  ct_mesh *m = mesh_of(kind, box);
+  for (int i = 0; i <= n; i++) x[i] = m->nodes[3 * (2 * i) + 1];
+  // Middles of edges along y, which follow the corners and the middles along x.
+  for (int i = 0; kind == CT_HEX20 && i < n; i++)
+    if (fabs(m->nodes[3 * (6 * (n + 1) + 2 * i) + 1] - (x[i] + x[i + 1]) / 2.0) > 1e-15) x[i] = NAN;
+  ct_mesh_free(m);
+}
+
+/* Where (q^i - 1) / (q^n - 1) puts point i of n, in long double (eq:mesh-grading). */
+static long double geometric_series(long double R, int32_t n, int32_t i)
+{
+  long double l = n > 1 ? logl(R) / (n - 1) : 0.0L;
+  return l == 0.0L ? (long double)i / n : expm1l(i * l) / expm1l(n * l);
+}
+
+/* Graded boxes: the closed form, both ways, mirrored, and symmetric (eq:mesh-root). */
+static void graded_boxes(ct_brick_kind kind)
+{
+  static const double R[] = {1e-6, 0.25, 0.5, 1.0, 1.0 + 1e-12, 1.1, 3.0, 64.0, 1e6};
+  static const int32_t count[] = {1, 2, 3, 7, 40, 1000};
+  double x[1001], y[1001], off = 0.0, middle = 0.0;
+  int unlike = 0;
+  for (int k = 0; k < 9; k++)
+    for (int c = 0; c < 6; c++) {
+      const int32_t n = count[c], half = n / 2, odd = n % 2;
+      graded_points(kind, n, R[k], 0, -1.0, x);
+      for (int i = 0; i <= n; i++)
+        off = worst(off, (x[i] + 1.0 - 4.0 * (double)geometric_series(R[k], n, i)) / n);
+      graded_points(kind, n, 1.0 / R[k], 0, -3.0, y);
+      for (int i = 0; i <= n; i++) unlike += 1.0 / (1.0 / R[k]) == R[k] && x[i] != -y[n - i];
+      graded_points(kind, n, R[k], 1, -1.0, x);
+      graded_points(kind, n, R[k], 1, -2.0, y);
+      for (int i = 0; i <= n; i++) unlike += y[i] != -y[n - i];
+      // Of an odd number of elements the one in the middle belongs to both sides: 2 S - 1.
+      for (int i = 0; i <= half; i++) {
+        long double q = half + odd > 1 ? powl(R[k], 1.0L / (half + odd - 1)) : 1.0L, S = 0.0L,
+                    all = 0.0L;
+        for (int m = 0; m < half + odd; m++) {
+          long double h = powl(q, m) / (odd && m == 0 ? 2.0L : 1.0L);
+          all += h, S += m < half + odd - i ? h : 0.0L;
+        }
+        middle = worst(middle, (x[i] - 1.0 + 2.0 * (double)(S / all)) / n);
+      }
+    }
+  // Round-off of sums of positive terms: some of 1e-16 of the length for each factor of the
+  // product.
+  tap_close(off, 0.0, 8e-16, "%s: graded boxes have the points of the geometric series",
+            KIND[kind]);
+  tap_close(middle, 0.0, 8e-16, "%s: and on both sides of the middle", KIND[kind]);
+  tap_ok(unlike == 0, "%s: with 1/R and about the middle they are mirror images (%d points)",
+         KIND[kind], unlike);
+}
+
+/* Twice the edge from element to element, exactly; the neighbours' ratio of any series is constant.
+ */
+static void graded_ratio(void)
+{
+  double x[41], off = 0.0;
+  graded_points(CT_HEX8, 4, 8.0, 0, 0.0, x);
+  for (int i = 0; i <= 4; i++) off = worst(off, x[i] - 4.0 * ((1 << i) - 1) / 15.0);
+  tap_close(off, 0.0, 2e-15, "elements of 1, 2, 4, 8 fifteenths");
+  graded_points(CT_HEX8, 12, 3.0, 0, 0.0, x);
+  for (int i = 1; i < 12; i++)
+    off = worst(off, (x[i + 1] - x[i]) / (x[i] - x[i - 1]) - pow(3.0, 1.0 / 11.0));
+  // Two differences of coordinates up to 4, rounded to 4e-16, over lengths of .2.
+  tap_close(off, 0.0, 1e-14, "the ratio of neighbours is the eleventh root of 3");
+}
+
 int main(void)
 {
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
@@ -551,7 +625,9 @@ int main(void)
     each_is_checked((ct_brick_kind)kind, 1.0);
     each_is_checked((ct_brick_kind)kind, 1e-5);
     unlike_edges((ct_brick_kind)kind);
+    graded_boxes((ct_brick_kind)kind);
   }
+  graded_ratio();
   turned_faces();
   wedge_faces();
   box_refused(0.0, 1, 0.0, "no height");
@@ -559,8 +635,8 @@ int main(void)
   box_refused(NAN, 1, 0.0, "a height that is NaN");
   box_refused(1.0, 0, 0.0, "no cells");
   box_refused(1.0, 1, INFINITY, "an origin at infinity");
-  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}, CT_LAYERS_Z},
-         some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}, CT_LAYERS_X};
+  ct_box big = {.size = {1, 1, 1}, .cells = {1000000, 1000000, 1000000}},
+         some = {.size = {1, 1, 1}, .cells = {2000, 2000, 2000}, .layers = CT_LAYERS_X};
   ct_mesh *m = NULL;
   tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT &&
              ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,

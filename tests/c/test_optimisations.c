@@ -163,10 +163,10 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
   ct_mesh *m[2];
   int64_t steps;
   for (int b = 0; b < 2; b++) {
-    m[b] = mesh_of(form->kind, (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2},
-                                        {1, 0.2, 0.1 * form->rows},
-                                        {10, 2, form->rows},
-                                        layers});
+    m[b] = mesh_of(form->kind, (ct_box){.origin = {b == 0 ? -1.0 : 1e-4, 0.013, -0.2},
+                                        .size = {1, 0.2, 0.1 * form->rows},
+                                        .cells = {10, 2, form->rows},
+                                        .layers = layers});
     for (double *x = m[b]->nodes; x < m[b]->nodes + 3 * m[b]->node_count; x += 3)
       x[1] += form->bent * sin(4.0 * x[0] + 3.0 * x[2]);
     if (shuffle_it) {

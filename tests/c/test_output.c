@@ -102,8 +102,8 @@ static ct_status hardening_force(const ct_effect *effect, const ct_view *view, d
 
 static rig *rig_create(int curved, int with_probe)
 {
-  static const ct_box BOX[2] = {{{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z},
-                                {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z}};
+  static const ct_box BOX[2] = {{.origin = {-1.5, 0, 0}, .size = {1.5, 1, 1}, .cells = {3, 2, 1}},
+                                {.size = {2, 1, 1}, .cells = {2, 1, 1}}};
   const ct_material material = {2.5, 0.25, 2, CT_LINEAR};
   rig *r = room(1, sizeof *r);
   r->scene = new_scene();

@@ -76,7 +76,8 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
   contact.options.enforcement = enforcement;
   need(ct_scene_create(&scene, &e), &e);
   for (int b = 0; b < 2; b++) {
-    ct_box box = {{b == 0 ? -1.0 : 0.002, 0.1 * b, 0.0}, {1.0, 1.0, 1.0}, {2, 2, 2}, CT_LAYERS_Z};
+    ct_box box = {
+        .origin = {b == 0 ? -1.0 : 0.002, 0.1 * b, 0.0}, .size = {1, 1, 1}, .cells = {2, 2, 2}};
     double velocity[3] = {b == 0 ? 0.1 : -0.1, 0.01, 0.0};
     ct_mesh *mesh = NULL;
     need(ct_mesh_create_box(CT_HEX8, &box, &mesh, &e), &e);

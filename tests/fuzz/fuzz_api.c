@@ -62,11 +62,11 @@ static ct_mesh *any_mesh(play *p, int number, int may_be_bad)
     if (d->wild) ring.cells[below(d, 3)] = below(d, 6) - 1;
     if (TRY(ct_mesh_create_ring(kind, &ring, &mesh, &e)) != CT_OK) return NULL;
   } else {
-    ct_box box = {{number * (1.0 + (chance(d, 2) ? 0.0 : 0.01 * real(d))),
-                   chance(d, 3) ? 0.3 * real(d) : 0.0, 0.0},
-                  {1.0, 1.0, 1.0},
-                  {1 + below(d, 3), 1 + below(d, 2), 1 + below(d, 2)},
-                  (ct_layers)below(d, d->wild ? 5 : 3)};
+    ct_box box = {.origin = {number * (1.0 + (chance(d, 2) ? 0.0 : 0.01 * real(d))),
+                             chance(d, 3) ? 0.3 * real(d) : 0.0, 0.0},
+                  .size = {1.0, 1.0, 1.0},
+                  .cells = {1 + below(d, 3), 1 + below(d, 2), 1 + below(d, 2)},
+                  .layers = (ct_layers)below(d, d->wild ? 5 : 3)};
     for (int c = 0; c < 3; c++)
       if (chance(d, 4)) box.size[c] = between(d, 0.2, 2.0);
     if (d->wild && chance(d, 8)) box.cells[below(d, 3)] = below(d, 5) - 1;

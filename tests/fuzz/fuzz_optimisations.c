@@ -111,7 +111,7 @@ static uint64_t salt_of(dice *d)
 /* A box with one long axis, so that there are rows of one to many cells. */
 static ct_box any_box(dice *d, ct_brick_kind kind, double begin, int is_long, int most)
 {
-  ct_box box = {{begin, 0.0, 0.0}, {1, 1, 1}, {1, 1, 1}, CT_LAYERS_Z};
+  ct_box box = {.origin = {begin, 0.0, 0.0}, .size = {1, 1, 1}, .cells = {1, 1, 1}};
   int axis = below(d, 3), flat = chance(d, 3), widest = most > 280 ? 30 : 9;
   box.cells[axis] = (is_long ? 30 : 1) + below(d, chance(d, 3)       ? 12
                                                   : kind == CT_HEX20 ? 20

@@ -86,3 +86,47 @@ def test_what_is_no_shape_is_refused(shape, change, key, reason):
     with pytest.raises(ct.SceneError, match=reason) as error:
         of(shape, **change).run(progress=False)
     assert error.value.key == f"body[0].{shape}.{key}"
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex20"])
+@pytest.mark.parametrize(
+    "cells, grading, symmetric, x",
+    [
+        (3, 4.0, [], [0, 2 / 7, 6 / 7, 2]),
+        (3, 0.25, [], [0, 8 / 7, 12 / 7, 2]),
+        (4, 2.0, ["x"], [0, 2 / 3, 1, 4 / 3, 2]),
+        (5, 4.0, ["x"], [0, 8 / 13, 12 / 13, 14 / 13, 18 / 13, 2]),
+        (3, 0.5, ["x"], [0, 0.5, 1.5, 2]),
+    ],
+)
+def test_a_graded_box(element, cells, grading, symmetric, x, tmp_path):
+    """Sizes 1, 2, 4; 4, 2, 1; 2, 1, 1, 2; 4, 2, 1, 2, 4; 1, 2, 1. The shortest edge decides about the step, and mass
+    does not depend on the grading."""
+    box = {"cells": [cells, 1, 1], "grading": [grading, 1, 1]}
+    if symmetric:
+        box["symmetric"] = symmetric
+    scene = of("box", element, **box)
+    scene.save(tmp_path / "graded.toml")
+    scene = ct.Scene.load(tmp_path / "graded.toml")
+    mesh = scene._built(None).bodies["b"].mesh
+    found = np.unique(mesh.nodes[np.unique(mesh.elements[:, :8]), 0])
+    assert found == pytest.approx(x, abs=1e-15)
+    assert mesh.shortest_edge == pytest.approx(np.diff(x).min(), rel=1e-14)
+    data = scene.data
+    data["body"][0]["velocity"] = [2.0, 0.0, 0.0]
+    run = ct.Scene(data).run(progress=False)
+    assert run.energy["kinetic"] == pytest.approx(0.5 * 1000.0 * 2.0 * 2.0**2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "keys, key", [({"grading": [0, 1, 1]}, "grading[0]"), ({"symmetric": []}, "symmetric")]
+)
+def test_a_wrong_grading_is_refused_with_its_key(keys, key):
+    with pytest.raises(ct.SceneError) as found:
+        of("box", **keys)
+    assert found.value.key == f"body[0].box.{key}"
+
+
+def test_a_finer_box_keeps_its_grading():
+    lattice = of("box", cells=[4, 2, 3], grading=[3, 1, 1])._built(None).parts.bodies["b"].lattice
+    assert lattice.scaled(2.0).cells == (8, 4, 6) and lattice.scaled(2.0).grading == (3.0, 1.0, 1.0)

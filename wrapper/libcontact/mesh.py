@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from functools import cache, cached_property
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,8 +33,10 @@ NO_SETS = Sets()
 
 
 def c_box(box: Any, layers: str) -> Any:
-    """A ``ct_box *`` of a box (with ``origin``, ``size``, ``cells``), numbered in these layers."""
-    return ffi.new("ct_box *", [list(box.origin), list(box.size), list(box.cells), LAYERS[layers]])
+    """A ``ct_box *`` of the table of a box, numbered in these layers."""
+    members = {name: list(getattr(box, name)) for name in ("origin", "size", "cells", "grading")}
+    members["symmetric"] = [axis in box.symmetric for axis in "xyz"]
+    return ffi.new("ct_box *", members | {"layers": LAYERS[layers]})
 
 
 def mesh_of(shape: str, table: Any, element: str) -> Mesh:
@@ -104,7 +108,16 @@ class Mesh:
         self.elements: Ints = view(pointer.elements, shape, np.int32, keep)
 
     @classmethod
-    def box(cls, element: str, origin: Any, size: Any, cells: Any, layers: str = "z") -> Mesh:
+    def box(
+        cls,
+        element: str,
+        origin: Any,
+        size: Any,
+        cells: Any,
+        layers: str = "z",
+        grading: Any = (1.0, 1.0, 1.0),
+        symmetric: Sequence[str] = (),
+    ) -> Mesh:
         """
         Mesh a rectangular box, numbered as ``ct_mesh_create_box`` says.
 
@@ -118,6 +131,10 @@ class Mesh:
             Elements along x, y, z.
         layers : {"x", "y", "z"}
             The axis along which layers of elements follow one another.
+        grading : array_like, shape (3,)
+            Size of the last element over that of the first along x, y, z, :eq:`mesh-grading`.
+        symmetric : sequence of {"x", "y", "z"}
+            Axes along which ``grading`` is the size of the elements at both ends over that in the middle.
 
         Returns
         -------
@@ -136,7 +153,8 @@ class Mesh:
         >>> mesh.nodes.shape, mesh.elements[0].tolist(), mesh.face_nodes("x_min").tolist()
         ((12, 3), [0, 1, 4, 3, 6, 7, 10, 9], [0, 3, 6, 9])
         """
-        box = ffi.new("ct_box *", [list(origin), list(size), list(cells), LAYERS[layers]])
+        given = {"origin": origin, "size": size, "cells": cells, "grading": grading}
+        box = c_box(SimpleNamespace(**given, symmetric=symmetric), layers)
         mesh = cls(ask("ct_mesh **", lib.ct_mesh_create_box, KINDS[element], box))
         call(lib.ct_mesh_check, mesh.pointer)
         return mesh

@@ -72,6 +72,7 @@ USUAL = ("displacement", "velocity", "force")
 CONTACT = lib.ct_contact_options_default()
 POSITIVE = Number(above=0.0)
 FORWARD = Number(least=0.0)
+GRADING = Number(least=1e-6, most=1e6)
 ORIGIN = (0.0, 0.0, 0.0)
 # Cells around what stands on a core of cells with four sides.
 QUARTERS = Whole(4, step=4)
@@ -155,7 +156,7 @@ class Shape(Table):
 
 class Box(Shape):
     """
-    A rectangular box of equal elements.
+    A rectangular box of elements that are equal or graded.
 
     Attributes
     ----------
@@ -170,6 +171,11 @@ class Box(Shape):
         speed does (:doc:`/theory/savings`). By default this is the axis normal to the faces with a
         contact, an obstacle or a load, if there is one such axis and rows get at least 32 cells;
         otherwise z.
+    grading
+        Along x, y and z the size of the last element over that of the first. The sizes between form
+        a geometric series, :eq:`mesh-grading`.
+    symmetric
+        Axes along which ``grading`` is the size of the elements at both ends over that in the middle.
     """
 
     step = 0
@@ -177,6 +183,15 @@ class Box(Shape):
     size: Vector = key(Each(POSITIVE, POSITIVE, POSITIVE), unit="length")
     cells: tuple[int, int, int] = key(Each(Whole(), Whole(), Whole()))
     layers: str | None = key(Choice(sorted(LAYERS)), default=None, says="see text")
+    grading: Vector = key(Each(GRADING, GRADING, GRADING), default=(1.0, 1.0, 1.0))
+    symmetric: Sequence[str] = key(
+        Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True), default=()
+    )
+
+    @property
+    def equal(self) -> bool:
+        """Whether all elements are equal."""
+        return self.grading == (1.0, 1.0, 1.0)
 
 
 class Ring(Shape):

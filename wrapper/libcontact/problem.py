@@ -267,6 +267,7 @@ class Problem:
         return (
             "congruent" in self.parts.run.savings
             and body.box is not None
+            and body.box.equal
             and self.parts.materials_of(body)[0].law == "linear"
             and FACTS[str(body.bricks)].trilinear
             and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE

@@ -87,6 +87,16 @@ typedef struct ct_box {
    * :doc:`/theory/savings`.
    */
   ct_layers layers;
+  /**
+   * Along x, y, z the size of the last element over that of the first; the sizes between form a
+   * geometric series, :eq:`mesh-grading`. 0 or 1: equal elements.
+   */
+  double grading[3];
+  /**
+   * Nonzero: `grading` along this axis is the size of the elements at both ends over that in the
+   * middle, and the box is its own mirror image.
+   */
+  int symmetric[3];
 } ct_box;
 
 /**
@@ -96,11 +106,12 @@ typedef struct ct_box {
 CT_API void ct_box_axes(const ct_box *box, int axes[3]);
 
 /**
- * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Node coordinates
- * are ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly mirrored
- * nodes. Corner nodes come first, row by row. Mid-side nodes of hex20 follow: those on edges along
- * the first, then the second, then the third axis of `ct_box_axes`. ``CT_ERROR_ARGUMENT``: a size
- * or a number of cells is not positive, or there are too many nodes.
+ * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Equal elements
+ * have nodes at ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly
+ * mirrored nodes. Corner nodes come first, row by row. Mid-side nodes of hex20 follow: those on
+ * edges along the first, then the second, then the third axis of `ct_box_axes`.
+ * ``CT_ERROR_ARGUMENT``: a size or a number of cells is not positive, a grading is outside 1e-6 ...
+ * 1e6, or there are too many nodes.
  */
 CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh,
                                     ct_error *error);

@@ -75,13 +75,74 @@ static int32_t lattice_node(const lattice *l, const int32_t at[3])
   return (int32_t)(l->first[block] + at[0] / 2 + count[0] * (at[1] / 2 + count[1] * (at[2] / 2)));
 }
 
+/* A box, and along each axis the ratio of neighbouring elements, from the smallest on. */
+typedef struct graded_box {
+  const ct_box *box;
+  double ratio[3];
+} graded_box;
+
+/* The root of q^m = R >= 1 by Newton's method from above, so that no mathematical library decides
+ * about its last bit. */
+static double root(double R, int32_t m)
+{
+  double q = 1.0 + (R - 1.0) / m, next = q, power;
+  do {
+    q = next, power = 1.0;
+    // -- q^(m - 1) by repeated squares, and a step downwards (eq:mesh-root)
+    double square = q;
+    for (int32_t k = m - 1; k > 0; k /= 2, square *= square)
+      if (k % 2) power *= square;
+    next = q - (q - R / power) / m;
+  } while (next < q);
+  return q;
+}
+
+/* 1 + q + ... + q^(m - 1). */
+static double geometric(double q, int32_t m)
+{
+  double S = 0.0, power = 1.0;
+  int bit = 0;
+  while (m >> bit > 1) bit++;
+  for (; bit >= 0; bit--) {
+    // -- Twice as many terms, and one more (eq:mesh-grading)
+    S *= 1.0 + power, power *= power;
+    if (m >> bit & 1) S = 1.0 + q * S, power *= q;
+  }
+  return S;
+}
+
+/* Distance of point `i` from the end with the smallest of n elements, or, in a symmetric box, from
+ * the middle, over the length up to the other end. */
+static double graded(const graded_box *g, int d, int32_t i)
+{
+  const int32_t n = g->box->cells[d];
+  if (!g->box->symmetric[d]) return geometric(g->ratio[d], i) / geometric(g->ratio[d], n);
+  const double half = n % 2 ? 0.5 : 0.0; // of the element in the middle
+  return (geometric(g->ratio[d], (abs(2 * i - n) + 1) / 2) - half) /
+         (geometric(g->ratio[d], (n + 1) / 2) - half);
+}
+
+static double corner_coordinate(const graded_box *g, int d, int32_t i)
+{
+  const ct_box *box = g->box;
+  const double a = box->origin[d], b = box->origin[d] + box->size[d], middle = (a + b) / 2.0;
+  const int32_t n = box->cells[d];
+  double from = a, to = b, s;
+  if (box->symmetric[d]) from = middle, to = 2 * i < n ? a : b;
+  else if (box->grading[d] < 1.0) from = b, to = a, i = n - i;
+  s = graded(g, d, i);
+  return (1.0 - s) * from + s * to;
+}
+
 static void lattice_coordinates(const void *shape, const int32_t at[3], double x[3])
 {
-  const ct_box *box = shape;
+  const graded_box *g = shape;
   for (int d = 0; d < 3; d++) {
-    double a = box->origin[d], b = box->origin[d] + box->size[d];
-    double n = 2.0 * box->cells[d], i = at[d];
-    x[d] = ((n - i) * a + i * b) / n; // (eq:mesh-lattice)
+    const double a = g->box->origin[d], b = a + g->box->size[d];
+    const double n = 2.0 * g->box->cells[d], i = at[d];
+    if (g->ratio[d] == 1.0) x[d] = ((n - i) * a + i * b) / n; // (eq:mesh-lattice)
+    else
+      x[d] = (corner_coordinate(g, d, at[d] / 2) + corner_coordinate(g, d, (at[d] + 1) / 2)) / 2.0;
   }
 }
 
@@ -97,13 +158,30 @@ static ct_status box_check(const ct_box *box, ct_error *error)
     if (box->cells[d] < 1 || box->cells[d] > 1000000)
       return CT_REFUSE(error, "box: cells along %c must be 1 to 1000000, not %d", "xyz"[d],
                        (int)box->cells[d]);
+    if (!(box->grading[d] == 0.0 || (box->grading[d] >= 1e-6 && box->grading[d] <= 1e6)))
+      return CT_REFUSE(error, "box: grading along %c must be 1e-6 to 1e6, or 0 for none, not %g",
+                       "xyz"[d], box->grading[d]);
   }
   if (box->layers != CT_LAYERS_X && box->layers != CT_LAYERS_Y && box->layers != CT_LAYERS_Z)
     return CT_REFUSE(error, "box: there is no order of numbers %d", (int)box->layers);
   return CT_OK;
 }
 
-/* Position of a lattice point: `shape` is a ct_box or a ct_ring. */
+/* Ratios of neighbouring elements; 1 where there is nothing to grade. */
+static graded_box graded_box_of(const ct_box *box)
+{
+  graded_box g = {box, {1.0, 1.0, 1.0}};
+  for (int d = 0; d < 3; d++) {
+    const int32_t n = box->cells[d], steps = box->symmetric[d] ? (n - 1) / 2 : n - 1;
+    double R = box->grading[d];
+    if (R == 0.0 || R == 1.0 || steps == 0) continue;
+    if (box->symmetric[d] && R < 1.0) g.ratio[d] = 1.0 / root(1.0 / R, steps);
+    else g.ratio[d] = root(R < 1.0 ? 1.0 / R : R, steps);
+  }
+  return g;
+}
+
+/* Position of a lattice point: `shape` is a graded_box or a ct_ring. */
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
 /* Enter the nodes of a row of `count` cells along the first axis, which never closes on itself, and
@@ -200,8 +278,8 @@ ct_status ct_mesh_make_box(ct_brick_kind kind, const ct_box *box, const ct_run_s
     cells[d] = box->cells[axes[d]];
     corners[d] = cells[d] + 1;
   }
-  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, settings, mesh,
-                        error);
+  const graded_box g = graded_box_of(box);
+  return create_lattice(kind, axes, cells, corners, lattice_coordinates, &g, settings, mesh, error);
 }
 
 /* Cosine and sine of the angle 2π i / n, reduced to the first eighth of the circle so that they
