@@ -135,7 +135,7 @@ def components(count: int, a: Numbers, b: Numbers) -> Numbers:
 
 class Split:
     """
-    Bricks of cells that are bricks, wedges and tetrahedra.
+    Bricks of cells that are bricks, wedges and tetrahedra; ``wedges``: split all wedges, too, into three.
 
     Attributes
     ----------
@@ -147,8 +147,8 @@ class Split:
         The cell of each brick.
     """
 
-    def __init__(self, nodes: Floats, blocks: list[Block]):
-        self.blocks = blocks
+    def __init__(self, nodes: Floats, blocks: list[Block], wedges: bool = False):
+        self.blocks, self.wedges = blocks, wedges
         self.old, self.count = nodes, len(nodes)
         self.classes = self._classes()
         self.starts = np.cumsum([0, *(len(block.nodes) for block in blocks)])
@@ -181,8 +181,8 @@ class Split:
         )
         split, k = np.zeros(count, bool), 0
         for block in self.blocks:
-            for _ in CLASSES[block.kind]:
-                if block.kind == "tet4":
+            for i in range(len(CLASSES[block.kind])):
+                if block.kind == "tet4" or (self.wedges and block.kind == "wedge6" and i == 1):
                     split[label[found[k]]] = True
                 k += 1
         out, k = [], 0
