@@ -12,6 +12,7 @@ import h5py
 import meshio
 import numpy as np
 import pytest
+from commands import captured
 from libcontact.command import main
 from libcontact.errors import NotBuiltIn
 from libcontact.mesh import Mesh
@@ -598,6 +599,34 @@ def test_vtu_keeps_bodies_as_sets(folder, tmp_path):
     assert volume(found) == pytest.approx(volume(mesh, "small"), rel=1e-14)
     whole = read_mesh(path)
     assert np.array_equal(whole.nodes, mesh.nodes) and np.array_equal(whole.elements, mesh.elements)
+
+
+GROWTH = """
+import resource, sys
+from libcontact.meshes import read_mesh
+def most():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+read_mesh(sys.argv[1])
+before = most()
+read_mesh(sys.argv[2])
+print(1024 * (most() - before))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="ru_maxrss is counted in kB on Linux")
+def test_a_compressed_file_needs_at_most_20_times_its_size(tmp_path):
+    """Zlib makes a regular lattice three times smaller than the arrays of the mesh. A small file is read before, so that
+    what is imported late does not count."""
+    sizes = []
+    for name, n in (("small", 2), ("large", 50)):
+        mesh = Mesh.box("hex8", (0, 0, 0), (1, 1, 1), (n, n, n))
+        body = {"body": [np.zeros(n**3, int)]}
+        path = tmp_path / f"{name}.vtu"
+        meshio.Mesh(mesh.nodes, [("hexahedron", mesh.elements)], cell_data=body).write(path)
+        sizes.append(path.stat().st_size)
+    paths = [str(tmp_path / f"{name}.vtu") for name in ("small", "large")]
+    grown = int(captured([sys.executable, "-c", GROWTH, *paths], check=True).stdout)
+    assert sizes[1] > 2e6 and grown < 20 * sizes[1]
 
 
 def test_names_that_do_not_exist_are_answered_with_those_that_do(folder):

@@ -165,8 +165,10 @@ def _choose(raw: Raw, mask: Any, solid: int, dropped: Counter[str]) -> Chosen:
             _check_kind(raw, block, int(rows[0]), solid)
             lines = np.array(block.lines, np.int64)
             lines = lines[rows] if len(lines) else lines
-            found = Block(block.kind, block.nodes[rows], block.labels[rows], lines, block.owner)
-            blocks.append(found)
+            whole = len(rows) == len(block.nodes)  # needs no copies, which are large
+            nodes = block.nodes if whole else block.nodes[rows]
+            labels = block.labels if whole else block.labels[rows]
+            blocks.append(Block(block.kind, nodes, labels, lines, block.owner))
             number[start + rows] = count + np.arange(len(rows))
             count += len(rows)
         elif kind.dimension < solid and rows.size:
