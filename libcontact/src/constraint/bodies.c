@@ -34,10 +34,8 @@ ct_bodies *ct_bodies_create(ct_solver *solver, int32_t count, const int32_t *of)
 void ct_bodies_bound(ct_bodies *b)
 {
   for (int32_t k = 0; k < b->count; k++) {
-    const double *A = b->translation[k], *R = b->rotation[k];
-    b->most[k][0] = fmax(fmax(A[0], A[1]), A[2]);
-    // -- No eigenvalue of a positive matrix is above its trace
-    b->most[k][1] = (R[0] + R[1]) + R[2];
+    const double *A = b->translation[k];
+    b->most[k] = fmax(fmax(A[0], A[1]), A[2]);
   }
 }
 
@@ -87,11 +85,15 @@ void ct_bodies_move(const ct_bodies *b, int32_t count, const int32_t *place, con
   }
 }
 
-/* Length of the arm of a node. */
-static double length_of(const ct_bodies *b, int32_t node)
+/* Bound η of what the turn of body `k` moves a node by a unit force on it: η² is the sum of
+ * (r × e) · Θ⁻¹ (r × e) over the three axes e. */
+static double turn_of(const ct_bodies *b, int32_t k, int32_t node)
 {
-  const double *r = &b->arm[3 * (int64_t)node];
-  return sqrt(ct_vector_dot(r, r));
+  const double *r = &b->arm[3 * (int64_t)node], *R = b->rotation[k], x = r[0] * r[0],
+               y = r[1] * r[1], z = r[2] * r[2];
+  const double twice = (R[3] * (r[0] * r[1]) + R[4] * (r[1] * r[2])) + R[5] * (r[2] * r[0]);
+  // -- η (eq:rigid-mobility-bound)
+  return sqrt(((R[0] * (y + z) + R[1] * (z + x)) + R[2] * (x + y)) - 2.0 * twice);
 }
 
 void ct_bodies_push_sizes(ct_bodies *b, int32_t count, const int32_t *place, const double *sums)
@@ -102,7 +104,7 @@ void ct_bodies_push_sizes(ct_bodies *b, int32_t count, const int32_t *place, con
     if (k < 0) continue;
     double *term = &b->terms[b->first[k] + b->filled[k]++];
     term[0] = sums[place[i] + 3];
-    term[b->node_count] = length_of(b, node) * sums[place[i] + 3];
+    term[b->node_count] = turn_of(b, k, node) * sums[place[i] + 3];
   }
   sum_terms(b, 2);
 }
@@ -112,8 +114,7 @@ void ct_bodies_move_sizes(const ct_bodies *b, int32_t count, const int32_t *plac
   for (int32_t i = 0; i < count; i++) {
     const int32_t node = place[i] / WIDE, k = b->of[node];
     if (k < 0) continue;
-    // -- No longer than Δt² (Σ |f| / M + |r| Σ |r| |f| / Θ) (eq:rigid-mobility-bound)
-    moved[place[i] + 3] =
-        b->most[k][0] * b->push[k][0] + b->most[k][1] * length_of(b, node) * b->push[k][1];
+    // -- No longer than Δt² (Σ |f| / M + η Σ η |f|) (eq:rigid-mobility-bound)
+    moved[place[i] + 3] = b->most[k] * b->push[k][0] + turn_of(b, k, node) * b->push[k][1];
   }
 }

@@ -11,7 +11,7 @@ typedef struct ct_bodies {
   double (*translation)[3]; /* of each body by a unit force, and its turn by a unit moment in the
                                order xx yy zz xy yz zx */
   double (*rotation)[6];
-  double (*most)[2];  /* bounds of both */
+  double *most;       /* bound of the former */
   int32_t *of;        /* body of each of the solver's nodes, or -1 */
   double *arm;        /* r of each of the solver's nodes, shape (node_count, 3) */
   int32_t *first;     /* begin of each body in `terms` */
