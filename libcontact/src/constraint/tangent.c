@@ -121,6 +121,16 @@ static void compare(int64_t count, const double *from, const double *to, double 
   size[1] = top > size[1] ? top : size[1];
 }
 
+/* The largest component of a force. */
+static void find_most_force(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  t->most_force = 0.0;
+  for (int c = 0; c < 3; c++)
+    t->most_force = fmax(t->most_force, ct_largest(t->T.x[c], t->count));
+  ct_pieces_largest(s->pieces, &t->most_force, 1);
+}
+
 /* The limits of the present normal forces. Projects the forces on the sets. */
 static void fix_limits(ct_solver *s)
 {
@@ -135,6 +145,7 @@ static void fix_limits(ct_solver *s)
   measures[1] = size[0] != 0.0;
   ct_pieces_largest(s->pieces, measures, 2);
   t->top = measures[0];
+  t->most_force = fmin(t->most_force, t->top);
   if (measures[1] == 0.0) return;
   for (int c = 0; c < 3; c++) memcpy(t->T.x[c], t->next.x[c], (size_t)t->count * sizeof(double));
   t->pushed = t->current = t->shifted = 0;
@@ -154,7 +165,7 @@ static void add_slips(int64_t count, const double *e, const double *kappa, const
 static int find_drift(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  if (s->count > 0 || s->pieces != NULL) {
+  if (t->coupled && (s->count > 0 || s->pieces != NULL)) {
     if (!ct_matrix_push(s, s->force)) return 0;
     for (int32_t k = 0; k < s->active_node_count; k++)
       for (int32_t c = 0, at = s->active_nodes[k]; c < 3; c++)
@@ -261,12 +272,17 @@ static step step_of(const ct_tangent *t, int k, double *rho)
 }
 
 /* Take the forces of a step. */
-static void take_step(ct_tangent *t, step by)
+static void take_step(ct_solver *s, step by)
 {
+  static const double FAR = 16.0;
+  ct_tangent *t = s->tangent;
   for (int c = 0; c < 3; c++)
     aim_at(t->count, by, t->T.x[c], t->slip.x[c], t->scale, t->T0.x[c], t->slip0.x[c], t->aim.x[c]);
   project(t, &t->aim, &t->T);
   t->pushed = t->current = t->shifted = 0;
+  // A limit far above the forces would cost digits of their sums.
+  if (t->top > FAR * t->size_of_force) find_most_force(s);
+  else t->most_force = t->top;
 }
 
 /* Solve for the tangential forces with the present normal ones. Forces that already meet twice
@@ -284,7 +300,7 @@ static int iterate(ct_solver *s, double least)
     if (!isfinite(size[0])) return -1;
     t->size_of_force = size[1];
     if (size[0] <= tolerance * size[1] || k == t->most_rounds) return k;
-    take_step(t, step_of(t, k, &rho));
+    take_step(s, step_of(t, k, &rho));
   }
 }
 
@@ -315,7 +331,7 @@ static int shift_gaps(ct_solver *s, double *change)
   ct_tangent *t = s->tangent;
   double most[2];
   *change = 0.0;
-  if (t->shifted) return 1;
+  if (t->shifted || !t->coupled) return 1;
   if (!ct_tangent_push(s)) return 0;
   t->shifted = 1;
   ct_matrix_times(s, s->count, t->moved, s->terms);
@@ -381,6 +397,7 @@ int ct_tangent_begin(ct_solver *s)
   t->pushed = t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
+  find_most_force(s);
   memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);
   memcpy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
   return ct_tangent_fix_laws(s) && shift_gaps(s, &change);

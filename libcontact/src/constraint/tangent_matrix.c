@@ -9,7 +9,6 @@
 #include "matrix.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
 
@@ -26,8 +25,10 @@ CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
   if (r->row->other_count == 0) return;
   for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
   ct_transpose_four(from, 4, to + OTHER);
-  for (int i = 0; i < 15; i++)
-    memcpy(to + LEVER + 4 * i, ct_slip_number(r->slip, CT_SLIP_LEVER + i), 4 * sizeof *to);
+  const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
+  for (int i = 0; i < 15; i++, number += r->slip->of->stride)
+    for (int k = 0; k < PARTS; k++)
+      ((ct_quad *)(to + LEVER + 4 * i))[k] = ((const ct_quad *)number)[k];
 }
 
 /* Lever and weights of a row alone. */
@@ -274,12 +275,9 @@ int ct_tangent_push(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   ct_grid grid;
-  double top = 0.0;
   if (t->pushed) return 1;
-  for (int c = 0; c < 3; c++) top = fmax(top, ct_largest(t->T.x[c], t->count));
-  ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
-  if (!ct_grid_init(&grid, 4.0 * top, t->most_row_count)) return 0;
+  if (!ct_grid_init(&grid, 4.0 * t->most_force, t->most_row_count)) return 0;
   push_rows(grid.coarse, t);
   join_sums(s);
   ct_matrix_move(s, t->node_count, t->nodes, t->sums, t->moved);

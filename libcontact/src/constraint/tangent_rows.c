@@ -18,12 +18,10 @@ static void join_sums(ct_solver *s)
 }
 
 /* Count the rows at each node and list the nodes on which any acts. */
-static void list_nodes(ct_solver *s)
+static void count_nodes(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double most = 0.0;
-  for (int32_t k = 0; k < t->node_count; k++)
-    for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
   t->node_count = 0;
   for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
     for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++) {
@@ -40,6 +38,43 @@ static void list_nodes(ct_solver *s)
     *count = 0.0;
   }
   t->most_row_count = (int32_t)most;
+}
+
+/* List the nodes of the rows: those of all active ones if these are the same. */
+static void list_nodes(ct_solver *s, int64_t active)
+{
+  ct_tangent *t = s->tangent;
+  for (int32_t k = 0; k < t->node_count; k++)
+    for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
+  if (s->pieces != NULL || active < t->count || active < s->point_count) {
+    count_nodes(s);
+    return;
+  }
+  t->node_count = s->active_node_count;
+  t->most_row_count = s->most_row_count;
+  memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
+}
+
+/* Whether the mobility of a node keeps the direction n. */
+CT_INLINE int keeps(const double *A, const double n[3])
+{
+  const double along = (n[0] * n[0] * A[0] + n[1] * n[1] * A[1]) + n[2] * n[2] * A[2];
+  for (int c = 0; c < 3; c++)
+    if (n[c] != 0.0 && A[c] != along) return 0;
+  return 1;
+}
+
+/* Whether tangential forces may change the gaps of active rows, and normal forces the motion in the
+ * plane of contact: not if all have one normal, of obstacles, which each mobility keeps. */
+static int are_coupled(const ct_solver *s)
+{
+  const ct_tangent *t = s->tangent;
+  if (!s->along || s->bodies != NULL) return 1;
+  for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
+    if (r->row->other_count > 0) return 1;
+  for (int32_t k = 0; k < s->active_node_count; k++)
+    if (!keeps(&s->mobility[s->active_nodes[k]], s->normal)) return 1;
+  return 0;
 }
 
 /* Add a row to the list; `head` is the first of those before it with the same nodes, or null.
@@ -127,23 +162,25 @@ void ct_tangent_list(ct_solver *s)
   ct_tangent *t = s->tangent;
   ct_constraint **active = s->active, **end = s->active + s->point_count;
   ct_tangent_row *head = NULL;
+  int64_t actives = 0;
   t->count = t->some_move = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
     const int is_active = active < end && *active == c;
     active += is_active;
     if (c->slip == NULL) continue;
+    actives += is_active;
     if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement)))
       head = list_row(s, c, head);
     else ct_slip_open(c->slip);
   }
-  double some = t->count > 0;
-  ct_pieces_largest(s->pieces, &some, 1);
-  t->some = some > 0.0;
+  double facts[2] = {t->count > 0, are_coupled(s)};
+  ct_pieces_largest(s->pieces, facts, 2);
+  t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0;
   if (!t->some) return;
   read_points(t);
   make_tangential(t);
   ct_tangent_fill(t);
-  list_nodes(s);
+  list_nodes(s, actives);
   find_last(s);
 }

@@ -55,10 +55,12 @@ typedef struct ct_tangent {
   double *shift;              /* of the gaps of active rows by tangential forces */
   int some_move;              /* whether there are rows of obstacles that move */
   int some;                   /* whether any piece has rows */
+  int coupled;                /* whether normal and tangential forces change each other's motion */
   int pushed;                 /* whether `moved` is that of T */
   int current;                /* whether `image` is that of T */
   int shifted;                /* whether `shift` is that of T */
   double top;                 /* the largest limit */
+  double most_force;          /* a bound of the components of the forces, of all pieces */
   double size_of_force;       /* the largest force, at least a small share of this limit */
   double lowest;              /* lower bound of the eigenvalues of D⁻¹ (W + C) */
   double tolerance;           /* of the forces */
