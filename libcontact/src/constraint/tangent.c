@@ -68,16 +68,19 @@ static ct_slip_set set_of(const ct_tangent *t, int64_t j)
   return set;
 }
 
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
 /* `to` = forces without the parts beyond their discs, and `beyond` = 1 where they are still beyond
- * the chord; returns whether any is. */
+ * the chord; writes the largest component, and returns whether any is beyond. */
 CT_CLONES
 static int shorten_all(const ct_tangent *t, const ct_columns *from, const ct_columns *to,
-                       double *restrict beyond)
+                       double *restrict beyond, double *largest)
 {
   const double *limit = t->limit, *most = t->most, *cx = t->c.x[0], *cy = t->c.x[1],
                *cz = t->c.x[2], *x = from->x[0], *y = from->x[1], *z = from->x[2];
-  double *X = to->x[0], *Y = to->x[1], *Z = to->x[2], any = 0.0;
-#pragma omp simd reduction(max : any)
+  double *X = to->x[0], *Y = to->x[1], *Z = to->x[2], any = 0.0, top = 0.0;
+#pragma omp simd reduction(max : any, top)
   for (int64_t j = 0; j < t->count; j++) {
     // -- The disc alone (eq:slip-projection)
     const double part = ct_slip_part(limit[j], (x[j] * x[j] + y[j] * y[j]) + z[j] * z[j]);
@@ -85,15 +88,18 @@ static int shorten_all(const ct_tangent *t, const ct_columns *from, const ct_col
     const double along = (X[j] * cx[j] + Y[j] * cy[j]) + Z[j] * cz[j],
                  over = along > most[j] ? 1.0 : 0.0;
     beyond[j] = over;
-    any = over > any ? over : any;
+    any = larger(over, any);
+    top = larger(larger(larger(fabs(X[j]), fabs(Y[j])), fabs(Z[j])), top);
   }
+  *largest = top;
   return any > 0.0;
 }
 
-/* `to` = forces projected on the sets of all rows. */
-static void project(const ct_tangent *t, const ct_columns *from, const ct_columns *to)
+/* `to` = forces projected on the sets of all rows. Returns the largest component. */
+static double project(const ct_tangent *t, const ct_columns *from, const ct_columns *to)
 {
-  if (!shorten_all(t, from, to, t->terms)) return;
+  double top;
+  if (!shorten_all(t, from, to, t->terms, &top)) return top;
   for (int64_t j = 0; j < t->count; j++) {
     if (t->terms[j] == 0.0) continue;
     const ct_slip_set set = set_of(t, j);
@@ -101,7 +107,9 @@ static void project(const ct_tangent *t, const ct_columns *from, const ct_column
     ct_columns_get(from, j, T);
     ct_slip_project(&set, T);
     ct_columns_set(to, j, T);
+    for (int c = 0; c < 3; c++) top = larger(fabs(T[c]), top);
   }
+  return top;
 }
 
 /* Largest change of a force from one vector to another, and largest force there; NaN if one is. */
@@ -119,16 +127,6 @@ static void compare(int64_t count, const double *from, const double *to, double 
   if (isnan(sum)) most = NAN;
   size[0] = most > size[0] || isnan(most) ? most : size[0];
   size[1] = top > size[1] ? top : size[1];
-}
-
-/* The largest component of a force. */
-static void find_most_force(ct_solver *s)
-{
-  ct_tangent *t = s->tangent;
-  t->most_force = 0.0;
-  for (int c = 0; c < 3; c++)
-    t->most_force = fmax(t->most_force, ct_largest(t->T.x[c], t->count));
-  ct_pieces_largest(s->pieces, &t->most_force, 1);
 }
 
 /* The limits of the present normal forces. Projects the forces on the sets. */
@@ -176,9 +174,6 @@ static int find_drift(ct_solver *s)
   for (int c = 0; c < 3; c++) add_slips(t->count, t->e.x[c], t->kappa, t->e0.x[c], t->q.x[c]);
   return 1;
 }
-
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
 /* One component of the slips of the step, and of the forces to which a unit step down them leads,
  * before their projection. */
@@ -274,15 +269,12 @@ static step step_of(const ct_tangent *t, int k, double *rho)
 /* Take the forces of a step. */
 static void take_step(ct_solver *s, step by)
 {
-  static const double FAR = 16.0;
   ct_tangent *t = s->tangent;
   for (int c = 0; c < 3; c++)
     aim_at(t->count, by, t->T.x[c], t->slip.x[c], t->scale, t->T0.x[c], t->slip0.x[c], t->aim.x[c]);
-  project(t, &t->aim, &t->T);
+  t->most_force = project(t, &t->aim, &t->T);
+  ct_pieces_largest(s->pieces, &t->most_force, 1);
   t->pushed = t->current = t->shifted = 0;
-  // A limit far above the forces would cost digits of their sums.
-  if (t->top > FAR * t->size_of_force) find_most_force(s);
-  else t->most_force = t->top;
 }
 
 /* Solve for the tangential forces with the present normal ones. Forces that already meet twice
@@ -397,7 +389,6 @@ int ct_tangent_begin(ct_solver *s)
   t->pushed = t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
-  find_most_force(s);
   memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);
   memcpy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
   return ct_tangent_fix_laws(s) && shift_gaps(s, &change);

@@ -296,25 +296,40 @@ int ct_tangent_apply(ct_solver *s)
   return 1;
 }
 
-/* Sizes of the entries of one row, for each node (eq:slip-bound). */
-static void size_row(const ct_tangent_row *r, const double *couple, double *size)
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
+/* Sizes of the entries of one row, for each node (eq:slip-bound). Returns the largest. */
+static double size_row(const ct_tangent_row *r, const double *couple, double *size)
 {
   const ct_constraint *c = r->row;
   const double d = ct_vector_dot(couple, couple);
-  for (int32_t a = 0; a < c->own_count; a++) *size++ = fabs(c->own_shape[a]);
+  double top = 0.0;
+  for (int32_t a = 0; a < c->own_count; a++) {
+    size[a] = fabs(c->own_shape[a]);
+    top = larger(size[a], top);
+  }
+  size += c->own_count;
   for (int32_t b = 0; b < c->other_count; b++) {
     const double *w = &couple[ALONE_WEIGHT + 4 * b];
     // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
-    *size++ = fabs(c->other_shape[b]) + sqrt(ct_vector_dot(w, w) * d);
+    size[b] = fabs(c->other_shape[b]) + sqrt(ct_vector_dot(w, w) * d);
+    top = larger(size[b], top);
   }
+  return top;
 }
 
 /* The same of four rows, side by side. */
-CT_INLINE void size_four(int32_t other, const double *lanes, double *size)
+CT_INLINE double size_four(int32_t other, const double *lanes, double *size)
 {
   const double *O = lanes + OTHER, *d = lanes + LEVER;
+  double most[4] = {0.0};
+  for (int32_t a = 0; a < 4; a++)
 #pragma omp simd
-  for (int i = 0; i < 16; i++) size[i] = fabs(lanes[i]);
+    for (int i = 0; i < 4; i++) {
+      size[4 * a + i] = fabs(lanes[4 * a + i]);
+      most[i] = larger(size[4 * a + i], most[i]);
+    }
   for (int32_t b = 0; b < other; b++) {
     const double *w = lanes + WEIGHT + 12 * b;
 #pragma omp simd
@@ -323,25 +338,38 @@ CT_INLINE void size_four(int32_t other, const double *lanes, double *size)
                    w2 = (w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i];
       // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
       size[16 + 4 * b + i] = fabs(O[4 * b + i]) + sqrt(w2 * d2);
+      most[i] = larger(size[16 + 4 * b + i], most[i]);
     }
   }
+  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
 }
 
 /* The sizes of all rows; those of four rows together lie side by side. Returns the largest. */
 CT_CLONES
 static double size_rows(const ct_tangent *t)
 {
-  double top = 1.0;
+  double top = 1.0, own;
   for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
     const ct_tangent_row *r = &t->rows[j];
-    const int32_t count = r->together * (r->row->own_count + r->row->other_count);
+    const double *lanes = &t->lanes[LANES * j];
     double *size = &t->size[CT_ROW_NODES * j];
-    if (r->together == 1) size_row(r, &t->lanes[LANES * j], size);
-    else size_four(r->row->other_count, &t->lanes[LANES * j], size);
-#pragma omp simd reduction(max : top)
-    for (int32_t i = 0; i < count; i++) top = size[i] > top ? size[i] : top;
+    if (r->together == 1) own = size_row(r, lanes, size);
+    else if (r->row->other_count == 4) own = size_four(4, lanes, size);
+    else own = size_four(0, lanes, size);
+    top = larger(own, top);
   }
   return top;
+}
+
+/* Add the sizes of some rows to the sums at their nodes. */
+CT_INLINE void sum_rows(double coarse, int rows, int32_t nodes, const int32_t *place,
+                        const double *size, double *sums)
+{
+  for (int32_t a = 0; a < nodes; a++) {
+    double v[4];
+    for (int i = 0; i < rows; i++) v[i] = (size[rows * a + i] + coarse) - coarse;
+    sums[place[a] + 3] += rows == 1 ? v[0] : (v[0] + v[1]) + (v[2] + v[3]);
+  }
 }
 
 /* Σ_k β_ka of all nodes a, into the fourth components of the sums. */
@@ -350,14 +378,11 @@ static void sum_sizes(double coarse, const ct_tangent *t)
 {
   for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
     const ct_tangent_row *r = &t->rows[j];
-    const int32_t nodes = r->row->own_count + r->row->other_count, count = r->together * nodes;
+    const int32_t nodes = r->row->own_count + r->row->other_count;
     const double *size = &t->size[CT_ROW_NODES * j];
-    double v[4 * CT_ROW_NODES];
-#pragma omp simd
-    for (int32_t i = 0; i < count; i++) v[i] = (size[i] + coarse) - coarse;
-    for (int32_t a = 0; a < nodes; a++)
-      t->sums[r->place[a] + 3] +=
-          r->together == 1 ? v[a] : (v[4 * a] + v[4 * a + 1]) + (v[4 * a + 2] + v[4 * a + 3]);
+    if (r->together == 1) sum_rows(coarse, 1, nodes, r->place, size, t->sums);
+    else if (nodes == 8) sum_rows(coarse, 4, 8, r->place, size, t->sums);
+    else sum_rows(coarse, 4, 4, r->place, size, t->sums);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "matrix.h"
 #include "tangent_matrix.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE };
@@ -120,17 +121,22 @@ static void read_points(const ct_tangent *t)
   }
 }
 
-/* Remove the normal parts of the forces. */
+/* The larger of two numbers. */
+CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
+
+/* Remove the normal parts of the forces. Returns the largest component. */
 CT_CLONES
-static void make_tangential(const ct_tangent *t)
+static double make_tangential(const ct_tangent *t)
 {
   const double *n0 = t->normal.x[0], *n1 = t->normal.x[1], *n2 = t->normal.x[2];
-  double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2];
-#pragma omp simd
+  double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], top = 0.0;
+#pragma omp simd reduction(max : top)
   for (int64_t j = 0; j < t->count; j++) {
     const double along = (n0[j] * x[j] + n1[j] * y[j]) + n2[j] * z[j];
     x[j] -= along * n0[j], y[j] -= along * n1[j], z[j] -= along * n2[j];
+    top = larger(larger(larger(fabs(x[j]), fabs(y[j])), fabs(z[j])), top);
   }
+  return top;
 }
 
 void ct_tangent_take_off(const ct_tangent *t, int next, const ct_columns *motion)
@@ -174,12 +180,11 @@ void ct_tangent_list(ct_solver *s)
       head = list_row(s, c, head);
     else ct_slip_open(c->slip);
   }
-  double facts[2] = {t->count > 0, are_coupled(s)};
-  ct_pieces_largest(s->pieces, facts, 2);
-  t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0;
-  if (!t->some) return;
   read_points(t);
-  make_tangential(t);
+  double facts[] = {t->count > 0, are_coupled(s), make_tangential(t)};
+  ct_pieces_largest(s->pieces, facts, 3);
+  t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];
+  if (!t->some) return;
   ct_tangent_fill(t);
   list_nodes(s, actives);
   find_last(s);
