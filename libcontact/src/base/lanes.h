@@ -125,21 +125,21 @@ CT_INLINE void ct_store_row(const ct_lanes v[3], double *p)
 #endif
 }
 
-/* Transpose four rows of four numbers: `to[step i + j]` = number i of row j. */
-CT_INLINE void ct_transpose_four(const double *const from[4], int64_t step, double *to)
+/* Transpose four rows of four numbers: number j of `to[i]` = number i of `from[j]`. */
+CT_INLINE void ct_transpose_four(const double *const from[4], double *const to[4])
 {
 #if CT_ROWS
   const ct_quad a = *(const ct_quad *)from[0], b = *(const ct_quad *)from[1],
                 c = *(const ct_quad *)from[2], d = *(const ct_quad *)from[3],
                 low = CT_PICK(a, b, 0, 4, 2, 6), high = CT_PICK(a, b, 1, 5, 3, 7),
                 next = CT_PICK(c, d, 0, 4, 2, 6), last = CT_PICK(c, d, 1, 5, 3, 7);
-  *(ct_quad *)&to[0] = CT_PICK(low, next, 0, 1, 4, 5);
-  *(ct_quad *)&to[step] = CT_PICK(high, last, 0, 1, 4, 5);
-  *(ct_quad *)&to[2 * step] = CT_PICK(low, next, 2, 3, 6, 7);
-  *(ct_quad *)&to[3 * step] = CT_PICK(high, last, 2, 3, 6, 7);
+  *(ct_quad *)to[0] = CT_PICK(low, next, 0, 1, 4, 5);
+  *(ct_quad *)to[1] = CT_PICK(high, last, 0, 1, 4, 5);
+  *(ct_quad *)to[2] = CT_PICK(low, next, 2, 3, 6, 7);
+  *(ct_quad *)to[3] = CT_PICK(high, last, 2, 3, 6, 7);
 #else
   for (int i = 0; i < 4; i++)
-    for (int j = 0; j < 4; j++) to[step * i + j] = from[j][i];
+    for (int j = 0; j < 4; j++) to[i][j] = from[j][i];
 #endif
 }
 

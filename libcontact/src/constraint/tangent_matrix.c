@@ -20,11 +20,15 @@ enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4, ALONE_WEIGHT = 4 };
 CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
 {
   const double *from[4];
-  for (int j = 0; j < 4; j++) from[j] = r[j].row->own_shape;
-  ct_transpose_four(from, 4, to);
+  double *own[4], *other[4];
+  for (int j = 0; j < 4; j++) {
+    from[j] = r[j].row->own_shape;
+    own[j] = to + 4 * j, other[j] = to + OTHER + 4 * j;
+  }
+  ct_transpose_four(from, own);
   if (r->row->other_count == 0) return;
   for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
-  ct_transpose_four(from, 4, to + OTHER);
+  ct_transpose_four(from, other);
   const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
   for (int i = 0; i < 15; i++, number += r->slip->of->stride)
     for (int k = 0; k < PARTS; k++)

@@ -18,6 +18,9 @@ static ct_friction_call begin(ct_friction_memory *s, const ct_surface_motion *at
   if (at->before == 0.0) s->tail = (ct_friction_tail){.begun = 0.0};
   for (int k = 0; k < s->data->sides; k++)
     now.side[k] = &((const ct_contact *)at->on)->gaps.side[k];
+  // -- At t = 0 forces are solved for twice: the second time from those of the first
+  for (int k = 0; k < s->data->sides && at->before != 0.0; k++)
+    now.most_face[k] = s->data->rigid ? 1.0 : (double)ct_friction_other(&now, k)->face_count;
   s->pieces = now.side[0]->pieces;
   return now;
 }
@@ -144,6 +147,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   s->listed = ct_pool_take(&s->pool, points, sizeof *s->listed);
   s->axes = ct_pool_take(&s->pool, batches, sizeof *s->axes);
   s->terms = ct_pool_take(&s->pool, CT_BATCH * batches + nodes, sizeof *s->terms);
+  for (size_t j = 0; j < points && !s->pool.failed; j++) s->points[j].of = &s->slips;
   // An odd number of batches apart, numbers of one point do not compete for places in a cache.
   s->slips = (ct_slips){.mu = data->mu,
                         .moves = data->rigid && ((const ct_contact_fixed *)interaction->on)->moves,

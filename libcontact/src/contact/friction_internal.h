@@ -72,6 +72,7 @@ typedef struct ct_friction_call {
   const ct_friction *data;
   const ct_surface_motion *at;
   const ct_side *side[2];
+  double most_face[2]; /* largest number of a partner of each side in a record; 0: none is recalled */
 } ct_friction_call;
 
 /* One listed point: point `i` of side `s`, the number `j` of all. */

@@ -14,7 +14,6 @@ typedef struct frames {
   int quads; /* whether all have four nodes: then the derivatives follow from `xi` */
   double xi[2][CT_BATCH];
   double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH];
-  ct_face_axes axes;
 } frames;
 
 /* The nodes of a face, in some lanes. */
@@ -65,11 +64,11 @@ CT_INLINE double dot(double (*const a)[CT_BATCH], double (*const b)[CT_BATCH], i
 
 /* Unit normal, and the vectors a^i with a^i · t_j = δ_ij in the plane of the tangents
  * (eq:friction-components). */
-CT_INLINE void find_dual(frames *f)
+CT_INLINE void find_dual(frames *f, ct_face_axes *axes)
 {
   static const double PARALLEL = 1e-14;
   double has[CT_BATCH], (*t0)[CT_BATCH] = f->t[0], (*t1)[CT_BATCH] = f->t[1],
-                        (*n)[CT_BATCH] = f->t[2], (*dual)[3][CT_BATCH] = f->axes.a;
+                        (*n)[CT_BATCH] = f->t[2], (*dual)[3][CT_BATCH] = axes->a;
   for (int c = 0; c < 3; c++) {
     const int d = (c + 1) % 3, e = (c + 2) % 3;
 #pragma omp simd
@@ -94,14 +93,16 @@ CT_INLINE void find_dual(frames *f)
 }
 
 /* The weights of the couple (eq:slip-row), `stride` numbers apart. */
-CT_INLINE void weigh(int count, const frames *f, int64_t stride, double *w)
+CT_INLINE void weigh(int count, const frames *f, const ct_face_axes *axes, int64_t stride,
+                     double *w)
 {
+  double(*const a)[3][CT_BATCH] = (double(*)[3][CT_BATCH])axes->a;
   for (int b = 0; b < count; b++)
     for (int c = 0; c < 3; c++)
 #pragma omp simd
       for (int l = 0; l < CT_BATCH; l++)
         // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-        w[stride * (3 * b + c) + l] = f->dN[b][0][l] * f->axes.a[0][c][l] + f->dN[b][1][l] * f->axes.a[1][c][l];
+        w[stride * (3 * b + c) + l] = f->dN[b][0][l] * a[0][c][l] + f->dN[b][1][l] * a[1][c][l];
 }
 
 /* Where the numbers of a point's record stand (ct_slip_record). */
@@ -116,8 +117,9 @@ enum {
   QUADS = CT_FRICTION_RECORD / 4
 };
 
-/* The stored slips of eight points along the present frames of their faces, turned into the present
- * plane of contact with their lengths (eq:friction-turn). Their components are `stride` apart. */
+/* The stored slips of eight points along the present frames of their faces, or null: those of space,
+ * turned into the present plane of contact with their lengths (eq:friction-turn). Their components
+ * are `stride` apart. */
 CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH],
                       double (*const of)[CT_BATCH], int64_t stride, double *slip)
 {
@@ -125,7 +127,8 @@ CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH
   for (int c = 0; c < 3; c++)
 #pragma omp simd
     for (int l = 0; l < CT_BATCH; l++)
-      e[c][l] = (of[0][l] * t[0][c][l] + of[1][l] * t[1][c][l]) + of[2][l] * t[2][c][l];
+      e[c][l] = t == NULL ? of[c][l]
+                          : (of[0][l] * t[0][c][l] + of[1][l] * t[1][c][l]) + of[2][l] * t[2][c][l];
 #pragma omp simd
   for (int l = 0; l < CT_BATCH; l++) {
     const double along = dot(n, e, l);
@@ -141,6 +144,7 @@ CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH
 typedef struct batch {
   ct_friction_place at[CT_BATCH];
   ct_point *point[CT_BATCH];
+  double other[CT_BATCH];                    /* faces of the partners, as in a record */
   double last[CT_FRICTION_RECORD][CT_BATCH]; /* records, with OTHER 0 where nothing is recalled */
   double n[3][CT_BATCH];                     /* normals of the rows */
   frames now, then; /* of the partners now; and where slips were stored */
@@ -149,32 +153,32 @@ typedef struct batch {
 /* Forget what is not of a partner, lane by lane. */
 CT_INLINE void forget(const ct_friction_call *now, batch *b)
 {
-  for (int l = 0; l < CT_BATCH; l++) {
-    const double *other = &b->last[OTHER][l],
-                 most = now->data->rigid
-                            ? 1.0
-                            : (double)ct_friction_other(now, b->at[l].s)->face_count;
-    // -- At t = 0 forces are solved for twice: the second time from those of the first
-    if (*other >= 1.0 && *other <= most && now->at->before != 0.0) continue;
-    for (int i = OTHER; i < FORCE; i++) b->last[i][l] = 0.0;
-  }
+  const double *other = b->last[OTHER];
+  for (int l = 0; l < CT_BATCH; l++)
+    if (!(other[l] >= 1.0 && other[l] <= now->most_face[b->at[l].s]))
+      for (int i = OTHER; i < FORCE; i++) b->last[i][l] = 0.0;
 }
 
 CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
-                       batch *b)
+                          batch *b)
 {
+  const int rigid = now->data->rigid;
   const double *record[CT_BATCH];
   for (int l = 0; l < CT_BATCH; l++) {
     const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
     const ct_friction_place at = b->at[l] = ct_friction_place_of(now, s->listed[n]);
-    b->point[l] = &now->side[at.s]->points[at.i];
+    ct_point *point = b->point[l] = &now->side[at.s]->points[at.i];
     record[l] = &now->at->memory[CT_FRICTION_RECORD * at.j];
-    for (int c = 0; c < 3; c++) b->n[c][l] = b->point[l]->row.normal[c];
+    for (int c = 0; c < 3; c++) b->n[c][l] = point->row.normal[c];
+    b->other[l] = rigid ? 1.0 : point->other + 1.0;
   }
   for (int l = 0; l < CT_BATCH; l += 4)
-    for (int i = 0; i < QUADS; i++, record[l] += 4, record[l + 1] += 4, record[l + 2] += 4,
-             record[l + 3] += 4)
-      ct_transpose_four(&record[l], CT_BATCH, &b->last[4 * i][l]);
+    for (int i = 0; i < QUADS; i++) {
+      const double *from[4];
+      double *to[4];
+      for (int k = 0; k < 4; k++) from[k] = record[l + k] + 4 * i, to[k] = &b->last[4 * i + k][l];
+      ct_transpose_four(from, to);
+    }
   forget(now, b);
 }
 
@@ -182,7 +186,7 @@ CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory 
 CT_INLINE int meet_one_face(const batch *b, int l)
 {
   for (int i = l + 1; i < l + 4; i++)
-    if (b->at[i].s != b->at[l].s || b->point[i]->other != b->point[l]->other) return 0;
+    if (b->at[i].s != b->at[l].s || b->other[i] != b->other[l]) return 0;
   return 1;
 }
 
@@ -194,11 +198,24 @@ CT_INLINE void load_four(const ct_search *search, const batch *b, int l, frames 
     for (int i = 0; i < 2; i++) f->xi[i][k] = b->point[k]->xi[i];
 }
 
+/* Whether points have met other faces than now, as eight lanes. */
+CT_INLINE int have_changed(const batch *b)
+{
+  const double *last = b->last[OTHER], *other = b->other;
+  double changed = 0.0;
+#pragma omp simd reduction(max : changed)
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double other_face = last[l] != other[l] ? 1.0 : 0.0,
+                 own = last[l] != 0.0 ? other_face : 0.0;
+    changed = own > changed ? own : changed;
+  }
+  return changed > 0.0;
+}
+
 /* The faces of the partners; and faces that are no longer partners, where their point was. Returns
  * whether there are such. */
 CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
 {
-  int changed = 0;
   b->now.quads = now->data->quads;
   // Other faces may have fewer nodes than there are places.
   if (!b->now.quads) memset(&b->now, 0, sizeof b->now);
@@ -211,9 +228,7 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
       load_face(other, b->point[l]->other, b->point[l]->xi, l, &b->now);
     }
   }
-  for (int l = 0; l < CT_BATCH; l++)
-    changed |= b->last[OTHER][l] != 0.0 && b->last[OTHER][l] != b->point[l]->other + 1.0;
-  if (!changed) return 0;
+  if (!have_changed(b)) return 0;
   b->then = b->now;
   for (int l = 0; l < CT_BATCH; l++) {
     const int32_t face = (int32_t)b->last[OTHER][l] - 1;
@@ -224,16 +239,8 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
   return 1;
 }
 
-/* The axes of space in all lanes. */
-CT_INLINE void take_axes_of_space(frames *f)
-{
-  memset(f->t, 0, sizeof f->t);
-  for (int c = 0; c < 3; c++)
-    for (int l = 0; l < CT_BATCH; l++) f->t[c][c][l] = 1.0;
-}
-
 /* The frames of all lanes. */
-CT_INLINE void find_frames(int count, frames *f)
+CT_INLINE void find_frames(int count, frames *f, ct_face_axes *axes)
 {
   if (count == 4) {
 #pragma omp simd
@@ -241,32 +248,30 @@ CT_INLINE void find_frames(int count, frames *f)
       ct_shape_gradient_q4(f->xi[0][l], f->xi[1][l], &f->dN[0][0][l], CT_BATCH);
   }
   find_tangents(count, f);
-  find_dual(f);
+  find_dual(f, axes);
 }
 
-/* Frames, weights of the couples, elastic slips, and the forces that would hold them, of all
- * lanes. */
-CT_INLINE void find_slips(int rigid, int changed, const ct_friction_memory *s, int64_t first,
-                       batch *b)
+/* Frames and weights of the couples of all lanes; returns the frames in which slips were stored. */
+CT_INLINE frames *find_all_frames(int count, int changed, const ct_friction_memory *s,
+                                  int64_t first, batch *b)
+{
+  ct_face_axes *axes = &s->axes[first / CT_BATCH], unused;
+  find_frames(count, &b->now, axes);
+  weigh(count, &b->now, axes, s->slips.stride, ct_friction_numbers(s, CT_SLIP_WEIGHT, first));
+  if (!changed) return &b->now;
+  find_frames(count, &b->then, &unused);
+  return &b->then;
+}
+
+/* Elastic slips of all lanes, and the forces that would hold them. */
+CT_INLINE void find_slips(double (*const t)[3][CT_BATCH], const ct_friction_memory *s,
+                          int64_t first, batch *b)
 {
   const int64_t stride = s->slips.stride;
-  double *w = ct_friction_numbers(s, CT_SLIP_WEIGHT, first),
-         *e = ct_friction_numbers(s, CT_SLIP_E, first),
+  double *e = ct_friction_numbers(s, CT_SLIP_E, first),
          *k = ct_friction_numbers(s, CT_SLIP_K, first);
-  if (rigid) {
-    take_axes_of_space(&b->now);
-  } else if (b->now.quads) {
-    find_frames(4, &b->now);
-    weigh(4, &b->now, stride, w);
-  } else {
-    find_frames(8, &b->now);
-    weigh(8, &b->now, stride, w);
-  }
-  if (changed && b->now.quads) find_frames(4, &b->then);
-  else if (changed) find_frames(8, &b->then);
-  recall(changed ? b->then.t : b->now.t, b->n, &b->last[E], stride, e);
-  recall(changed ? b->then.t : b->now.t, b->n, &b->last[BEFORE], stride,
-         e + stride * (CT_SLIP_BEFORE - CT_SLIP_E));
+  recall(t, b->n, &b->last[E], stride, e);
+  recall(t, b->n, &b->last[BEFORE], stride, e + stride * (CT_SLIP_BEFORE - CT_SLIP_E));
   for (int c = 0; c < 3; c++, e += stride)
 #pragma omp simd
     for (int l = 0; l < CT_BATCH; l++)
@@ -276,14 +281,12 @@ CT_INLINE void find_slips(int rigid, int changed, const ct_friction_memory *s, i
 
 /* Give eight listed points what does not hang on their faces. */
 CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, int64_t first,
-                        const batch *b)
+                           const batch *b)
 {
   const ct_friction *data = now->data;
   double *normal = ct_friction_numbers(s, CT_SLIP_NORMAL, first);
   const int64_t to = s->slips.stride;
-  memcpy(normal, b->n[0], sizeof b->n[0]);
-  memcpy(normal + to, b->n[1], sizeof b->n[1]);
-  memcpy(normal + 2 * to, b->n[2], sizeof b->n[2]);
+  for (int c = 0; c < 3; c++) memcpy(normal + to * c, b->n[c], sizeof b->n[c]);
   memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
   memcpy(normal + to * CT_SLIP_STUCK, b->last[STUCK], sizeof b->last[STUCK]);
   for (int l = 0; l < CT_BATCH; l++) {
@@ -292,8 +295,8 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
     for (int c = 0; c < 3 && !data->rigid; c++)
       normal[to * (CT_SLIP_LEVER + c) + l] = point->d[c];
     if (first + l >= s->listed_count) continue;
-    ct_slip *slip = point->row.slip = &s->points[b->at[l].j];
-    *slip = (ct_slip){.of = &s->slips, .at = first + l};
+    point->row.slip = &s->points[b->at[l].j];
+    point->row.slip->at = first + l;
     // -- The force of the explicit penalty is known: k ⟨-g⟩
     if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
   }
@@ -302,12 +305,16 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
 CT_CLONES
 void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
 {
-  const int rigid = now->data->rigid;
   batch b;
   load_batch(now, s, first, &b);
   give_points(now, s, first, &b);
-  find_slips(rigid, !rigid && load_frames(now, &b), s, first, &b);
-  if (!rigid) s->axes[first / CT_BATCH] = b.now.axes;
+  if (now->data->rigid) {
+    find_slips(NULL, s, first, &b);
+  } else {
+    const int changed = load_frames(now, &b);
+    if (b.now.quads) find_slips(find_all_frames(4, changed, s, first, &b)->t, s, first, &b);
+    else find_slips(find_all_frames(8, changed, s, first, &b)->t, s, first, &b);
+  }
   for (int c = 0; c < 3 && !(now->at->before > 0.0); c++)
     memcpy(ct_friction_numbers(s, CT_SLIP_FORCE + c, first), b.last[FORCE + c],
            sizeof b.last[FORCE + c]);
@@ -392,13 +399,13 @@ static int has_axes(const ct_face_axes *axes, int l)
 }
 
 /* The partners of eight points in their records; a record without a partner is 0. */
-CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
-                          double (*record)[CT_BATCH], double *next[CT_BATCH])
+CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memory *s,
+                             int64_t first, int count, double (*record)[CT_BATCH],
+                             double *next[CT_BATCH])
 {
   const int rigid = now->data->rigid;
-  for (int l = 0; l < CT_BATCH; l++) {
-    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
-    const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
+  for (int l = 0; l < count; l++) {
+    const ct_friction_place at = ct_friction_place_of(now, s->listed[first + l]);
     const ct_point *point = &now->side[at.s]->points[at.i];
     next[l] = &now->at->next_memory[CT_FRICTION_RECORD * at.j];
     if (point->row.force > 0.0 && (rigid || has_axes(&s->axes[first / CT_BATCH], l))) {
@@ -410,18 +417,28 @@ CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memo
   }
 }
 
+/* Write four records, number after number. */
+CT_INLINE void write_four(double (*const record)[CT_BATCH], int l, double *const next[4])
+{
+  for (int i = 0; i < QUADS; i++) {
+    const double *from[4];
+    double *to[4];
+    for (int k = 0; k < 4; k++) from[k] = &record[4 * i + k][l], to[k] = next[k] + 4 * i;
+    ct_transpose_four(from, to);
+  }
+}
+
 CT_CLONES
 void ct_friction_store(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
 {
-  double record[CT_FRICTION_RECORD][CT_BATCH], own[CT_BATCH][CT_FRICTION_RECORD], *next[CT_BATCH];
+  double record[CT_FRICTION_RECORD][CT_BATCH], unused[CT_FRICTION_RECORD], *next[CT_BATCH];
+  const int64_t left = s->listed_count - first;
+  const int count = left < CT_BATCH ? (int)left : CT_BATCH;
+  for (int l = count; l < CT_BATCH; l++) {
+    next[l] = unused;
+    record[OTHER][l] = record[PLACE][l] = record[PLACE + 1][l] = 0.0;
+  }
   find_records(s, first, record);
-  find_partners(now, s, first, record, next);
-  for (int l = 0; l < CT_BATCH; l += 4)
-    for (int i = 0; i < QUADS; i++) {
-      const double *from[4];
-      for (int k = 0; k < 4; k++) from[k] = &record[4 * i + k][l];
-      ct_transpose_four(from, CT_FRICTION_RECORD, &own[l][4 * i]);
-    }
-  for (int l = 0; l < CT_BATCH && first + l < s->listed_count; l++)
-    memcpy(next[l], own[l], sizeof own[l]);
+  find_partners(now, s, first, count, record, next);
+  for (int l = 0; l < CT_BATCH; l += 4) write_four(record, l, &next[l]);
 }
