@@ -62,6 +62,24 @@ CT_INLINE void ct_sum_face(int32_t count, ct_quad t[8], ct_quad *out)
   if (count > 4) *out += (t[4] + t[6]) + (t[5] + t[7]);
 }
 
+/* Four rows of four numbers become columns, or the reverse. */
+CT_INLINE void ct_turn(const double *const from[4], double *const to[4])
+{
+#if CT_ROWS
+  const ct_quad *a = (const ct_quad *)from[0], *b = (const ct_quad *)from[1],
+                *c = (const ct_quad *)from[2], *d = (const ct_quad *)from[3];
+  const ct_quad low = CT_PICK(*a, *b, 0, 4, 2, 6), high = CT_PICK(*a, *b, 1, 5, 3, 7),
+                low2 = CT_PICK(*c, *d, 0, 4, 2, 6), high2 = CT_PICK(*c, *d, 1, 5, 3, 7);
+  *(ct_quad *)to[0] = CT_PICK(low, low2, 0, 1, 4, 5);
+  *(ct_quad *)to[1] = CT_PICK(high, high2, 0, 1, 4, 5);
+  *(ct_quad *)to[2] = CT_PICK(low, low2, 2, 3, 6, 7);
+  *(ct_quad *)to[3] = CT_PICK(high, high2, 2, 3, 6, 7);
+#else
+  for (int i = 0; i < 4; i++)
+    for (int k = 0; k < 4; k++) to[k][i] = from[i][k];
+#endif
+}
+
 /* Compile a kernel for several instruction sets; the loader selects the best one for the machine.
  */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && \
@@ -122,24 +140,6 @@ CT_INLINE void ct_store_row(const ct_lanes v[3], double *p)
   at[2] = CT_PICK(c, v[2], 0, 13, 2, 3, 14, 5, 6, 15);
 #else
   (void)v, (void)p;
-#endif
-}
-
-/* Transpose four rows of four numbers: number j of `to[i]` = number i of `from[j]`. */
-CT_INLINE void ct_transpose_four(const double *const from[4], double *const to[4])
-{
-#if CT_ROWS
-  const ct_quad a = *(const ct_quad *)from[0], b = *(const ct_quad *)from[1],
-                c = *(const ct_quad *)from[2], d = *(const ct_quad *)from[3],
-                low = CT_PICK(a, b, 0, 4, 2, 6), high = CT_PICK(a, b, 1, 5, 3, 7),
-                next = CT_PICK(c, d, 0, 4, 2, 6), last = CT_PICK(c, d, 1, 5, 3, 7);
-  *(ct_quad *)to[0] = CT_PICK(low, next, 0, 1, 4, 5);
-  *(ct_quad *)to[1] = CT_PICK(high, last, 0, 1, 4, 5);
-  *(ct_quad *)to[2] = CT_PICK(low, next, 2, 3, 6, 7);
-  *(ct_quad *)to[3] = CT_PICK(high, last, 2, 3, 6, 7);
-#else
-  for (int i = 0; i < 4; i++)
-    for (int j = 0; j < 4; j++) to[i][j] = from[j][i];
 #endif
 }
 

@@ -40,8 +40,7 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   double **vectors[] = {&t->sums, &t->moved, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  for (int i = 0; i < CT_SLIP_GIVEN; i++)
-    t->given[i] = ct_pool_take(pool, rows, sizeof(double));
+  for (int i = 0; i < CT_SLIP_GIVEN; i++) t->given[i] = ct_pool_take(pool, rows, sizeof(double));
   ct_columns *points[] = {&t->normal, &t->e, &t->e0, &t->T};
   static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE};
   for (int i = 0; i < 4; i++) memcpy(points[i]->x, &t->given[FIRST[i]], sizeof points[i]->x);
@@ -51,8 +50,8 @@ void ct_tangent_create(ct_solver *s, int64_t most)
                            &t->slip0, &t->aim, &t->next,  &t->c,    &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
-  double **numbers[] = {&t->limit, &t->most, &t->C,    &t->kappa,  &t->scale, &t->terms, &t->work,
-                        &t->lag,   &t->loss, &t->mu,   &t->wanted, &t->zeta};
+  double **numbers[] = {&t->limit, &t->most, &t->C,    &t->kappa, &t->scale,  &t->terms,
+                        &t->work,  &t->lag,  &t->loss, &t->mu,    &t->wanted, &t->zeta};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));

@@ -25,10 +25,10 @@ CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
     from[j] = r[j].row->own_shape;
     own[j] = to + 4 * j, other[j] = to + OTHER + 4 * j;
   }
-  ct_transpose_four(from, own);
+  ct_turn(from, own);
   if (r->row->other_count == 0) return;
   for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
-  ct_transpose_four(from, other);
+  ct_turn(from, other);
   const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
   for (int i = 0; i < 15; i++, number += r->slip->of->stride)
     for (int k = 0; k < PARTS; k++)

@@ -24,13 +24,13 @@ typedef struct ct_tangent_row {
 typedef struct ct_tangent {
   int64_t count;
   ct_tangent_row *rows;
-  int32_t node_count, *nodes; /* places of the nodes on which these rows act */
-  int32_t most_row_count;     /* largest number of rows at a node */
-  double *sums, *moved;       /* as of the solver, of the tangential forces */
-  double *drift;              /* displacement increment without friction */
-  double *lanes;              /* the numbers of four rows side by side, for each of them
-                                 CT_TANGENT_LANES */
-  double *size;               /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
+  int32_t node_count, *nodes;   /* places of the nodes on which these rows act */
+  int32_t most_row_count;       /* largest number of rows at a node */
+  double *sums, *moved;         /* as of the solver, of the tangential forces */
+  double *drift;                /* displacement increment without friction */
+  double *lanes;                /* the numbers of four rows side by side, for each of them
+                                   CT_TANGENT_LANES */
+  double *size;                 /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
   double *given[CT_SLIP_GIVEN]; /* the numbers of the points; the next five refer to them */
   ct_columns normal;            /* unit normal */
   ct_columns e, e0;             /* elastic slips e_n and e_{n-1} */
@@ -40,30 +40,30 @@ typedef struct ct_tangent {
   ct_columns last;              /* motion D₋ of the last step */
   ct_columns end;               /* e_{n+1} */
   ct_columns q;                 /* D without friction + e_n + κ e_{n-1} */
-  ct_columns slip;            /* the slip of the step (eq:slip-residual) */
-  ct_columns T0, slip0;       /* forces and slips of the last round */
-  ct_columns aim, next;       /* a force before and after its projection */
-  ct_columns c;               /* slip of the last step, of the sets (eq:slip-set) */
-  double *limit, *most;       /* of the sets */
-  double *C, *kappa;          /* of the laws (eq:slip-residual) */
-  double *mu, *zeta;          /* coefficients of friction; damping ratios of the laws' dashpots */
-  double *work, *lag;         /* of the forces of this step, as of ct_slip */
-  double *loss;               /* S₋ - S₊ - W without the next reserve */
-  double *wanted;             /* this reserve; -1 where the point sticks */
-  double *scale;              /* 1 / D (eq:slip-bound) */
-  double *terms;              /* a number per row */
-  double *shift;              /* of the gaps of active rows by tangential forces */
-  int some_move;              /* whether there are rows of obstacles that move */
-  int some;                   /* whether any piece has rows */
-  int coupled;                /* whether normal and tangential forces change each other's motion */
-  int pushed;                 /* whether `moved` is that of T */
-  int current;                /* whether `image` is that of T */
-  int shifted;                /* whether `shift` is that of T */
-  double top;                 /* the largest limit */
-  double most_force;          /* a bound of the components of the forces, of all pieces */
-  double size_of_force;       /* the largest force, at least a small share of this limit */
-  double lowest;              /* lower bound of the eigenvalues of D⁻¹ (W + C) */
-  double tolerance;           /* of the forces */
+  ct_columns slip;              /* the slip of the step (eq:slip-residual) */
+  ct_columns T0, slip0;         /* forces and slips of the last round */
+  ct_columns aim, next;         /* a force before and after its projection */
+  ct_columns c;                 /* slip of the last step, of the sets (eq:slip-set) */
+  double *limit, *most;         /* of the sets */
+  double *C, *kappa;            /* of the laws (eq:slip-residual) */
+  double *mu, *zeta;            /* coefficients of friction; damping ratios of the laws' dashpots */
+  double *work, *lag;           /* of the forces of this step, as of ct_slip */
+  double *loss;                 /* S₋ - S₊ - W without the next reserve */
+  double *wanted;               /* this reserve; -1 where the point sticks */
+  double *scale;                /* 1 / D (eq:slip-bound) */
+  double *terms;                /* a number per row */
+  double *shift;                /* of the gaps of active rows by tangential forces */
+  int some_move;                /* whether there are rows of obstacles that move */
+  int some;                     /* whether any piece has rows */
+  int coupled;          /* whether normal and tangential forces change each other's motion */
+  int pushed;           /* whether `moved` is that of T */
+  int current;          /* whether `image` is that of T */
+  int shifted;          /* whether `shift` is that of T */
+  double top;           /* the largest limit */
+  double most_force;    /* a bound of the components of the forces, of all pieces */
+  double size_of_force; /* the largest force, at least a small share of this limit */
+  double lowest;        /* lower bound of the eigenvalues of D⁻¹ (W + C) */
+  double tolerance;     /* of the forces */
   int most_rounds;
 } ct_tangent;
 

@@ -46,12 +46,14 @@ static void list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
   int64_t j = 0;
   s->listed_count = 0;
-  for (int k = 0; k < s->data->sides; k++)
+  for (int k = 0; k < s->data->sides; k++) {
     for (int64_t i = 0; i < s->data->side[k]->point_count; i++, j++) {
       ct_point *point = &now->side[k]->points[i];
       if (point->listed) s->listed[s->listed_count++] = j;
       else point->row.slip = NULL;
     }
+    s->listed_end[k] = s->listed_count;
+  }
 }
 
 /* Prepare the listed points for the solver, or afterwards store what it found. */
@@ -71,7 +73,7 @@ static void treat(ct_friction_memory *s, const ct_friction_call *now, int solved
 static void clear_memory(const ct_friction_memory *s, const ct_surface_motion *at)
 {
   static const ct_slip_record none = {.other = 0.0};
-  for (int64_t j = 0, n = 0; j < s->data->points; j++)
+  for (int64_t j = 0, n = 0; s->listed_count < s->data->points && j < s->data->points; j++)
     if (n < s->listed_count && s->listed[n] == j) n++;
     else memcpy(&at->next_memory[CT_FRICTION_RECORD * j], &none, sizeof none);
 }

@@ -119,11 +119,12 @@ CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct
   heaps to = {other,
               {s->coarse, s->fine, side->search->per, NULL, {0}, {0}},
               {s->coarse, s->fine, other->search->per, NULL, {0}, {0}}};
-  for (int64_t n = 0; n < s->listed_count;) {
+  const int64_t end = s->listed_end[k];
+  for (int64_t n = k == 0 ? 0 : s->listed_end[0]; n < end;) {
     const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
-    const int four = at.s == k && are_four(now, &s->listed[n], s->listed_count - n);
+    const int four = are_four(now, &s->listed[n], end - n);
     if (four) add_four(now, grid, at, n, s, &to);
-    else if (at.s == k) add_point(stride, now, grid, at, n, s, &to);
+    else add_point(stride, now, grid, at, n, s, &to);
     n += four ? 4 : 1;
   }
   ct_heap_bring(stride, &to.own, NULL);

@@ -53,9 +53,10 @@ typedef struct ct_face_axes {
 typedef struct ct_friction_memory {
   ct_pool pool;
   const ct_friction *data;
-  ct_slip *points;         /* of all points; those of the listed ones are in use */
-  ct_slips slips;          /* of the listed points, in this order */
+  ct_slip *points; /* of all points; those of the listed ones are in use */
+  ct_slips slips;  /* of the listed points, in this order */
   int64_t listed_count;
+  int64_t listed_end[2];   /* where those of each side end */
   int64_t *listed;         /* the points whose rows are listed in this step */
   ct_face_axes *axes;      /* of the listed points, from the list of rows to the forces */
   double *turn;            /* w_b · T of the listed points, for the nodes of the other face, as in
@@ -72,7 +73,8 @@ typedef struct ct_friction_call {
   const ct_friction *data;
   const ct_surface_motion *at;
   const ct_side *side[2];
-  double most_face[2]; /* largest number of a partner of each side in a record; 0: none is recalled */
+  double
+      most_face[2]; /* largest number of a partner of each side in a record; 0: none is recalled */
 } ct_friction_call;
 
 /* One listed point: point `i` of side `s`, the number `j` of all. */

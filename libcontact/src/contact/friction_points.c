@@ -8,51 +8,77 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Faces of eight points side by side, lane by lane: their nodes, the derivatives of their shape
- * functions at a point, tangents, unit normal and the vectors a^i; all 0 where there is none. */
+/* Faces of eight points side by side, lane by lane, tangents and unit normal at the points; all 0
+ * where there is none. If all faces have four nodes, `x` are their edges, x₁ - x₀ and x₂ - x₃ along
+ * ξ, and x₃ - x₀ and x₂ - x₁ along η; else their nodes, with the derivatives of their shape
+ * functions. */
 typedef struct frames {
-  int quads; /* whether all have four nodes: then the derivatives follow from `xi` */
-  double xi[2][CT_BATCH];
+  int quads;
+  double xi[2][CT_BATCH], ends[2][2][CT_BATCH]; /* ¼ (1 - ξ) and ¼ (1 + ξ), the same for η */
   double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH];
 } frames;
 
-/* The nodes of a face, in some lanes. */
-CT_INLINE void load_nodes(const ct_search *search, int per, int32_t face, int lane, int lanes,
-                          frames *f)
+/* The edges of a face with four nodes, in some lanes. */
+CT_INLINE void load_edges(const ct_search *search, int32_t face, int lane, int lanes, frames *f)
 {
-  const int32_t *node = &search->faces[(int64_t)face * per];
-  for (int b = 0; b < per; b++) {
-    const double *x = &search->x[3 * (int64_t)node[b]];
-    for (int c = 0; c < 3; c++)
-      for (int l = lane; l < lane + lanes; l++) f->x[b][c][l] = x[c];
+  static const int ENDS[4][2] = {{0, 1}, {3, 2}, {0, 3}, {1, 2}};
+  const int32_t *node = &search->faces[4 * (int64_t)face];
+  for (int e = 0; e < 4; e++) {
+    const double *from = &search->x[3 * (int64_t)node[ENDS[e][0]]],
+                 *to = &search->x[3 * (int64_t)node[ENDS[e][1]]];
+    for (int c = 0; c < 3; c++) {
+      const double edge = to[c] - from[c];
+      for (int l = lane; l < lane + lanes; l++) f->x[e][c][l] = edge;
+    }
   }
 }
 
-/* Nodes and derivatives of one lane. */
+/* The face of one lane. */
 CT_INLINE void load_face(const ct_search *search, int32_t face, const double xi[2], int lane,
-                      frames *f)
+                         frames *f)
 {
   double dN[8][2];
-  load_nodes(search, search->per, face, lane, 1, f);
   for (int i = 0; i < 2; i++) f->xi[i][lane] = xi[i];
-  if (f->quads) return;
+  if (f->quads) {
+    load_edges(search, face, lane, 1, f);
+    return;
+  }
   ct_segment_gradient(search->kind, xi, dN);
-  for (int b = 0; b < search->per; b++)
+  for (int b = 0; b < search->per; b++) {
+    const double *x = &search->x[3 * (int64_t)search->faces[(int64_t)face * search->per + b]];
+    for (int c = 0; c < 3; c++) f->x[b][c][lane] = x[c];
     for (int i = 0; i < 2; i++) f->dN[b][i][lane] = dN[b][i];
+  }
 }
 
-/* Tangents t_i = Σ ∂_i N̄_b x_b, paired so that a flipped face gives the same bits (eq:tree-sum);
- * `count` is 4, or 8 with zeros behind the nodes. */
-CT_INLINE void find_tangents(int count, frames *f)
+/* Tangents t_i = Σ ∂_i N̄_b x_b of faces with four nodes, along ξ between the edges at both ends of
+ * η, and the reverse. Sets `ends`. */
+CT_INLINE void find_quad_tangents(frames *f)
+{
+  for (int i = 0; i < 2; i++)
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++) {
+      f->ends[i][0][l] = 0.25 * (1.0 - f->xi[i][l]);
+      f->ends[i][1][l] = 0.25 * (1.0 + f->xi[i][l]);
+    }
+  for (int i = 0; i < 2; i++)
+    for (int c = 0; c < 3; c++)
+#pragma omp simd
+      for (int l = 0; l < CT_BATCH; l++)
+        f->t[i][c][l] =
+            f->ends[1 - i][0][l] * f->x[2 * i][c][l] + f->ends[1 - i][1][l] * f->x[2 * i + 1][c][l];
+}
+
+/* The same for other faces, paired so that a flipped face gives the same bits (eq:tree-sum). */
+CT_INLINE void find_tangents(frames *f)
 {
   for (int i = 0; i < 2; i++)
     for (int c = 0; c < 3; c++)
 #pragma omp simd
       for (int l = 0; l < CT_BATCH; l++) {
         double v[8];
-        for (int b = 0; b < count; b++) v[b] = f->dN[b][i][l] * f->x[b][c][l];
-        const double corners = (v[0] + v[1]) + (v[2] + v[3]);
-        f->t[i][c][l] = count == 4 ? corners : corners + ((v[4] + v[6]) + (v[5] + v[7]));
+        for (int b = 0; b < 8; b++) v[b] = f->dN[b][i][l] * f->x[b][c][l];
+        f->t[i][c][l] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7]));
       }
 }
 
@@ -93,16 +119,30 @@ CT_INLINE void find_dual(frames *f, ct_face_axes *axes)
 }
 
 /* The weights of the couple (eq:slip-row), `stride` numbers apart. */
-CT_INLINE void weigh(int count, const frames *f, const ct_face_axes *axes, int64_t stride,
-                     double *w)
+CT_INLINE void weigh(const frames *f, const ct_face_axes *axes, int64_t stride, double *w)
 {
-  double(*const a)[3][CT_BATCH] = (double(*)[3][CT_BATCH])axes->a;
-  for (int b = 0; b < count; b++)
+  for (int b = 0; b < 8; b++)
     for (int c = 0; c < 3; c++)
 #pragma omp simd
       for (int l = 0; l < CT_BATCH; l++)
         // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-        w[stride * (3 * b + c) + l] = f->dN[b][0][l] * a[0][c][l] + f->dN[b][1][l] * a[1][c][l];
+        w[stride * (3 * b + c) + l] =
+            f->dN[b][0][l] * axes->a[0][c][l] + f->dN[b][1][l] * axes->a[1][c][l];
+}
+
+/* The same for faces with four nodes. */
+CT_INLINE void weigh_quads(const frames *f, const ct_face_axes *axes, int64_t stride, double *w)
+{
+  for (int c = 0; c < 3; c++, w += stride)
+#pragma omp simd
+    for (int l = 0; l < CT_BATCH; l++) {
+      const double a = axes->a[0][c][l], b = axes->a[1][c][l], low = f->ends[1][0][l] * a,
+                   high = f->ends[1][1][l] * a, left = f->ends[0][0][l] * b,
+                   right = f->ends[0][1][l] * b;
+      // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
+      w[l] = -(low + left), w[3 * stride + l] = low - right;
+      w[6 * stride + l] = high + right, w[9 * stride + l] = left - high;
+    }
 }
 
 /* Where the numbers of a point's record stand (ct_slip_record). */
@@ -117,9 +157,9 @@ enum {
   QUADS = CT_FRICTION_RECORD / 4
 };
 
-/* The stored slips of eight points along the present frames of their faces, or null: those of space,
- * turned into the present plane of contact with their lengths (eq:friction-turn). Their components
- * are `stride` apart. */
+/* The stored slips of eight points along the present frames of their faces, or null: those of
+ * space, turned into the present plane of contact with their lengths (eq:friction-turn). Their
+ * components are `stride` apart. */
 CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH],
                       double (*const of)[CT_BATCH], int64_t stride, double *slip)
 {
@@ -147,7 +187,7 @@ typedef struct batch {
   double other[CT_BATCH];                    /* faces of the partners, as in a record */
   double last[CT_FRICTION_RECORD][CT_BATCH]; /* records, with OTHER 0 where nothing is recalled */
   double n[3][CT_BATCH];                     /* normals of the rows */
-  frames now, then; /* of the partners now; and where slips were stored */
+  frames now, then;                          /* of the partners now; and where slips were stored */
 } batch;
 
 /* Forget what is not of a partner, lane by lane. */
@@ -177,7 +217,7 @@ CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory 
       const double *from[4];
       double *to[4];
       for (int k = 0; k < 4; k++) from[k] = record[l + k] + 4 * i, to[k] = &b->last[4 * i + k][l];
-      ct_transpose_four(from, to);
+      ct_turn(from, to);
     }
   forget(now, b);
 }
@@ -193,7 +233,7 @@ CT_INLINE int meet_one_face(const batch *b, int l)
 /* The faces of the partners of four lanes with one face, which has four nodes. */
 CT_INLINE void load_four(const ct_search *search, const batch *b, int l, frames *f)
 {
-  load_nodes(search, 4, b->point[l]->other, l, 4, f);
+  load_edges(search, b->point[l]->other, l, 4, f);
   for (int k = l; k < l + 4; k++)
     for (int i = 0; i < 2; i++) f->xi[i][k] = b->point[k]->xi[i];
 }
@@ -240,26 +280,24 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
 }
 
 /* The frames of all lanes. */
-CT_INLINE void find_frames(int count, frames *f, ct_face_axes *axes)
+CT_INLINE void find_frames(int quads, frames *f, ct_face_axes *axes)
 {
-  if (count == 4) {
-#pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++)
-      ct_shape_gradient_q4(f->xi[0][l], f->xi[1][l], &f->dN[0][0][l], CT_BATCH);
-  }
-  find_tangents(count, f);
+  if (quads) find_quad_tangents(f);
+  else find_tangents(f);
   find_dual(f, axes);
 }
 
 /* Frames and weights of the couples of all lanes; returns the frames in which slips were stored. */
-CT_INLINE frames *find_all_frames(int count, int changed, const ct_friction_memory *s,
+CT_INLINE frames *find_all_frames(int quads, int changed, const ct_friction_memory *s,
                                   int64_t first, batch *b)
 {
   ct_face_axes *axes = &s->axes[first / CT_BATCH], unused;
-  find_frames(count, &b->now, axes);
-  weigh(count, &b->now, axes, s->slips.stride, ct_friction_numbers(s, CT_SLIP_WEIGHT, first));
+  double *w = ct_friction_numbers(s, CT_SLIP_WEIGHT, first);
+  find_frames(quads, &b->now, axes);
+  if (quads) weigh_quads(&b->now, axes, s->slips.stride, w);
+  else weigh(&b->now, axes, s->slips.stride, w);
   if (!changed) return &b->now;
-  find_frames(count, &b->then, &unused);
+  find_frames(quads, &b->then, &unused);
   return &b->then;
 }
 
@@ -292,8 +330,7 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
   for (int l = 0; l < CT_BATCH; l++) {
     ct_point *point = b->point[l];
     normal[to * CT_SLIP_K + l] = data->rho * point->row.stiffness;
-    for (int c = 0; c < 3 && !data->rigid; c++)
-      normal[to * (CT_SLIP_LEVER + c) + l] = point->d[c];
+    for (int c = 0; c < 3 && !data->rigid; c++) normal[to * (CT_SLIP_LEVER + c) + l] = point->d[c];
     if (first + l >= s->listed_count) continue;
     point->row.slip = &s->points[b->at[l].j];
     point->row.slip->at = first + l;
@@ -312,8 +349,8 @@ void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int
     find_slips(NULL, s, first, &b);
   } else {
     const int changed = load_frames(now, &b);
-    if (b.now.quads) find_slips(find_all_frames(4, changed, s, first, &b)->t, s, first, &b);
-    else find_slips(find_all_frames(8, changed, s, first, &b)->t, s, first, &b);
+    if (b.now.quads) find_slips(find_all_frames(1, changed, s, first, &b)->t, s, first, &b);
+    else find_slips(find_all_frames(0, changed, s, first, &b)->t, s, first, &b);
   }
   for (int c = 0; c < 3 && !(now->at->before > 0.0); c++)
     memcpy(ct_friction_numbers(s, CT_SLIP_FORCE + c, first), b.last[FORCE + c],
@@ -360,7 +397,8 @@ CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *r
   for (int b = 0; b < nodes; b++, turn += stride, w += 3 * stride)
 #pragma omp simd
     for (int l = 0; l < CT_BATCH; l++) {
-      turn[l] = (w[l] * T[l] + w[stride + l] * T[stride + l]) + w[2 * stride + l] * T[2 * stride + l];
+      turn[l] =
+          (w[l] * T[l] + w[stride + l] * T[stride + l]) + w[2 * stride + l] * T[2 * stride + l];
       top[l] = larger(fabs(turn[l]), top[l]);
     }
 #pragma omp simd
@@ -368,8 +406,7 @@ CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *r
 }
 
 /* The records of eight points but for their partners. */
-CT_INLINE void find_records(const ct_friction_memory *s, int64_t first,
-                         double (*record)[CT_BATCH])
+CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (*record)[CT_BATCH])
 {
   const int64_t stride = s->slips.stride;
   const int nodes = s->data->other_nodes;
@@ -424,7 +461,7 @@ CT_INLINE void write_four(double (*const record)[CT_BATCH], int l, double *const
     const double *from[4];
     double *to[4];
     for (int k = 0; k < 4; k++) from[k] = &record[4 * i + k][l], to[k] = next[k] + 4 * i;
-    ct_transpose_four(from, to);
+    ct_turn(from, to);
   }
 }
 
