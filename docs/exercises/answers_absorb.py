@@ -30,7 +30,19 @@ def reflected(theta, c2):
 
 
 def test_absorb_angle(says):
-    parts = [reflected(np.radians(a), 1 / np.sqrt(3)) for a in (0, 30, 60, 80)]
-    print(parts)
-    says(*(f"{100 * sum(p):.{d}f} %" for p, d in zip(parts, (0, 1, 1, 0))))
-    assert parts[3][0] > 5 * parts[3][1]
+    c2, parts = 1 / np.sqrt(3), []
+    for degrees in (0, 30, 60, 80):
+        t = np.radians(degrees)
+        ts = np.arcsin(c2 * np.sin(t))
+        a, b = 1 - 2 * c2**2 * np.sin(t) ** 2, c2**2 * np.sin(2 * t)
+        P, S = np.linalg.solve(  # eq:absorb-oblique
+            [
+                [a + np.cos(t), -c2 * np.sin(2 * ts) - np.sin(ts)],
+                [-b - c2 * np.sin(t), -c2 * np.cos(2 * ts) - c2 * np.cos(ts)],
+            ],
+            [np.cos(t) - a, c2 * np.sin(t) - b],
+        )
+        parts.append((P**2, S**2 * c2 * np.cos(ts) / np.cos(t)))
+        assert np.allclose(parts[-1], reflected(t, c2))
+    says("0 %", *(f"{100 * sum(p):.{d}f} %" for p, d in zip(parts[1:], (2, 1, 0))))
+    assert abs(parts[2][0] / parts[2][1] - 1) < 1e-9 and parts[3][0] > 5 * parts[3][1]
