@@ -39,6 +39,7 @@ extensions = [
     "methodtable",  # measures the methods of projection side by side
     "scenekeys",  # the tables of a scene's keys come from the package's model
     "exercises",  # with folded answers, which -D student=1 leaves out
+    "course",  # marks of sections and tables of weeks come from course.toml
     "parts",  # one count of chapters through all parts
     "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it

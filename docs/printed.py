@@ -21,9 +21,10 @@ from tqdm import tqdm
 FORMAT: dict[str, Any] = {"format": "A4", "scale": 0.78, "print_background": True}
 MARGIN = {"top": "18mm", "bottom": "18mm", "left": "16mm", "right": "16mm"}
 WIDTH = int((210 - 2 * 16) / 25.4 * 96 / FORMAT["scale"])  # of the text, in pixels of the browser
-# One table that is too wide would make the browser shrink its whole page.
+# One table that is too wide would make the browser shrink its whole page. What is folded would be lost on paper.
 SHRINK = """
 () => {
+  for (const folded of document.querySelectorAll("article details")) folded.open = true;
   for (const box of document.querySelectorAll("article .table-wrapper"))
     if (box.scrollWidth > box.clientWidth) box.firstElementChild.style.zoom = 0.98 * box.clientWidth / box.scrollWidth;
 }

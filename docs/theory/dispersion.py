@@ -55,7 +55,7 @@ def long_front(distance, courant, travel=TRAVEL):
     width = np.cbrt(3 * coefficient * travel)  # (eq:front-width)
     # Ai from its integral: the mean of cos(q³/3 + ηq) over q, with the path turned so that it decays.
     eta = np.linspace(-60.0 / width, 12.0, 1501)
-    q = np.linspace(0.0, 25.0, 2001) * np.exp(1j * np.pi / 6)
+    q = np.linspace(0.0, 10.0, 4001) * np.exp(1j * np.pi / 6)
     ai = np.array([np.trapezoid(np.exp(1j * (q**3 / 3 + x * q)), q).real for x in eta]) / np.pi
     tail = np.append(np.cumsum((ai[1:] + ai[:-1])[::-1])[::-1], 0.0) * 0.5 * (eta[1] - eta[0])
     return np.interp((distance - travel) / width, eta, tail)  # (eq:front-airy)

@@ -1,0 +1,158 @@
+"""The courses of ``course.toml``: a mark under the heading of each section, and the table of a course.
+
+::
+
+    .. syllabus:: six
+
+Words, equations and listings of a section are counted in its source, as ``tools/count_book.py`` counts them; the
+minutes of exercises are their own.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any, NamedTuple
+
+DOCS = Path(__file__).resolve().parents[1]
+sys.path.append(str(DOCS.parent / "tools"))
+
+import count_book  # noqa: E402
+
+MARKS = ("course", "may be skipped", "for the curious")
+
+
+class Section(NamedTuple):
+    title: str
+    words: int
+    equations: int
+    listings: int
+
+
+class Week(NamedTuple):
+    chapters: list[str]
+    left_out: list[str]  # titles of sections
+    words: int
+    equations: int
+    listings: int
+    reading: float  # minutes
+    exercises: dict[str, int]  # minutes of each
+
+    @property
+    def minutes(self) -> float:
+        return self.reading + sum(self.exercises.values())
+
+
+def table(docs: Path = DOCS) -> dict[str, Any]:
+    return tomllib.loads((docs / "course.toml").read_text(encoding="utf-8"))
+
+
+def mark(course: dict[str, Any], chapter: str, title: str) -> str:
+    if title in course["skipped"].get(chapter, ()):
+        return MARKS[1]
+    if title in course["curious"].get(chapter, ()):
+        return MARKS[2]
+    return course["everywhere"].get(title, MARKS[0])
+
+
+def chapters(course: dict[str, Any]) -> list[str]:
+    """All chapters of the courses, in their order."""
+    weeks = [*course["twelve"]["weeks"], *course["six"]["weeks"]]
+    return list(dict.fromkeys(name for week in weeks for name in week["chapters"]))
+
+
+def sections(text: str) -> list[Section]:
+    """Of a page without its exercises; what stands before the first heading has no title."""
+    text = text.partition(".. include:: /exercises/")[0]
+    parts = re.split(r"^(?=\S.*\n-{3,}$)", text, flags=re.M)
+    found = []
+    for i, part in enumerate(parts):
+        blocks = count_book.blocks(part)
+        found.append(
+            Section(
+                part.partition("\n")[0] if i else "",
+                count_book.words(blocks[-1][2]),
+                sum(name == "math" for name, _, _ in blocks),
+                sum(name in ("weave", "literalinclude") for name, _, _ in blocks),
+            )
+        )
+    return found
+
+
+def exercises(docs: Path, chapter: str) -> dict[str, int]:
+    """Minutes of the exercises of a chapter."""
+    page = (docs / f"{chapter}.rst").read_text(encoding="utf-8")
+    files = count_book.included(docs, page)
+    asked = [one for file in files for one in count_book.exercises(file.read_text())]
+    return {one.label: one.minutes for one in asked}
+
+
+def weeks(name: str, docs: Path = DOCS) -> list[Week]:
+    """The weeks of a course: the short one has the sections of the mark "course" only."""
+    course = table(docs)
+    marks = MARKS[:1] if name == "six" else MARKS[:2]
+    cost, found = course["reading"], []
+    for week in course[name]["weeks"]:
+        read, left = [], []
+        minutes = {}
+        for chapter in week["chapters"]:
+            minutes |= exercises(docs, chapter)
+            for one in sections((docs / f"{chapter}.rst").read_text(encoding="utf-8")):
+                (read if mark(course, chapter, one.title) in marks else left).append(one)
+        words, equations, listings = (sum(s[i] for s in read) for i in (1, 2, 3))
+        reading = (
+            words / cost["words_per_minute"]
+            + equations * cost["equation"]
+            + listings * cost["listing"]
+        )
+        chosen = {label: minutes[label] for label in week["exercises"]}
+        titles = [s.title for s in left if s.title not in course["everywhere"]]
+        found.append(Week(week["chapters"], titles, words, equations, listings, reading, chosen))
+    return found
+
+
+def setup(app):
+    from docutils import nodes
+    from docutils.statemachine import StringList
+    from sphinx.util.docutils import SphinxDirective
+
+    class Syllabus(SphinxDirective):
+        """``.. syllabus:: six``: a row per week."""
+
+        required_arguments = 1
+
+        def run(self) -> list[nodes.Node]:
+            name = self.arguments[0]
+            self.env.note_dependency(str(DOCS / "course.toml"))
+            lines = [
+                f".. list-table:: {table()[name]['title']}",
+                "   :header-rows: 1",
+                "",
+                "   * - week\n     - chapters\n     - exercises\n     - words\n     - equations\n     - listings"
+                "\n     - reading, min\n     - exercises, min",
+            ]
+            for number, week in enumerate(weeks(name), 1):
+                own = ", ".join(f":doc:`/{chapter}`" for chapter in week.chapters)
+                asked = ", ".join(f":numref:`%s <{label}>`" for label in week.exercises)
+                cells = [number, own, asked, week.words, week.equations, week.listings]
+                cells += [f"{week.reading:.0f}", sum(week.exercises.values())]
+                lines += [f"   {'* -' if not i else '  -'} {cell}" for i, cell in enumerate(cells)]
+            text = StringList("\n".join(lines).splitlines(), source="course.toml")
+            node = nodes.Element()
+            self.state.nested_parse(text, self.content_offset, node)
+            return node.children
+
+    def add_marks(app, doctree):
+        course = table()
+        if app.env.docname in chapters(course):
+            app.env.note_dependency(str(DOCS / "course.toml"))
+            for section in doctree[0].findall(nodes.section):
+                if section.parent is doctree[0] and section[0].astext() != "Exercises":
+                    text = mark(course, app.env.docname, section[0].astext())
+                    section.insert(1, nodes.paragraph("", text, classes=["course-mark"]))
+
+    app.add_directive("syllabus", Syllabus)
+    app.connect("doctree-read", add_marks)
+    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
