@@ -440,6 +440,122 @@ def unlike_pulse() -> Numbers:
     return found
 
 
+# -- Rings, shells and discs -----------------------------------------------------------------------
+
+
+def crushed_exact(height: float) -> float:
+    """Force F r²/B on an inextensible ring of radius r = 1 whose axis is ``height`` high between two plates. From the
+    top on the slope obeys θ'' = a cos θ with a = F/2B, so θ'² = κ² + 2 a sin θ; the curvature κ at the top is 0 from
+    the height on at which the ring begins to lie flat."""
+    x, weight = np.polynomial.legendre.leggauss(60)
+    u = 0.5 * (x + 1)
+    sine, dtheta = np.sin(0.5 * math.pi * u**2), 0.5 * math.pi * u * weight  # θ = π u²/2
+
+    def integrals(m: float) -> tuple[float, float]:
+        """Length and height of a quarter times √(2a), for κ² = 2 a m."""
+        root = np.sqrt(m + sine)
+        return float((dtheta / root).sum()), float((dtheta * sine / root).sum())
+
+    low, high = 0.0, 1e6
+    for _ in range(200):  # more curvature at the top, less load, a higher ring
+        m = 0.5 * (low + high)
+        length, rise = integrals(m)
+        low, high = (m, high) if math.pi * rise / length < height else (low, m)
+    length, rise = integrals(low)
+    return (2 * rise / height) ** 2 if low < 1e-12 else (2 * length / math.pi) ** 2
+
+
+def crushed(travel: float, around: int) -> tuple[float, float]:
+    """Force F r²/B when each plate has moved by ``travel``, and cost."""
+    data = load("crushed_ring")
+    data["body"][0]["ring"]["cells"][1] = around
+    for obstacle in data["obstacle"]:
+        obstacle["travel"][1] *= travel / 0.4
+    run = done(data)
+    return abs(run.probes["plate"]["force"][-1, 1]) * 12 / (1e6 * 0.1**4), updates(run)
+
+
+def crushed_ring() -> Numbers:
+    """Two depths in closed form; relative errors of the force on three meshes."""
+    found = {"exact_2": crushed_exact(1.6), "exact_4": crushed_exact(1.2)}
+    for around in (24, 40, 48):
+        for name, travel in (("2", 0.2), ("4", 0.4)):
+            force, cost = crushed(travel, around)
+            found[f"force_{name}_{around}"] = force / found[f"exact_{name}"] - 1
+        found[f"cost_{around}"] = cost
+    return found
+
+
+def shells_exact(young: float, nu: float, stress: float) -> tuple[float, float]:
+    """Pressure and radial displacement at the interface of the scene's shells, by Lamé's solution. The inner one would
+    expand by the strain stress/3K."""
+    a, b, c = 0.6, 0.8, 1.0
+
+    def soft(near: float, far: float) -> float:
+        """Displacement of the face at ``near`` for a pressure 1 on it."""
+        stiff = young * abs(far**3 - near**3)
+        return near * ((1 - 2 * nu) * near**3 + 0.5 * (1 + nu) * far**3) / stiff
+
+    pressure = b * stress * (1 - 2 * nu) / young / (soft(b, a) + soft(b, c))
+    return pressure, pressure * soft(b, c)
+
+
+def shells_displacement(young: float, nu: float, stress: float, r: Any, inner: bool) -> Any:
+    """Lamé's radial displacement u = A r + C/r² of the inner or the outer shell at ``r``, for the pressure at the
+    interface on one of its faces and none on the other."""
+    pressure, _ = shells_exact(young, nu, stress)
+    near, far, sign = (0.8, 0.6, -1) if inner else (0.8, 1.0, 1)
+    scale = sign * pressure * near**3 / (young * abs(far**3 - near**3))
+    free = stress * (1 - 2 * nu) / young * r if inner else 0.0
+    return free + scale * ((1 - 2 * nu) * r + 0.5 * (1 + nu) * far**3 / r**2)
+
+
+def nested(element: str, inner: list[int], outer: list[int]) -> tuple[float, float, float]:
+    """Relative errors of the mean pressure on the outer shell and of its mean displacement, and cost."""
+    data = load("nested_shells")
+    for body, cells in zip(data["body"], (inner, outer)):
+        body["element"], body["shell"]["cells"] = element, cells
+    run, exact = done(data), shells_exact(1.0, 0.25, 1e-3)
+    rows = run.pressure["contact"][0]
+    rows = rows[(rows["side"] == 1) & (rows["pressure"] > 0)]
+    shell = run.state["outer"]
+    radius = np.linalg.norm(shell.nodes, axis=1)
+    within = radius < 0.8 + 1e-9
+    moved = (shell.displacement * shell.nodes).sum(axis=1)[within] / radius[within]
+    pressure = np.average(rows["pressure"], weights=rows["area"])
+    return pressure / exact[0] - 1, float(moved.mean()) / exact[1] - 1, updates(run)
+
+
+SHELLS = (("hex8", 16, 16), ("hex8", 32, 32), ("hex20", 16, 12))
+
+
+def nested_shells() -> Numbers:
+    """Like meshes of hex8, and unlike ones of hex20."""
+    found = dict(zip(("pressure", "displacement"), shells_exact(1.0, 0.25, 1e-3)))
+    for element, inner, outer in SHELLS:
+        layers = 4 if inner == 32 else 2
+        values = nested(element, [layers, inner], [layers, outer])
+        names = ("pressure", "displacement", "cost")
+        found |= {f"{element}_{inner}_{key}": value for key, value in zip(names, values)}
+    return found
+
+
+def discs() -> Numbers:
+    """NimbleSM's thin_plate_contact: mean velocities of both discs after the impact, on three meshes."""
+    found = {}
+    for n in (2, 3, 4):
+        data = load("discs")
+        for body in data["body"]:
+            body["cylinder"]["cells"] = [2 * n, 16 * n, n]
+        run = done(data)
+        small = run.body_momentum("small")["p"][0, 2] / -100
+        for name, mass in (("small", small), ("large", small / 0.9**2)):
+            found[f"{name}_{n}"] = run.body_momentum(name)["p"][-1, 2] / mass
+        found[f"kinetic_{n}"] = run.energy["kinetic"][-1] / run.energy["kinetic"][0]
+        found[f"updates_{n}"] = updates(run)
+    return found
+
+
 CASES: dict[str, Callable[[], Numbers]] = {
     "rod_at_wall": rod_at_wall,
     "bouncing_bar": bouncing_bar,
@@ -451,6 +567,9 @@ CASES: dict[str, Callable[[], Numbers]] = {
     "bent_plate": bent_plate,
     "settlement": settlement,
     "unlike_pulse": unlike_pulse,
+    "crushed_ring": crushed_ring,
+    "nested_shells": nested_shells,
+    "discs": discs,
 }
 CASES |= {name: lambda n=name, e=exact: rods_of(n, e) for name, exact in RODS.items()}
 # Computed by ``make measured`` alone.

@@ -83,6 +83,22 @@ LIMITS |= {
         ("left_8_11", 0, 0.05, "0.25 % of the energy; half of the velocity on like meshes"),
         ("left_8_8", 0, 0.03, "the contact opens behind the pulse"),
     ],
+    "crushed_ring": [
+        ("force_2_40", 0, 0.015, "shear and compression, of the order (h/r)² = 1 %"),
+        ("force_4_40", 0, 0.015, "shear and compression"),
+        ("force_2_48", 0, 0.015, "shear and compression"),
+        ("force_4_48", 0, 0.015, "shear and compression"),
+    ],
+    "nested_shells": [
+        ("hex8_32_pressure", 0, 0.01, "observed order 2, 1.9 % with 16 bricks around"),
+        ("hex8_32_displacement", 0, 0.003, "observed order 2"),
+        ("hex20_16_displacement", 0, 0.003, "curved faces"),
+        ("hex20_16_pressure", 0, 0.04, "the recovered pressure of meshes that do not match"),
+    ],
+    "discs": [
+        ("large_4", -81, 0.02, "release waves from the rims"),
+        ("small_4", 0, 2, "2 % of the speed of the impact, as the large disc"),
+    ],
 }
 
 
@@ -105,8 +121,35 @@ def test_errors_fall_with_the_mesh():
     assert errors == sorted(errors, reverse=True)
     block = [FILE["sliding_block"][f"e{n}"] - 0.75 for n in (4, 5, 6)]
     assert np.divide(block[:-1], block[1:]) == pytest.approx(math.sqrt(10), rel=0.15)
+    shells = [abs(FILE["nested_shells"][f"hex8_{n}_pressure"]) for n in (16, 32)]
+    assert math.log2(shells[0] / shells[1]) == pytest.approx(2, abs=0.1)
+    discs = [FILE["discs"][f"small_{n}"] for n in (2, 3, 4)]
+    assert discs == sorted(discs, reverse=True)
     box = [FILE["tumbling_box"][f"flip_{k}"] for k in (1, 2, 4)]
     assert box[0] > box[1] > box[2] > FILE["tumbling_box"]["solid"]
+
+
+def test_a_ring_that_is_hardly_crushed_is_linear():
+    """δ = (π/4 − 2/π) F r³/B by Castigliano's theorem. Of a ring that lies flat the force is (2 I/height)², where I, the
+    integral of the root of the sine over a quarter, is half of the beta function B(3/4, 1/2)."""
+    small = problems.crushed_exact(2 - 1e-6)
+    assert 1e-6 / small == pytest.approx(math.pi / 4 - 2 / math.pi, rel=1e-5)
+    root = math.gamma(0.75) * math.sqrt(math.pi) / math.gamma(1.25) / 2
+    assert problems.crushed_exact(1.2) == pytest.approx((2 * root / 1.2) ** 2, rel=1e-9)
+
+
+def test_shells_of_lame():
+    """Of two equal materials without an initial stress of one of them only the misfit counts: a pressure on a full
+    shell moves both sides of the interface alike, and at free faces the radial stress vanishes."""
+    for inner, free in ((True, 0.6), (False, 1.0)):
+        u = lambda r, inner=inner: problems.shells_displacement(1.0, 0.25, 1e-3, r, inner)  # noqa: E731
+        h = 1e-5
+        strain, hoop = (u(free + h) - u(free - h)) / (2 * h), u(free) / free
+        stress = 1.2 * strain + 0.8 * hoop - (1e-3 if inner else 0.0)  # Λ = μ = 0.4 for ν = 1/4
+        assert abs(stress) < 1e-9
+        strain, hoop = (u(0.8 + h) - u(0.8 - h)) / (2 * h), u(0.8) / 0.8
+        stress = 1.2 * strain + 0.8 * hoop - (1e-3 if inner else 0.0)
+        assert stress == pytest.approx(-problems.shells_exact(1.0, 0.25, 1e-3)[0], rel=1e-6)
 
 
 def test_elastica_has_the_limit_of_small_loads():
