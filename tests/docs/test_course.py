@@ -36,7 +36,9 @@ def test_marked_sections_exist(kind):
 def test_no_week_takes_longer_than_its_hours(name):
     for number, week in enumerate(course.weeks(name), 1):
         print(f"week {number}: {week.reading:.0f} min of reading, {week.minutes:.0f} in all")
-        assert 120 < week.minutes <= 60 * TABLE[name]["hours"]
+        assert 120 < week.minutes <= 60 * TABLE[name]["hours"], (
+            f"week {number} of the course {name!r}: mark a new section in docs/course.toml, or take an exercise less"
+        )
         own = {label for chapter in week.chapters for label in course.exercises(DOCS, chapter)}
         assert set(week.exercises) <= own and len(week.exercises) >= 5
 
