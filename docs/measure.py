@@ -41,6 +41,7 @@ import balls  # noqa: E402 (Hertz's pressure between two balls)
 sys.path.insert(0, str(DOCS / "theory"))
 import dispersion as waves  # noqa: E402 (the pictures of the chapter)
 import face as free_face  # noqa: E402 (the program of the chapter on the exact solution)
+import filter as shown  # noqa: E402 (the pictures of the chapter)
 
 sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
@@ -861,6 +862,12 @@ def dispersion() -> Numbers:
         phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
         found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
     return found
+
+
+@measurement
+def filtered_plate() -> Numbers:
+    """q of eq:filter-transfer of the plate of the chapter, (c₁ Δt/h)² at the stable step."""
+    return {"q": (shown.plate(10).explain().data["time"]["stable"] * 10) ** 2}
 
 
 # -- Impact of two plates --------------------------------------------------------------------------
