@@ -111,7 +111,7 @@ module libcontact
     type(ct_amplitude) :: amplitude
     integer(c_int) :: kind
     integer(c_int32_t) :: face_count
-    type(c_ptr) :: faces
+    type(c_ptr) :: faces, carrier
   end type
 
   interface

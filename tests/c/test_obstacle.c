@@ -110,7 +110,7 @@ static double gap_of(const ct_obstacle_def *o, const double p[3], double n[3])
   ct_obstacle_def at = *o;
   if (kind->direction != NULL) (void)ct_obstacle_axis(o->axis, at.axis);
   const double r[3] = {p[0] - o->point[0], p[1] - o->point[1], p[2] - o->point[2]};
-  return kind->gap(&at, r, n);
+  return kind->gap(at.radius, at.axis, r, n);
 }
 
 /* eq:obstacle-gap, eq:obstacle-motion. */

@@ -231,7 +231,7 @@ contains
     type(ct_contact_balance), target :: w
     type(ct_amplitude), target :: m
     type(ct_obstacle_def), target :: g
-    integer(c_int64_t) :: there(94), here(91)
+    integer(c_int64_t) :: there(95), here(92)
     there = -1
     call host_layout(there)
     here = [ &
@@ -270,9 +270,9 @@ contains
       at(c_loc(g%removal_time), c_loc(g)), at(c_loc(g%adjust), c_loc(g)), &
       at(c_loc(g%velocity), c_loc(g)), at(c_loc(g%travel), c_loc(g)), &
       at(c_loc(g%amplitude), c_loc(g)), at(c_loc(g%kind), c_loc(g)), at(c_loc(g%face_count), c_loc(g)), &
-      at(c_loc(g%faces), c_loc(g)), &
+      at(c_loc(g%faces), c_loc(g)), at(c_loc(g%carrier), c_loc(g)), &
       int(c_sizeof(g), c_int64_t)]
-    call check(all(there(:91) == here) .and. all(there(92:) == -1), &
+    call check(all(there(:92) == here) .and. all(there(93:) == -1), &
                "each member and each size of ten structs is where C has it")
     o = ct_project_options_default()
     k = ct_contact_options_default()

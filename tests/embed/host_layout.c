@@ -97,6 +97,7 @@ void host_layout(int64_t *place)
                                  PLACE(ct_obstacle_def, kind),
                                  PLACE(ct_obstacle_def, face_count),
                                  PLACE(ct_obstacle_def, faces),
+                                 PLACE(ct_obstacle_def, carrier),
                                  (int64_t)sizeof(ct_obstacle_def)};
   for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); i++) place[i] = rows[i];
 }

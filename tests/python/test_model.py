@@ -104,7 +104,7 @@ box = { origin = [0, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
 [[body]]
 name = "e"
 material = "hard"
-box = { origin = [2, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
+inertia = { mass = 1, moments = [1, 2, 2], centre = [2, 0, 9] }
 [[body]]
 name = "f"
 material = "hard"
@@ -176,6 +176,7 @@ pivot = [0, 0, 1]
 [[obstacle]]
 surface = "c.x_max"
 sphere = { centre = [9, 0, 5.5], radius = 1 }
+carrier = "e"
 """)
 
 

@@ -400,6 +400,56 @@ class Initial(Table):
         return np.ascontiguousarray((stretched - r) + turned + np.array(self.displacement))
 
 
+class Inertia(Table):
+    """
+    A rigid body that is given by its mass instead of a mesh: a brick of one element whose lumped masses have these
+    moments (:eq:`inertia-brick`).
+
+    Attributes
+    ----------
+    mass
+        Its mass; the density of the material does not count.
+    moments
+        Its moments of inertia about axes through the centre along x, y and z. None may reach the sum of the
+        others. A solid sphere has 2/5 of mass times radius squared.
+    centre
+        Its centre of mass.
+    """
+
+    mass: float = key(POSITIVE, unit="mass")
+    moments: Vector = key(Each(POSITIVE, POSITIVE, POSITIVE), unit="mass · length²")
+    centre: Vector = key(VECTOR, unit="length", default=ORIGIN)
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        for k, moment in enumerate(self.moments):
+            others = sum(self.moments) - moment
+            if moment >= others:
+                yield (
+                    f"moments[{k}]",
+                    f"is {moment:g}; it must be below the sum of the others, {others:g}",
+                )
+
+    @property
+    def edges(self) -> NDArray[Any]:
+        """Lengths of the edges of the brick (3,)."""
+        others = sum(self.moments) - np.array(self.moments)
+        # -- m a² / 4 = ½ (I_y + I_z - I_x) (eq:inertia-brick)
+        edges: NDArray[Any] = np.sqrt(2.0 * (others - self.moments) / self.mass)
+        return edges
+
+    @property
+    def density(self) -> float:
+        """Density of the brick."""
+        return float(self.mass / np.prod(self.edges))
+
+    @property
+    def nodes(self) -> NDArray[Any]:
+        """Corners of the brick (8, 3), in VTK's order."""
+        x, y, z = 0.5 * self.edges
+        corners = [(a, b, c) for c in (-z, z) for a, b in ((-x, -y), (x, -y), (x, y), (-x, y))]
+        return np.add(corners, self.centre)
+
+
 class Extrude(Table):
     """
     The third dimension of a plane mesh of quadrilaterals and triangles.
@@ -473,6 +523,8 @@ class Body(Table):
         Factor of the coordinates in the mesh file, such as 1000 for metres in a scene in millimetres.
     extrude
         Height and layers of a plane mesh of quadrilaterals and triangles.
+    inertia
+        Mass and moments of inertia of a rigid body that needs no mesh, because it carries an obstacle.
     nodes
         Coordinates (n, 3); meant for Python.
     elements
@@ -504,7 +556,7 @@ class Body(Table):
         Coefficient of the hourglass control; only with ``integration = "reduced"``.
     """
 
-    one = ((*SHAPES, "mesh", "nodes"),)
+    one = ((*SHAPES, "mesh", "inertia", "nodes"),)
     needs = {"elements": "nodes", "nodes": "elements", "sets": "nodes"}
     needs |= dict.fromkeys(("part", "scale", "extrude"), "mesh")
     belongs = {"kernel": ("integration", "full"), "hourglass": ("integration", "reduced")}
@@ -517,6 +569,7 @@ class Body(Table):
     ball: Any = key(Nested(Ball), default=None, says=ONE)
     shell: Any = key(Nested(Shell), default=None, says=ONE)
     mesh: Any = key(FileName(), default=None, says=ONE)
+    inertia: Any = key(Nested(Inertia), default=None, says=ONE)
     part: str | None = key(Name(), default=None, says="all elements")
     scale: float = key(POSITIVE, default=1.0)
     extrude: Any = key(Nested(Extrude), default=None, says="none")

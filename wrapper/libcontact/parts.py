@@ -133,7 +133,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
             raise at.error(f'no {found.table} is named "{found}"{suggestion(found, known)}')
     if whole and not parts.body:
         raise (top / "body").error("there is no [[body]]; a scene needs at least one")
-    for name, reason in (*conflicts(parts), *(_turning(parts) if whole else ())):
+    for name, reason in (*conflicts(parts), *(_deforming(parts) if whole else ())):
         raise (top / name).error(reason)
     return parts
 
@@ -233,10 +233,18 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
         yield "output.filter", f'is for linear bodies; "{large[0]}" is not linear'
 
 
-def _turning(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Refuse a rotation with small strain, unless the body is rigid, which a later table may say."""
+def _deforming(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Refuse what only a rigid body may have, unless a later table says that it is: mass without a mesh, an
+    obstacle that it carries, and a rotation with small strain."""
+    for i, each in enumerate(parts.obstacle):
+        if each.carrier and each.carrier not in parts.rigid_names:
+            why = f'"{each.carrier}" deforms; add [[rigid]] with body = "{each.carrier}"'
+            yield f"obstacle[{i}].carrier", why
     for i, body in enumerate(parts.body):
         material = parts.materials_of(body)[0]
+        if body.inertia and body.name not in parts.rigid_names:
+            why = f'is that of a rigid body; add [[rigid]] with body = "{body.name}"'
+            yield f"body[{i}].inertia", why
         if material.law != "linear" or body.name in parts.rigid_names:
             continue
         turns = {"spin": body.spin, "initial.angle": body.initial and body.initial.angle}

@@ -326,6 +326,8 @@ class Problem:
 
     def _arrays(self, body: Body, key: str) -> Arrays:
         """Nodes and elements of a body, from the scene or its mesh file, and its sets."""
+        if body.inertia:
+            return Arrays(body.inertia.nodes, np.arange(8, dtype=np.int32)[None])
         if body.mesh is not None:
             body, self._sets[body.name] = self._from_file(body, key)
         else:
@@ -370,6 +372,8 @@ class Problem:
         name = ffi.new("char[]", body.name.encode())
         members = body.c("ct_scene_body", name=name, **shape)
         members["material"] = self.parts.materials_of(body)[0].c("ct_material")
+        if body.inertia:
+            members["material"]["density"] = body.inertia.density
         if isinstance(body.material, dict):
             members["materials"] = self._by_element(i, body, members["mesh"].element_count)
         if body.integration == "reduced":

@@ -643,6 +643,8 @@ def _shape_of(body: dict[str, Any]) -> str:
     for kind in SHAPES:
         if kind in body:
             return f"{kind}, {' × '.join(map(str, body[kind]['cells']))} cells"
+    if "inertia" in body:
+        return "mass and moments of inertia"
     return str(body["mesh"]) if "mesh" in body else f"{len(body['elements'])} elements"
 
 

@@ -301,8 +301,9 @@ typedef enum ct_obstacle_shape {
   CT_OBSTACLE_CYLINDER = 2
 } ct_obstacle_shape;
 
-/** A rigid obstacle in contact with a surface of a body, :eq:`obstacle-potential`. It may translate
- * but not rotate. Start from `ct_obstacle_def_default`. */
+/** A rigid obstacle in contact with a surface of a body, :eq:`obstacle-potential`. It moves as
+ * given, without turning, or with a rigid body that carries it, :eq:`carrier-weights`. Start from
+ * `ct_obstacle_def_default`. */
 typedef struct ct_obstacle_def {
   /** Written by `ct_obstacle_def_default`. */
   int32_t cookie;
@@ -320,10 +321,8 @@ typedef struct ct_obstacle_def {
   double epsilon;
   /** Law by which forces follow from gaps. */
   ct_enforcement enforcement;
-  /**
-   * Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
-   * penalty. With 0, energy is conserved while contact lasts.
-   */
+  /** Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
+   * penalty. With 0, energy is conserved while contact lasts. */
   double dissipation;
   /** Restitution and travel time h / c₁, as in ct_contact_options. */
   double restitution, travel_time;
@@ -331,9 +330,7 @@ typedef struct ct_obstacle_def {
   ct_contact_rule points;
   /** Treatment of points that penetrate at the start; default CT_INITIAL_KEEP. */
   ct_initial initial_penetration;
-  /** Time in which CT_INITIAL_REMOVE separates surface and obstacle [time], > 0; otherwise not
-   * read.
-   */
+  /** Time in which CT_INITIAL_REMOVE separates surface and obstacle [time], > 0. */
   double removal_time;
   /**
    * Distance within which gaps and overlaps at the start count as touching [length], >= 0,
@@ -354,6 +351,9 @@ typedef struct ct_obstacle_def {
   /** Node numbers of the problem, counter-clockwise from outside, shape (face_count, nodes of a
    * face). */
   const int32_t *faces;
+  /** Number of the rigid body of the problem that carries the obstacle, so that it moves and turns
+   * by its forces; null: none. Not for a host's contact, nor for the explicit penalty. */
+  const int32_t *carrier;
 } ct_obstacle_def;
 
 /** A plane at rest with the energy-controlled penalty, dissipation 0.15, restitution 1 and

@@ -108,6 +108,17 @@ CT_INLINE ct_group *fill_rows(const ct_solver *s, int32_t set, ct_constraint *co
   return g;
 }
 
+/* The largest weight of a node in a row, or 1: only an obstacle that a rigid body carries may touch
+ * far from the nodes of its rows. */
+static double largest_weight(const ct_solver *s)
+{
+  double weight = 1.0;
+  for (int64_t r = 0; s->bodies != NULL && r < s->first[s->set_count]; r++)
+    for (int32_t b = 0; b < s->rows[r]->other_count; b++)
+      weight = fmax(weight, fabs(s->rows[r]->other_shape[b]));
+  return weight;
+}
+
 CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
@@ -124,6 +135,7 @@ void ct_matrix_fill(ct_solver *s)
     }
   s->group_count = g - s->groups;
   s->counted = 1;
+  s->weight = largest_weight(s);
   s->along = have_one_normal(s, differ);
 }
 
@@ -196,7 +208,7 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force)
   double top = ct_largest(force, s->count);
   ct_pieces_largest(s->pieces, &top, 1);
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
-  if (!ct_grid_init(&grid, 2.0 * top, s->most_row_count)) return 0;
+  if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
   add(grid.coarse, s->groups, s->group_count, s->entry_place, s->G, force, s->sums);
   if (s->shared_count > 0) join_nodes(s);
   return 1;

@@ -281,7 +281,7 @@ int ct_tangent_push(ct_solver *s)
   ct_grid grid;
   if (t->pushed) return 1;
   // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
-  if (!ct_grid_init(&grid, 4.0 * t->most_force, t->most_row_count)) return 0;
+  if (!ct_grid_init(&grid, 4.0 * s->weight * t->most_force, t->most_row_count)) return 0;
   push_rows(grid.coarse, t);
   join_sums(s);
   ct_matrix_move(s, t->node_count, t->nodes, t->sums, t->moved);

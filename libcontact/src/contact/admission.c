@@ -99,8 +99,11 @@ static double motion_along(ct_contact *contact, int s, const ct_point *p)
   double own[4], back[4] = {0.0};
   if (surface->search->per == 4) motion_at(4, surface, face, p->row.own_shape, own);
   else motion_at(surface->search->per, surface, face, p->row.own_shape, own);
-  if (other == NULL) memcpy(back, contact->came, 3 * sizeof *back);
-  else if (other->search->per == 4) motion_at(4, other, p->other, p->N, back);
+  if (other == NULL) {
+    double at[3];
+    ct_side_interpolate(surface->search, surface->search->x, face, p->row.own_shape, NULL, at);
+    ct_contact_came(contact, at, back);
+  } else if (other->search->per == 4) motion_at(4, other, p->other, p->N, back);
   else motion_at(other->search->per, other, p->other, p->N, back);
   for (int c = 0; c < 3; c++) own[c] -= back[c];
   return ct_vector_dot(p->row.normal, own);

@@ -32,7 +32,9 @@ void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes)
   fixed->is.nodes = fixed->nodes == NULL ? side[0].search->nodes : fixed->nodes;
   fixed->is.explicit = penalty;
   fixed->is.row_count = penalty ? 0 : fixed->gaps.point_count;
-  fixed->is.row_nodes = side[0].search->per + (rigid ? 0 : side[surfaces - 1].search->per);
+  fixed->is.row_nodes = side[0].search->per + (fixed->carrier != NULL ? CT_CARRIER_NODES
+                                               : rigid ? 0
+                                                       : side[surfaces - 1].search->per);
   fixed->is.memory_count = ct_contact_fixed_memory(fixed);
   fixed->is.end_record = CT_RECORD * fixed->gaps.point_count;
   fixed->is.flops = points * (double)count + nodes * fixed->is.node_count;
@@ -57,6 +59,7 @@ void ct_contact_close(void *state)
   if (contact == NULL) return;
   for (int s = 0; s < 2; s++) ct_side_clear(&contact->gaps.side[s]);
   ct_release(contact->terms);
+  ct_release(contact->carried.weights);
   ct_release(contact);
 }
 
@@ -115,7 +118,9 @@ static ct_status begin(ct_contact *contact, const ct_surface_motion *now, ct_err
   for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
     memcpy(contact->gaps.side[s].moved, contact->gaps.side[s].search->x,
            3 * (size_t)contact->gaps.side[s].search->node_count * sizeof(double));
-  ct_status status = fixed->partner->measure(contact, now, error);
+  ct_surface_motion start = *now;
+  start.x = NULL;
+  ct_status status = fixed->partner->measure(contact, &start, error);
   if (status == CT_OK)
     ct_start_gap_begin(&fixed->start_rule, contact->gaps.side, fixed->gaps.sides);
   forget(contact);
@@ -271,6 +276,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *now, double *
   if (status != CT_OK) return status;
   if (ct_contact_is_rigid(fixed) && (fixed->moves || !solved)) count_motion(contact);
   add_sides(contact, force);
+  ct_contact_push_carrier(contact, force, contact->terms);
   if (!solved || paid || ct_start_gap_fades(&fixed->start_rule))
     ct_contact_store_points(contact, now->next_memory);
   ct_contact_store(contact, now->next_memory);

@@ -5,6 +5,7 @@
 
 #include "../base/vector.h"
 #include "../gap/gaps.h"
+#include "carrier.h"
 #include "interaction.h"
 
 #include <math.h>
@@ -24,7 +25,7 @@ typedef struct ct_partner_calls {
   ct_status (*check)(ct_contact *contact, const ct_surface_motion *now, ct_error *error);
   /* Signed distance of a place `r`, relative to the partner's position, and the unit normal there;
    * null for surfaces. */
-  double (*distance)(const struct ct_contact_fixed *fixed, const double r[3], double n[3]);
+  double (*distance)(const ct_contact *contact, const double r[3], double n[3]);
   /* As of ct_interaction_calls. */
   ct_status (*find_springs)(const ct_contact *contact, ct_masses mass, double *omega2);
 } ct_partner_calls;
@@ -42,7 +43,8 @@ typedef struct ct_contact_fixed {
   ct_constraint law; /* of all points; its stiffness is the penalty of one side */
   ct_start_rule start_rule;
   int admits; /* whether points may be found inside after the start (eq:admitted) */
-  int moves;  /* whether what the points meet is an obstacle that moves */
+  int moves;  /* whether what the points meet is an obstacle that moves as prescribed */
+  const ct_carrier *carrier; /* of an obstacle with mass; else null */
   int threads;
   double force_tolerance; /* of a host's steps */
   ct_gaps_fixed gaps;
@@ -82,9 +84,11 @@ struct ct_contact {
   double energy;  /* of the constraints */
   double reserve; /* the part of it that points hold until they open (eq:impact-reserve) */
   ct_contact_record record;
-  /* Of an obstacle: its position, its motion since the last step and until the next one; and the
-   * distance from which a point may reach it until then. */
-  double place[3], came[3], coming[3], reach;
+  /* Of an obstacle: its position, its motion since the last step and until the next one, and the
+   * direction of its axis; the distance from which a point may reach it until then; and what
+   * carries it. */
+  double place[3], came[3], coming[3], direction[3], reach;
+  ct_carried carried;
   const double *axis;   /* direction of all forces, of a plane; else null */
   double reaction[3];   /* force on it; if it does not move, known with the energies */
   struct ct_host *host; /* of a host that calls ct_contact_step; else null */
@@ -110,6 +114,15 @@ static inline const ct_side *ct_contact_acting(const ct_contact *contact, int s)
   const int sides = contact->fixed->gaps.sides;
   return ct_contact_is_rigid(contact->fixed) && sides == 1 ? NULL
                                                            : &contact->gaps.side[sides - 1 - s];
+}
+
+/* Motion of an obstacle since the last step at a place. */
+static inline void ct_contact_came(const ct_contact *contact, const double x[3], double came[3])
+{
+  memcpy(came, contact->came, 3 * sizeof *came);
+  if (contact->fixed->carrier == NULL) return;
+  ct_carrier_velocity(&contact->carried, x, came);
+  for (int c = 0; c < 3; c++) came[c] *= contact->carried.before;
 }
 
 /* The calls of contacts and obstacles. */
@@ -160,6 +173,10 @@ void ct_contact_complete(ct_contact *contact);
 
 /* Find the force of the points on an obstacle. */
 void ct_contact_react(ct_contact *contact);
+
+/* Add to forces on the nodes of a surface what acts against them on the carrier of its obstacle, if
+ * it has one. `terms` has room for a number per node. */
+void ct_contact_push_carrier(const ct_contact *contact, double *force, double *terms);
 
 /* Nodal forces of all surfaces from those of the points, of which no component exceeds `top`. */
 ct_status ct_contact_collect(ct_contact *contact, double top, ct_error *error);
@@ -267,7 +284,7 @@ ct_status ct_contact_find_springs(const ct_contact *contact, ct_masses mass, dou
 /* A new obstacle at a surface, whose faces are not those of the definition; free it with its
  * call. */
 ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surface,
-                             ct_interaction **out, ct_error *error);
+                             const int32_t *carrier, ct_interaction **out, ct_error *error);
 
 /* Friction on a contact or an obstacle, which must outlive it. Its state adds to the rows of that
  * of `on`. */

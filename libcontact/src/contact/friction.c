@@ -30,11 +30,12 @@ static void count_motion(const ct_friction_call *now, const double *force, ct_fr
 {
   const ct_contact *obstacle = now->at->on;
   const int32_t nodes = now->data->is.node_count;
+  const int carried = obstacle->fixed->carrier != NULL;
   for (int c = 0; c < 3; c++) {
     const double last = s->tail.reaction[c];
     for (int32_t n = 0; n < nodes; n++) s->terms[n] = -force[3 * (int64_t)n + c];
     s->tail.reaction[c] = ct_sum(s->terms, nodes);
-    s->tail.motion -= 0.5 * (s->tail.reaction[c] + last) * obstacle->came[c];
+    if (!carried) s->tail.motion -= 0.5 * (s->tail.reaction[c] + last) * obstacle->came[c];
   }
 }
 
@@ -125,6 +126,7 @@ static ct_status find_forces(void *state, const ct_surface_motion *at, double *f
   ct_status status = ct_friction_gather(&now, s, data->is.node_count, force, error);
   count_energy(s);
   if (status == CT_OK && data->rigid) count_motion(&now, force, s);
+  if (status == CT_OK) ct_contact_push_carrier(at->on, force, s->terms);
   memcpy(&at->next_memory[CT_FRICTION_RECORD * data->points], &s->tail, sizeof s->tail);
   return status;
 }
@@ -144,6 +146,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   if (s == NULL) return CT_NO_MEMORY(error, "friction");
   const size_t nodes = (size_t)interaction->node_count;
   s->data = data;
+  s->has_axes = !data->rigid || ((const ct_contact_fixed *)interaction->on)->carrier != NULL;
   const size_t points = (size_t)data->points, batches = points / CT_BATCH + 1;
   s->points = ct_pool_take(&s->pool, points, sizeof *s->points);
   s->listed = ct_pool_take(&s->pool, points, sizeof *s->listed);
@@ -226,7 +229,7 @@ ct_status ct_friction_create(double coefficient, double tangent, const ct_intera
     data->points += data->side[k]->point_count;
     data->quads &= data->side[k]->search->kind == CT_Q4;
   }
-  data->other_nodes = data->rigid ? 0 : data->quads ? 4 : 8;
+  data->other_nodes = data->rigid && fixed->carrier == NULL ? 0 : data->quads ? 4 : 8;
   data->is = describe(data, on);
   *out = &data->is;
   return CT_OK;

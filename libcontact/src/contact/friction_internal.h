@@ -19,7 +19,7 @@ typedef struct ct_friction {
 } ct_friction;
 
 /* Memory of an elastic slip: its components along the tangents and the normal of the partner's
- * face, or at an obstacle along the axes, and its length (eq:friction-components). */
+ * face, or at an obstacle along its axes, and its length (eq:friction-components). */
 typedef struct ct_slip_memory {
   double part[3], length;
 } ct_slip_memory;
@@ -59,6 +59,7 @@ typedef struct ct_friction_memory {
   int64_t listed_end[2];   /* where those of each side end */
   int64_t *listed;         /* the points whose rows are listed in this step */
   ct_face_axes *axes;      /* of the listed points, from the list of rows to the forces */
+  int has_axes;            /* 0: those of space, at an obstacle that no body carries */
   double *turn;            /* w_b · T of the listed points, for the nodes of the other face, as in
                               `slips` */
   const ct_pieces *pieces; /* those of the sides */

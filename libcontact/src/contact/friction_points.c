@@ -301,6 +301,14 @@ CT_INLINE frames *find_all_frames(int quads, int changed, const ct_friction_memo
   return &b->then;
 }
 
+/* The axes of an obstacle that a body carries turn with it. */
+static void turn_axes(const ct_contact *obstacle, ct_face_axes *axes)
+{
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < 3; c++)
+      for (int l = 0; l < CT_BATCH; l++) axes->a[i][c][l] = obstacle->carried.turn[c][i];
+}
+
 /* Elastic slips of all lanes, and the forces that would hold them. */
 CT_INLINE void find_slips(double (*const t)[3][CT_BATCH], const ct_friction_memory *s,
                           int64_t first, batch *b)
@@ -345,8 +353,10 @@ void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int
   batch b;
   load_batch(now, s, first, &b);
   give_points(now, s, first, &b);
+  ct_face_axes *axes = &s->axes[first / CT_BATCH];
   if (now->data->rigid) {
-    find_slips(NULL, s, first, &b);
+    if (s->has_axes) turn_axes(now->at->on, axes);
+    find_slips(s->has_axes ? axes->a : NULL, s, first, &b);
   } else {
     const int changed = load_frames(now, &b);
     if (b.now.quads) find_slips(find_all_frames(1, changed, s, first, &b)->t, s, first, &b);
@@ -413,7 +423,7 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
   const double *of = ct_friction_numbers(s, 0, first);
   const ct_face_axes *axes = &s->axes[first / CT_BATCH];
   double *turn = &s->turn[first], *most = &s->terms[first];
-  if (s->data->rigid) {
+  if (!s->has_axes) {
     keep(of + stride * CT_SLIP_E, stride, NULL, &record[E]);
     keep(of + stride * CT_SLIP_BEFORE, stride, NULL, &record[BEFORE]);
   } else {

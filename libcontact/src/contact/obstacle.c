@@ -3,6 +3,7 @@
 #include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../base/lanes.h"
+#include "../base/list.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
 #include "obstacle.h"
@@ -28,10 +29,10 @@ static ct_constraint law_of(const ct_obstacle_def *given)
                          .travel_time = given->travel_time};
 }
 
-static double distance(const ct_contact_fixed *fixed, const double r[3], double n[3])
+static double distance(const ct_contact *contact, const double r[3], double n[3])
 {
-  const ct_obstacle *data = (const ct_obstacle *)fixed;
-  return data->kind->gap(&data->given, r, n);
+  const ct_obstacle *data = ct_obstacle_of(contact);
+  return data->kind->gap(data->given.radius, contact->direction, r, n);
 }
 
 /* The obstacle's position at a time. */
@@ -50,7 +51,7 @@ static int is_plane(const ct_contact *contact)
 static void set_directions(ct_contact *contact)
 {
   const ct_side *side = contact->gaps.side;
-  contact->axis = ct_obstacle_of(contact)->given.axis;
+  contact->axis = contact->direction;
   for (int64_t i = 0; i < side->fixed->point_count; i++)
     for (int c = 0; c < 3; c++)
       side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
@@ -58,21 +59,52 @@ static void set_directions(ct_contact *contact)
 
 static ct_status open_state(ct_contact *contact)
 {
+  const ct_obstacle_def *o = &ct_obstacle_of(contact)->given;
+  memcpy(contact->direction, o->axis, sizeof o->axis);
   if (is_plane(contact)) set_directions(contact);
-  place_at(&ct_obstacle_of(contact)->given, 0.0, contact->place);
+  place_at(o, 0.0, contact->place);
+  if (contact->fixed->carrier != NULL) {
+    contact->carried.weights =
+        ct_allocate((size_t)contact->gaps.fixed->point_count, sizeof *contact->carried.weights);
+    if (contact->carried.weights == NULL) return CT_ERROR_MEMORY;
+  }
   return ct_stations_open(contact);
 }
 
 /* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
- * twice the displacement of the fastest node. */
+ * twice the displacement of the fastest node, if a body carries the obstacle relative to that. */
 static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
 {
   const ct_search *search = contact->gaps.side[0].search;
   const double *coming = contact->coming;
+  const int carried = contact->fixed->carrier != NULL;
   double top = 0.0;
-  for (int64_t i = 0; i < search->node_count; i++)
-    top = fmax(top, ct_vector_dot(&now->velocity[3 * i], &now->velocity[3 * i]));
-  return search->size + 2.0 * (now->dt * sqrt(top) + sqrt(ct_vector_dot(coming, coming)));
+  for (int32_t i = 0; i < search->node_count; i++) {
+    const double *v = &now->velocity[3 * (int64_t)ct_gaps_node(contact->gaps.fixed, 0, i)];
+    double u[3] = {0.0};
+    if (carried) ct_carrier_velocity(&contact->carried, &search->x[3 * (int64_t)i], u);
+    for (int c = 0; c < 3; c++) u[c] = v[c] - u[c];
+    top = fmax(top, ct_vector_dot(u, u));
+  }
+  return search->size +
+         2.0 * (now->dt * sqrt(top) + (carried ? 0.0 : sqrt(ct_vector_dot(coming, coming))));
+}
+
+/* The same of an obstacle that a body carries; all of its motion is that of nodes. */
+static void move_carried(ct_contact *contact, const ct_surface_motion *now)
+{
+  const double *axis = ct_obstacle_of(contact)->given.axis;
+  double v[3], turned[3];
+  ct_carrier_move(contact->fixed->carrier, now, &contact->carried, contact->place);
+  ct_carrier_velocity(&contact->carried, contact->place, v);
+  for (int c = 0; c < 3; c++) {
+    turned[c] = ct_vector_dot(contact->carried.turn[c], axis);
+    contact->came[c] = now->before * v[c];
+    contact->coming[c] = now->dt * v[c];
+  }
+  (void)ct_obstacle_axis(turned, contact->direction);
+  if (is_plane(contact)) set_directions(contact);
+  contact->reach = reach_of(contact, now);
 }
 
 /* Position of the obstacle, its motion in the last step and the next one, and its reach. */
@@ -80,6 +112,10 @@ static void move(ct_contact *contact, const ct_surface_motion *now)
 {
   const ct_obstacle_def *o = &ct_obstacle_of(contact)->given;
   double last[3];
+  if (contact->fixed->carrier != NULL) {
+    move_carried(contact, now);
+    return;
+  }
   place_at(o, now->time, contact->place);
   place_at(o, now->first ? now->time : contact->record.time, last);
   ct_obstacle_motion(o, now->time + now->dt, contact->coming);
@@ -108,7 +144,7 @@ static int meet(const ct_contact *contact, int64_t i, int first)
   ct_side_position(&contact->gaps.side[0], i, contact->place, r);
   point->along = NAN;
   point->last_known = point->known;
-  point->row.gap = point->known = distance(contact->fixed, r, point->outward);
+  point->row.gap = point->known = distance(contact, r, point->outward);
   point->status = point->row.gap < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
   point->other = 0;
   for (int c = 0; c < 3; c++) {
@@ -214,7 +250,8 @@ static double relative_motion(const ct_contact *contact, int32_t *node)
   double top = -1.0;
   for (int32_t i = 0; i < surface->search->node_count; i++) {
     double d[3];
-    for (int c = 0; c < 3; c++) d[c] = surface->moved[3 * (int64_t)i + c] - contact->came[c];
+    ct_contact_came(contact, &surface->search->x[3 * (int64_t)i], d);
+    for (int c = 0; c < 3; c++) d[c] = surface->moved[3 * (int64_t)i + c] - d[c];
     if (!(ct_vector_dot(d, d) > top)) continue;
     top = ct_vector_dot(d, d);
     *node = surface->search->nodes[i];
@@ -237,7 +274,7 @@ static ct_status check_step(ct_contact *contact, const ct_surface_motion *now, c
     middle[c] = 0.5 * (box.low[c] + box.high[c]) - contact->place[c];
     half = hypot(half, 0.5 * (box.high[c] - box.low[c]));
   }
-  if (distance(contact->fixed, middle, n) - half > nearer + search->size) return CT_OK;
+  if (distance(contact, middle, n) - half > nearer + search->size) return CT_OK;
   return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, node},
                  "obstacle: in the step to t = %g a node of its surface has moved by %g relative "
                  "to it, and the two may have passed through each other; not more than %g is safe. "
@@ -330,7 +367,7 @@ static ct_status fill(ct_obstacle *data, const ct_obstacle_def *o, const ct_surf
   data->given = *o;
   data->kind = ct_obstacle_kind_of(o->shape);
   if (data->kind->direction != NULL) (void)ct_obstacle_axis(o->axis, data->given.axis);
-  data->given.faces = NULL; // the caller's
+  data->given.faces = data->given.carrier = NULL; // the caller's
   data->given.amplitude.time = data->time =
       ct_duplicate(o->amplitude.time, points * sizeof(double));
   data->given.amplitude.value = data->value =
@@ -357,10 +394,59 @@ ct_obstacle_def ct_obstacle_def_default(void)
                            .initial_penetration = CT_INITIAL_KEEP};
 }
 
+/* Let nodes of a rigid body carry the obstacle: they follow in the list of the surface's nodes. */
+static ct_status carry(ct_obstacle *data, const ct_surface *surface, const int32_t *nodes,
+                       ct_error *error)
+{
+  ct_carrier *carrier = &data->carrier;
+  ct_contact_fixed *contact = &data->contact;
+  ct_side_fixed *side = &contact->gaps.side[0];
+  const ct_search *search = side->search;
+  const int32_t own = search->node_count;
+  const size_t entries = (size_t)search->face_count * (size_t)search->per;
+  if (contact->moves)
+    return CT_REFUSE(error, "obstacle: with a carrier it moves by its forces; leave velocity and "
+                            "travel out, and give the velocity to the body");
+  if (!ct_law_has_rows(contact->law.enforcement))
+    return CT_REFUSE(error,
+                     "obstacle: with a carrier it can't be enforced by the explicit penalty");
+  contact->nodes = ct_allocate((size_t)own + CT_CARRIER_NODES, sizeof *contact->nodes);
+  contact->gaps.place[0] = ct_allocate((size_t)own, sizeof *contact->gaps.place[0]);
+  side->row_faces = ct_allocate(entries, sizeof *side->row_faces);
+  if (!contact->nodes || !contact->gaps.place[0] || !side->row_faces)
+    return CT_NO_MEMORY(error, "an obstacle");
+  int32_t count = own;
+  memcpy(contact->nodes, search->nodes, (size_t)own * sizeof *search->nodes);
+  for (int k = 0; k < CT_CARRIER_NODES; k++) {
+    const int32_t at = ct_lower_bound(contact->nodes, count, nodes[k]);
+    memcpy(carrier->reference[k], &surface->reference[3 * (int64_t)nodes[k]],
+           sizeof carrier->reference[k]);
+    if (at < count && contact->nodes[at] == nodes[k]) continue; // the farthest one in two octants
+    memmove(&contact->nodes[at + 1], &contact->nodes[at], (size_t)(count++ - at) * sizeof(int32_t));
+    contact->nodes[at] = nodes[k];
+  }
+  contact->is.node_count = count;
+  for (int k = 0; k < CT_CARRIER_NODES; k++)
+    carrier->place[k] = ct_lower_bound(contact->nodes, count, nodes[k]);
+  for (int32_t n = 0; n < own; n++)
+    contact->gaps.place[0][n] = ct_lower_bound(contact->nodes, count, search->nodes[n]);
+  for (size_t i = 0; i < entries; i++)
+    side->row_faces[i] = contact->gaps.place[0][search->faces[i]];
+  if (!ct_carrier_init(carrier, data->given.point))
+    return CT_REFUSE(error, "obstacle: the body that carries it is flat");
+  contact->carrier = carrier;
+  return CT_OK;
+}
+
 ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surface,
-                             ct_interaction **out, ct_error *error)
+                             const int32_t *carrier, ct_interaction **out, ct_error *error)
 {
   ct_status status = ct_check_options(def->cookie, "ct_obstacle_def_default", error);
+  if (status == CT_OK && carrier == NULL && def->carrier != NULL)
+    return CT_REFUSE(error,
+                     "obstacle: body %d can't carry it, because a host's contact knows no "
+                     "rigid bodies",
+                     (int)*def->carrier);
   if (status == CT_OK) status = ct_amplitude_check(&def->amplitude, error);
   if (status != CT_OK) return status;
   ct_obstacle *data = ct_allocate(1, sizeof *data);
@@ -371,6 +457,7 @@ ct_status ct_obstacle_create(const ct_obstacle_def *def, const ct_surface *surfa
       (ct_start_rule){def->initial_penetration, def->removal_time, def->adjust};
   status = check(&data->contact, def, surface, error);
   if (status == CT_OK) status = fill(data, def, surface, error);
+  if (status == CT_OK && carrier != NULL) status = carry(data, surface, carrier, error);
   if (status != CT_OK) {
     ct_contact_fixed_free(&data->contact);
     return status;

@@ -9,7 +9,7 @@ typedef struct ct_obstacle_kind {
   int is_round;                 /* whether it has a radius, and stations if that is small */
   /* Signed distance of a place `r` relative to the obstacle, negative inside, and the unit normal
    * out of it (eq:obstacle-gap); NaN at the centre of a sphere and on the axis of a cylinder. */
-  double (*gap)(const ct_obstacle_def *o, const double r[3], double n[3]);
+  double (*gap)(double radius, const double axis[3], const double r[3], double n[3]);
 } ct_obstacle_kind;
 
 /* Constant data of an obstacle. Side 0 is the surface; side 1, if there is one, has the stations of
@@ -25,6 +25,7 @@ typedef struct ct_obstacle {
   double *springs;        /* row sums of the stiffness with all points inside */
   double station_spacing; /* along the axis; 0: one station */
   double station_area;    /* of a station: that of a mean face */
+  ct_carrier carrier;     /* if a rigid body carries it */
 } ct_obstacle;
 
 static inline const ct_obstacle *ct_obstacle_of(const ct_contact *contact)

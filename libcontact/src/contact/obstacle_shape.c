@@ -6,27 +6,29 @@
 #include <math.h>
 #include <string.h>
 
-static double plane_gap(const ct_obstacle_def *o, const double r[3], double n[3])
+static double plane_gap(double radius, const double axis[3], const double r[3], double n[3])
 {
+  (void)radius;
   // -- A plane: g = r · a, n = a (eq:obstacle-gap)
-  memcpy(n, o->axis, sizeof o->axis);
-  return ct_vector_dot(r, o->axis);
+  memcpy(n, axis, 3 * sizeof *axis);
+  return ct_vector_dot(r, axis);
 }
 
-static double sphere_gap(const ct_obstacle_def *o, const double r[3], double n[3])
+static double sphere_gap(double radius, const double axis[3], const double r[3], double n[3])
 {
+  (void)axis;
   const double distance = sqrt(ct_vector_dot(r, r));
   // -- Away from the centre or the axis
   for (int c = 0; c < 3; c++) n[c] = r[c] / distance;
-  return distance - o->radius; // (eq:obstacle-gap)
+  return distance - radius; // (eq:obstacle-gap)
 }
 
-static double cylinder_gap(const ct_obstacle_def *o, const double r[3], double n[3])
+static double cylinder_gap(double radius, const double axis[3], const double r[3], double n[3])
 {
-  const double along = ct_vector_dot(r, o->axis);
+  const double along = ct_vector_dot(r, axis);
   double from[3];
-  for (int c = 0; c < 3; c++) from[c] = r[c] - along * o->axis[c];
-  return sphere_gap(o, from, n);
+  for (int c = 0; c < 3; c++) from[c] = r[c] - along * axis[c];
+  return sphere_gap(radius, axis, from, n);
 }
 
 const ct_obstacle_kind *ct_obstacle_kind_of(ct_obstacle_shape shape)

@@ -56,7 +56,7 @@ static double depth_in(const ct_contact *contact, ct_search *const now[2], int s
   ct_segment_shape(side->search->kind, xi, N);
   ct_side_interpolate(side->search, side->search->x, face, N, NULL, y);
   for (int c = 0; c < 3; c++) r[c] = y[c] - contact->place[c];
-  return -contact->fixed->partner->distance(contact->fixed, r, normal);
+  return -contact->fixed->partner->distance(contact, r, normal);
 }
 
 /* At corners or on edges of surface `s`: `edges` is 2 or 1. A place deeper than `limit` is on a far

@@ -45,6 +45,23 @@ CT_INLINE void row_over(const ct_contact *contact, const int32_t *faces, int32_t
   p->row.other = &faces[(int64_t)p->other * per];
 }
 
+/* Complete the row of a point at an obstacle that a body carries: the force acts against the body
+ * on its own line (eq:carrier-row). */
+static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_point *p)
+{
+  const ct_side *surface = &contact->gaps.side[0];
+  const int64_t i = p - side->points;
+  double *weights = contact->carried.weights[side == surface ? i : surface->fixed->point_count + i],
+         r[3];
+  ct_side_interpolate(surface->search, surface->search->x, ct_side_face(side, i), p->row.own_shape,
+                      contact->carried.centre, r);
+  ct_carrier_weigh(&contact->carried, r, weights);
+  p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
+  p->row.other_count = CT_CARRIER_NODES;
+  p->row.other = contact->fixed->carrier->place;
+  p->row.other_shape = weights;
+}
+
 /* Complete the row of a point at an obstacle. */
 CT_INLINE void row_at(const ct_contact *contact, along m, ct_point *p)
 {
@@ -73,6 +90,7 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
       continue;
     }
     if (other != NULL) row_over(contact, faces, per, p);
+    else if (contact->fixed->carrier != NULL) row_on_carrier(contact, side, p);
     else row_at(contact, m, p);
     rows[count++] = &p->row;
   }
@@ -217,6 +235,14 @@ void ct_contact_react(ct_contact *contact)
   for (int c = 0; c < 3; c++)
     // 0 without a sign where the axis has no component
     contact->reaction[c] = plane ? size * contact->axis[c] + 0.0 : sum_against(contact, 0, c);
+}
+
+void ct_contact_push_carrier(const ct_contact *contact, double *force, double *terms)
+{
+  const ct_search *search = contact->gaps.side[0].search;
+  if (contact->fixed->carrier != NULL)
+    ct_carrier_react(contact->fixed->carrier, &contact->carried, search->node_count,
+                     contact->gaps.fixed->place[0], search->x, terms, force);
 }
 
 static ct_heap heap_of(const ct_side *side)

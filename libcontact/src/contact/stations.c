@@ -180,7 +180,7 @@ static double middle_of(const ct_contact *contact)
   double r[3];
   for (int64_t i = 0; i < search->node_count; i++) {
     for (int c = 0; c < 3; c++) r[c] = search->x[3 * i + c] - contact->place[c];
-    contact->terms[i] = ct_vector_dot(r, ct_obstacle_of(contact)->given.axis);
+    contact->terms[i] = ct_vector_dot(r, contact->direction);
   }
   return ct_sum(contact->terms, search->node_count) / search->node_count;
 }
@@ -199,7 +199,7 @@ void ct_stations_meet(ct_contact *contact, double motion, int first)
     ct_point *p = &own->points[i];
     station now = {.contact = contact, .search = search};
     const double along = middle + ((double)i - 0.5 * (double)(count - 1)) * data->station_spacing;
-    for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * data->given.axis[c];
+    for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * contact->direction[c];
     p->jumped = 0;
     // In pieces, the stations are those of the piece with the first face.
     if (!ct_side_owns(&contact->gaps.side[0], 0) ||

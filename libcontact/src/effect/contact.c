@@ -2,10 +2,12 @@
 #include "contact.h"
 
 #include "../base/error.h"
+#include "../base/vector.h"
 #include "../constraint/law.h"
 #include "../base/threads.h"
 #include "../step/effect_internal.h"
 
+#include <math.h>
 #include <string.h>
 
 static const ct_interaction *interaction_of(const ct_effect *effect)
@@ -112,8 +114,8 @@ static ct_status touch_bound(const ct_effect *effect, const ct_view *view, doubl
 {
   const ct_touch *touch = effect->data;
   const ct_touch_scratch *s = view->scratch;
-  ct_status status =
-      ct_interaction_bound(touch->is, s->state, (ct_masses){touch->mass, effect->nodes}, omega2);
+  ct_status status = ct_interaction_bound(touch->is, s->state,
+                                          (ct_masses){touch->problem->mass, effect->nodes}, omega2);
   return status == CT_OK
              ? CT_OK
              : ct_fail(error, status, CT_NOWHERE, "%s: no bound on the time step", effect->label);
@@ -136,10 +138,14 @@ static void free_scratch(void *scratch)
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
+  const ct_touch *touch = effect->data;
+  if (touch->carrier >= 0 && !ct_problem_is_rigid(touch->problem, touch->carrier))
+    return CT_REFUSE(error, "obstacle: body %s, which carries it, must be rigid",
+                     touch->problem->bodies[touch->carrier].name);
   ct_touch_scratch *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_NO_MEMORY(error, "effect %s", effect->label);
   const size_t nodes = (size_t)effect->node_count;
-  s->is = interaction_of(effect);
+  s->is = touch->is;
   s->x = ct_pool_take(&s->pool, nodes, 3 * sizeof *s->x);
   s->velocity = ct_pool_take(&s->pool, nodes, 3 * sizeof *s->velocity);
   ct_status status = s->pool.failed ? CT_NO_MEMORY(error, "effect %s", effect->label)
@@ -166,8 +172,8 @@ static const ct_effect_calls FRICTION = {.force = touch_force,
                                          .constraints = {.list = touch_constrain}};
 
 /* The effect of a new interaction, which it takes over; `filled` has what differs by its kind. */
-static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect filled,
-                        ct_effect **out, ct_error *error)
+static ct_status create(ct_interaction *is, const ct_problem *problem, int32_t carrier,
+                        ct_effect filled, ct_effect **out, ct_error *error)
 {
   ct_touch *touch = ct_allocate(1, sizeof *touch);
   ct_status status = touch == NULL ? CT_NO_MEMORY(error, "effect %s", filled.label) : CT_OK;
@@ -178,7 +184,7 @@ static ct_status create(ct_interaction *is, const ct_problem *problem, ct_effect
     ct_release(touch);
     return status;
   }
-  *touch = (ct_touch){is, problem->mass};
+  *touch = (ct_touch){is, problem, carrier};
   filled.data = touch;
   filled.nodes = is->nodes;
   filled.node_count = is->node_count;
@@ -217,7 +223,40 @@ ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *
   status = ct_contact_fixed_create(surface, def->a == def->b ? 1 : 2, &def->options, &fixed, error);
   if (status != CT_OK) return status;
   const ct_effect filled = {.kind = CT_EFFECT_CONTACT, .label = "contact", .calls = &TOUCH};
-  return create(&fixed->is, problem, filled, out, error);
+  return create(&fixed->is, problem, -1, filled, out, error);
+}
+
+/* The node of a body that is farthest along a direction. */
+static int32_t farthest(const ct_body *body, const double direction[3])
+{
+  double top = -HUGE_VAL;
+  int32_t node = 0;
+  for (int32_t n = 0; n < body->mesh->node_count; n++) {
+    const double along = ct_vector_dot(&body->mesh->nodes[3 * (int64_t)n], direction);
+    if (along > top) top = along, node = n;
+  }
+  return body->first_node + node;
+}
+
+/* Nodes of the body that carries an obstacle, ascending: the farthest one in each octant. */
+static ct_status find_carrier(const ct_obstacle_def *def, const ct_problem *problem,
+                              int32_t nodes[CT_CARRIER_NODES], ct_error *error)
+{
+  if (*def->carrier < 0 || *def->carrier >= problem->body_count)
+    return CT_REFUSE(error, "obstacle: there is no body %d to carry it", (int)*def->carrier);
+  const ct_body *body = &problem->bodies[*def->carrier];
+  const int32_t end = body->first_node + body->mesh->node_count;
+  for (int64_t i = 0; i < (int64_t)def->face_count * ct_face_node_count(def->kind); i++)
+    if (def->faces[i] >= body->first_node && def->faces[i] < end)
+      return CT_REFUSE(error, "obstacle: body %s carries it and can't touch it, too", body->name);
+  for (int k = 0; k < CT_CARRIER_NODES; k++) {
+    const int32_t node = farthest(
+        body, (const double[3]){k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0});
+    int at = k;
+    for (; at > 0 && nodes[at - 1] > node; at--) nodes[at] = nodes[at - 1];
+    nodes[at] = node;
+  }
+  return CT_OK;
 }
 
 ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
@@ -229,9 +268,14 @@ ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem
   if (status != CT_OK) return status;
   const ct_surface surface = {def->kind, problem->node_count, def->face_count, def->faces,
                               problem->reference};
-  status = ct_obstacle_create(def, &surface, &is, error);
+  int32_t carrier[CT_CARRIER_NODES];
+  if (def->carrier != NULL) status = find_carrier(def, problem, carrier, error);
+  if (status == CT_OK)
+    status = ct_obstacle_create(def, &surface, def->carrier == NULL ? NULL : carrier, &is, error);
   const ct_effect filled = {.kind = CT_EFFECT_OBSTACLE, .label = "obstacle", .calls = &TOUCH};
-  return status == CT_OK ? create(is, problem, filled, out, error) : status;
+  return status == CT_OK
+             ? create(is, problem, def->carrier == NULL ? -1 : *def->carrier, filled, out, error)
+             : status;
 }
 
 ct_friction_def ct_friction_def_default(void)
@@ -254,5 +298,5 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
   status = ct_friction_create(def->coefficient, def->tangent, interaction_of(on), &is, error);
   const ct_effect filled = {
       .kind = CT_EFFECT_FRICTION, .label = "friction", .calls = &FRICTION, .reads = on};
-  return status == CT_OK ? create(is, problem, filled, out, error) : status;
+  return status == CT_OK ? create(is, problem, -1, filled, out, error) : status;
 }

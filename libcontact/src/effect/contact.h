@@ -9,7 +9,8 @@
 /* Constant data of the effect of an interaction. */
 typedef struct ct_touch {
   ct_interaction *is;
-  const double *mass; /* of the problem's nodes */
+  const ct_problem *problem;
+  int32_t carrier; /* body that carries an obstacle, or -1 */
 } ct_touch;
 
 /* Scratch space of such an effect. */

@@ -68,7 +68,7 @@ static ct_status create_obstacle(const ct_contact_fixed *fixed, int32_t side,
     memcpy(&x[3 * (int64_t)fixed->gaps.place[side][n]], &search->x[3 * (int64_t)n], 3 * sizeof *x);
   const ct_surface surface = {search->kind, fixed->is.node_count, search->face_count,
                               fixed->gaps.side[side].row_faces, x};
-  ct_status status = ct_obstacle_create(obstacle, &surface, is, error);
+  ct_status status = ct_obstacle_create(obstacle, &surface, NULL, is, error);
   ct_release(x);
   return status;
 }

@@ -22,7 +22,7 @@ from ..model import (
     modulus,
     speeds,
 )
-from ..schema import VECTOR, Nested, Table, key
+from ..schema import VECTOR, Nested, Reference, Table, key
 from ..units import Units
 from . import OnSurface
 
@@ -117,6 +117,9 @@ class Obstacle(ContactLaw, OnSurface):
         The obstacle moves by the travel times the history, in addition to its velocity.
     history
         A piecewise linear factor in time (:eq:`amplitude`).
+    carrier
+        Name of a rigid body that carries the obstacle, which then has mass: it moves and turns with the
+        body, by the forces on both (:doc:`/theory/rigid`).
     """
 
     without = "no [[obstacle]]: no rigid walls, spheres or cylinders"
@@ -128,6 +131,7 @@ class Obstacle(ContactLaw, OnSurface):
     velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
     travel: Vector = key(VECTOR, unit="length", default=ORIGIN, says="none")
     history: Any = key(Nested(History), default=None, says="none")
+    carrier: str | None = key(Reference("body"), default=None, says="none")
 
     @property
     def shape(self) -> str:
@@ -140,6 +144,13 @@ class Obstacle(ContactLaw, OnSurface):
                 "history",
                 'and "travel" go together: the displacement is travel times the history',
             )
+        if self.carrier and (self.history or any(self.velocity)):
+            given = "velocity" if any(self.velocity) else "history"
+            yield given, "is that of a prescribed motion; with a carrier, give it to that body"
+        if self.carrier and FEEDS[self.enforcement]:
+            yield "enforcement", "can't be the explicit penalty with a carrier"
+        if self.carrier == self.surface[0]:
+            yield "carrier", f'"{self.carrier}" carries the obstacle and can\'t touch it, too'
         yield from super().refusals()
 
     def gaps(self, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -179,6 +190,7 @@ class Obstacle(ContactLaw, OnSurface):
             "epsilon": self.penalties(body, materials)[0],
             "travel_time": lib.ct_mesh_shortest_edge(body.mesh) / speeds(softest)[0],
             "amplitude": maker.history(self.history),
+            "carrier": maker.bodies(self.carrier and [self.carrier])["bodies"],
         }
 
     def create(self, maker: Any) -> Any:
@@ -194,6 +206,8 @@ class Obstacle(ContactLaw, OnSurface):
         shape = getattr(self, self.shape)
         text = self.shape + (f" of radius {shape.radius:g} {units.length}" if shape.radius else "")
         text += f" at {list(shape.point)} {units.length} against {'.'.join(self.surface)}"
+        if self.carrier:
+            text += f", carried by {self.carrier}"
         if any(self.velocity):
             text += f", moving at {list(self.velocity)} {units.label('velocity')}"
         if self.history:

@@ -24,7 +24,7 @@ from ..schema import suggestion
 from ..state import COMPONENTS, State
 from ..surfaces import split_name
 from .faces import Faces, outer_values, places
-from .rigid import displacement_at, draw_directions, draw_obstacle, draw_scale, nice, patch
+from .rigid import draw_directions, draw_obstacle, draw_scale, nice, patch, shape_at
 
 if TYPE_CHECKING:
     from ..run import Run
@@ -276,7 +276,7 @@ class Drawing:
         patches.set_in_layout(False)
         axes.add_collection(patches, autolim=False)
         for obstacle in self.obstacles:
-            draw_obstacle(axes, self, obstacle, state.time)
+            draw_obstacle(axes, self, obstacle, state)
         self._frame(axes, polygons if marks else None)
         return patches
 
@@ -312,12 +312,7 @@ class Drawing:
     def _floors(self, states: Sequence[State]) -> list[Floats]:
         """The projected patches of the planes among the obstacles that are near the bodies."""
         planes = [obstacle for obstacle in self.obstacles if "plane" in obstacle]
-        times = sorted({state.time for state in states})
-        patches = [
-            patch(each["plane"], self.box, displacement_at(each, t))
-            for each in planes
-            for t in times
-        ]
+        patches = [patch(shape_at(each, s)[1], self.box) for each in planes for s in states]
         reach = 0.2 * float(np.linalg.norm(self.box[1] - self.box[0]))
         low, high = self.box[0] - reach, self.box[1] + reach
         near = [p for p in patches if ((p >= low) & (p <= high)).all()]

@@ -289,6 +289,6 @@ def _walls(run: Run, axis: int, times: Floats) -> Iterator[Floats]:
     """Positions over time of the planes across an axis."""
     for obstacle in tables(run).get("obstacle", []):
         normal = np.abs(obstacle.get("plane", {}).get("normal", np.zeros(3)))
-        if normal[axis] > 0.99 * np.linalg.norm(normal) > 0.0:
+        if "carrier" not in obstacle and normal[axis] > 0.99 * np.linalg.norm(normal) > 0.0:
             point = obstacle["plane"]["point"][axis]
             yield point + np.array([displacement_at(obstacle, t)[axis] for t in times])

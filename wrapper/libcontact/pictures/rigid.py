@@ -10,6 +10,7 @@ from ..bridge import Floats
 from ..model import AXES
 
 if TYPE_CHECKING:
+    from ..state import State
     from .drawing import Drawing
 
 GREY = "0.45"
@@ -35,15 +36,32 @@ def displacement_at(obstacle: dict[str, Any], time: float) -> Floats:
     return moved
 
 
-def patch(plane: dict[str, Any], box: Floats, moved: Floats) -> Floats:
+def shape_at(obstacle: dict[str, Any], state: State) -> tuple[str, dict[str, Any]]:
+    """The shape of an obstacle, and its table as it is in a state; it moves as given, or with its carrier."""
+    name = next(name for name in ("plane", "sphere", "cylinder") if name in obstacle)
+    shape = obstacle[name]
+    point, axis = ("point", "normal") if name == "plane" else ("centre", "axis")
+    turn, moved = np.eye(3), displacement_at(obstacle, state.time)
+    if "carrier" in obstacle:
+        body = state[obstacle["carrier"]]
+        middle, shift = body.nodes.mean(axis=0), body.displacement.mean(axis=0)
+        r, u = body.nodes - middle, body.displacement - shift
+        turn = np.eye(3) + np.linalg.lstsq(r, u, rcond=None)[0].T
+        arm = np.array(shape[point], float) - middle
+        moved = shift + turn @ arm - arm
+    axes = {axis: turn @ np.array(shape[axis], float)} if axis in shape else {}
+    return name, {**shape, point: np.array(shape[point], float) + moved, **axes}
+
+
+def patch(plane: dict[str, Any], box: Floats) -> Floats:
     """The corners (4, 3) of a rectangle around the projection of the bodies, with bounds ``box`` (2, 3), on a
-    plane that has ``moved`` [length]."""
+    plane."""
     normal = np.array(plane["normal"], float)
     normal /= np.linalg.norm(normal)
     first = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
-    point = np.array(plane["point"], float) + moved
+    point = np.array(plane["point"], float)
     corners = np.array(np.meshgrid(*box.T)).reshape(3, -1).T - point
     wide = 0.06 * float(np.linalg.norm(box[1] - box[0]))
     u, v = corners @ first, corners @ second
@@ -52,23 +70,22 @@ def patch(plane: dict[str, Any], box: Floats, moved: Floats) -> Floats:
     return np.array([point + a * first + b * second for a, b in ends])
 
 
-def draw_obstacle(axes: Any, drawing: Drawing, obstacle: dict[str, Any], time: float) -> None:
-    """Draw an obstacle as it is at a time."""
-    moved = displacement_at(obstacle, time)
-    if "plane" in obstacle:
-        _draw_plane(axes, drawing, obstacle["plane"], moved)
-    elif "sphere" in obstacle:
-        centre = np.array(obstacle["sphere"]["centre"], float) + moved
-        _draw_disc(axes, drawing.project(centre)[:2], obstacle["sphere"]["radius"])
-    elif "cylinder" in obstacle:
-        _draw_cylinder(axes, drawing, obstacle["cylinder"], moved)
+def draw_obstacle(axes: Any, drawing: Drawing, obstacle: dict[str, Any], state: State) -> None:
+    """Draw an obstacle as it is in a state."""
+    name, shape = shape_at(obstacle, state)
+    if name == "plane":
+        _draw_plane(axes, drawing, shape)
+    elif name == "sphere":
+        _draw_disc(axes, drawing.project(shape["centre"])[:2], shape["radius"])
+    else:
+        _draw_cylinder(axes, drawing, shape)
 
 
-def _draw_plane(axes: Any, drawing: Drawing, plane: dict[str, Any], moved: Floats) -> None:
+def _draw_plane(axes: Any, drawing: Drawing, plane: dict[str, Any]) -> None:
     """A plane from its front or back, or the edge of a wall."""
     normal = np.array(plane["normal"], float)
     normal /= np.linalg.norm(normal)
-    corners, facing = patch(plane, drawing.box, moved), float(normal @ drawing.toward)
+    corners, facing = patch(plane, drawing.box), float(normal @ drawing.toward)
     look = {"facecolor": "0.9", "edgecolor": GREY, "lw": 0.8, "zorder": 1}
     if abs(facing) < EDGE_ON:
         across = corners[np.argsort(drawing.project(corners) @ _along(drawing, normal))[[0, -1]]]
@@ -94,10 +111,10 @@ def _draw_disc(axes: Any, centre: Floats, radius: float) -> None:
     axes.add_patch(Circle(tuple(centre), radius, fill=False, zorder=3, **look))
 
 
-def _draw_cylinder(axes: Any, drawing: Drawing, cylinder: dict[str, Any], moved: Floats) -> None:
+def _draw_cylinder(axes: Any, drawing: Drawing, cylinder: dict[str, Any]) -> None:
     """A circle along its axis, or its two outlines."""
-    centre = drawing.project(np.array(cylinder["centre"], float) + moved)
-    axis = drawing.project(np.array(cylinder["axis"], float))
+    centre = drawing.project(cylinder["centre"])
+    axis = drawing.project(cylinder["axis"])
     radius, length = cylinder["radius"], float(np.hypot(*axis[:2]))
     if length < EDGE_ON * abs(axis[2]):
         _draw_disc(axes, centre[:2], radius)

@@ -185,7 +185,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     facts |= {"c1": c1, "c2": c2, "c1_si": c1 * problem.parts.units.factor("velocity")}
     facts |= {"shortest_edge": mesh.shortest_edge}
     masses = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * problem.pointer.node_count))
-    facts |= {"inertia": inertia_ratios(mesh, masses[body.nodes])}
+    facts |= {"inertia": 3 * [1.0] if given.inertia else inertia_ratios(mesh, masses[body.nodes])}
     return facts | {"flops_per_update": body.flops, "bytes_per_update": body.bytes}
 
 
