@@ -580,7 +580,7 @@ static void close_hit(hit *h)
 }
 
 /* The velocity of the hammer and the bar after it, and what is conserved
- * (eq:rigid-mobility, eq:rigid-mobility-bound). */
+ * (eq:rigid-mobility, eq:rigid-mobility-bound, eq:rigid-turned). */
 static void hammer(void)
 {
   hit h = new_hit(PLAIN, NULL);
@@ -601,9 +601,8 @@ static void hammer(void)
   tap_close(end[0].p[2] / impulse, -1.0, 1e-5, "the impulse of a hammer on a bar");
   tap_close(L, 0.0, 1e-3, "its moment");
   tap_close(last.kinetic / first.kinetic, 1.0, 1e-9, "kinetic energy before and after");
-  // The solver's motion is linear in the forces; the bar turns by 1e-3 in a step.
-  tap_ok(last.total <= first.total * (1.0 + 1e-7), "no energy appears (%.3g)",
-         last.total / first.total - 1.0);
+  // The bar turns by 1e-3 in a step.
+  tap_close(last.total / first.total, 1.0, 1e-13, "total energy before and after");
   close_hit(&h);
 }
 
@@ -732,8 +731,8 @@ static void obstacles_with_mass(void)
     tap_ok(p < 1e-13 && L < 1e-13 && given > 1e-3,
            "%s with mass, mu = %g: momentum %.3g, angular momentum %.3g of %.3g", NAME[i % 3], mu,
            p, L, given);
-    // The solver's motion is linear in the forces; the body turns by 1e-3 in a step.
-    tap_ok(rise < 1e-5, "and no energy appears (%.3g)", rise);
+    // The leapfrog of a block at large strain is not exact.
+    tap_ok(rise < 1e-6, "and no energy appears (%.3g)", rise);
     close_carried(&h);
   }
 }

@@ -20,6 +20,7 @@ ct_bodies *ct_bodies_create(ct_solver *solver, int32_t count, const int32_t *of)
   b->rotation = ct_pool_take(pool, bodies, sizeof *b->rotation);
   b->most = ct_pool_take(pool, bodies, sizeof *b->most);
   b->push = ct_pool_take(pool, bodies, sizeof *b->push);
+  b->sum = ct_pool_take(pool, bodies, sizeof *b->sum);
   b->of = ct_pool_copy(pool, of, nodes * sizeof *of);
   b->arm = ct_pool_take(pool, nodes, 3 * sizeof *b->arm);
   b->first = ct_pool_take(pool, bodies + 1, sizeof *b->first);

@@ -19,6 +19,7 @@ typedef struct ct_bodies {
   double *terms;      /* memory, shape (6, node_count) */
   int32_t node_count; /* of the solver */
   double (*push)[6];  /* force and moment on each body, or bounds of their sizes */
+  double (*sum)[6];   /* memory */
 } ct_bodies;
 
 /* Memory for `count` bodies, of which `of` lists the nodes, from the pool of the solver, which may

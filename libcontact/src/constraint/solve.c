@@ -1,10 +1,12 @@
 /* The forces of all constraints of a step, solved for together. */
 #include "solve.h"
 #include "active.h"
+#include "bodies.h"
 #include "law.h"
 #include "law_rows.h"
 #include "matrix.h"
 #include "tangent.h"
+#include "tangent_matrix.h"
 
 #include <libcontact/base.h>
 
@@ -454,5 +456,20 @@ int ct_solver_solve(ct_solver *s)
   if (!find_all_forces(s)) return 0;
   if (s->tangent != NULL) ct_tangent_store(s);
   store(s);
+  return 1;
+}
+
+int ct_solver_follow(ct_solver *s)
+{
+  ct_bodies *b = s->bodies;
+  if (!ct_matrix_push(s, s->force)) return 0;
+  if (s->tangent != NULL && s->tangent->some) {
+    memcpy(b->sum, b->push, (size_t)b->count * sizeof *b->push);
+    s->tangent->pushed = 0;
+    if (!ct_tangent_push(s)) return 0;
+    for (int32_t k = 0; k < b->count; k++)
+      for (int c = 0; c < 6; c++) b->push[k][c] += b->sum[k][c];
+  }
+  ct_bodies_move(b, s->active_node_count, s->active_nodes, NULL, s->moved);
   return 1;
 }

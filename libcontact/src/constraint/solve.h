@@ -123,4 +123,8 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
  * `mobility` and `last_increment`. Returns 0 if they are not finite. */
 int ct_solver_solve(ct_solver *solver);
 
+/* Afterwards: write the motion of the nodes of rigid bodies by the forces of all rows, also
+ * tangential ones, to `moved`. Returns 0 if these are not finite. */
+int ct_solver_follow(ct_solver *solver);
+
 #endif

@@ -264,6 +264,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   if (state->step == 0)
     memset(c->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *c->begun);
   int64_t rows = s->first[s->set_count];
+  c->solved = 0;
   if (status != CT_OK || rows == 0) return status;
   double begin = ct_run_seconds(problem);
   const ct_prediction p = predict(problem, state);
@@ -272,6 +273,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   status = prescribe(problem, state, &p, error);
   if (status == CT_OK) status = move_bodies(problem, state, &p, error);
   if (status == CT_OK) status = ct_rows_solve(s, state->time, error);
+  if (status == CT_OK && s->bodies != NULL) c->solved = ct_solver_follow(s);
   if (status != CT_OK) return status;
   if (state->step == 0) mark_start(s, c->begun);
   state->unconverged += !s->converged;
@@ -282,4 +284,38 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
     state->effect_seconds[c->effects[set]] += (ct_run_seconds(problem) - begin) * share;
   }
   return CT_OK;
+}
+
+/* Let the rigid bodies do the work that the rows of one set do on the part of their motion that the
+ * solver does not know. */
+static void share_work(const ct_problem *problem, ct_state *state, int32_t set, double share)
+{
+  const ct_workspace *w = state->workspace;
+  const ct_constraints *c = w->constraints;
+  const ct_solver *s = c->solver;
+  const int32_t k = c->effects[set];
+  const ct_effect *effect = problem->effects[k], *rigid = problem->effects[c->rigid];
+  double *own = state->work + ct_state_starts(problem, k).work,
+         *theirs = state->work + ct_state_starts(problem, c->rigid).work;
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    const int32_t node = ct_effect_node(effect, i), at = s->place[s->first_node[set] + i];
+    if (s->bodies->of[at] < 0 || s->row_counts[at] == 0) continue;
+    const int64_t to = 3 * (int64_t)ct_effect_below(rigid, node);
+    for (int j = 0; j < 3; j++) {
+      const int64_t place = CT_SOLVER_WIDE * (int64_t)at + j;
+      const double linear = (s->increment[place] + s->moved[place]) / problem->dt;
+      // -- f (v - w) of the true velocity and the linear one (eq:rigid-turned)
+      const double work = share * w->force[k][3 * (int64_t)i + j] *
+                          (state->velocity[3 * (int64_t)node + j] - linear);
+      own[3 * (int64_t)i + j] -= work;
+      theirs[to + j] += work;
+    }
+  }
+}
+
+void ct_constraints_share(const ct_problem *problem, ct_state *state, double share)
+{
+  const ct_constraints *c = state->workspace->constraints;
+  if (c == NULL || !c->solved || !state->workspace->leapfrog) return;
+  for (int32_t set = 0; set < c->solver->set_count; set++) share_work(problem, state, set, share);
 }

@@ -5,6 +5,7 @@
 #include "../base/lanes.h"
 #include "../base/threads.h"
 #include "../solid/sleep.h"
+#include "constraints.h"
 #include "ledger.h"
 
 #include <string.h>
@@ -179,6 +180,7 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   if (samplers != NULL && w->stage == 0) sample(samplers, state);
   double begin = ct_run_seconds(problem);
   move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
+  ct_constraints_share(problem, state, share);
   turn_memory(problem, w);
   w->forces_at = -1;
   w->followed = w->known;
