@@ -304,11 +304,6 @@ def _rigid(parts: Parts) -> Iterator[tuple[str, str]]:
     if viscous:
         why = "is rigid and has no strain rate; leave it out"
         yield "viscosity.bodies", f'"{min(viscous)}" {why}'
-    if names and parts.relaxed:
-        yield (
-            "rigid",
-            "can't stand with dynamic relaxation, whose rate follows from the bodies' strain",
-        )
 
 
 def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
