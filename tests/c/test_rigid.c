@@ -479,12 +479,16 @@ typedef struct refusal {
 
 static void refusals(void)
 {
+  static const int32_t part[] = {2, 5, 8};
   static const refusal cases[] = {
       {{.body = 2}, CT_ERROR_ARGUMENT, "no body 2"},
       {{.body = 1}, CT_ERROR_ARGUMENT, "the initial velocity of node"},
       {{.body = 0, .fixed = {0, 0, 1}}, CT_ERROR_ARGUMENT, "fixed freedoms are at rest"},
       {{.body = 0, .pivoted = 1}, CT_ERROR_ARGUMENT, "fixed freedoms are at rest"},
-      {{.body = 0, .pivoted = 1, .pivot = {0, NAN, 0}}, CT_INVALID, "pivot y is not finite"}};
+      {{.body = 0, .pivoted = 1, .pivot = {0, NAN, 0}}, CT_INVALID, "pivot y is not finite"},
+      {{.body = 0, .nodes = part, .node_count = 3}, CT_ERROR_ARGUMENT, "0 to 7; node 2 is 8"},
+      {{.body = 1, .nodes = part, .node_count = 1}, CT_ERROR_ARGUMENT, "8 to 15; node 0 is 2"},
+      {{.body = 0, .nodes = part, .node_count = 2}, CT_ERROR_ARGUMENT, "no three nodes"}};
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("one", mesh, &STEEL, CT_KERNEL_AUTO, 0, 0, 1);
   ct_effect *effect = NULL;

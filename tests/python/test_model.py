@@ -173,6 +173,8 @@ fixed = ["x", "rx"]
 [[rigid]]
 body = "e"
 pivot = [0, 0, 1]
+[[rigid]]
+set = "c.top"
 [[obstacle]]
 surface = "c.x_max"
 sphere = { centre = [9, 0, 5.5], radius = 1 }

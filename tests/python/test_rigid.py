@@ -92,6 +92,50 @@ def test_a_rigid_body_is_explained():
     assert "no [[rigid]]: all bodies deform" in str(alone.set_time(end=1.0, fraction=0.5).explain())
 
 
+def bar_with_head(cells, law="linear", **keys):
+    """A bar of one mesh along x, whose last elements are its rigid head."""
+    x, edge = np.linspace(-1, 0.1, 11 * cells + 1), 0.1 / cells
+    nodes, elements = lattice(x, np.array([0, edge]), np.array([0, edge]))
+    head = np.flatnonzero(nodes[elements].mean(axis=1)[:, 0] > 0)
+    scene = ct.Scene(units=METRES).add_material("m", young=1.0, poisson=0.0, density=1.0, law=law)
+    mesh = {"nodes": nodes, "elements": elements, "sets": {"head": {"elements": head}}}
+    scene.add_body("bar", material="m", **mesh, **keys)
+    return scene.add("rigid", set="bar.head"), edge
+
+
+def test_a_rigid_head_pulls_a_rod_as_a_mass_on_a_dashpot():
+    """Its velocity is v exp(-Z t / M) until the wave returns; M contains half of the element beside it."""
+    worst = []
+    for cells in (10, 20):
+        scene, edge = bar_with_head(cells)
+        M, v = 0.1 + edge / 2, 1e-3
+        scene.add_probe("at", body="bar", point=[0.1, 0, 0], quantities=["velocity"])
+        scene.add("load", surface="bar.x_max", traction=[v, 0, 0])
+        run = scene.set_time(end=1.8, fraction=0.8).run(progress=False)
+        t, u = run.probes["at"]["time"], run.probes["at"]["velocity"][:, 0] / v
+        worst += [np.abs(u - (1 - np.exp(-t / M))).max()]
+        x = run.state["bar"].displacement[run.state["bar"].nodes[:, 0] > -1e-9]
+        np.testing.assert_allclose(x, x[0] + 0 * x, atol=1e-15)
+        assert "rigid: bar.head moves by its forces" in str(scene.explain())
+    assert worst[0] < 0.02 and worst[1] < 0.6 * worst[0]
+
+
+def test_a_rigid_head_keeps_momentum_and_angular_momentum():
+    """A bar that tumbles; its head keeps its shape, and the rest deforms."""
+    spin = {"axis": [0, 1, 2], "rate": 0.3}
+    scene, _ = bar_with_head(2, "neo_hookean", velocity=[0.1, 0, 0], spin=spin)
+    run = scene.set_time(end=8.0, fraction=0.5).set_output(every=10).run(progress=False)
+    for name in ("p", "L"):
+        found = run.momentum[name]
+        np.testing.assert_allclose(found, found[0] + 0 * found, atol=1e-13 * np.abs(found).max())
+    X = run.state["bar"].nodes
+    x, head = X + run.state["bar"].displacement, X[:, 0] > -1e-9
+    r, R = x[head] - x[head].mean(axis=0), X[head] - X[head].mean(axis=0)
+    np.testing.assert_allclose(r @ r.T, R @ R.T, atol=1e-12)
+    ends = [x[X[:, 0] == end].mean(axis=0) for end in (X[:, 0].min(), 0.1)]
+    assert abs(np.linalg.norm(ends[1] - ends[0]) - 1.1) > 1e-4
+
+
 @pytest.mark.parametrize("carried", [False, True], ids=["meshed", "plane with mass"])
 def test_a_rod_that_hits_a_rigid_mass_is_slowed_as_by_a_dashpot(carried):
     """The mass M gets the velocity v (1 - exp(-Z t / M)) from a rod of the impedance Z = A sqrt(E rho), until the
@@ -321,6 +365,11 @@ REFUSED = [
     ({"rigid": [{"body": "bax"}]}, "rigid[0].body", 'did you mean "box"'),
     ({"rigid": [{"body": "box", "fixed": ["w"]}]}, "rigid[0].fixed[0]", "rx"),
     ({"rigid": [{"body": "box"}, {"body": "box"}]}, "rigid[1].body", "rigid already (rigid[0])"),
+    (
+        {"rigid": [{"body": "box"}, {"set": "box.x_min"}]},
+        "rigid[1].set",
+        "rigid already (rigid[0])",
+    ),
     ({"rigid": [{"body": "box", "pivot": [0, 0, 0], "fixed": ["x"]}]}, "rigid[0].fixed", "pivot"),
     ({"support": [{"set": "box.x_min", "fix": ["x"]}]}, "support[0].set", "rigid[0].fixed"),
     ({"viscosity": {"bodies": ["box"]}}, "viscosity.bodies", "no strain rate"),

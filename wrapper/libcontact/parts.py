@@ -79,8 +79,8 @@ class Parts(Table):
 
     @cached_property
     def rigid_names(self) -> frozenset[str]:
-        """Names of the rigid bodies."""
-        return frozenset(each.body for each in self.rigid)
+        """Names of the bodies that are rigid as a whole."""
+        return frozenset(each.body for each in self.rigid if each.body)
 
     @property
     def fields(self) -> Sequence[str]:
@@ -287,10 +287,12 @@ def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]
 
 def _rigid(parts: Parts) -> Iterator[tuple[str, str]]:
     """Refuse a body that is rigid twice, one that a support holds, and effects that need its strain."""
-    names = [each.body for each in parts.rigid]
+    names = [each.of for each in parts.rigid]
     for i, name in enumerate(names):
         if name in names[:i]:
-            yield f"rigid[{i}].body", f'"{name}" is rigid already (rigid[{names.index(name)}])'
+            key = "body" if parts.rigid[i].body else "set"
+            yield f"rigid[{i}].{key}", f'"{name}" is rigid already (rigid[{names.index(name)}])'
+    names = [each.body for each in parts.rigid]
     for i, support in enumerate(parts.support):
         if support.set.body in names:
             at = f"rigid[{names.index(support.set.body)}].fixed"

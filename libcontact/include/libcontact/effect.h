@@ -354,10 +354,15 @@ CT_API ct_status ct_tie_create_effect(const ct_tie_def *def, const ct_problem *p
 CT_API ct_status ct_tie_count(const ct_effect *effect, int64_t *tied, int64_t *points,
                               double *farthest, ct_error *error);
 
-/** One body that is rigid and moves by the forces on it. */
+/** One body that is rigid, or a part of it, and moves by the forces on it. */
 typedef struct ct_rigid {
   /** Number of the body. */
   int32_t body;
+  /** Null: the whole body. Or numbers in the problem of its nodes that are rigid, ascending, not on
+   * a line, shape (node_count); the elements between them still have forces. */
+  const int32_t *nodes;
+  /** Number of nodes; not read if `nodes` is null. */
+  int32_t node_count;
   /** Which of its freedoms are fixed (0 or 1): x, y, z of its centre, rotation about axes along x,
    * y, z through it. */
   int fixed[6];

@@ -25,10 +25,11 @@ enum {
 };
 
 typedef struct rigid_body {
-  int32_t number, first, count; /* of the body, and its nodes in the problem */
-  int fixed[6];                 /* x, y, z, and rotations about them */
-  int pivoted;                  /* whether the centre is a fixed point, not that of mass */
-  double centre[3];             /* reference position */
+  int32_t number, count; /* of the body, and of its nodes that are rigid */
+  const int32_t *nodes;
+  int fixed[6];     /* x, y, z, and rotations about them */
+  int pivoted;      /* whether the centre is a fixed point, not that of mass */
+  double centre[3]; /* reference position */
   double mass;
 } rigid_body;
 
@@ -121,7 +122,7 @@ static void sum_nodes(const rigid_data *data, const rigid_body *body, const ct_v
   for (int k = first; k < last; k++) sums[k] = (ct_stream){.grid = grids[k]};
   for (int32_t i, end; ct_stream_piece(&sums[first], last - first, body->count, &i, &end);) {
     for (int32_t n = i; n < end; n++) {
-      const int32_t node = body->first + n;
+      const int32_t node = body->nodes[n];
       const double *u = &view->displacement[3 * (int64_t)node];
       for (int c = 0; first == CENTRE && c < 3; c++)
         term[CENTRE + c][n - i] = data->problem->mass[node] * u[c];
@@ -204,7 +205,7 @@ static void accelerate(const rigid_data *data, int32_t b, const ct_view *view, d
   for (int c = 0; c < 3; c++) twist[c] = motion.sum[SPIN + c] - twist[c];
   ct_inertia_solve(&motion.inertia, twist, alpha);
   for (int32_t n = 0; n < body->count; n++, force += 3) {
-    const int32_t node = body->first + n;
+    const int32_t node = body->nodes[n];
     double r[3], once[3], twice[3], along[3];
     arm_of(data, body, view, &motion.sum[CENTRE], node, r);
     ct_vector_cross(turn, r, once);
@@ -221,13 +222,15 @@ static void accelerate(const rigid_data *data, int32_t b, const ct_view *view, d
 static ct_status check_free(const rigid_data *data, const rigid_body *body, ct_error *error)
 {
   const double *inverse_mass = data->problem->inverse_mass;
-  for (int32_t n = body->first; n < body->first + body->count; n++)
-    for (int c = 0; c < 3; c++)
-      if (inverse_mass[3 * (int64_t)n + c] == 0.0)
-        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body->number, -1, n - body->first},
+  for (int32_t n = 0; n < body->count; n++)
+    for (int c = 0; c < 3; c++) {
+      const ct_place place = ct_effect_place(data->problem, body->nodes[n]);
+      if (inverse_mass[3 * (int64_t)body->nodes[n] + c] == 0.0)
+        return ct_fail(error, CT_ERROR_ARGUMENT, place,
                        "a support holds %c of node %d of the rigid body %s; fix freedoms of the "
                        "whole body instead",
-                       "xyz"[c], (int)(n - body->first), data->problem->bodies[body->number].name);
+                       "xyz"[c], (int)place.point, data->problem->bodies[body->number].name);
+    }
   return CT_OK;
 }
 
@@ -247,7 +250,7 @@ static ct_status rigid_force(const ct_effect *effect, const ct_view *view, doubl
     ct_status status = find_motion(data, b, view, &motion, error);
     if (status != CT_OK) return status;
     for (int32_t n = 0; n < body->count; n++) {
-      const int32_t node = body->first + n;
+      const int32_t node = body->nodes[n];
       double moved[3];
       increment_of(data, b, view, &motion, node, moved);
       for (int c = 0; c < 3; c++) {
@@ -276,7 +279,7 @@ static ct_status rigid_increment(const ct_effect *effect, const ct_view *view, d
     if (status != CT_OK) return status;
     for (int32_t n = 0; n < body->count; n++, increment += 3) {
       if (view->dt == 0.0) increment[0] = increment[1] = increment[2] = NAN;
-      else increment_of(data, b, view, motion, body->first + n, increment);
+      else increment_of(data, b, view, motion, body->nodes[n], increment);
     }
   }
   return CT_OK;
@@ -302,7 +305,7 @@ static ct_status rigid_mobility(const ct_effect *effect, const ct_view *view,
       bodies[b].rotation[k] = body->fixed[3 + column[k]] ? 0.0 : time * turn[row[k]];
     }
     for (int32_t n = 0; n < body->count; n++, arms += 3) {
-      arm_of(data, body, view, &motion->sum[CENTRE], body->first + n, arms);
+      arm_of(data, body, view, &motion->sum[CENTRE], body->nodes[n], arms);
       for (int c = 0; c < 3; c++) arms[c] -= motion->off[c];
     }
   }
@@ -360,9 +363,9 @@ static ct_status check_velocity(const rigid_data *data, const rigid_body *body,
   int32_t at = 0;
   ct_inertia_solve(&motion->inertia, &motion->sum[SPIN], spin);
   for (int32_t n = 0; n < body->count; n++) {
-    const double *v = &start->velocity[3 * (int64_t)(body->first + n)];
+    const double *v = &start->velocity[3 * (int64_t)(body->nodes[n])];
     double r[3], turned[3];
-    arm_of(data, body, start, &motion->sum[CENTRE], body->first + n, r);
+    arm_of(data, body, start, &motion->sum[CENTRE], body->nodes[n], r);
     ct_vector_cross(spin, r, turned);
     for (int c = 0; c < 3; c++) {
       const double apart = fabs(v[c] - (motion->velocity[c] + turned[c]));
@@ -377,20 +380,50 @@ static ct_status check_velocity(const rigid_data *data, const rigid_body *body,
                  (int)at, data->problem->bodies[body->number].name, worst);
 }
 
+static double mass_of(const rigid_data *data, const rigid_body *body)
+{
+  ct_stream sum = {0};
+  double term[CT_PIECE];
+  for (int32_t i, end; ct_stream_piece(&sum, 1, body->count, &i, &end);) {
+    for (int32_t n = i; n < end; n++) term[n - i] = data->problem->mass[body->nodes[n]];
+    ct_stream_add(&sum, term, end - i);
+  }
+  return ct_stream_sum(&sum);
+}
+
+/* List the nodes of a body: all of them, or those that are given. */
+static ct_status list_nodes(rigid_data *data, const ct_rigid *rigid, rigid_body *body,
+                            ct_error *error)
+{
+  const ct_body *of = &data->problem->bodies[rigid->body];
+  const int32_t first = of->first_node, end = first + of->mesh->node_count;
+  int32_t *nodes = &data->nodes[data->node_count], below = first - 1;
+  body->nodes = nodes;
+  body->count = rigid->nodes == NULL ? of->mesh->node_count : rigid->node_count;
+  for (int32_t n = 0; n < body->count; n++) {
+    nodes[n] = rigid->nodes == NULL ? first + n : rigid->nodes[n];
+    if (nodes[n] <= below || nodes[n] >= end)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){rigid->body, -1, n},
+                     "rigid: the nodes of body %s must be ascending, %d to %d; node %d is %d",
+                     of->name, (int)first, (int)end - 1, (int)n, (int)nodes[n]);
+    below = nodes[n];
+  }
+  if (body->count < 3) return CT_REFUSE(error, "rigid: body %s has no three nodes", of->name);
+  data->node_count += body->count;
+  return CT_OK;
+}
+
 /* Mass and centre of a body; its motion at the start is checked. `rest` is 0 at all nodes. */
 static ct_status prepare(const rigid_data *data, const ct_rigid *rigid, const double *rest,
                          rigid_body *body, ct_error *error)
 {
   const ct_problem *problem = data->problem;
-  const ct_body *of = &problem->bodies[rigid->body];
   ct_view view = {.displacement = problem->reference, .total = rest};
   ct_grid grids[SUMS] = {{0.0, 0.0}};
   rigid_motion motion;
-  *body = (rigid_body){.number = rigid->body,
-                       .first = of->first_node,
-                       .count = of->mesh->node_count,
-                       .pivoted = rigid->pivoted,
-                       .mass = ct_sum(&problem->mass[of->first_node], of->mesh->node_count)};
+  body->number = rigid->body;
+  body->pivoted = rigid->pivoted;
+  body->mass = mass_of(data, body);
   for (int c = 0; c < 6; c++) body->fixed[c] = rigid->fixed[c] != 0;
   memcpy(body->centre, rigid->pivot, sizeof body->centre);
   if (!body->pivoted) {
@@ -418,10 +451,11 @@ static ct_status fill(rigid_data *data, const ct_rigid_def *def, int32_t *number
   for (int32_t b = 0; b < problem->body_count; b++) {
     if (number[b] == 0) continue;
     rigid_body *body = &data->bodies[data->body_count];
-    ct_status status = prepare(data, &def->bodies[number[b] - 1], rest, body, error);
+    const ct_rigid *rigid = &def->bodies[number[b] - 1];
+    ct_status status = list_nodes(data, rigid, body, error);
+    if (status == CT_OK) status = prepare(data, rigid, rest, body, error);
     if (status != CT_OK) return status;
     data->body_count++;
-    for (int32_t n = 0; n < body->count; n++) data->nodes[data->node_count++] = body->first + n;
   }
   return CT_OK;
 }

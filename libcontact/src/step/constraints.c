@@ -62,14 +62,11 @@ static void find_bodies(const ct_problem *problem, ct_constraints *c, ct_pool *p
   }
   const ct_effect *effect = problem->effects[c->rigid];
   for (int32_t n = 0; n < c->solver->node_count; n++) of[n] = -1;
-  for (int32_t b = 0; b < problem->body_count; b++) {
-    const ct_body *body = &problem->bodies[b];
-    if (!ct_problem_is_rigid(problem, b)) continue;
-    const int32_t first = ct_effect_below(effect, body->first_node),
-                  end = first + body->mesh->node_count;
-    for (int32_t i = first; i < end; i++)
-      if (c->place[c->rigid][i] >= 0) of[c->place[c->rigid][i]] = count;
-    count++;
+  for (int32_t i = 0, last = -1; i < effect->node_count; i++) {
+    const int32_t body = ct_effect_body_of(problem, ct_effect_node(effect, i));
+    if (body != last) count++;
+    if (c->place[c->rigid][i] >= 0) of[c->place[c->rigid][i]] = count - 1;
+    last = body;
   }
   c->bodies = ct_pool_take(pool, (size_t)count, sizeof *c->bodies);
   c->arms = ct_pool_take(pool, (size_t)effect->node_count, 3 * sizeof *c->arms);

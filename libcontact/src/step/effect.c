@@ -110,11 +110,13 @@ void ct_effect_free(ct_effect *effect)
 
 int ct_problem_is_rigid(const ct_problem *problem, int32_t body)
 {
-  const int32_t node = problem->bodies[body].first_node;
+  const int32_t first = problem->bodies[body].first_node,
+                count = problem->bodies[body].mesh->node_count;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    int32_t i = effect->kind == CT_EFFECT_RIGID ? ct_effect_below(effect, node) : INT32_MAX;
-    if (i < effect->node_count && ct_effect_node(effect, i) == node) return 1;
+    if (effect->kind == CT_EFFECT_RIGID &&
+        ct_effect_below(effect, first + count) - ct_effect_below(effect, first) == count)
+      return 1;
   }
   return 0;
 }

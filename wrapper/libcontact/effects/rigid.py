@@ -7,7 +7,7 @@ from typing import Any
 
 from .._core import ffi
 from ..model import Vector
-from ..schema import VECTOR, Choice, Many, Reference, key
+from ..schema import VECTOR, Choice, Many, Reference, Surface, key
 from ..units import Units
 from . import Effect
 
@@ -16,13 +16,17 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")
 
 class Rigid(Effect):
     """
-    A rigid body: it keeps its shape, and moves by all forces on it with the mass and the inertia of its nodes.
+    A rigid body or a rigid part of a body: it keeps its shape, and moves by all forces on it with the mass and the
+    inertia of its nodes.
 
     Attributes
     ----------
     body
         Name of the body (:doc:`/theory/rigid`). Of its material only the density counts, and in contact
         between two rigid bodies the stiffness.
+    set
+        Instead of a whole body, a set of it such as ``"gear.hub"``: its nodes move as a rigid body, and the rest of
+        the body deforms. A body has at most one.
     fixed
         Freedoms that stay at rest: ``"x"``, ``"y"``, ``"z"`` of the centre of mass, and ``"rx"``, ``"ry"``,
         ``"rz"``, the angular velocities about the axes of the scene.
@@ -32,7 +36,10 @@ class Rigid(Effect):
 
     without = "no [[rigid]]: all bodies deform"
 
-    body: str = key(Reference("body"))
+    one = (("body", "set"),)
+
+    body: str | None = key(Reference("body"), default=None, says="one of two")
+    set: Any = key(Surface(), default=None, says="one of two")
     fixed: tuple[str, ...] = key(
         Many(Choice(FREEDOMS), "leave it out for none", distinct=True), default=(), says="none"
     )
@@ -41,7 +48,12 @@ class Rigid(Effect):
     @property
     def bodies(self) -> tuple[str]:
         """The bodies that it acts on."""
-        return (self.body,)
+        return (self.of,)
+
+    @property
+    def of(self) -> str:
+        """The body, also that of a set."""
+        return str(self.body or self.set.body)
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         moves = [name for name in self.fixed if name in FREEDOMS[:3]]
@@ -56,7 +68,13 @@ class Rigid(Effect):
         order = list(maker.parts.bodies)
         bodies = maker.keep(ffi.new("ct_rigid[]", len(given)))
         for entry, one in zip(bodies, given):
-            entry.body = order.index(one.body)
+            entry.body = order.index(one.of)
+            if one.set is not None:
+                nodes = maker.face_nodes(one.set, f"rigid[{given.index(one)}].set")
+                entry.nodes, entry.node_count = (
+                    maker.keep(ffi.from_buffer("int32_t[]", nodes)),
+                    len(nodes),
+                )
             entry.fixed = [name in one.fixed for name in FREEDOMS]
             entry.pivoted = one.pivot is not None
             entry.pivot = [0.0, 0.0, 0.0] if one.pivot is None else one.pivot
@@ -65,4 +83,5 @@ class Rigid(Effect):
     def describe(self, units: Units) -> str:
         held = f", {', '.join(self.fixed)} fixed" if self.fixed else ""
         about = f", about {list(self.pivot)} {units.length}" if self.pivot is not None else ""
-        return f"{self.body} moves by its forces{about}{held}"
+        name = self.body or ".".join(self.set)
+        return f"{name} moves by its forces{about}{held}"
