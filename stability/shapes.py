@@ -6,13 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from libcontact.mesh import EDGE_ENDS as EDGES
 
-# VTK's corners of a brick, and the corners of each of its edges.
+# VTK's corners of a brick.
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-)
-EDGES = np.array(
-    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
 )
 # Each of these has a re-entrant edge or corner.
 CONCAVE: dict[str, list[tuple[int, int, int]]] = {

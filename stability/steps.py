@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from libcontact._core import ffi, lib
 from libcontact.errors import Error, check, new_error
-from libcontact.mesh import Mesh
+from libcontact.mesh import EDGE_ENDS, Mesh
 from libcontact.model import INTEGRATORS
 from libcontact.problem import Problem, new_state
 
@@ -30,20 +30,6 @@ MESHES = (
     "distorted by 0.2 h",
 )
 REGULAR = MESHES[:3]
-EDGES = (
-    (0, 1),
-    (1, 2),
-    (2, 3),
-    (3, 0),
-    (4, 5),
-    (5, 6),
-    (6, 7),
-    (7, 4),
-    (0, 4),
-    (1, 5),
-    (2, 6),
-    (3, 7),
-)
 BELOW, ABOVE, BLOWN = 0.999, 1.02, 1e3
 
 
@@ -95,7 +81,7 @@ def block(element: str, mesh: str) -> tuple[np.ndarray, np.ndarray]:
         nodes[inside] += np.random.default_rng(7).uniform(-amount, amount, (len(inside), 3))
     if element == "hex20":
         # Mid-side nodes stay halfway between their corners.
-        for k, (a, b) in enumerate(EDGES):
+        for k, (a, b) in enumerate(EDGE_ENDS):
             nodes[elements[:, 8 + k]] = 0.5 * (nodes[elements[:, a]] + nodes[elements[:, b]])
     return nodes, elements
 

@@ -1,5 +1,8 @@
 """Equations of faces, bricks, rules and closest points, written again from the pages and compared with the library."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from executes import executes
@@ -7,6 +10,9 @@ from libcontact._core import ffi, lib
 from numpy.polynomial import legendre
 
 import libcontact as ct
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+from scenes import EDGES  # noqa: E402
 
 RNG = np.random.default_rng(17)
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
@@ -85,7 +91,6 @@ BRICK = np.array(
         (-1, 1, 1),
     ]
 )
-EDGES = [divmod(ends, 10) for ends in (1, 12, 23, 30, 45, 56, 67, 74, 4, 15, 26, 37)]
 BRICK20 = np.vstack([BRICK, [(BRICK[a] + BRICK[b]) // 2 for a, b in EDGES]])
 
 

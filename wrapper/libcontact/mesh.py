@@ -29,6 +29,10 @@ LAYERS = names("ct_layers")
 CORNER_ENDS = np.array(
     [(1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)]
 )
+# The corners at the ends of each edge, in the order of the mid-side nodes of hex20.
+EDGE_ENDS = np.array(
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+)
 NO_SETS = Sets()
 
 

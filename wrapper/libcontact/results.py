@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -124,6 +125,7 @@ def _state(file: Any, record: int) -> State:
     return State(time, step, _bodies(vtk, own["body"][()], record, _initial_stresses(scene)))
 
 
+@lru_cache(maxsize=1)  # all records of a file have the same text
 def _initial_stresses(scene: str) -> dict[str, Any]:
     """The initial stress of each body that has one."""
     bodies = tomllib.loads(scene)["body"] if "initial" in scene else []

@@ -10,7 +10,7 @@ import numpy as np
 
 from .._core import lib
 from ..errors import SceneWarning
-from ..mesh import Mesh
+from ..mesh import EDGE_ENDS, Mesh
 from ..model import ENFORCEMENTS, modulus, speeds
 from ..observers import Observer, spread
 from ..problem import Problem, penetrations
@@ -22,10 +22,6 @@ MANY_STEPS, LONG, OPERATIONS = 1e7, 3600.0, 1e9
 DEEP, FINE = 0.5, 0.1
 # Depths are checked this many times in a run, but not more often than every LEAST_STEPS steps.
 CHECKS, LEAST_STEPS = 50, 64
-# Corners at the ends of the edges of a brick.
-EDGES = np.array(
-    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-)
 
 
 def long_run(problem: Problem) -> Iterator[SceneWarning]:
@@ -133,4 +129,4 @@ def _element_size(mesh: Mesh, face: str, number: int) -> float:
     if not 0 <= number < len(owners):
         return float(mesh.shortest_edge)
     x = mesh.nodes[mesh.elements[owners[number]][:8]]
-    return float(np.linalg.norm(x[EDGES[:, 1]] - x[EDGES[:, 0]], axis=1).min())
+    return float(np.linalg.norm(x[EDGE_ENDS[:, 1]] - x[EDGE_ENDS[:, 0]], axis=1).min())
