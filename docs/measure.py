@@ -635,6 +635,7 @@ def recovered_balls() -> Numbers:
         ("hex20", 3, 3, True),
         ("hex20", 4, 4, True),
         ("hex20", 3, 4, True),
+        ("hex20", 4, 5, True),
     ):
         run = balls.scene(element, n, m, impact).run(progress=False)
         name = f"{element}_{n}_{m}" + ("_impact" if impact else "")
