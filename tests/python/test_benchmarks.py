@@ -130,8 +130,8 @@ def test_errors_fall_with_the_mesh():
 
 
 def test_a_ring_that_is_hardly_crushed_is_linear():
-    """δ = (π/4 − 2/π) F r³/B by Castigliano's theorem. Of a ring that lies flat the force is (2 I/height)², where I, the
-    integral of the root of the sine over a quarter, is half of the beta function B(3/4, 1/2)."""
+    """δ = (π/4 − 2/π) F r³/B by Castigliano's theorem. Of a ring that lies flat the force is (2 I/height)², where the
+    integral I of the root of the sine over a quarter is half of the beta function B(3/4, 1/2)."""
     small = problems.crushed_exact(2 - 1e-6)
     assert 1e-6 / small == pytest.approx(math.pi / 4 - 2 / math.pi, rel=1e-5)
     root = math.gamma(0.75) * math.sqrt(math.pi) / math.gamma(1.25) / 2

@@ -107,6 +107,7 @@ SETS |= {"cells": {"elements": [1]}}
 @pytest.mark.parametrize(
     "name, reasons",
     [
+        ("LEFT", ['no face or set "LEFT"; did you mean "left"?']),
         ("lfet", ['no face or set "lfet"; did you mean "left"?', '"left" and "inner"', '"x_min"']),
         ("q", ['no face or set "q"; there are', 'sets of nodes "base.of.it"', '"cells"']),
         ("base.of.it", ['has no set of faces "base.of.it"; this is a set of nodes']),

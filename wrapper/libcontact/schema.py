@@ -96,12 +96,13 @@ class Place:
 
 
 def suggestion(word: str, known: Iterable[str], lead: str = "known: ") -> str:
-    """``; did you mean "steel"?`` if a known name is similar, otherwise the list of all known
+    """``; did you mean "steel"?`` if a known name is similar, also in capitals, otherwise the list of all known
     names."""
     known = list(known)
-    near = difflib.get_close_matches(str(word), known, n=1, cutoff=0.6)
+    names = {name.casefold(): name for name in known}
+    near = difflib.get_close_matches(str(word).casefold(), names, n=1, cutoff=0.6)
     if near:
-        return f'; did you mean "{near[0]}"?'
+        return f'; did you mean "{names[near[0]]}"?'
     return f"; {lead}{listed(known)}" if known else "; there is none"
 
 
@@ -110,8 +111,9 @@ def nearest(word: str, known: Iterable[str], most: int = 20) -> list[str]:
     known = list(known)
     if len(known) <= most:
         return known
-    near = difflib.get_close_matches(word, known, n=most, cutoff=0.0)
-    return [name for name in known if name in near]
+    names = {name.casefold() for name in known}
+    near = difflib.get_close_matches(word.casefold(), names, n=most, cutoff=0.0)
+    return [name for name in known if name.casefold() in near]
 
 
 def listed(words: Iterable[str], last: str = "or") -> str:

@@ -131,7 +131,9 @@ class MeshFile:
         if read is None and _is_hdf5(path):
             read = vtk.read_vtkhdf
         if read is None:
-            raise reading.wrong(f"the ending must be one of {', '.join(FORMATS)}")
+            text = f"the ending must be one of {', '.join(FORMATS)}; Gmsh writes .msh of geometries and surfaces"
+            cure = f'meshio convert "{path}" "{path.with_suffix(".vtu")}" may convert a mesh'
+            raise reading.wrong(f"{text}, and {cure}")
         if not (math.isfinite(scale) and scale > 0.0):
             raise reading.wrong(f"scale is {scale:g}; it must be positive")
         if extrude is not None:

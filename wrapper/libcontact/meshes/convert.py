@@ -177,7 +177,8 @@ def _choose(raw: Raw, mask: Any, solid: int, dropped: Counter[str]) -> Chosen:
     kinds = {block.kind for block in blocks}
     if not blocks:
         there = ", ".join(f"{n} {kind}" for kind, n in dropped.items()) or "nothing"
-        cure = "; surfaces become bricks with extrude = [height, layers]" if solid == 3 else ""
+        cure = "mesh the volume, or extrude surfaces: extrude = { height = ..., layers = ... } in a scene, "
+        cure = f"; {cure}--extrude HEIGHT LAYERS of libcontact mesh" if solid == 3 else ""
         raise raw.reading.wrong(f"has no bricks, wedges or tetrahedra, but {there}{cure}")
     if "hex20" in kinds and len(kinds) > 1:
         others = ", ".join(sorted(kinds - {"hex20"}))
