@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .bridge import Floats, Rows
+from .bridge import Floats, Ints, Rows
 from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import FIELDS, FILTERED, LAWS, Material
 from .schema import Place
@@ -34,10 +34,11 @@ def origin(path: Path) -> tuple[str, float]:
 
 
 class Records(Sequence[State]):
-    """The states of a results file; each is read when it is used."""
+    """The states of a results file; each is read when it is used. They share their meshes."""
 
     def __init__(self, path: Path, length: int):
         self.path, self.length = path, length
+        self.meshes = dict[str, Mesh]()
 
     def __len__(self) -> int:
         return self.length
@@ -47,7 +48,7 @@ class Records(Sequence[State]):
             return [self[i] for i in range(*record.indices(self.length))]
         if not -self.length <= record < self.length:
             raise IndexError(f'"{self.path}" has {self.length} records')
-        return _reading(self.path, lambda file: _state(file, record % self.length))
+        return _reading(self.path, lambda file: _state(file, record % self.length, self.meshes))
 
 
 def in_file(path: Path) -> dict[str, Any]:
@@ -90,7 +91,7 @@ def _read(path: Path, file: Any, record: int) -> dict[str, Any]:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    state = _state(file, record)
+    state = _state(file, record, {})
     probes, records = _probes(own, float(vtk["Steps/Values"][count - 1])), Records(path, count)
     # The rows of the recorded steps, or the whole history in a file that was saved from memory.
     if "history" in own:
@@ -117,12 +118,14 @@ def _parts(time: float, step: int, dt: float) -> int:
     return max(1, round(dt * step / time)) if time > 0.0 and step > 0 else 1
 
 
-def _state(file: Any, record: int) -> State:
-    """The bodies at one record."""
+def _state(file: Any, record: int, meshes: dict[str, Mesh]) -> State:
+    """The bodies at one record, with those of the ``meshes`` that have the same arrays; others are added to them."""
     own, vtk = file["libcontact"], file["VTKHDF"]
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
     scene = text_in(own["scene"][()]) if "scene" in own else ""
-    return State(time, step, _bodies(vtk, own["body"][()], record, _initial_stresses(scene)))
+    return State(
+        time, step, _bodies(vtk, own["body"][()], record, _initial_stresses(scene), meshes)
+    )
 
 
 @lru_cache(maxsize=1)  # all records of a file have the same text
@@ -170,7 +173,18 @@ def _energy(own: Any, count: int) -> Rows:
     return energy_table(energy, [text_in(name) for name in effects["name"]], values)
 
 
-def _bodies(vtk: Any, rows: Rows, record: int, stresses: dict[str, Any]) -> dict[str, BodyState]:
+def _same(mesh: Mesh | None, nodes: Floats, elements: Ints) -> bool:
+    """Whether a mesh has these arrays and so need not be copied and checked again."""
+    return (
+        mesh is not None
+        and np.array_equal(mesh.nodes, nodes)
+        and np.array_equal(mesh.elements, elements)
+    )
+
+
+def _bodies(
+    vtk: Any, rows: Rows, record: int, stresses: dict[str, Any], meshes: dict[str, Mesh]
+) -> dict[str, BodyState]:
     points, connectivity, offsets = (
         vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
     )
@@ -191,14 +205,16 @@ def _bodies(vtk: Any, rows: Rows, record: int, stresses: dict[str, Any]) -> dict
         elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
         law = tuple(LAWS)[row["law"] if "law" in row.dtype.names else 0]
         constants = {name: float(row[name]) for name in ("young", "poisson", "density")}
-        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), text_in(row["name"])
+        name, own = text_in(row["name"]), np.ascontiguousarray(points[nodes])
+        if not _same(meshes.get(name), own, elements):
+            meshes[name] = Mesh.copy(own, elements)
         part = {"PointData": nodes, "CellData": cells}
         cut = {key: values[part[groups[key]]] for key, values in fields.items()}
         if "rigid" in row.dtype.names and row["rigid"]:
             cut.setdefault("stress", np.zeros((len(elements), 6)))
         several = "materials" in row.dtype.names and row["materials"] != 0
         material = None if several else Material("", **constants, law=law)
-        out[name] = BodyState(name, mesh, material, stresses.get(name), (), **cut)
+        out[name] = BodyState(name, meshes[name], material, stresses.get(name), (), **cut)
     return out
 
 
