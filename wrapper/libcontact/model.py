@@ -185,7 +185,9 @@ class Box(Shape):
     layers: str | None = key(Choice(sorted(LAYERS)), default=None, says="see text")
     grading: Vector = key(Each(GRADING, GRADING, GRADING), default=(1.0, 1.0, 1.0))
     symmetric: Sequence[str] = key(
-        Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True), default=()
+        Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True),
+        default=(),
+        says="none",
     )
 
     @property
