@@ -62,6 +62,8 @@ def default_of(field) -> str:
         return field.metadata["says"]
     value = field.default
     if isinstance(value, tuple):
+        if not value:
+            return "none"
         if isinstance(value[0], str):
             return ", ".join(f'``"{each}"``' for each in value)
         return f"``{[int(each) for each in value]}``"
