@@ -47,6 +47,9 @@ class Exercise(SphinxDirective):
         if len(self.options) < len(self.option_spec):
             raise self.error("an exercise needs :kind:, :grade: and :minutes:")
         node = exercise("", *self.parse_content_to_nodes(), names=[self.arguments[0]])
+        for listing in node.findall(nodes.literal_block):  # ":end-before:" leaves blank lines
+            listing.rawsource = listing.astext().rstrip()
+            listing[:] = [nodes.Text(listing.rawsource)]
         self.set_source_info(node)
         self.state.document.note_explicit_target(node)
         grade = int(self.options["grade"])
