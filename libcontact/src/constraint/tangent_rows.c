@@ -27,33 +27,34 @@ static void count_nodes(ct_solver *s)
   for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
     for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++) {
       double *count = &t->sums[r->place[a] + 3];
-      if (*count == 0.0 && s->pieces == NULL) t->nodes[t->node_count++] = r->place[a];
+      if (*count == 0.0) t->nodes[t->node_count++] = r->place[a];
       *count += r->alike;
     }
   join_sums(s);
-  for (int32_t n = 0; s->pieces != NULL && n < s->node_count; n++)
-    t->nodes[t->node_count++] = WIDE * n;
-  for (int32_t k = 0; k < t->node_count; k++) {
-    double *count = &t->sums[t->nodes[k] + 3];
+  for (int32_t n = 0; n < s->node_count; n++) {
+    double *count = &t->sums[WIDE * (int64_t)n + 3];
     most = *count > most ? *count : most;
     *count = 0.0;
   }
   t->most_row_count = (int32_t)most;
 }
 
-/* List the nodes of the rows: those of all active ones if these are the same. */
-static void list_nodes(ct_solver *s, int64_t active)
+/* List the nodes of the rows, and the largest number of rows at one. `active`: they are the active
+ * rows, in all pieces. */
+static void list_nodes(ct_solver *s, int active)
 {
   ct_tangent *t = s->tangent;
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
-  if (s->pieces != NULL || active < t->count || active < s->point_count) {
-    count_nodes(s);
-    return;
+  if (!active) count_nodes(s);
+  else t->most_row_count = s->most_row_count;
+  if (s->pieces != NULL) {
+    t->node_count = s->node_count;
+    for (int32_t n = 0; n < s->node_count; n++) t->nodes[n] = WIDE * n;
+  } else if (active) {
+    t->node_count = s->active_node_count;
+    memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
   }
-  t->node_count = s->active_node_count;
-  t->most_row_count = s->most_row_count;
-  memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
 }
 
 /* Whether the mobility of a node keeps the direction n. */
@@ -168,7 +169,7 @@ void ct_tangent_list(ct_solver *s)
   ct_tangent *t = s->tangent;
   ct_constraint **active = s->active, **end = s->active + s->point_count;
   ct_tangent_row *head = NULL;
-  int64_t actives = 0;
+  int64_t actives = 0; // rows with friction among the active ones
   t->count = t->some_move = 0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
@@ -181,11 +182,12 @@ void ct_tangent_list(ct_solver *s)
     else ct_slip_open(c->slip);
   }
   read_points(t);
-  double facts[] = {t->count > 0, are_coupled(s), make_tangential(t)};
-  ct_pieces_largest(s->pieces, facts, 3);
+  double facts[] = {t->count > 0, are_coupled(s), make_tangential(t),
+                    actives < t->count || actives < s->point_count};
+  ct_pieces_largest(s->pieces, facts, 4);
   t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];
   if (!t->some) return;
   ct_tangent_fill(t);
-  list_nodes(s, actives);
+  list_nodes(s, facts[3] == 0.0);
   find_last(s);
 }
