@@ -17,7 +17,6 @@ MASS = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "Mg": 1e3, "kt": 1e6, "lb": 
 MASS |= {"slug": SLUG / 0.3048, "slinch": SLUG / 0.0254}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
-BASES = {"length": LENGTH, "mass": MASS, "time": TIME}
 
 # Exponents of length, mass and time.
 EXPONENTS = {
