@@ -273,14 +273,10 @@ static ct_status rigid_increment(const ct_effect *effect, const ct_view *view, d
   for (int32_t b = 0; b < data->body_count; b++) {
     const rigid_body *body = &data->bodies[b];
     rigid_motion *motion = motion_of(view, b);
-    ct_status status = CT_OK;
-    if (view->dt != 0.0) status = find_motion(data, b, view, motion, error);
-    else sum_body(data, body, view, (share){1.0, view->r_dt}, grids_of(view, b), motion);
+    ct_status status = find_motion(data, b, view, motion, error);
     if (status != CT_OK) return status;
-    for (int32_t n = 0; n < body->count; n++, increment += 3) {
-      if (view->dt == 0.0) increment[0] = increment[1] = increment[2] = NAN;
-      else increment_of(data, b, view, motion, body->nodes[n], increment);
-    }
+    for (int32_t n = 0; n < body->count; n++, increment += 3)
+      increment_of(data, b, view, motion, body->nodes[n], increment);
   }
   return CT_OK;
 }
