@@ -7,8 +7,8 @@
 /* Coulomb friction at a point in one step: a spring between the two surfaces, whose force stays in
  * a disc, and a reserve of energy that bounds what friction may give back (eq:slip-law). */
 
-/* Numbers of a point: first those that the solver reads, of which it replaces those from the elastic
- * slip on; then those that it only writes; and those of its row. A vector fills three. */
+/* Numbers of a point: first those that the solver reads, of which it replaces those from the
+ * elastic slip on; then those that it only writes; and those of its row. A vector fills three. */
 enum {
   CT_SLIP_NORMAL = 0,                  /* unit normal of the row */
   CT_SLIP_K = CT_SLIP_NORMAL + 3,      /* stiffness of the tangential spring [force / length] */
@@ -19,8 +19,8 @@ enum {
   CT_SLIP_RESERVE = CT_SLIP_FORCE + 3, /* R of the last step; afterwards of this one */
   CT_SLIP_STUCK,                       /* whether the point stuck in that step, 1 or 0 */
   CT_SLIP_WORK,                        /* of T between the middles of two steps (eq:slip-work) */
-  CT_SLIP_LAG,    /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
-  CT_SLIP_LEVER,  /* d = ȳ - y, from the point to its partner */
+  CT_SLIP_LAG,   /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
+  CT_SLIP_LEVER, /* d = ȳ - y, from the point to its partner */
   CT_SLIP_WEIGHT = CT_SLIP_LEVER + 3, /* w_b, for each node b of the partner: the force T adds
                                          -(w_b · T) d there (eq:slip-row) */
   CT_SLIP_GIVEN = CT_SLIP_WORK        /* number of those that the solver reads */

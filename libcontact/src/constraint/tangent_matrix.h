@@ -6,8 +6,8 @@
 /* The products of the tangential rows with vectors (eq:slip-row). Four rows with the same nodes are
  * computed side by side, if their faces have four nodes. */
 
-/* Numbers that are filled for a row: lever and weights of a row alone, each with a fourth component;
- * or its part of those of four rows, which are fewer: N_a, N̄_b, d and w_b. */
+/* Numbers that are filled for a row: lever and weights of a row alone, each with a fourth
+ * component; or its part of those of four rows, which are fewer: N_a, N̄_b, d and w_b. */
 enum { CT_TANGENT_LANES = 4 + 4 * 8 };
 
 /* Fill the lanes of the listed rows. */
