@@ -127,6 +127,7 @@ def test_the_states_of_a_file_are_those_that_were_recorded(tmp_path, block):
     loaded = ct.Run.load(tmp_path / "run.vtkhdf")
     for states in (run.states, loaded.states):
         assert [s.step for s in states] == block.steps.tolist()
+        assert len({id(mesh) for mesh in [s["block"].mesh for s in states]}) == 1
         for one, other in zip(states[::5], block.states[::5]):
             assert np.array_equal(one["block"].displacement, other["block"].displacement)
     with pytest.raises(IndexError):
