@@ -26,7 +26,7 @@ def test_energy_negative(says):
 
 def energies(elements, courant, penalty, controlled=True, end=4):
     """Total energy of each step of two bars that collide; the program of Part I with its balance."""
-    import wall
+    import week_wall as wall
 
     h = 1 / elements
     dt = courant * h

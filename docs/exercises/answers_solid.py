@@ -1,9 +1,9 @@
 """Answers of the exercises of the chapter on bricks and their forces."""
 
 import numpy as np
-import plates
 import pytest
 import sympy as sp
+import week_plates as plates
 
 NU = sp.Rational(3, 10)
 MU = 1 / (2 * (1 + NU))

@@ -1,8 +1,8 @@
 """Answers of the exercises of the chapter on two bars."""
 
-import bar
 import numpy as np
 import sympy as sp
+import week_bar as bar
 
 
 def test_bar_steel(says):

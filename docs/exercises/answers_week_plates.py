@@ -1,8 +1,8 @@
 """Answers of the exercises of the chapter on two plates."""
 
 import numpy as np
-import plates
 import pytest
+import week_plates as plates
 
 # Overlap at rest under the pressure of the plane wave, over h, with the penalty 4 E / h.
 REST = plates.DENSITY * plates.C1 * plates.SPEED / (4 * plates.YOUNG)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import sympy as sp
-import wall
+import week_wall as wall
 
 
 def test_wall_depth(says):
