@@ -27,7 +27,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -67,7 +67,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill _memory
+.PHONY: mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill _memory
 .DELETE_ON_ERROR:
 
 help:
@@ -89,6 +89,8 @@ help:
 	@echo "make zoo              everyday scenes with all options, judged by oracles, in build/zoo; continues after an interruption (ZOO=\"--draws 0 SCENE\")"
 	@echo "make coverage         lines and branches of the C library that the C tests run, by room (COVERAGE=--book: the book's table)"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
+	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
+	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"
@@ -301,6 +303,21 @@ notebook-tools: $(VENV)/.test
 
 _check-c: $(C_PROGRAMS)
 	@$(PYTHON) tests/run_tests.py $(BUILD) --no-pytest $(C_SKIPPED) $(C_PROGRAMS)
+
+# Pieces of a run on the processes of MPI: an engine and METIS from the Python index, and the add-on library, built with the engine's compiler.
+MPICC ?= $(abspath $(VENV))/bin/mpicc
+$(BUILD)/mpi/libcontact-mpi.a: libcontact/mpi/libcontact-mpi.c libcontact/mpi/libcontact-mpi.h $(HEADERS)
+	@mkdir -p $(@D)
+	$(Q)$(MPICC) $(OPT) -std=c99 -fPIC $(WARNINGS) -Ilibcontact/include -c $< -o $(@D)/libcontact-mpi.o
+	$(Q)rm -f $@ && $(AR) rcs $@ $(@D)/libcontact-mpi.o && cp $(<:.c=.h) $(@D)
+mpi: $(BUILD)/mpi/libcontact-mpi.a
+$(BUILD)/mpi/pieces: tests/mpi/pieces.c $(BUILD)/mpi/libcontact-mpi.a $(BUILD)/lib/libcontact.a
+	$(Q)$(MPICC) -O1 $(TEST_FLAGS) -I$(BUILD)/mpi $^ -o $@ -lm
+test-mpi: setup
+	@+$(MAKE) --no-print-directory _$@
+_test-mpi: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.mpi
+	@+$(MAKE) --no-print-directory $(BUILD)/mpi/pieces
+	@LIBCONTACT_BUILD=$(BUILD) $(VENV)/bin/python -m pytest -q tests/python/test_mpi.py
 
 # The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60

@@ -27,7 +27,7 @@ FLOORS = (
     ),
     (
         {
-            "step": "contract of effects, problem, state, time loop, energy, monitor, probes",
+            "step": "contract of effects, problem, state, time loop, energy, monitor, probes, pieces",
             "host": "contact in the time loop of a host",
         }
     ),
@@ -62,6 +62,7 @@ ROOM_OF_HEADER = {
     "problem": "step",
     "ledger": "step",
     "observe": "step",
+    "piece": "step",
     "contact_result": "contact",
     "contact_effect": "effect",
 }

@@ -15,6 +15,7 @@
 #include <libcontact/constraint.h>
 #include <libcontact/problem.h>
 #include <libcontact/step.h>
+#include <libcontact/piece.h>
 #include <libcontact/ledger.h>
 #include <libcontact/observe.h>
 #include <libcontact/effect.h>

@@ -77,7 +77,7 @@ static double take(hand *h, double z, double time, double *energy, double *exter
   double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
   need(effect->calls->force(effect, &view, own, &e), &e);
   need(effect->calls->energy(effect, &view, energy, &e), &e);
-  if (external != NULL) need(effect->calls->external(effect, &view, external, &e), &e);
+  if (external != NULL) need(effect->calls->constraints.external(effect, &view, external, &e), &e);
   memset(h->force, 0, 3 * (size_t)h->nodes * sizeof(double));
   for (int i = 0; i < effect->node_count; i++) {
     for (int c = 0; c < 3; c++) h->force[3 * effect->nodes[i] + c] = own[3 * i + c];

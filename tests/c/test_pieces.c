@@ -1,54 +1,15 @@
 /* A contact in pieces, each computed by a thread with the arrays of a host of its own: the bits of
  * one contact that has all faces. */
 #include "hosts.h"
-
-#include <pthread.h>
+#include "meeting.h"
 
 enum { MOST_PIECES = 3 };
-
-/* Numbers that the pieces exchange, added in the order in which the threads happen to come. */
-typedef struct meeting {
-  pthread_mutex_t mutex;
-  pthread_cond_t turn;
-  int pieces, arrived, leaving;
-  int64_t capacity, calls, numbers;
-  double *total;
-} meeting;
-
-static int meet(meeting *m, int largest, double *values, int64_t count)
-{
-  pthread_mutex_lock(&m->mutex);
-  while (m->leaving > 0) pthread_cond_wait(&m->turn, &m->mutex);
-  if (m->arrived == 0) {
-    m->calls++, m->numbers += count;
-    if (count > m->capacity) m->total = realloc(m->total, (size_t)count * sizeof *m->total);
-    m->capacity = count > m->capacity ? count : m->capacity;
-    for (int64_t i = 0; i < count; i++) m->total[i] = values[i];
-  } else
-    for (int64_t i = 0; i < count; i++)
-      m->total[i] = largest ? fmax(m->total[i], values[i]) : m->total[i] + values[i];
-  if (++m->arrived == m->pieces) m->arrived = 0, m->leaving = m->pieces;
-  else
-    while (m->leaving == 0) pthread_cond_wait(&m->turn, &m->mutex);
-  for (int64_t i = 0; i < count; i++) values[i] = m->total[i];
-  m->leaving--;
-  pthread_cond_broadcast(&m->turn);
-  pthread_mutex_unlock(&m->mutex);
-  return 0;
-}
-
-static int add(void *data, double *values, int64_t count) { return meet(data, 0, values, count); }
-
-static int take_largest(void *data, double *values, int64_t count)
-{
-  return meet(data, 1, values, count);
-}
 
 /* One piece: its host, its faces, and what it got. */
 typedef struct piece {
   pthread_t thread;
   host h;
-  meeting *with;
+  seat at;
   uint8_t *owned[2];
   int64_t steps;
   int bad; /* the step from which on it passes NaN; -1: none */
@@ -83,9 +44,9 @@ static void ask(piece *q)
 static void *run_piece(void *user)
 {
   piece *q = user;
-  const ct_pieces pieces = {q->with, add, take_largest};
+  const ct_pieces pieces = {&q->at, add, take_largest};
   q->status = CT_OK;
-  if (q->with != NULL)
+  if (q->at.with != NULL)
     q->status = ct_contact_set_pieces(q->h.contact, q->owned[0], q->owned[1], &pieces, &q->error);
   for (int64_t n = 0; q->status == CT_OK && n < q->steps; n++) {
     if (n == q->bad) q->h.v[0][3 * q->h.p->faces[0][0]] = NAN;
@@ -102,7 +63,7 @@ static void open_pieces(piece *of, int count, const pair *p, const ct_contact_op
                         cut how, int64_t steps, meeting *with)
 {
   for (int k = 0; k < count; k++) {
-    of[k] = (piece){.h = open_host(p, options, 0.9), .with = with, .steps = steps, .bad = -1};
+    of[k] = (piece){.h = open_host(p, options, 0.9), .at = {with, k}, .steps = steps, .bad = -1};
     for (int s = 0; s < p->bodies; s++)
       of[k].owned[s] = calloc((size_t)p->face_count[s], sizeof *of[k].owned[s]);
   }
@@ -136,7 +97,8 @@ static int is_alike(const piece *one, const piece *whole)
   const ct_contact_balance *a = &one->balance, *b = &whole->balance;
   return one->status == CT_OK && same_host(&one->h, &whole->h) && a->energy == b->energy &&
          a->work == b->work && a->removal == b->removal && a->friction == b->friction &&
-         a->motion == b->motion && a->unconverged == b->unconverged && one->dt[0] == whole->dt[0] &&
+         a->motion == b->motion && a->unconverged == b->unconverged && a->late == b->late &&
+         a->late_depth == b->late_depth && one->dt[0] == whole->dt[0] &&
          one->dt[1] == whole->dt[1] && one->work == whole->work &&
          memcmp(one->reaction, whole->reaction, sizeof one->reaction) == 0 &&
          memcmp(one->traction, whole->traction,
@@ -157,8 +119,7 @@ static void same_bits(pair p, const char *name, ct_enforcement enforcement, doub
   double calls = 0.0;
   for (int how = HALVES; how <= LAST; how++) {
     const int count = how == RANDOM ? MOST_PIECES : 2;
-    meeting with = {
-        .mutex = PTHREAD_MUTEX_INITIALIZER, .turn = PTHREAD_COND_INITIALIZER, .pieces = count};
+    meeting with = MEETING(count);
     open_pieces(of, count, &p, &options, (cut)how, whole.steps, &with);
     run_pieces(of, count);
     for (int k = 0; k < count; k++, runs++) alike += is_alike(&of[k], &whole);
@@ -190,8 +151,7 @@ static void one_fails(void)
 {
   pair p = rods(0.0);
   const ct_contact_options options = options_of(&p, 40.0);
-  meeting with = {
-      .mutex = PTHREAD_MUTEX_INITIALIZER, .turn = PTHREAD_COND_INITIALIZER, .pieces = 2};
+  meeting with = MEETING(2);
   piece of[2];
   open_pieces(of, 2, &p, &options, HALVES, 20, &with);
   of[1].bad = 10;

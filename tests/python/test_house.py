@@ -114,12 +114,12 @@ def test_the_contract_of_an_effect_fits_on_a_page():
     """An effect is a table of calls and what the loop must know; the page lists all of it."""
     effect, *tables = (
         [name for name, _ in ffi.typeof(f"ct_effect{part}").fields]
-        for part in ("", "_calls", "_bounds", "_constraints")
+        for part in ("", "_calls", "_bounds", "_constraints", "_pieces")
     )
     assert len(effect) <= 12 and all(len(table) <= 8 for table in tables)
     page = (ROOT / "docs" / "theory" / "effect.rst").read_text()
-    named = set(re.findall(r"``(?:bounds\.|constraints\.)?(\w+)``", page))
-    assert {*effect, *sum(tables, [])} - named == {"bounds", "constraints"}
+    named = set(re.findall(r"``(?:bounds\.|constraints\.|pieces\.)?(\w+)``", page))
+    assert {*effect, *sum(tables, [])} - named == {"bounds", "constraints", "pieces"}
 
 
 def test_settings_of_a_run_are_given_once():

@@ -32,7 +32,7 @@ class BadInput(ValueError):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, by default that of the process, and return its exit code. Errors of the user are
-    reported in one line on stderr."""
+    reported in one line on stderr. Of several processes of MPI the first one prints."""
     return _attempt(lambda: _command(arguments))[0]
 
 
@@ -111,6 +111,8 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--restart", metavar="FILE", help="continue from the newest record of this file"
     )
+    cut = "how the elements are given to the processes of MPI (default: metis if pymetis is installed)"
+    run.add_argument("--partition", choices=("metis", "coordinates"), help=cut)
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
     drawn = "draw the end of the run into a PNG beside its results file, or named after the scene"
     run.add_argument("--plot", action="store_true", help=drawn)
@@ -119,6 +121,9 @@ def _parser() -> argparse.ArgumentParser:
     explain = commands.add_parser("explain", help="show what a scene will compute, and why")
     explain.set_defaults(command=lambda options: _each(options, _explain))
     _scene_options(explain)
+    many = "also show what each of N processes of MPI would compute and exchange"
+    explain.add_argument("--pieces", metavar="N", type=int, help=many)
+    explain.add_argument("--partition", choices=("metis", "coordinates"), help=cut)
 
     plan = commands.add_parser(
         "plan", help="choose mesh, step and methods for a given error or run time"
@@ -283,7 +288,14 @@ def _load(options: argparse.Namespace) -> Scene:
 
 
 def _run_all(options: argparse.Namespace) -> int:
-    """Run each scene, after a check that each has a file of its own."""
+    """Run each scene, after a check that each has a file of its own. Under ``mpirun`` all processes compute
+    one run, and the first one reports."""
+    from .pieces import world
+
+    options.comm = world()
+    if options.comm is not None and options.comm.rank > 0:
+        options.quiet, options.plot = True, False
+        sys.stdout = sys.stderr = open(os.devnull, "w", encoding="utf-8")
     if len(options.scenes) > 1:
         for name in ("output", "restart"):
             if getattr(options, name) is not None:
@@ -315,8 +327,12 @@ def _run(options: argparse.Namespace) -> dict[str, Any]:
     named = options.output or scene.data.get("output", {}).get("file")
     if options.plot:
         _check_picture(options)
-    keys = ("restart", "until", "output", "threads")
-    run = scene.run(progress=not options.quiet, **{key: getattr(options, key) for key in keys})
+    keys = ("restart", "until", "output", "threads", "partition")
+    run = scene.run(
+        progress=not options.quiet,
+        comm=options.comm,
+        **{key: getattr(options, key) for key in keys},
+    )
     if not options.quiet:
         _report(run)
     code = _finish(run, named, options)
@@ -397,7 +413,7 @@ def _report(run: Run) -> None:
 
 
 def _explain(options: argparse.Namespace) -> dict[str, Any]:
-    text = _load(options).explain()
+    text = _load(options).explain(options.pieces, options.partition)
     if options.json:
         return {**text.data, "exit": OK}
     if hasattr(sys.stdout, "reconfigure"):

@@ -94,7 +94,7 @@ def _warn_of_inside_out(surfaces: Sequence[Surface]) -> None:
             )
 
 
-def _exchanged(function: Callable[[Floats], None]) -> Any:
+def exchanged(function: Callable[[Floats], None]) -> Any:
     """A function of ``ct_pieces`` that calls one of Python; what it raises ends the step."""
 
     def answer(data: Any, values: Any, count: int) -> int:
@@ -416,7 +416,7 @@ class Contact:
             if mask.shape != (count,):
                 raise ValueError(f"a mask has shape {mask.shape}; it must be ({count},)")
             masks.append(ffi.from_buffer("uint8_t *", mask))
-        self._exchange = [_exchanged(add), _exchanged(largest)]
+        self._exchange = [exchanged(add), exchanged(largest)]
         pieces = ffi.new("ct_pieces *", [ffi.NULL, *self._exchange])
         second = masks[1] if len(masks) == 2 else ffi.NULL
         call(lib.ct_contact_set_pieces, self._contact, masks[0], second, pieces)

@@ -20,6 +20,7 @@ import numpy as np
 from ._core import ffi, lib
 from .bridge import Floats, Rows, ask, call, copied, doubles, has
 from .errors import (
+    ArgumentError,
     EnergyGrowth,
     Error,
     NotBuiltIn,
@@ -36,6 +37,7 @@ from .errors import (
 from .mesh import view
 from .model import FEEDS, FIELDS, FILTERED, LARGE
 from .observers import Observer, own
+from .pieces import Pieces
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .progress import bar
@@ -124,6 +126,7 @@ class Loop:
         built: Callable[[float], Problem] | None = None,
         checks: Iterable[Observer] = (),
         observers: Iterable[Any] = (),
+        pieces: Pieces | None = None,
     ):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
         # The step with which the run begins, its present number of parts, and the changes so far.
@@ -133,6 +136,9 @@ class Loop:
         self.end_step, self.recorded = problem.step_count, -1
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
+        # On several processes, those, and the piece of the state that this one steps.
+        self.pieces = pieces
+        self.piece: Any = None
         self.probes = Histories(problem)
         self.observers = list(checks)
         self.observers += own(problem, observers, lambda state: self._state(state, state))
@@ -140,6 +146,7 @@ class Loop:
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
+        self.is_open = False
         # One entry per record in each, after empty tables.
         self.steps: list[int] = []
         self.kept: list[State] = []
@@ -150,6 +157,7 @@ class Loop:
         # The first chunk is limited by the number of nodes, later ones by the time of earlier ones.
         self.interrupted, self.chunk = False, max(1, FEW_VALUES // problem.pointer.node_count)
         self.issued: set[str] = set()
+        self.asked: list[int] = []
         self.seconds = self.output_seconds = 0.0
 
     def __deepcopy__(self, memo: Any) -> Loop:
@@ -226,11 +234,26 @@ class Loop:
     def open(self, path: str | Path) -> None:
         """Create the results file. Without HDF5 the results stay in memory, and ``known`` has warned."""
         if has("hdf5"):
-            self.output = self._input("output.file", self._create, path)
-            self.path = Path(path).absolute()
+            self._alone(lambda: self._begin_file(path))
+            self.path, self.is_open = Path(path).absolute(), True
+
+    def _begin_file(self, path: str | Path) -> None:
+        self.output = self._input("output.file", self._create, path)
+
+    def _alone(self, function: Callable[[], None]) -> None:
+        """Call a function that writes files: on the first process only. Its errors are those of all."""
+        if self.pieces is None:
+            function()
+        else:
+            self.pieces.first(function)
 
     def close(self) -> None:
         """Close the results file, if there is one."""
+        if self.is_open:
+            self.is_open = False
+            self._alone(self._end_file)
+
+    def _end_file(self) -> None:
         output, self.output, error = self.output, None, new_error()
         if output is not None and lib.ct_output_close(output, error) != lib.CT_OK:
             raise RunError(text_of(error.code, error), self.result())
@@ -247,9 +270,10 @@ class Loop:
         try:
             self.output = self._create(path)
             self._call(lib.ct_output_append, self.output, self.problem.pointer, self.state)
-            self.close()
+            self._end_file()
         except Error as reason:
-            self.abandon()
+            with contextlib.suppress(RunError):
+                self._end_file()
             raise OSError(str(reason)) from None
         write_tables(path, run.steps, run.energy, run.momentum)
 
@@ -260,7 +284,7 @@ class Loop:
         if good is not None and self.steps and good.step > self.recorded:
             with contextlib.suppress(RunError):
                 self._write_record(good)
-        path = self.path if self.output is not None and self.steps else None
+        path = self.path if self.is_open and self.steps else None
         self.abandon()
         error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
         state = None if good is None else self._state(good, self.monitor)
@@ -297,7 +321,7 @@ class Loop:
         if self.probes:
             self._call(lib.ct_probes_sample, self.probes.pointer, self.state)
         self._write_record(self.state)
-        if self.output is None and (len(self.steps) - 1) % self.keep_every == 0:
+        if not self.is_open and (len(self.steps) - 1) % self.keep_every == 0:
             self.kept.append(self._state(self.state, self.state, pressure=True))
         if self.watch is not None:
             self.watch(self.result(records=1))
@@ -309,8 +333,8 @@ class Loop:
         """Record one row of each table, and one step of the file, for the last good state of the
         monitor."""
         problem, ledger = self.problem, lib.ct_monitor_ledger(self.monitor)
-        if self.output is not None:
-            self._call(lib.ct_output_append_row, self.output, problem.pointer, state, ledger)
+        if self.is_open:
+            self._alone(lambda: self._append(state, ledger))
         row = ffi.addressof(ledger, "energy")
         # A column for the energy or the work of each further effect.
         done = copied("ct_effect_energy", ledger.effects, len(problem.effects))
@@ -320,6 +344,10 @@ class Loop:
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
         self.recorded = state.step
+
+    def _append(self, state: Any, ledger: Any) -> None:
+        given = self.output, self.problem.pointer, state, ledger
+        self._call(lib.ct_output_append_row, *given)
 
     # Time loop.
 
@@ -346,6 +374,8 @@ class Loop:
 
     def _steps(self, progress: Any, stop: list[int]) -> None:
         last, state = self.last, self.state
+        # A Ctrl-C of one process counts when all know of it.
+        self.asked, stop = stop, stop if self.pieces is None else []
         if state.step > last:
             reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
@@ -421,7 +451,7 @@ class Loop:
             self.probes.divide(problem, factor)
         for observer in self.observers:
             observer.divide(problem, factor)
-        self.problem, self.parts = problem, parts
+        self.problem, self.parts, self.piece = problem, parts, None
         self.last, self.end_step = factor * self.last, factor * self.end_step
         self.due, self.recorded = _divided(self.due, factor), factor * self.recorded
         return True
@@ -552,6 +582,9 @@ class Loop:
         Ctrl-C and the progress bar are served between chunks. A state that is ``due`` to be recorded is
         checked in the same call.
         """
+        if self.pieces is not None:
+            self._advance_pieces(target, due, advanced, stop)
+            return
         while self.state.step < target and not stop:
             count = min(self.chunk, target - self.state.step)
             begin = clock.perf_counter()
@@ -564,6 +597,43 @@ class Loop:
                 2 * self.chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
             )
             self.chunk = min(max(CHUNK_STEPS, int(next_count)), 10**6)
+
+    def _advance_pieces(self, target: int, due: int, advanced: Any, stop: list[int]) -> None:
+        """The same on several processes: each steps its piece up to the next check of the whole state, in chunks
+        of which the first process chooses the length; a Ctrl-C of one of them counts for all."""
+        pieces, problem, looks = self.pieces, self.problem, self.time.look_every
+        assert pieces is not None
+        if self.piece is None:
+            self.piece = pieces.cut(problem, self.state)
+        probes = [lib.ct_probes_observer(self.probes.pointer)] if self.probes else []
+        observers, piece = ffi.new("ct_observer[]", probes), self.piece
+        while piece.step < target:
+            halt, chunk = pieces.largest(len(self.asked), self.chunk if pieces.rank == 0 else 0)
+            if halt:
+                stop.append(halt)
+                break
+            end = min(target, (piece.step // looks + 1) * looks)
+            count, begin = min(chunk, end - piece.step), clock.perf_counter()
+            given = problem.pointer, piece, count, observers, len(probes)
+            try:
+                pieces.alike(lambda: self._call(lib.ct_run, *given))
+            except RunError:
+                self._collect()
+                raise
+            took = clock.perf_counter() - begin
+            advanced(count / self.parts)
+            self.chunk = max(CHUNK_STEPS, int(count * min(2.0, CHUNK_SECONDS / max(took, 1e-9))))
+            if piece.step % looks == 0 or piece.step in (target, due):
+                self._collect()
+            if self.state.step == piece.step and (piece.step % looks == 0 or piece.step == due):
+                self._call(lib.ct_monitor_check, self.monitor, self.state)
+        if self.state.step < piece.step:
+            self._collect()
+
+    def _collect(self) -> None:
+        """Collect the whole state, which every process then has; not within a step that has failed."""
+        with contextlib.suppress(ArgumentError):
+            call(lib.ct_state_collect, self.piece, self.state)
 
     def _observers(self, last: bool) -> Any:
         """The observers of the C library; the monitor also checks the ``last`` state."""

@@ -7,6 +7,7 @@ import math
 import os
 import re
 import tomllib
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,6 +19,7 @@ import numpy as np
 import tomli_w
 
 from . import html
+from .bridge import index
 from .checks.warned import during, known
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
@@ -25,7 +27,8 @@ from .loop import Loop, record_count, schedule
 from .model import SHAPES, Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
-from .problem import Problem
+from .pieces import Pieces, planned
+from .problem import Problem, new_state
 from .results import origin
 from .run import Run
 from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
@@ -389,8 +392,15 @@ class Scene:
 
     # Computing.
 
-    def explain(self) -> Explanation:
+    def explain(self, pieces: int | None = None, partition: Any = None) -> Explanation:
         """Describe what will be computed, what will not, and why.
+
+        Parameters
+        ----------
+        pieces
+            Number of processes, to show what each of them would compute and exchange (:doc:`/theory/pieces`).
+        partition
+            As for :meth:`run`.
 
         Returns
         -------
@@ -400,7 +410,10 @@ class Scene:
         from .planning.explain import explain
 
         problem = self._built(None)
-        return explain(problem, schedule(problem)[0], record_count(problem))
+        rows = None
+        if pieces is not None:
+            rows = planned(problem, new_state(problem), index("pieces", pieces), partition)
+        return explain(problem, schedule(problem)[0], record_count(problem), rows)
 
     def costs(self, run: Run | None = None) -> list[Cost]:
         """Predict the cost of each effect of the scene; ``print(scene.cost_table(run))`` shows the
@@ -495,6 +508,8 @@ class Scene:
         threads: int | None = None,
         watch: Callable[[Run], object] | None = None,
         observers: Iterable[tuple[Callable[[State], object], int]] = (),
+        comm: Any = None,
+        partition: Any = None,
     ) -> Run:
         """
         Compute the scene.
@@ -522,6 +537,13 @@ class Scene:
             Pairs of a function and a number of steps: the function is called with the State at the
             start, after each so many steps, and at the end. It may keep the State, and what it
             raises ends the run. A run that divides its step goes back and calls it again.
+        comm
+            A communicator of mpi4py whose processes all make this call: each computes a piece, and all return
+            the same Run, with the bits of one process (:doc:`/theory/pieces`). The first one writes the file.
+        partition
+            How the elements are given to the processes: ``"metis"`` (needs pymetis), ``"coordinates"``, or
+            the number of a process for each element, those of all bodies one after another; by default METIS
+            if it is installed.
 
         Returns
         -------
@@ -530,6 +552,24 @@ class Scene:
             ``interrupted`` set.
         """
 
+        pieces = Pieces(comm, partition) if comm is not None and comm.size > 1 else None
+        if pieces is not None and pieces.rank > 0:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                return self._run(False, restart, until, output, threads, watch, observers, pieces)
+        return self._run(progress, restart, until, output, threads, watch, observers, pieces)
+
+    def _run(
+        self,
+        progress: bool | str,
+        restart: Any,
+        until: Any,
+        output: Any,
+        threads: int | None,
+        watch: Any,
+        observers: Any,
+        pieces: Pieces | None,
+    ) -> Run:
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
                 threads, Place("run.threads", self._file)
@@ -540,7 +580,7 @@ class Scene:
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         problem = self._built(threads, dt and dt / parts)
         built, text = partial(self._built, threads), self.toml(arrays=False)
-        loop = Loop(problem, text, watch, until, built, during(problem), observers)
+        loop = Loop(problem, text, watch, until, built, during(problem), observers, pieces)
         loop.begin()
         for warning in known(loop.problem, path, state=loop.state):
             issue(warning)

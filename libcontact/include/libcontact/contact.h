@@ -388,10 +388,9 @@ CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double
  * does, and gets the forces at all of them, with the bits of one contact that has all faces. From
  * here on all pieces make the same calls on their contacts at the same time, because each may
  * exchange numbers. `ct_contact_points` and `ct_contact_penetration` tell of the own points only,
- * `ct_contact_save` writes those, and the number of late points in the balance is theirs. Masks and
- * `pieces` are copied. Call it before the first step. ``CT_ERROR_ARGUMENT``: null argument, a step
- * was already taken, the contact is in pieces already, or a face has no piece or several (`error`
- * names surface and face).
+ * and `ct_contact_save` writes those. Masks and `pieces` are copied. Call it before the first step.
+ * ``CT_ERROR_ARGUMENT``: null argument, a step was already taken, the contact is in pieces already,
+ * or a face has no piece or several (`error` names surface and face).
  */
 CT_API ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a,
                                        const uint8_t *owned_b, const ct_pieces *pieces,

@@ -131,6 +131,7 @@ typedef enum ct_phase {
 
 struct ct_effect;
 struct ct_problem;
+struct ct_piece;
 
 /** Bounds of an effect on the time step. All may be null. */
 typedef struct ct_effect_bounds {
@@ -194,6 +195,10 @@ typedef struct ct_effect_constraints {
    */
   ct_status (*mobility)(const struct ct_effect *effect, const ct_view *view,
                         ct_body_mobility *bodies, double *arms, ct_error *error);
+  /** Null, or write the external work since t = 0 of an effect that stores energy, such as a moving
+   * obstacle [energy], for the view of the last `force`; also in other phases. */
+  ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,
+                        ct_error *error);
   /** Null, or write the part of the stored energy that is held until points open [energy],
    * :eq:`impact-reserve`; `energy` was called before with the same view. */
   ct_status (*reserve)(const struct ct_effect *effect, const ct_view *view, double *reserve,
@@ -205,6 +210,19 @@ typedef struct ct_effect_constraints {
    */
   void (*divide)(const struct ct_effect *effect, const ct_view *view, double dt, double *memory);
 } ct_effect_constraints;
+
+/** How an effect is computed in pieces, :doc:`/theory/pieces`. */
+typedef struct ct_effect_pieces {
+  /** Null if the effect can't be computed in pieces; or prepare the scratch space of one piece. */
+  ct_status (*cut)(const struct ct_effect *effect, const struct ct_piece *piece, void *scratch,
+                   ct_error *error);
+  /** Required of an effect with memory: set to 0 those of its numbers in `memory` that belong to
+   * another piece, and unless `common` is 1 those that all pieces have. */
+  void (*keep)(const struct ct_effect *effect, const struct ct_piece *piece, int common,
+               double *memory);
+  /** Not zero: every piece needs the motion of all nodes of the effect. */
+  int common;
+} ct_effect_pieces;
 
 /**
  * The calls of an effect: one constant table for all effects of a kind, which must live as long as
@@ -218,10 +236,6 @@ typedef struct ct_effect_calls {
   /** Write the stored energy [energy]; `force` was called before with the same view. */
   ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy,
                       ct_error *error);
-  /** Write the external work since t = 0 of an effect that stores energy, such as a moving obstacle
-   * [energy], for the view of the last `force`. */
-  ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,
-                        ct_error *error);
   /** Allocate the scratch space of one state; needs `free_scratch`. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Free the scratch space. */
@@ -232,6 +246,8 @@ typedef struct ct_effect_calls {
   ct_effect_bounds bounds;
   /** Its contribution to the constraints of a step. */
   ct_effect_constraints constraints;
+  /** How it is computed in pieces. */
+  ct_effect_pieces pieces;
 } ct_effect_calls;
 
 /** Approximate cost of one call of `force`; 0 if unknown (reporting only). */

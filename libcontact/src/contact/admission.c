@@ -156,12 +156,16 @@ void ct_admission_limit(ct_contact *contact)
   const int count = contact->gaps.fixed->sides;
   const double size = fmax(sides[0].search->size, sides[count - 1].search->size),
                reach = reach_of(contact);
+  const double late = admission->late;
   int64_t some = 0;
   for (int s = 0; s < count; s++)
     some += list_claims(contact, s, reach, size, &contact->terms[some]);
   // -- All points together store at most what the bodies have given (eq:admitted-store)
-  double all = (double)some;
-  ct_pieces_sum(sides[0].pieces, &all, 1);
+  double both[2] = {(double)some, admission->late - late};
+  ct_pieces_sum(sides[0].pieces, both, 2);
+  const double all = both[0];
+  admission->late = late + both[1];
+  if (both[1] != 0.0) ct_pieces_largest(sides[0].pieces, &admission->late_depth, 1);
   if (!ct_law_keeps_account(contact->fixed->law.enforcement) || all == 0.0 ||
       !(ct_sum_over(sides[0].pieces, contact->terms, some) >
         admission->received + SLACK * admission->most))

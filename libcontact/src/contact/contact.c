@@ -36,6 +36,7 @@ void ct_contact_describe(ct_contact_fixed *fixed, double points, double nodes)
                                                : rigid ? 0
                                                        : side[surfaces - 1].search->per);
   fixed->is.memory_count = ct_contact_fixed_memory(fixed);
+  fixed->is.point_memory = CT_RECORD;
   fixed->is.end_record = CT_RECORD * fixed->gaps.point_count;
   fixed->is.flops = points * (double)count + nodes * fixed->is.node_count;
   fixed->is.bytes = (2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record)) * (double)count +

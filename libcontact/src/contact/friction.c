@@ -206,6 +206,7 @@ static ct_interaction describe(const ct_friction *data, const ct_interaction *on
                           .row_nodes = on->row_nodes,
                           .slip_count = data->points,
                           .memory_count = CT_FRICTION_RECORD * data->points + CT_FRICTION_TAIL,
+                          .point_memory = CT_FRICTION_RECORD,
                           .flops = (data->rigid ? 225.0 : 750.0) * points,
                           .bytes = bytes * points + 250.0 * on->node_count};
 }

@@ -77,7 +77,8 @@ typedef struct ct_interaction {
   int64_t row_count;    /* most rows; 0 if `explicit`, and for friction unless `on` is explicit */
   int32_t row_nodes;    /* most nodes of a row */
   int64_t slip_count;   /* of friction: most rows to which it adds its law */
-  int64_t memory_count; /* doubles */
+  int64_t memory_count; /* doubles; it begins with the records of the points */
+  int64_t point_memory; /* doubles of such a record */
   int64_t end_record;   /* end of the records of points in it, whose distance may be NaN */
   double flops, bytes;  /* of a call with all points active, without the iterations of the solver */
 } ct_interaction;

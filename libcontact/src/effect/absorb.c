@@ -3,6 +3,7 @@
 #include <libcontact/base.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/error.h"
 #include "../shape/facets.h"
 #include "../base/memory.h"
@@ -131,8 +132,10 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem, ct_erro
   return absorb->pool.failed ? CT_NO_MEMORY(error, "the effect absorb") : CT_OK;
 }
 
-static const ct_effect_calls CALLS = {
-    .force = absorb_force, .free_data = ct_pool_free, .bounds = {.rate = absorb_rate}};
+static const ct_effect_calls CALLS = {.force = absorb_force,
+                                      .free_data = ct_pool_free,
+                                      .bounds = {.rate = absorb_rate},
+                                      .pieces = {.cut = ct_piece_local}};
 
 ct_absorb_def ct_absorb_def_default(void) { return (ct_absorb_def){.cookie = CT_DEF_COOKIE}; }
 

@@ -6,6 +6,7 @@
 #include "../constraint/law.h"
 #include "../base/threads.h"
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,6 +42,12 @@ static ct_surface_motion motion_of(const ct_view *view)
                              .on = view->read == NULL ? NULL : ct_touch_state(view->read)};
 }
 
+/* A status after which all pieces go on, or none: some calls of an interaction exchange numbers. */
+static ct_status agree(const ct_view *view, ct_status own, ct_error *error)
+{
+  return ct_piece_agree(((const ct_touch_scratch *)view->scratch)->piece, own, error);
+}
+
 static ct_status touch_constrain(const ct_effect *effect, const ct_view *view, ct_constraint **rows,
                                  int64_t *count, ct_error *error)
 {
@@ -52,7 +59,8 @@ static ct_status touch_constrain(const ct_effect *effect, const ct_view *view, c
     return CT_REFUSE(
         error,
         "friction: the contact or obstacle that it acts on must be an effect of the problem, too");
-  ct_status status = is->on == NULL ? is->calls->place(state, &now, error) : CT_OK;
+  ct_status status = CT_OK;
+  if (is->on == NULL) status = agree(view, is->calls->place(state, &now, error), error);
   if (status == CT_OK) *count = is->calls->list_rows(state, &now, rows);
   return status;
 }
@@ -64,7 +72,8 @@ static ct_status touch_force(const ct_effect *effect, const ct_view *view, doubl
   void *state = ct_touch_state(view->scratch);
   const ct_surface_motion now = motion_of(view);
   if (effect->phase != CT_PHASE_CONSTRAINT) gather(effect, view);
-  ct_status status = is->explicit ? is->calls->place(state, &now, error) : CT_OK;
+  ct_status status = CT_OK;
+  if (is->explicit) status = agree(view, is->calls->place(state, &now, error), error);
   return status == CT_OK ? is->calls->find_forces(state, &now, force, error) : status;
 }
 
@@ -155,21 +164,82 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return status;
 }
 
+/* The nodes of a face of a side as nodes of the problem; returns their number. */
+static int32_t face_nodes(const ct_side_fixed *side, int64_t face, const int32_t *nodes,
+                          int32_t *out)
+{
+  const int32_t *own = ct_side_row_nodes(side, face);
+  for (int32_t a = 0; a < side->search->per; a++) out[a] = nodes[own[a]];
+  return side->search->per;
+}
+
+/* The piece of a face of surface `s` (ct_gaps_surface). */
+static int32_t piece_of(const ct_interaction *is, int s, int64_t face, const ct_piece *piece)
+{
+  const ct_contact_fixed *fixed = (const ct_contact_fixed *)(is->on != NULL ? is->on : is);
+  int32_t nodes[8];
+  return ct_piece_of_face(piece, face_nodes(&fixed->gaps.side[s], face, is->nodes, nodes), nodes);
+}
+
+/* The points of a face belong to its piece; friction has those of its contact. */
+static ct_status touch_cut(const ct_effect *effect, const struct ct_piece *piece, void *scratch,
+                           ct_error *error)
+{
+  ct_touch_scratch *s = scratch;
+  const ct_interaction *is = interaction_of(effect);
+  ct_contact *contact = s->state;
+  s->piece = piece;
+  for (int k = 0; is->on == NULL && k < contact->gaps.fixed->sides; k++) {
+    ct_side *side = &contact->gaps.side[k];
+    side->pieces = &piece->join;
+    if (ct_gaps_surface(contact->gaps.fixed, k) != k) continue;
+    uint8_t *owned = ct_pool_take(&s->pool, (size_t)side->search->face_count, sizeof *owned);
+    for (int32_t f = 0; owned != NULL && f < side->search->face_count; f++)
+      owned[f] = piece_of(is, k, f, piece) == piece->def.number;
+    side->owned = owned;
+  }
+  return s->pool.failed ? CT_NO_MEMORY(error, "a piece") : CT_OK;
+}
+
+/* Each point has its record in the piece of its face, stations in that of the first face; the rest
+ * of the memory is the same in all pieces. */
+static void touch_keep(const ct_effect *effect, const struct ct_piece *piece, int common,
+                       double *memory)
+{
+  const ct_interaction *is = interaction_of(effect);
+  const ct_gaps_fixed *gaps = &((const ct_contact_fixed *)(is->on != NULL ? is->on : is))->gaps;
+  const int sides = is->on != NULL ? ct_gaps_surfaces(gaps) : gaps->sides;
+  double *end = memory + is->memory_count;
+  for (int k = 0; k < sides; k++) {
+    const int64_t per = ct_gaps_surface(gaps, k) == k ? gaps->side[k].rule.count : 0;
+    for (int64_t i = 0; i < gaps->side[k].point_count; i++, memory += is->point_memory)
+      if (piece_of(is, ct_gaps_surface(gaps, k), per == 0 ? 0 : i / per, piece) !=
+          piece->def.number)
+        memset(memory, 0, (size_t)is->point_memory * sizeof *memory);
+  }
+  if (!common) memset(memory, 0, (size_t)(end - memory) * sizeof *memory);
+}
+
 /* Of contacts and obstacles; friction stores no energy that a result shows apart. */
 static const ct_effect_calls TOUCH = {
     .force = touch_force,
     .energy = touch_energy,
-    .external = touch_external,
     .create_scratch = create_scratch,
     .free_scratch = free_scratch,
     .free_data = free_data,
     .bounds = {.omega2 = touch_bound},
-    .constraints = {.list = touch_constrain, .reserve = touch_reserve, .divide = touch_divide}};
-static const ct_effect_calls FRICTION = {.force = touch_force,
-                                         .create_scratch = create_scratch,
-                                         .free_scratch = free_scratch,
-                                         .free_data = free_data,
-                                         .constraints = {.list = touch_constrain}};
+    .constraints = {.list = touch_constrain,
+                    .external = touch_external,
+                    .reserve = touch_reserve,
+                    .divide = touch_divide},
+    .pieces = {.cut = touch_cut, .keep = touch_keep, .common = 1}};
+static const ct_effect_calls FRICTION = {
+    .force = touch_force,
+    .create_scratch = create_scratch,
+    .free_scratch = free_scratch,
+    .free_data = free_data,
+    .constraints = {.list = touch_constrain},
+    .pieces = {.cut = touch_cut, .keep = touch_keep, .common = 1}};
 
 /* The effect of a new interaction, which it takes over; `filled` has what differs by its kind. */
 static ct_status create(ct_interaction *is, const ct_problem *problem, int32_t carrier,

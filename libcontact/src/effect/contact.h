@@ -17,8 +17,9 @@ typedef struct ct_touch {
 typedef struct ct_touch_scratch {
   ct_pool pool;
   const ct_interaction *is;
-  void *state;          /* of the interaction */
-  double *x, *velocity; /* at its nodes, shape (node_count, 3) */
+  void *state;                  /* of the interaction */
+  double *x, *velocity;         /* at its nodes, shape (node_count, 3) */
+  const struct ct_piece *piece; /* null: of a whole state */
 } ct_touch_scratch;
 
 /* State of the interaction in the scratch space of its effect. */

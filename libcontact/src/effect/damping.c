@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/error.h"
 #include "../base/lanes.h"
 #include "../base/memory.h"
@@ -82,12 +83,17 @@ static void node_change(const ct_effect *effect, const ct_view *view, int32_t i,
 static double rayleigh(const ct_effect *effect, const ct_view *view)
 {
   double stiff[CT_PIECE], mass[CT_PIECE];
-  ct_stream sums[2] = {{0}};
+  const ct_piece *piece = *(const ct_piece **)view->scratch;
+  ct_stream sum = {.pieces = piece == NULL ? NULL : &piece->join}, sums[2] = {sum, sum};
   for (int32_t first, end; ct_stream_piece(sums, 2, effect->node_count, &first, &end);) {
-    for (int32_t i = first; i < end; i++)
-      node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
-    ct_stream_add(&sums[0], stiff, end - first);
-    ct_stream_add(&sums[1], mass, end - first);
+    int32_t some = 0;
+    for (int32_t i = first; i < end; i++) {
+      if (piece != NULL && !ct_piece_owns(piece, effect->nodes[i])) continue;
+      node_change(effect, view, i, &stiff[some], &mass[some]);
+      some++;
+    }
+    ct_stream_add(&sums[0], stiff, some);
+    ct_stream_add(&sums[1], mass, some);
   }
   double top = ct_stream_sum(&sums[0]), bottom = ct_stream_sum(&sums[1]);
   return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
@@ -137,6 +143,34 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
   return CT_OK;
 }
 
+/* The scratch space of relaxation is the piece of its state, or null. */
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  (void)effect;
+  *scratch = ct_allocate(1, sizeof(const ct_piece *));
+  return *scratch != NULL ? CT_OK : CT_NO_MEMORY(error, "relaxation");
+}
+
+static ct_status relaxation_cut(const ct_effect *effect, const struct ct_piece *piece,
+                                void *scratch, ct_error *error)
+{
+  (void)effect, (void)error;
+  *(const ct_piece **)scratch = piece;
+  return CT_OK;
+}
+
+static void relaxation_keep(const ct_effect *effect, const struct ct_piece *piece, int common,
+                            double *memory)
+{
+  double *u = memory + SAMPLE, *f = u + 3 * (int64_t)effect->node_count;
+  if (!common) memory[RATE] = memory[AGE] = 0.0;
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    if (ct_piece_owns(piece, effect->nodes[i])) continue;
+    memset(&u[3 * (int64_t)i], 0, 3 * sizeof *u);
+    memset(&f[3 * (int64_t)i], 0, 3 * sizeof *f);
+  }
+}
+
 static ct_status damping_rate(const ct_effect *effect, const ct_view *view, double *rate,
                               ct_error *error)
 {
@@ -145,9 +179,15 @@ static ct_status damping_rate(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
-static const ct_effect_calls DAMPING = {
-    .force = damping_force, .free_data = ct_pool_free, .bounds = {.rate = damping_rate}};
-static const ct_effect_calls RELAXATION = {.force = relaxation_force, .free_data = ct_pool_free};
+static const ct_effect_calls DAMPING = {.force = damping_force,
+                                        .free_data = ct_pool_free,
+                                        .bounds = {.rate = damping_rate},
+                                        .pieces = {.cut = ct_piece_local}};
+static const ct_effect_calls RELAXATION = {.force = relaxation_force,
+                                           .create_scratch = create_scratch,
+                                           .free_scratch = ct_release,
+                                           .free_data = ct_pool_free,
+                                           .pieces = {relaxation_cut, relaxation_keep, 0}};
 
 ct_damping_def ct_damping_def_default(void) { return (ct_damping_def){.cookie = CT_DEF_COOKIE}; }
 

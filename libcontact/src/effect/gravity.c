@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../base/lanes.h"
@@ -78,8 +79,11 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
 /* Constant weight has a potential, weight that changes in time has none. */
 static const ct_effect_calls CONSTANT = {.force = gravity_force,
                                          .energy = gravity_energy,
-                                         .free_data = ct_pool_free},
-                             CHANGING = {.force = gravity_force, .free_data = ct_pool_free};
+                                         .free_data = ct_pool_free,
+                                         .pieces = {.cut = ct_piece_local}},
+                             CHANGING = {.force = gravity_force,
+                                         .free_data = ct_pool_free,
+                                         .pieces = {.cut = ct_piece_local}};
 
 ct_gravity_def ct_gravity_def_default(void) { return (ct_gravity_def){.cookie = CT_DEF_COOKIE}; }
 

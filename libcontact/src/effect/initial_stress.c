@@ -5,6 +5,7 @@
 #include "../base/stream.h"
 #include "../solid/call.h"
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "solid.h"
 
 #include <math.h>
@@ -122,8 +123,10 @@ static ct_status prepare(stress_data *data, const ct_solid_data *solid, const ct
   return has_memory ? CT_OK : CT_NO_MEMORY(error, "the initial stress");
 }
 
-static const ct_effect_calls CALLS = {
-    .force = stress_force, .energy = stress_energy, .free_data = ct_pool_free};
+static const ct_effect_calls CALLS = {.force = stress_force,
+                                      .energy = stress_energy,
+                                      .free_data = ct_pool_free,
+                                      .pieces = {.cut = ct_piece_local}};
 
 ct_initial_stress_def ct_initial_stress_def_default(void)
 {

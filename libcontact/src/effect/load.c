@@ -3,6 +3,7 @@
 #include <libcontact/base.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/amplitude.h"
 #include "../base/error.h"
 #include "../shape/facets.h"
@@ -143,7 +144,8 @@ static const ct_effect_calls CALLS = {.force = load_force,
                                       .create_scratch = create_scratch,
                                       .free_scratch = ct_release,
                                       .free_data = ct_pool_free,
-                                      .bounds = {.omega2 = load_omega2_bound}};
+                                      .bounds = {.omega2 = load_omega2_bound},
+                                      .pieces = {.cut = ct_piece_local}};
 
 ct_load_def ct_load_def_default(void) { return (ct_load_def){.cookie = CT_DEF_COOKIE}; }
 

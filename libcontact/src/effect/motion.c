@@ -3,6 +3,7 @@
 
 #include "../base/amplitude.h"
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/error.h"
 #include "held.h"
 
@@ -73,7 +74,8 @@ static ct_status motion_increment(const ct_effect *effect, const ct_view *view, 
 
 static const ct_effect_calls CALLS = {.force = motion_force,
                                       .free_data = ct_pool_free,
-                                      .constraints = {.increment = motion_increment}};
+                                      .constraints = {.increment = motion_increment},
+                                      .pieces = {.cut = ct_piece_local}};
 
 ct_motion_def ct_motion_def_default(void) { return (ct_motion_def){.cookie = CT_DEF_COOKIE}; }
 

@@ -2,6 +2,7 @@
 #include "solid.h"
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
@@ -18,13 +19,17 @@
 
 typedef struct ct_solid_data solid_data;
 
+static void free_parts(ct_solid_part *parts, int32_t count)
+{
+  for (int32_t i = 0; parts != NULL && i < count; i++) ct_part_release(&parts[i]);
+  ct_release(parts);
+}
+
 static void free_data(void *data)
 {
   solid_data *solid = data;
   if (solid == NULL) return;
-  for (int32_t i = 0; solid->parts != NULL && i < solid->part_count; i++)
-    ct_part_release(&solid->parts[i]);
-  ct_release(solid->parts);
+  free_parts(solid->parts, solid->part_count);
   ct_release(solid);
 }
 
@@ -32,6 +37,7 @@ static void free_scratch(void *scratch)
 {
   ct_solid_scratch *s = scratch;
   if (s == NULL) return;
+  free_parts(s->parts, s->body_count);
   ct_release(s->values);
   ct_release(s->calls);
   ct_sleep_free(s->sleep);
@@ -53,16 +59,40 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
+/* Compute the elements of a piece only; nothing sleeps there. */
+static ct_status cut(const ct_effect *effect, const struct ct_piece *piece, void *scratch,
+                     ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  ct_solid_scratch *s = scratch;
+  ct_sleep_free(s->sleep);
+  s->sleep = NULL;
+  s->body_count = solid->part_count;
+  s->touched = piece->touched;
+  s->parts = ct_allocate((size_t)solid->part_count, sizeof *s->parts);
+  ct_status status = s->parts == NULL ? CT_NO_MEMORY(error, "a piece") : CT_OK;
+  for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
+    status = ct_part_cut(&solid->parts[i], piece->mine[i], &s->parts[i], error);
+  if (status != CT_OK) return status;
+  const int64_t count = ct_parts_place(s->parts, solid->part_count, &s->ring_stride);
+  ct_release(s->values);
+  s->values = ct_allocate((size_t)count, sizeof *s->values);
+  return s->values == NULL ? CT_NO_MEMORY(error, "a piece") : CT_OK;
+}
+
 /* The task of part `i`: elements, kernel, input and output. */
 static ct_part_call call_of(const solid_data *solid, int32_t i, const ct_view *view, double *force)
 {
-  const ct_solid_part *part = &solid->parts[i];
   const ct_solid_scratch *scratch = view->scratch;
+  const int whole = scratch->parts == NULL;
+  const ct_solid_part *part = whole ? &solid->parts[i] : &scratch->parts[i];
   const int64_t first = 3 * (int64_t)part->first_node;
-  ct_part_call call = ct_part_task(part, view->displacement + first, scratch->values,
-                                   solid->ring_stride, force + first);
+  ct_part_call call =
+      ct_part_task(part, view->displacement + first, scratch->values,
+                   whole ? solid->ring_stride : scratch->ring_stride, force + first);
   call.batch = ct_sleep_batches(scratch->sleep, i);
   if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
+  if (!whole) call.summed = scratch->touched;
   ct_plane_take(&call, scratch->values);
   call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
   return call;
@@ -78,8 +108,8 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
                  ct_threads_for(ct_threads_of(view->settings), solid->flops, CT_LEAST_FLOPS));
   ct_status status = CT_OK;
   for (int32_t i = 0; status == CT_OK && i < solid->part_count; i++)
-    if (solid->parts[i].energies != NULL)
-      status = ct_solid_check_volume(&solid->parts[i], i, calls[i].given, calls[i].values, error);
+    if (calls[i].part->energies != NULL)
+      status = ct_solid_check_volume(calls[i].part, i, calls[i].given, calls[i].values, error);
   return status;
 }
 
@@ -263,7 +293,8 @@ static const ct_effect_calls CALLS = {
     .create_scratch = create_scratch,
     .free_scratch = free_scratch,
     .free_data = free_data,
-    .bounds = {.omega2 = solid_omega2_bound, .joint = solid_joint_bound}};
+    .bounds = {.omega2 = solid_omega2_bound, .joint = solid_joint_bound},
+    .pieces = {.cut = cut}};
 
 ct_solid_def ct_solid_def_default(void) { return (ct_solid_def){.cookie = CT_DEF_COOKIE}; }
 
@@ -327,7 +358,8 @@ static ct_status no_force(const ct_effect *effect, const ct_view *view, double *
   return CT_OK;
 }
 
-static const ct_effect_calls HOURGLASS = {.force = no_force, .energy = hourglass_energy};
+static const ct_effect_calls HOURGLASS = {
+    .force = no_force, .energy = hourglass_energy, .pieces = {.cut = ct_piece_local}};
 
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {

@@ -6,6 +6,7 @@
 #include "../solid/call.h"
 #include "../solid/plane.h"
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "solid.h"
 
 #include <math.h>
@@ -116,7 +117,8 @@ static const ct_effect_calls CALLS = {.force = damping_force,
                                       .create_scratch = create_scratch,
                                       .free_scratch = ct_release,
                                       .free_data = ct_pool_free,
-                                      .bounds = {.rate = damping_rate}};
+                                      .bounds = {.rate = damping_rate},
+                                      .pieces = {.cut = ct_piece_local}};
 
 ct_stiffness_damping_def ct_stiffness_damping_def_default(void)
 {

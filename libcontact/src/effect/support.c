@@ -1,13 +1,14 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "held.h"
 
 #include <string.h>
 
 ct_support_def ct_support_def_default(void) { return (ct_support_def){.cookie = CT_DEF_COOKIE}; }
 
-static const ct_effect_calls CALLS = {.free_data = ct_pool_free};
+static const ct_effect_calls CALLS = {.free_data = ct_pool_free, .pieces = {.cut = ct_piece_local}};
 
 /* A support as a motion: its velocity in place of the displacement. */
 static ct_status fill(ct_held *held, const ct_support_def *def, const ct_problem *problem,

@@ -3,6 +3,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/threads.h"
@@ -287,7 +288,8 @@ static const ct_effect_calls CALLS = {
     .create_scratch = create_scratch,
     .free_scratch = ct_release,
     .free_data = free_data,
-    .bounds = {.rate = viscous_damping, .add_element = viscous_element}};
+    .bounds = {.rate = viscous_damping, .add_element = viscous_element},
+    .pieces = {.cut = ct_piece_local}};
 
 ct_viscosity_def ct_viscosity_def_default(void)
 {

@@ -84,6 +84,9 @@ typedef struct ct_solid_part {
    * values; and number of values before the energies. */
   int64_t first_value, first_batch, value_count, energy_value;
   int64_t first_ordered; /* begin of the displacements in `order` there */
+  /* Whether this is the piece of a part, which has its box20; and memory of its mesh. */
+  int is_piece;
+  ct_pool piece;
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
    * - 1]; null if no element sleeps, or if the ring has them. */
   int32_t *batch_begin, *batches_at;

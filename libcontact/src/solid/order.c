@@ -121,7 +121,7 @@ static void take_all(walk *w, int32_t start)
 }
 
 /* Number the nodes from the last one down, line by line along the rows, in the order of their last
- * elements (eq:order-rows). */
+ * elements (eq:order-rows). Nodes without elements, as in a piece, have no number. */
 static void number_nodes(const walk *w, ct_order *order)
 {
   int32_t next = w->mesh->node_count;
@@ -138,15 +138,17 @@ static void number_nodes(const walk *w, ct_order *order)
       }
   }
   for (int32_t n = 0; n < w->mesh->node_count; n++)
-    if (order->inside[n] < 0) order->inside[n] = --next;
+    if (order->inside[n] >= 0) order->inside[n] -= next;
+  order->mesh.node_count -= next;
 }
 
 /* Write the mesh with its new numbers. */
 static void write_mesh(const walk *w, ct_order *order)
 {
   ct_mesh *mesh = &order->mesh;
-  for (int32_t n = 0; n < mesh->node_count; n++) {
+  for (int32_t n = 0; n < w->mesh->node_count; n++) {
     int32_t at = order->inside[n];
+    if (at < 0) continue;
     order->user[at] = n;
     memcpy(&mesh->nodes[3 * (size_t)at], &w->mesh->nodes[3 * (size_t)n], 3 * sizeof(double));
   }

@@ -36,12 +36,13 @@ static const struct kernel_row {
 
 void ct_part_release(ct_solid_part *part)
 {
+  ct_pool_empty(&part->piece);
   if (part->constants_given != part->constants) ct_release(part->constants_given);
   ct_release(part->constants);
   ct_release(part->rows);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
-  ct_release(part->box20);
+  if (!part->is_piece) ct_release(part->box20);
   ct_order_free(part->order);
   ct_force_ring_free(part->plane);
   ct_force_ring_free(part->ring);
@@ -197,6 +198,19 @@ static ct_status prepare_table(ct_solid_part *part, ct_error *error)
   return status;
 }
 
+/* The constants of the elements, and the table with memory for the energies. */
+static ct_status finish(ct_solid_part *part, ct_error *error)
+{
+  ct_status status = prepare_constants(part, error);
+  if (status != CT_OK || part->ring != NULL) return status;
+  status = prepare_table(part, error);
+  if (status != CT_OK) return status;
+  part->energy_value = part->assembly->value_count + (part->batch_count + 7) / 8 * 8;
+  if (part->energies != NULL)
+    part->value_count = part->energy_value + 8 * (int64_t)part->batch_count;
+  return CT_OK;
+}
+
 ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_error *error)
 {
   part->mesh = body->mesh;
@@ -216,14 +230,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_err
   part->hourglass = body->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : body->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   ct_status status = choose_kernel(part, body, error);
-  if (status == CT_OK) status = prepare_constants(part, error);
-  if (status != CT_OK || part->ring != NULL) return status;
-  status = prepare_table(part, error);
-  if (status != CT_OK) return status;
-  part->energy_value = part->assembly->value_count + (part->batch_count + 7) / 8 * 8;
-  if (part->energies != NULL)
-    part->value_count = part->energy_value + 8 * (int64_t)part->batch_count;
-  return CT_OK;
+  return status == CT_OK ? finish(part, error) : status;
 }
 
 ct_status ct_part_lay_out(ct_solid_part *part, ct_error *error)
@@ -232,6 +239,68 @@ ct_status ct_part_lay_out(ct_solid_part *part, ct_error *error)
   if (prepare_ring(part) != CT_OK || prepare_rows(part) != CT_OK)
     return CT_NO_MEMORY(error, "the elements");
   return part->ring != NULL ? CT_OK : prepare_table(part, error);
+}
+
+/* A mesh of some elements with all nodes, and their materials. */
+static ct_mesh *take_elements(const ct_solid_part *whole, const uint8_t *mine, ct_solid_part *part)
+{
+  const ct_solid_part given = ct_part_given(whole);
+  const int32_t per = ct_brick_node_count(given.mesh->kind), all = given.mesh->element_count;
+  int32_t count = 0;
+  for (int32_t e = 0; e < all; e++) count += mine[e] != 0;
+  ct_mesh *mesh = ct_pool_take(&part->piece, 1, sizeof *mesh);
+  int32_t *elements = ct_pool_take(&part->piece, (size_t)count * (size_t)per, sizeof *elements);
+  ct_material *materials =
+      ct_pool_take(&part->piece, given.materials == NULL ? 0 : (size_t)count, sizeof *materials);
+  if (part->piece.failed) return NULL;
+  *mesh = *given.mesh;
+  mesh->elements = elements;
+  mesh->element_count = count;
+  part->materials = given.materials == NULL ? NULL : materials;
+  for (int32_t e = 0; e < all; e++) {
+    if (mine[e] == 0) continue;
+    memcpy(elements, &given.mesh->elements[(int64_t)per * e], (size_t)per * sizeof *elements);
+    elements += per;
+    if (given.materials != NULL) *materials++ = given.materials[e];
+  }
+  return mesh;
+}
+
+ct_status ct_part_cut(const ct_solid_part *whole, const uint8_t *mine, ct_solid_part *part,
+                      ct_error *error)
+{
+  *part = (ct_solid_part){.material = whole->material,
+                          .lumping = whole->lumping,
+                          .optimisations = whole->optimisations,
+                          .lambda = whole->lambda,
+                          .mu = whole->mu,
+                          .first_node = whole->first_node,
+                          .kernel = whole->kernel,
+                          .batches = whole->batches,
+                          .energies = whole->energies,
+                          .flops = whole->flops,
+                          .box = whole->box,
+                          .hourglass = whole->hourglass,
+                          .box20 = whole->box20,
+                          .is_piece = 1};
+  memcpy(part->edge, whole->edge, sizeof part->edge);
+  part->optimisations.sleep = 0;
+  part->mesh = take_elements(whole, mine, part);
+  if (part->mesh == NULL) return CT_NO_MEMORY(error, "a piece");
+  if (part->mesh->element_count == 0) {
+    // No elements, no forces: as a rigid body.
+    part->kernel = CT_KERNEL_RIGID;
+    part->energies = NULL;
+  }
+  if (part->kernel == CT_KERNEL_RIGID) return CT_OK;
+  part->batch_count = (part->mesh->element_count + 7) / 8;
+  ct_status status = CT_OK;
+  if (whole->plane != NULL)
+    status = ct_force_ring_create(part->mesh, whole->plane->axis, &part->plane);
+  if (status == CT_OK && whole->ring != NULL) status = prepare_ring(part);
+  if (status == CT_OK) status = prepare_rows(part);
+  if (status != CT_OK) return CT_NO_MEMORY(error, "a piece");
+  return finish(part, error);
 }
 
 int64_t ct_parts_place(ct_solid_part *parts, int32_t count, int64_t *ring_stride)

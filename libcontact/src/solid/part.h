@@ -7,6 +7,11 @@
  * also after an error. */
 ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *body, ct_error *error);
 
+/* The same part with some of its elements, those that are `mine` (not 0), in their order, and all
+ * of its nodes. Free it with ct_part_release, before the whole part. */
+ct_status ct_part_cut(const ct_solid_part *whole, const uint8_t *mine, ct_solid_part *part,
+                      ct_error *error);
+
 /* The layout of a hex8 part with a mesh and kernel of its own: rows of batches, and a ring or a
  * table for the sums at the nodes. Release it also after an error. */
 ct_status ct_part_lay_out(ct_solid_part *part, ct_error *error);

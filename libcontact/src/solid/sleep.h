@@ -11,9 +11,14 @@ typedef struct ct_sleep ct_sleep;
 
 /* Scratch space of an effect of the kind CT_EFFECT_SOLID: element forces of all bodies, and the
  * sleeping elements; null if none may sleep. During an evaluation of the energy, the stored energy
- * of each of `body_count` bodies if its forces are linear (eq:stored-by-forces); else null. */
+ * of each of `body_count` bodies if its forces are linear (eq:stored-by-forces); else null. Of a
+ * state that is a piece, the parts of the bodies in it, the size of one thread's ring for them, and
+ * one bit per node of their elements. */
 typedef struct ct_solid_scratch {
   double *values;
+  ct_solid_part *parts;
+  int64_t ring_stride;
+  const uint64_t *touched;
   struct ct_part_call *calls; /* one per body, filled in each step */
   ct_sleep *sleep;
   const double *half_work;

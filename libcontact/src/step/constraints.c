@@ -8,6 +8,7 @@
 #include "../constraint/problem.h"
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "piece.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -260,7 +261,8 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
   ct_status status = ct_rows_list_all(s, list_rows, &(lister){problem, state}, error);
   if (state->step == 0)
     memset(c->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *c->begun);
-  int64_t rows = s->first[s->set_count];
+  int64_t rows = status == CT_OK ? s->first[s->set_count] : 0;
+  status = ct_piece_agree_on(state->workspace->piece, status, &rows, error);
   c->solved = 0;
   if (status != CT_OK || rows == 0) return status;
   double begin = ct_run_seconds(problem);

@@ -5,6 +5,7 @@
 #include "../base/stream.h"
 #include "../base/vector.h"
 #include "../solid/sleep.h"
+#include "piece.h"
 #include "sums.h"
 
 #include <math.h>
@@ -34,6 +35,7 @@ static ct_status begin(const ct_problem *problem, ct_state *state, int32_t effec
   if (effect < 0 || effect >= problem->effect_count)
     return CT_REFUSE(error, "energy: there is no effect %d", (int)effect);
   ct_status status = ct_stage_check(state, error);
+  if (status == CT_OK) status = ct_piece_refuse(state, error);
   return status == CT_OK ? ct_workspace_forces(problem, state, error) : status;
 }
 
@@ -145,8 +147,8 @@ static ct_status make_row(const ct_problem *problem, ct_state *state, ct_ledger 
     ct_status status = stored_by(problem, state, k, &stored, error);
     if (status != CT_OK) return status;
     ct_view view = ct_workspace_view(problem, state, k);
-    if (effect->calls->external != NULL)
-      status = effect->calls->external(effect, &view, &external, error);
+    if (effect->calls->constraints.external != NULL)
+      status = effect->calls->constraints.external(effect, &view, &external, error);
     double reserve = 0.0;
     if (status == CT_OK && effect->calls->constraints.reserve != NULL)
       status = effect->calls->constraints.reserve(effect, &view, &reserve, error);
@@ -173,6 +175,7 @@ ct_status ct_ledger_of(const ct_problem *problem, ct_state *state, ct_ledger *le
   if (problem == NULL || state == NULL || ledger == NULL) return CT_REFUSE_NULL(error);
   ct_ledger row = *ledger;
   ct_status status = ct_stage_check(state, error);
+  if (status == CT_OK) status = ct_piece_refuse(state, error);
   if (status != CT_OK) return status;
   status = ct_workspace_forces(problem, state, error);
   if (status == CT_OK) status = make_row(problem, state, &row, error);

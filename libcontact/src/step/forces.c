@@ -4,6 +4,7 @@
 #include "../base/stream.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
+#include "piece.h"
 #include "workspace.h"
 
 #include <string.h>
@@ -102,6 +103,7 @@ static void clear_shared(const ct_workspace *w, const uint64_t *summed)
 static void find_sleep(const ct_problem *problem, ct_state *state)
 {
   ct_workspace *w = state->workspace;
+  if (w->piece != NULL) clear_shared(w, w->piece->touched);
   if (w->sleep == NULL) return;
   if (w->followed) {
     ct_sleep_wake(w->sleep, state->displacement);
@@ -112,6 +114,14 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
     memset(w->total, 0, 3 * (size_t)problem->node_count * sizeof(double));
   }
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
+}
+
+/* In pieces, get the forces so far on nodes of other pieces, if these have them. */
+static ct_status share_total(const ct_workspace *w, ct_status own, ct_error *error)
+{
+  ct_status status = ct_piece_agree(w->piece, own, error);
+  // -- f of a node from its owner (eq:piece-total)
+  return status == CT_OK ? ct_piece_share(w->piece, w->total, error) : status;
 }
 
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
@@ -127,6 +137,7 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
                            : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
       if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);
+    if (w->piece != NULL && phase == CT_PHASE_STATE) status = share_total(w, status, error);
     if (status != CT_OK) return status;
   }
   w->forces_at = state->step;

@@ -2,6 +2,7 @@
 #include <libcontact/step.h>
 
 #include "../base/error.h"
+#include "piece.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -21,6 +22,7 @@ ct_status ct_stable_contribution(const ct_problem *problem, ct_state *state, int
   const ct_effect *effect = problem->effects[k];
   *omega_squared = *rate = 0.0;
   ct_status status = ct_stage_check(state, error);
+  if (status == CT_OK) status = ct_piece_refuse(state, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   // -- The bounds of one effect in this state

@@ -100,6 +100,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
   if (w->constraints != NULL) ct_pool_free(w->constraints->solver);
   for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
     if (w->scratch[k] != NULL) problem->effects[k]->calls->free_scratch(w->scratch[k]);
+  ct_pool_free(w->piece);
   ct_pool_free(w);
 }
 

@@ -7,6 +7,7 @@
 #include "../solid/sleep.h"
 #include "constraints.h"
 #include "ledger.h"
+#include "piece.h"
 
 #include <string.h>
 
@@ -121,13 +122,15 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
   for (int32_t p = 0; p < pieces; p++) {
     double sum[3 * CT_MOVED];
     ct_moved piece = ct_moved_piece(problem, w, p);
+    if (w->piece != NULL && ct_bits_next(active, piece.first, piece.last, 1) == piece.last)
+      continue;
     if (piece.shared_last - piece.shared_first == piece.last - piece.first)
       advance_nodes(problem, state, &stage, share, piece.first, piece.last,
                     &w->shared_first[3 * (int64_t)piece.shared_first], sum);
     else advance_some(problem, state, &stage, share, piece, active, sum);
     if (piece.shared_first < piece.shared_last) ct_ledger_count(problem, state, share, p, sum);
   }
-  if (active != NULL) ct_sleep_drift(state->workspace->sleep, stage.tau);
+  if (w->sleep != NULL && active != NULL) ct_sleep_drift(w->sleep, stage.tau);
   state->time += stage.tau;
 }
 
@@ -179,7 +182,10 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
   if (status != CT_OK) return status;
   if (samplers != NULL && w->stage == 0) sample(samplers, state);
   double begin = ct_run_seconds(problem);
-  move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
+  move(problem, state, share,
+       w->piece != NULL ? w->piece->held
+       : w->known       ? ct_sleep_active(w->sleep)
+                        : NULL);
   ct_constraints_share(problem, state, share);
   turn_memory(problem, w);
   w->forces_at = -1;
@@ -248,6 +254,7 @@ CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64
       settle(state);
       ct_status finite = ct_check_finite(problem, state, error);
       if (finite != CT_OK) status = finite;
+      status = ct_piece_agree(state->workspace->piece, status, error);
     }
   }
   return status;

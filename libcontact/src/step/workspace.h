@@ -35,6 +35,7 @@ typedef struct ct_workspace {
   int unchanged; /* an observer knows that the state is as its last call left it */
   int leapfrog;  /* whether the integrator is the leapfrog: no acceleration before */
   int seen;      /* whether an effect of a host may read all nodes */
+  struct ct_piece *piece; /* of a state that is a piece; else null */
   struct ct_sleep *sleep; /* sleeping elements; the first effect's, null if none may sleep */
   double *total;          /* sum of all forces except reactions, shape (node_count, 3) */
   double **force; /* of each effect: on its own nodes; null for the first one (in `total`) and for

@@ -16,6 +16,7 @@ from ..html import sections
 from ..mesh import FACTS
 from ..model import FEEDS, INTEGRATORS, Contact, ContactKeys, Support, speeds
 from ..parts import EFFECTS, Parts
+from ..pieces import piece_lines
 from ..probes import Located
 from ..problem import BuiltBody, BuiltContact, Problem, tied_points
 from ..schema import FACES, Face, Place, walk
@@ -75,8 +76,9 @@ class Explanation(str):
         return sections(self)
 
 
-def explain(problem: Problem, every: int, records: int) -> Explanation:
-    """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
+def explain(problem: Problem, every: int, records: int, pieces: Any = None) -> Explanation:
+    """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps); ``pieces`` are
+    the counts of processes, or None."""
     gaps, found = at_start(problem)
     parts, units, output = problem.parts, problem.parts.units, problem.parts.output
     warnings, plan = known(problem, output.file, found), predict(problem, records)
@@ -132,7 +134,11 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
             "records": records,
         },
     }
-    text = Explanation(_text(data, units))
+    lines = [_text(data, units)]
+    if pieces is not None:
+        data["pieces"] = [dict(zip(pieces.dtype.names, row.tolist())) for row in pieces]
+        lines += ["", "Pieces, one per process", *piece_lines(pieces)]
+    text = Explanation("\n".join(lines))
     text.data, text.warnings = data, warnings
     return text
 

@@ -1,0 +1,65 @@
+#ifndef CT_SRC_STEP_PIECE_H
+#define CT_SRC_STEP_PIECE_H
+
+#include <libcontact/piece.h>
+
+#include "../base/memory.h"
+#include "../base/pieces.h"
+
+/* The piece of a state. Nodes and elements have the numbers of the problem. */
+typedef struct ct_piece {
+  ct_pool pool;
+  const ct_problem *problem;
+  ct_piece_def def; /* without its arrays */
+  ct_pieces join;   /* counts, and calls that of `def` */
+  int32_t *owner;   /* the piece of each node */
+  const uint8_t *
+      *mine;         /* for each body: 1 for its own elements, 2 for others that it computes, 0 */
+  uint64_t *touched; /* nodes of the elements that it computes */
+  uint64_t *held;    /* and those that all pieces need: the nodes that it moves */
+  int32_t *send_count, *receive_count; /* numbers to and from each piece, three for a node */
+  int32_t *sent, *received;            /* the nodes, by pieces */
+  double *send, *receive;
+  ct_piece_counts counts;
+} ct_piece;
+
+/* Whether a node belongs to this piece. */
+static inline int ct_piece_owns(const ct_piece *piece, int32_t node)
+{
+  return piece->owner[node] == piece->def.number;
+}
+
+/* The piece of a face, the highest of those of its nodes: mostly that of its element. */
+static inline int32_t ct_piece_of_face(const ct_piece *piece, int32_t count, const int32_t *nodes)
+{
+  int32_t owner = 0;
+  for (int32_t a = 0; a < count; a++)
+    owner = piece->owner[nodes[a]] > owner ? piece->owner[nodes[a]] : owner;
+  return owner;
+}
+
+/* A piece of a problem; free it with ct_pool_free. */
+ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct_piece **out,
+                          ct_error *error);
+
+/* Get the rows of `values`, shape (node_count, 3), of nodes of other pieces from these. */
+ct_status ct_piece_share(ct_piece *piece, double *values, ct_error *error);
+
+/* The same status in all pieces: CT_OK if all have it, else an error in all; null: one piece. */
+ct_status ct_piece_agree(const ct_piece *piece, ct_status own, ct_error *error);
+
+/* The same, and the largest of some counts. */
+ct_status ct_piece_agree_on(const ct_piece *piece, ct_status own, int64_t *count, ct_error *error);
+
+/* Join numbers of which each is 0 in all pieces but one, to the last bit. */
+ct_status ct_piece_collect(const ct_piece *piece, double *values, int64_t count, ct_error *error);
+
+/* For effects that need nothing to be computed in pieces: their force on a node depends on this
+ * node alone, or on elements around it. */
+ct_status ct_piece_local(const ct_effect *effect, const struct ct_piece *piece, void *scratch,
+                         ct_error *error);
+
+/* Refuse a state that is a piece, for calls that need all nodes. */
+ct_status ct_piece_refuse(const ct_state *state, ct_error *error);
+
+#endif

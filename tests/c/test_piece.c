@@ -1,0 +1,428 @@
+/* States in pieces, each stepped by a thread: the bits of the whole state. */
+#include "hosts.h"
+#include "meeting.h"
+
+enum { MOST_PIECES = 4, CUTS = 5 };
+
+/* One of the pieces: its thread, its state, and the whole one that it collects. */
+typedef struct member {
+  pthread_t thread;
+  seat at;
+  const ct_state *start;
+  const int32_t *owners;
+  int64_t steps;
+  ct_state *piece, *whole;
+  ct_piece_counts counts;
+  double poison; /* added to the velocity of the last node after half of the steps */
+  ct_status status;
+  ct_error error;
+} member;
+
+static void *run_member(void *user)
+{
+  member *m = user;
+  ct_piece_def def = ct_piece_def_default();
+  def.number = m->at.number, def.count = m->at.with->pieces;
+  def.owners = m->owners;
+  def.join = (ct_pieces){&m->at, add, take_largest};
+  def.exchange = hand_over;
+  m->piece = NULL;
+  m->status = ct_state_cut(m->start, &def, &m->piece, &m->error);
+  for (int half = 0; m->status == CT_OK && half < 2; half++) {
+    m->status = ct_run(m->start->problem, m->piece, m->steps / 2, NULL, 0, &m->error);
+    if (half == 0 && m->piece != NULL)
+      m->piece->velocity[3 * m->piece->node_count - 1] += m->poison;
+  }
+  if (m->status == CT_OK) m->status = ct_state_collect(m->piece, m->whole, &m->error);
+  if (m->piece != NULL) ct_piece_counts_of(m->piece, &m->counts, NULL);
+  ct_state_free(m->piece);
+  return NULL;
+}
+
+static void run_members(member *of, int count)
+{
+  for (int k = 0; k < count; k++)
+    if (pthread_create(&of[k].thread, NULL, run_member, &of[k]) != 0) abort();
+  for (int k = 0; k < count; k++) pthread_join(of[k].thread, NULL);
+}
+
+static int64_t all_elements(const ct_problem *problem)
+{
+  int64_t count = 0;
+  for (int b = 0; b < problem->body_count; b++) count += problem->bodies[b].mesh->element_count;
+  return count;
+}
+
+/* Cuts by coordinates, in runs of elements, one by one, at random, and nearly all for the last. */
+static void cut_elements(const ct_problem *problem, int how, int pieces, int32_t *owners)
+{
+  const int64_t all = all_elements(problem);
+  ct_error e;
+  if (how == 0) need(ct_piece_bisect(problem, pieces, NULL, owners, &e), &e);
+  for (int64_t k = 0; how > 0 && k < all; k++)
+    owners[k] = how == 1   ? (int32_t)(pieces * k / all)
+                : how == 2 ? (int32_t)(k % pieces)
+                : how == 3 ? pick(pieces)
+                           : (k == 0 ? 0 : pieces - 1);
+}
+
+static ct_state *copy_of(const ct_state *state)
+{
+  ct_state *copy = new_state(state->problem);
+  ct_error e;
+  need(ct_state_copy(state->problem, state, copy, &e), &e);
+  return copy;
+}
+
+/* Energies and momenta at a state. */
+static int same_ledger(const ct_problem *problem, ct_state *a, ct_state *b)
+{
+  ct_energy x, y;
+  ct_error e;
+  need(ct_energy_of(problem, a, &x, &e), &e);
+  need(ct_energy_of(problem, b, &y, &e), &e);
+  return memcmp(&x, &y, sizeof x) == 0;
+}
+
+/* Runs in 1 to 4 pieces, cut in five ways, have the bits of the whole run: state, energies, and the
+ * state after further steps. (eq:piece-total, eq:piece-owner) */
+static void same_bits(const char *name, const ct_problem *problem, int64_t steps)
+{
+  int32_t *owners = integers(all_elements(problem));
+  ct_state *start = new_state(problem), *end, *after;
+  advance(problem, start, 7);
+  end = copy_of(start);
+  advance(problem, end, steps / 2 * 2);
+  after = copy_of(end);
+  advance(problem, after, 20);
+  int alike = 0, runs = 0;
+  double most = 0.0;
+  for (int how = 0; how < CUTS; how++)
+    for (int pieces = 1; pieces <= MOST_PIECES; pieces++) {
+      meeting with = MEETING(pieces);
+      member of[MOST_PIECES];
+      cut_elements(problem, how, pieces, owners);
+      for (int k = 0; k < pieces; k++)
+        of[k] = (member){.at = {&with, k},
+                         .start = start,
+                         .owners = owners,
+                         .steps = steps,
+                         .whole = copy_of(start)};
+      run_members(of, pieces);
+      for (int k = 0; k < pieces; k++, runs++) {
+        if (of[k].status != CT_OK) printf("# %s\n", of[k].error.text);
+        int same = of[k].status == CT_OK && same_state(of[k].whole, end);
+        if (same && k == 0) {
+          same &= same_ledger(problem, of[k].whole, end);
+          advance(problem, of[k].whole, 20);
+          same &= same_state(of[k].whole, after);
+        }
+        alike += same;
+        if (how == 0 && pieces == MOST_PIECES)
+          most = fmax(most, (double)of[k].counts.elements / (double)all_elements(problem));
+        ct_state_free(of[k].whole);
+      }
+      free(with.total);
+    }
+  tap_ok(alike == runs && largest(end->velocity, 3 * (int64_t)problem->node_count) > 0.0,
+         "%s: %d steps, %d of %d pieces with the bits of the whole; of four, one computes %.0f %% "
+         "of the elements",
+         name, (int)steps, alike, runs, 100.0 * most);
+  ct_state_free(after);
+  ct_state_free(end);
+  ct_state_free(start);
+  free(owners);
+}
+
+/* A scene of a pair's bodies, contact, friction and obstacles. */
+static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement)
+{
+  ct_scene *scene = new_scene();
+  ct_contact_options options = options_of(p, beta);
+  ct_error e;
+  options.enforcement = enforcement;
+  for (int i = 0; i < p->bodies; i++)
+    add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
+                    p->velocity[i]);
+  const int b = p->bodies - 1;
+  ct_scene_contact contact = {.body_b = b,
+                              .face_count_a = p->face_count[0],
+                              .face_count_b = p->face_count[b],
+                              .faces_a = p->faces[0],
+                              .faces_b = p->faces[b],
+                              .options = options,
+                              .friction = p->friction};
+  if (!p->alone) need(ct_scene_add_contact(scene, &contact, &e), &e);
+  for (int k = 0; k < p->obstacles; k++) {
+    const int s = p->side[k];
+    const ct_problem *joined;
+    ct_effect *made = NULL, *rub = NULL;
+    ct_obstacle_def wall = p->wall[k];
+    wall.epsilon = options.epsilon, wall.enforcement = enforcement;
+    wall.travel_time = options.travel_time, wall.restitution = options.restitution;
+    need(ct_scene_join(scene, &joined, &e), &e);
+    int32_t *faces = integers(8 * p->face_count[s]);
+    const int per = ct_face_node_count(ct_brick_face_kind(p->mesh[s]->kind));
+    for (int i = 0; i < per * p->face_count[s]; i++)
+      faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
+    wall.kind = ct_brick_face_kind(p->mesh[s]->kind);
+    wall.face_count = p->face_count[s], wall.faces = faces;
+    need(ct_obstacle_create_effect(&wall, joined, &made, &e), &e);
+    need(ct_scene_add_effect(scene, made, &e), &e);
+    if (p->rub[k] > 0.0) {
+      ct_friction_def friction = ct_friction_def_default();
+      friction.on = made, friction.coefficient = p->rub[k];
+      friction.tangent = tangent_of(p, &options);
+      need(ct_friction_create_effect(&friction, joined, &rub, &e), &e);
+      need(ct_scene_add_effect(scene, rub, &e), &e);
+    }
+    free(faces);
+  }
+  return scene;
+}
+
+/* Contact, friction and obstacles. */
+static void touching(pair p, const char *name, ct_enforcement enforcement, double end)
+{
+  ct_scene *scene = scene_of(&p, enforcement == CT_ENFORCE_PENALTY ? 1.0 : 40.0, enforcement);
+  int64_t steps;
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
+  same_bits(name, problem, steps);
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
+/* A body with everything that acts on nodes or elements. */
+static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, ct_law law,
+                  ct_scheme scheme, int shuffled, int relaxes)
+{
+  const ct_material material = {.young = 900.0, .poisson = 0.3, .density = 1.0, .law = law};
+  ct_mesh *straight = box_mesh(kind, 0, 0, 0, 4, 1, 1, kind == CT_HEX8 ? 17 : 7, 3, 2), *m;
+  int32_t *to = integers(straight->node_count);
+  if (kernel == CT_KERNEL_GENERAL) distort_inside(straight, 0.02);
+  ct_error e;
+  if (shuffled) m = shuffle_mesh(straight, to);
+  else need(ct_mesh_create_copy(straight, &m, &e), &e);
+  double *v = numbers(3 * m->node_count);
+  for (int n = 0; n < m->node_count; n++) {
+    const double *x = &m->nodes[3 * n];
+    v[3 * n] = 1.0 + 0.3 * sin(2.0 * x[0]), v[3 * n + 1] = 0.2 * x[0], v[3 * n + 2] = -0.1 * x[1];
+  }
+  ct_scene *scene = new_scene();
+  ct_scene_body def = {.name = "body",
+                       .mesh = m,
+                       .material = material,
+                       .kernel = kernel,
+                       .velocities = v,
+                       .stiffness_damping =
+                           law == CT_LINEAR && scheme == CT_CENTRAL_DIFFERENCE ? 1e-4 : 0.0};
+  if (law == CT_LINEAR && kind == CT_HEX8) def.initial_stress[0] = 2.0;
+  need(ct_scene_add_body(scene, &def, NULL, &e), &e);
+  add_support(scene, 0, m, 0, 0.0, "yz", 0.25);
+  ct_gravity_def gravity = ct_gravity_def_default();
+  gravity.acceleration[2] = -9.81;
+  add_made(scene, ct_gravity_create_effect, &gravity);
+  ct_damping_def damping = ct_damping_def_default();
+  damping.rate = relaxes ? 0.0 : 0.3, damping.relaxation = relaxes;
+  add_made(scene, ct_damping_create_effect, &damping);
+  int32_t *faces = integers(8 * 6 * m->element_count);
+  ct_load_def load = ct_load_def_default();
+  load.kind = ct_brick_face_kind(kind), load.faces = faces, load.following = 1;
+  load.face_count = ct_mesh_plane_faces(m, 2, 1.0, faces, NULL), load.pressure = 3.0;
+  add_made(scene, ct_load_create_effect, &load);
+  ct_absorb_def absorb = ct_absorb_def_default();
+  absorb.kind = load.kind, absorb.faces = faces;
+  absorb.face_count = ct_mesh_plane_faces(m, 0, 4.0, faces, NULL);
+  if (law == CT_LINEAR) add_made(scene, ct_absorb_create_effect, &absorb);
+  ct_viscosity_def viscosity = ct_viscosity_def_default();
+  viscosity.linear = 0.06, viscosity.quadratic = 1.2;
+  if (kind == CT_HEX8 && law == CT_LINEAR) add_made(scene, ct_viscosity_create_effect, &viscosity);
+  int64_t steps;
+  const ct_integrator integrator = ct_integrator_default(scheme);
+  const ct_problem *problem = build(
+      scene, (ct_scene_time){.end = 0.2, .fraction = 0.7, .integrator = integrator}, &steps, NULL);
+  same_bits(name, problem, steps < 60 ? steps : 60);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+  ct_mesh_free(straight);
+  free_all(to, v, faces);
+}
+
+/* Joins and messages of a piece that is alone. */
+static int keep_all(void *data, double *values, int64_t count)
+{
+  (void)data, (void)values, (void)count;
+  return 0;
+}
+
+static int send_none(void *data, const double *send, const int32_t *send_count, double *receive,
+                     const int32_t *receive_count)
+{
+  (void)data, (void)send, (void)send_count, (void)receive, (void)receive_count;
+  return 0;
+}
+
+/* Of a bar of 24 x 3 x 3 elements in two halves, the first one has the 13 planes of nodes up to the
+ * border, computes one layer of elements more, and receives one plane of 16. (eq:piece-owner) */
+static void borders(const ct_problem *problem, const int32_t *owners)
+{
+  ct_piece_def def = ct_piece_def_default();
+  ct_state *start = new_state(problem), *piece;
+  ct_piece_counts c[2];
+  ct_error e;
+  def.count = 2, def.owners = owners, def.exchange = send_none;
+  def.join = (ct_pieces){NULL, keep_all, keep_all};
+  for (def.number = 0; def.number < 2; def.number++) {
+    need(ct_state_cut(start, &def, &piece, &e), &e);
+    need(ct_piece_counts_of(piece, &c[def.number], &e), &e);
+    ct_state_free(piece);
+  }
+  tap_ok(c[0].nodes == 13 * 16 && c[1].nodes == 12 * 16 && c[0].elements == 13 * 9 &&
+             c[1].elements == 12 * 9 && c[0].own_elements == 12 * 9 && c[0].received == 16 &&
+             c[1].received == 16 && c[0].sent == 16 && c[0].neighbours == 1,
+         "two halves of a bar: %d and %d nodes, %d and %d elements, %d received", (int)c[0].nodes,
+         (int)c[1].nodes, (int)c[0].elements, (int)c[1].elements, (int)c[0].received);
+  ct_state_free(start);
+}
+
+/* The cut by coordinates: each piece of a box has its part of the elements to within one, or of
+ * their weights to within the largest; a bar is cut across. (eq:piece-bisection) */
+static void bisection(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 8, 1, 1, 24, 3, 3);
+  ct_scene *scene = new_scene_with("bar", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const int64_t all = all_elements(problem);
+  int32_t *owners = integers(all);
+  double *weight = numbers(all), sum = 0.0, off = 0.0;
+  int even = 1, across = 1;
+  ct_error e;
+  for (int64_t i = 0; i < all; i++) sum += weight[i] = 1.0 + 4.0 * (i % 7 == 0);
+  for (int pieces = 1; pieces <= 5; pieces++)
+    for (int weighted = 0; weighted < 2; weighted++) {
+      double has[5] = {0.0};
+      need(ct_piece_bisect(problem, pieces, weighted ? weight : NULL, owners, &e), &e);
+      for (int64_t i = 0; i < all; i++) has[owners[i]] += weighted ? weight[i] : 1.0;
+      for (int k = 0; k < pieces; k++) {
+        if (!weighted) even &= fabs(has[k] - (double)all / pieces) <= 1.0;
+        else off = worst(off, has[k] - sum / pieces);
+      }
+      for (int64_t i = 9; pieces == 2 && !weighted && i < all; i++)
+        across &= owners[i] == (m->nodes[3 * m->elements[8 * i]] > 3.9);
+    }
+  tap_ok(even && across && off <= 5.0 * 2.0,
+         "pieces of a bar, cut across: equal to within one element, weights to within %g", off);
+  need(ct_piece_bisect(problem, 2, NULL, owners, &e), &e);
+  borders(problem, owners);
+  weight[3] = 0.0;
+  tap_ok(ct_piece_bisect(problem, 2, weight, owners, &e) == CT_ERROR_ARGUMENT &&
+             ct_piece_bisect(problem, 0, NULL, owners, &e) == CT_ERROR_ARGUMENT &&
+             ct_piece_bisect(NULL, 2, NULL, owners, &e) == CT_ERROR_ARGUMENT,
+         "a weight of 0, no pieces, null: %s", e.text);
+  free_all(owners, weight);
+  close_run(NULL, scene, m);
+}
+
+/* Calls that need all nodes refuse a piece, and calls for pieces a whole state. */
+static void refusals(void)
+{
+  pair p = rods(0.05);
+  ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  int32_t *owners = integers(all_elements(problem));
+  ct_state *start = new_state(problem), *piece = NULL;
+  meeting with = MEETING(1);
+  seat at = {&with, 0};
+  ct_piece_def def = ct_piece_def_default(), bad;
+  ct_piece_counts counts;
+  ct_energy energy;
+  ct_error e;
+  def.count = 1, def.owners = owners, def.exchange = hand_over;
+  def.join = (ct_pieces){&at, add, take_largest};
+  bad = def, bad.exchange = NULL;
+  tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_cut(NULL, &def, &piece, &e) == CT_ERROR_ARGUMENT,
+         "a missing function: %s", e.text);
+  bad = def, bad.number = 1;
+  tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  owners[2] = 1;
+  tap_ok(ct_state_cut(start, &def, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  owners[2] = 0;
+  need(ct_state_cut(start, &def, &piece, &e), &e);
+  tap_ok(ct_energy_of(problem, piece, &energy, &e) == CT_ERROR_ARGUMENT &&
+             ct_stable(problem, piece, &(ct_stable_step){0}, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_cut(piece, &def, &piece, &e) == CT_ERROR_ARGUMENT,
+         "the energy, the stable step, a cut of a piece: %s", e.text);
+  tap_ok(ct_state_collect(start, piece, &e) == CT_ERROR_ARGUMENT &&
+             ct_piece_counts_of(start, &counts, &e) == CT_ERROR_ARGUMENT,
+         "a state that is no piece: %s", e.text);
+  ct_state_free(piece);
+  ct_state_free(start);
+  free(with.total);
+  free(owners);
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
+/* Errors: the same status in all pieces. */
+static void failures(void)
+{
+  pair p = rods(0.05);
+  ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  int32_t *owners = integers(all_elements(problem)), *others = integers(all_elements(problem));
+  ct_state *start = new_state(problem);
+  cut_elements(problem, 0, 2, owners);
+  for (int what = 0; what < 2; what++) {
+    meeting with = MEETING(2);
+    member of[2];
+    for (int k = 0; k < 2; k++)
+      of[k] = (member){.at = {&with, k},
+                       .start = start,
+                       .owners = what == 1 && k == 1 ? others : owners,
+                       .steps = 40,
+                       .poison = what == 0 && k == 1 ? NAN : 0.0,
+                       .whole = copy_of(start)};
+    run_members(of, 2);
+    tap_ok(of[0].status == of[1].status && of[0].status != CT_OK, "%s: %s; and the other: %s",
+           what == 0 ? "NaN in one piece" : "two cuts", of[1].error.text, of[0].error.text);
+    for (int k = 0; k < 2; k++) ct_state_free(of[k].whole);
+    free(with.total);
+  }
+  ct_state_free(start);
+  free_all(owners, others);
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
+int main(void)
+{
+  const ct_enforcement solved = CT_ENFORCE_ENERGY_CONTROLLED, given = CT_ENFORCE_PENALTY;
+  solid("boxes", CT_HEX8, CT_KERNEL_AUTO, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 0, 0);
+  solid("shuffled boxes", CT_HEX8, CT_KERNEL_AUTO, CT_LINEAR, CT_CHUNG_LEE, 1, 0);
+  solid("bricks", CT_HEX8, CT_KERNEL_GENERAL, CT_LINEAR, CT_NOH_BATHE, 0, 0);
+  solid("shuffled bricks", CT_HEX8, CT_KERNEL_GENERAL, CT_LINEAR, CT_TCHAMWA_WIELGOSZ, 1, 0);
+  solid("reduced bricks", CT_HEX8, CT_KERNEL_REDUCED, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 0, 0);
+  solid("quadratic boxes", CT_HEX20, CT_KERNEL_AUTO, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 0, 0);
+  solid("quadratic bricks", CT_HEX20, CT_KERNEL_GENERAL, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 1, 0);
+  solid("large strain", CT_HEX8, CT_KERNEL_GENERAL, CT_NEO_HOOKEAN, CT_CENTRAL_DIFFERENCE, 0, 0);
+  solid("bricks that relax", CT_HEX8, CT_KERNEL_GENERAL, CT_LINEAR, CT_CENTRAL_DIFFERENCE, 1, 1);
+  touching(rods(0.05), "rods", solved, 0.9);
+  touching(plates(0.05), "plates", solved, 2e-6);
+  touching(rubbing(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), 0.3), "unlike blocks", solved, 0.06);
+  touching(rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "explicit blocks", given, 0.1);
+  touching(rubbing(strip(), 0.3), "a strip", solved, 0.1);
+  touching(thrown(0.01), "a block, a plane and a sphere", solved, 0.1);
+  touching(pierced(), "a block, a plane and a small sphere", solved, 0.1);
+  touching(sunk(CT_INITIAL_REMOVE), "a block inside a plane and a sphere", solved, 0.1);
+  touching(squeezed(), "a block, a plane and a cylinder", solved, 0.1);
+  touching(stacked(), "two blocks, a plane and a sphere", solved, 0.06);
+  bisection();
+  refusals();
+  failures();
+  return tap_done();
+}

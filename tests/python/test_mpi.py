@@ -1,0 +1,200 @@
+"""Runs on several processes of MPI; skipped without mpi4py. ``make test-mpi`` installs what they need."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import captured
+
+import libcontact as ct
+
+pytest.importorskip("mpi4py", reason="mpi4py is not installed: make test-mpi")
+ROOT = Path(__file__).resolve().parents[2]
+EXEC = Path(sys.executable).with_name("mpiexec")
+pytestmark = pytest.mark.skipif(not EXEC.exists(), reason="no mpiexec: make test-mpi")
+# More processes than processors: those that wait must let the others go on.
+YIELDING = {"MPIR_CVAR_ENABLE_HEAVY_YIELD": "1", "MPIR_CVAR_POLLS_BEFORE_YIELD": "20"}
+ENVIRONMENT = {**os.environ, **YIELDING}
+LONG = {"time.end_c1t_over.value": 50}
+PLATES = ROOT / "tutorials" / "scenes" / "plates.toml"
+
+
+def launched(count, *command):
+    """A command on some processes."""
+    return captured([EXEC, "-n", str(count), *map(str, command)], env=ENVIRONMENT)
+
+
+def run_command(scene, *more):
+    return (sys.executable, "-m", "libcontact", "run", scene, *more)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_each_number_of_processes_and_each_cut_has_the_bits_of_one(count):
+    done = launched(
+        count, sys.executable, ROOT / "tests" / "mpi" / "bits.py", 12 if count == 2 else 4
+    )
+    rows = [line.split(" | ") for line in done.stdout.splitlines()]
+    assert len(rows) == 6 * (5 if count == 2 else 2), done.stderr
+    assert {row[3] for row in rows} == {"same"}, rows
+
+
+def test_a_program_of_c_has_the_same_bits_on_each_number_of_processes():
+    program = ROOT / os.environ.get("LIBCONTACT_BUILD", "build") / "mpi" / "pieces"
+    if not program.exists():
+        pytest.skip("not built: make test-mpi")
+    hashes = {launched(count, program, 6).stdout for count in (1, 2, 3)}
+    assert len(hashes) == 1 and "contact" in hashes.pop()
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """Plates of fewer cells, recorded every four steps, with a probe of the contact force."""
+    data = ct.Scene.load(PLATES, {"output.every": 4}).data
+    for body in data["body"]:
+        body["box"]["cells"] = [10, 1, 10]
+    data["probe"] = [{"name": "wall", "resultant": "contact"}]
+    path = tmp_path / "plates.toml"
+    ct.Scene(data).save(path)
+    return path
+
+
+def content(path):
+    """The records of a file as numbers."""
+    run = ct.Run.load(path)
+    states = [body for state in run.states for body in state.values()]
+    arrays = [
+        run.steps,
+        *(each.displacement for each in states),
+        *(each.velocity for each in states),
+    ]
+    return arrays + [*dict(run.energy.columns()).values(), *dict(run.momentum.columns()).values()]
+
+
+def equal(one, other):
+    return all(map(np.array_equal, content(one), content(other)))
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+def test_a_run_continues_on_another_number_of_processes(scene, tmp_path):
+    whole, half, rest = (tmp_path / name for name in ("whole.vtkhdf", "half.vtkhdf", "rest.vtkhdf"))
+    made = ct.Scene.load(scene)
+    alone = made.run(progress=False, output=whole)
+    middle = alone.time[len(alone.time) // 2]
+    until = ("--until", repr(float(middle)))
+    assert launched(2, *run_command(scene, "-o", half, "--quiet", *until)).returncode == 0
+    assert (
+        launched(3, *run_command(scene, "-o", rest, "--quiet", "--restart", half)).returncode == 0
+    )
+    one, other = content(whole), content(rest)
+    count = len(other[0])
+    assert np.array_equal(one[0][-count:], other[0])
+    made.run(progress=False, output=tmp_path / "alone.vtkhdf", restart=half)
+    assert equal(tmp_path / "alone.vtkhdf", rest)
+
+
+def test_an_error_of_one_process_ends_all_with_one_message(tmp_path):
+    program = tmp_path / "fails.py"
+    program.write_text(
+        "import sys, numpy as np, libcontact as ct\n"
+        "from mpi4py import MPI\n"
+        "comm = MPI.COMM_WORLD\n"
+        f"scene = ct.Scene.load({str(PLATES)!r})\n"
+        "from libcontact.pieces import Pieces\n"
+        "cut = Pieces.cut\n"
+        "def poisoned(self, problem, state):\n"
+        "    piece = cut(self, problem, state)\n"
+        "    if self.rank == 1:\n"
+        "        problem.rows(piece.velocity)[-1] = np.nan\n"
+        "    return piece\n"
+        "Pieces.cut = poisoned\n"
+        "try:\n"
+        "    scene.run(progress=False, output=False, comm=comm, partition='coordinates')\n"
+        "except ct.RunError as error:\n"
+        "    texts = comm.allgather((str(error), error.run.state.step))\n"
+        "    if comm.rank == 0:\n"
+        "        print(len(set(texts)), texts[0])\n"
+    )
+    done = launched(2, sys.executable, program)
+    assert done.stdout.startswith("1 "), done.stderr
+    assert (
+        "stopped being finite" in done.stdout and "last good state, t = 0 (step 0)" in done.stdout
+    )
+
+
+@pytest.mark.parametrize("table", ["rigid", "tie"])
+def test_what_pieces_cannot_have_is_refused_by_name(table, tmp_path):
+    given = {
+        "rigid": 'scene["rigid"] = [{"body": "left"}]\nscene["contact"] = scene["support"] = []\n',
+        "tie": 'scene["tie"] = [{"surfaces": ["left.x_max", "right.x_min"]}]\nscene["contact"] = []\n',
+    }[table]
+    program = tmp_path / "refused.py"
+    program.write_text(
+        "import libcontact as ct\nfrom mpi4py import MPI\n"
+        f"scene = ct.Scene.load({str(PLATES)!r}).data\n{given}"
+        "try:\n"
+        "    ct.Scene(scene).run(progress=False, output=False, comm=MPI.COMM_WORLD)\n"
+        "except ct.Error as error:\n"
+        "    print(error, flush=True)\n"
+    )
+    done = launched(2, sys.executable, program)
+    assert done.stdout.count(f"the effect {table} can't be computed in pieces") == 2, done.stderr
+
+
+def start(scene, output):
+    """A long run on two processes, which write their numbers and a letter per record into files."""
+    program = scene.with_name("long.py")
+    program.write_text(
+        "import os\nfrom pathlib import Path\nimport libcontact as ct\n"
+        "from mpi4py import MPI\n"
+        f"comm, folder = MPI.COMM_WORLD, Path({str(scene.parent)!r})\n"
+        "(folder / f'pid{comm.rank}').write_text(str(os.getpid()))\n"
+        "def watch(run):\n"
+        "    with open(folder / f'records{comm.rank}', 'a') as file:\n"
+        "        file.write('.')\n"
+        f"scene = ct.Scene.load({str(scene)!r}, {LONG})\n"
+        f"run = scene.run(progress=False, output={str(output)!r}, comm=comm, watch=watch)\n"
+        "print(run.interrupted, len(run.steps), flush=True)\n"
+    )
+    command = [str(EXEC), "-n", "2", sys.executable, str(program)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(command, env=ENVIRONMENT, **pipes)
+    records = [scene.with_name(f"records{rank}") for rank in range(2)]
+    while process.poll() is None:
+        if all(path.exists() and path.stat().st_size >= 3 for path in records):
+            return process
+        time.sleep(0.02)
+    raise AssertionError(process.communicate())
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_killed_process_ends_all_and_the_file_continues(scene, tmp_path, rank):
+    output, rest = tmp_path / "killed.vtkhdf", tmp_path / "rest.vtkhdf"
+    process = start(scene, output)
+    os.kill(int((tmp_path / f"pid{rank}").read_text()), signal.SIGKILL)
+    process.communicate()
+    assert process.returncode != 0
+    made = ct.Scene.load(scene, LONG)
+    until = float(ct.Run.load(output).time[-1] + 8 * made._built(None).dt)
+    one = made.run(progress=False, output=False, until=until)
+    more = ("--set", "time.end_c1t_over.value=50", "--until", repr(until), "--quiet")
+    assert launched(2, *run_command(scene, "-o", rest, "--restart", output, *more)).returncode == 0
+    other = ct.Run.load(rest)
+    for name in one.state:
+        assert np.array_equal(one.state[name].displacement, other.state[name].displacement)
+        assert np.array_equal(one.state[name].velocity, other.state[name].velocity)
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+def test_ctrl_c_at_one_process_interrupts_all_after_a_record(scene, tmp_path):
+    output = tmp_path / "stopped.vtkhdf"
+    process = start(scene, output)
+    os.kill(int((tmp_path / "pid1").read_text()), signal.SIGINT)
+    lines, errors = process.communicate()
+    assert process.returncode == 0, errors
+    assert lines.splitlines() == [f"True {len(ct.Run.load(output).steps)}"] * 2

@@ -1,0 +1,248 @@
+"""A run on several processes: which of them computes which elements, and what they exchange through MPI (chapter
+"Pieces")."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import ffi, lib
+from .bridge import Ints, Rows, ask, call, copied, ints
+from .contact import exchanged
+from .errors import NotBuiltIn, held
+from .problem import Problem
+
+# The corners of the six sides of a brick, in VTK's order.
+SIDES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 4, 5), (2, 3, 6, 7), (0, 3, 4, 7), (1, 2, 5, 6))
+# Cost of the contact points of a face in element forces, from the price list of contact.
+FACE_WEIGHT = 12
+INSTALL = "pip install mpich mpi4py"
+# Where launchers of MPI say how many processes there are.
+SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "MPI_LOCALNRANKS", "PMIX_SIZE")
+T = TypeVar("T")
+
+
+def world() -> Any:
+    """The communicator of a program that MPI has started on several processes; None on one."""
+    if all(int(os.environ.get(name, "1")) <= 1 for name in SIZES):
+        return None
+    try:
+        from mpi4py import MPI
+    except (ImportError, RuntimeError) as reason:
+        raise NotBuiltIn(f"a run on several processes needs mpi4py: {INSTALL} ({reason})") from None
+    return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
+
+
+def weights(problem: Problem) -> NDArray[np.float64]:
+    """The cost of each element of all bodies, one body after another: that of its force, and of the points of
+    its faces in contacts and obstacles."""
+    cost = [np.ones(len(body.mesh.elements)) for body in problem.bodies.values()]
+    number = {name: i for i, name in enumerate(problem.bodies)}
+    surfaces = [surface for contact in problem.parts.contact for surface in contact.surfaces]
+    surfaces += [each.surface for each in problem.parts.obstacle]
+    for body, face in surfaces:
+        behind = problem.bodies[body].mesh.faces(face)[1]
+        np.add.at(cost[number[body]], behind, float(FACE_WEIGHT))
+    return np.concatenate(cost)
+
+
+def bisect(problem: Problem, count: int) -> Ints:
+    """The piece of each element, cut by coordinates."""
+    cost = weights(problem)
+    owners = np.empty(len(cost), np.int32)
+    given = ffi.from_buffer("double[]", cost)
+    call(lib.ct_piece_bisect, problem.pointer, count, given, ints(owners))
+    return owners
+
+
+def metis(problem: Problem, count: int) -> Ints:
+    """The piece of each element by METIS: few shared sides, and equal costs."""
+    import pymetis
+
+    pairs, first = [], 0
+    for body in problem.bodies.values():
+        cells = body.mesh.elements[:, :8]
+        sides = np.sort(cells[:, SIDES].reshape(-1, 4), axis=1)
+        owner = first + np.repeat(np.arange(len(cells)), 6)
+        order = np.lexsort(sides.T)
+        same = np.flatnonzero((sides[order][1:] == sides[order][:-1]).all(axis=1))
+        pairs.append(np.stack([owner[order[same]], owner[order[same + 1]]]))
+        first += len(cells)
+    one, other = np.concatenate(pairs, axis=1)
+    begin, end = np.concatenate([one, other]), np.concatenate([other, one])
+    order = np.lexsort((end, begin))
+    starts = np.searchsorted(begin[order], np.arange(first + 1))
+    cost = weights(problem).astype(int).tolist()
+    graph = {"xadj": starts.tolist(), "adjncy": end[order].tolist(), "vweights": cost}
+    return np.array(pymetis.part_graph(count, **graph)[1], np.int32)
+
+
+def owners_of(problem: Problem, count: int, partition: Any) -> Ints:
+    """The piece of each element of all bodies, one body after another, as ``partition`` says: "metis",
+    "coordinates", an array, or None for the best that is installed."""
+    has_metis = importlib.util.find_spec("pymetis") is not None
+    if partition is None:
+        partition = "metis" if has_metis else "coordinates"
+    if isinstance(partition, str) and partition == "coordinates":
+        return bisect(problem, count)
+    if isinstance(partition, str) and partition == "metis":
+        if not has_metis:
+            raise NotBuiltIn('partition = "metis" needs pymetis: pip install pymetis')
+        return metis(problem, count)
+    if isinstance(partition, str):
+        raise ValueError(
+            f'there is no partition "{partition}"; it is "metis", "coordinates" or an array'
+        )
+    owners = np.ascontiguousarray(partition, np.int32)
+    wanted = sum(len(body.mesh.elements) for body in problem.bodies.values())
+    if owners.shape != (wanted,):
+        raise ValueError(f"the partition has shape {owners.shape}, and there are {wanted} elements")
+    return owners
+
+
+def common_nodes(problem: Problem) -> Ints:
+    """The nodes that probes read: in every piece."""
+    found = [np.empty(0, np.int32)]
+    for probe in problem.probes:
+        found.append(probe.nodes)
+        element = probe.members.get("element", -1)
+        if element >= 0:
+            body = list(problem.bodies.values())[probe.members["body"]]
+            found.append(body.mesh.elements[element] + body.nodes.start)
+    return np.unique(np.concatenate(found)).astype(np.int32)
+
+
+def _definition(problem: Problem, owners: Ints, number: int, count: int) -> tuple[Any, Any]:
+    """A ``ct_piece_def *`` without its functions, and what it points to."""
+    new = ffi.new("ct_piece_def *", lib.ct_piece_def_default())
+    common = common_nodes(problem)
+    new.number, new.count = number, count
+    new.owners, new.common, new.common_count = ints(owners), ints(common), len(common)
+    return new, common
+
+
+def _counts(state: Any) -> Rows:
+    """The ``ct_piece_counts`` of a piece, shape (1,)."""
+    counts = ffi.new("ct_piece_counts *")
+    call(lib.ct_piece_counts_of, state, counts)
+    return copied("ct_piece_counts", counts, 1)
+
+
+def planned(problem: Problem, state: Any, count: int, partition: Any = None) -> Rows:
+    """What each of ``count`` pieces would compute and exchange, a row per piece; nothing is exchanged."""
+    owners, rows = owners_of(problem, count, partition), []
+    alone = exchanged(lambda values: None)
+    for number in range(count):
+        new, _kept = _definition(problem, owners, number, count)
+        new.join.sum = new.join.largest = alone
+        new.exchange = _transfer(lambda *given: None)
+        piece = ask("ct_state **", lib.ct_state_cut, state, new)
+        rows.append(_counts(piece))
+        lib.ct_state_free(piece)
+    return np.concatenate(rows)
+
+
+def piece_lines(rows: Rows) -> list[str]:
+    """Lines that tell what each piece computes and exchanges in a step."""
+    lines = ["  piece   elements   of which own    own nodes   forces received   sent   neighbours"]
+    for number, row in enumerate(rows):
+        numbers = (row["elements"], row["own_elements"], row["nodes"], row["received"], row["sent"])
+        lines.append(
+            "{:7} {:10} {:14} {:12} {:17} {:6} {:12}".format(number, *numbers, row["neighbours"])
+        )
+    return lines
+
+
+def _transfer(function: Callable[..., None]) -> Any:
+    """A function ``exchange`` of ``ct_piece_def`` that calls one of Python; what it raises ends the step."""
+
+    def answer(data: Any, send: Any, send_count: Any, receive: Any, receive_count: Any) -> int:
+        try:
+            function(send, send_count, receive, receive_count)
+        except BaseException as reason:
+            held.reason = reason
+            return 1
+        return 0
+
+    given = "int(void *, const double *, const int32_t *, double *, const int32_t *)"
+    return ffi.callback(given, answer)
+
+
+class Pieces:
+    """The processes of one run. All of them make the same calls."""
+
+    def __init__(self, comm: Any, partition: Any):
+        self.comm, self.rank, self.size = comm, int(comm.rank), int(comm.size)
+        self.partition = partition
+        from mpi4py import MPI
+
+        self._in_place = MPI.IN_PLACE
+        self._sum = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.SUM))
+        self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
+        self._exchange = _transfer(self._send)
+        self._max = MPI.MAX
+
+    def _send(self, send: Any, send_count: Any, receive: Any, receive_count: Any) -> None:
+        there = [
+            (_numbers(count, self.size), to)
+            for count, to in ((send_count, send), (receive_count, receive))
+        ]
+        buffers = [
+            (np.frombuffer(ffi.buffer(to, 8 * int(count.sum())), np.float64), count)
+            for count, to in there
+        ]
+        self.comm.Alltoallv(*map(list, buffers))
+
+    def cut(self, problem: Problem, state: Any) -> Any:
+        """The piece of a state (``ct_state *``) that this process steps."""
+        owners = self.first(lambda: owners_of(problem, self.size, self.partition))
+        new, _kept = _definition(problem, owners, self.rank, self.size)
+        new.join.sum, new.join.largest, new.exchange = self._sum, self._largest, self._exchange
+        made = self.alike(lambda: ask("ct_state **", lib.ct_state_cut, state, new))
+        return ffi.gc(made, lambda piece, free=lib.ct_state_free, problem=problem: free(piece))
+
+    def first(self, function: Callable[[], T]) -> T:
+        """What a function returns on the first process, on all of them; what it raises there is raised on all."""
+        both: Any = (None, None)
+        if self.rank == 0:
+            try:
+                both = function(), None
+            except Exception as reason:
+                both = None, reason
+        result, error = self.comm.bcast(both)
+        if error is not None:
+            raise error
+        return cast(T, result)
+
+    def alike(self, function: Callable[[], T]) -> T:
+        """What a function returns that all processes call; if it raises on one, the same is raised on all: the
+        error of the process that names a reason."""
+        result, error = None, None
+        try:
+            result = function()
+        except Exception as reason:
+            error = reason
+        told = [each for each in self.comm.allgather(error) if each is not None]
+        if told:
+            raise min(told, key=lambda each: "in another piece" in str(each))
+        return cast(T, result)
+
+    def largest(self, *numbers: int) -> list[int]:
+        """The largest of all processes of each number."""
+        values = np.array(numbers, np.int64)
+        self.comm.Allreduce(self._in_place, values, self._max)
+        return [int(value) for value in values]
+
+    def counts(self, piece: Any) -> Rows:
+        """What each process computes and exchanges (``ct_piece_counts``), a row per process."""
+        return np.concatenate(self.comm.allgather(_counts(piece)))
+
+
+def _numbers(pointer: Any, count: int) -> Ints:
+    """An array of C (int32) for MPI."""
+    return np.frombuffer(ffi.buffer(pointer, 4 * count), np.int32)
