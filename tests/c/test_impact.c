@@ -355,7 +355,7 @@ static void rows_together(void)
   ct_law_fix(&rows, t.bound, 0.5, t.C, t.b);
   ct_law_find_releases(&rows, t.bound, dt, t.alone, t.opens);
   ct_law_losses(&rows, rows.force, t.after, t.loss);
-  ct_law_settle_all(&rows, dt, t.x, t.alone);
+  ct_law_settle_all(&rows, dt, t.x, t.alone, 0);
   ct_law_rows_write(&rows);
   const int wrong = differing(&t, start, dt, &opened);
   tap_ok(wrong == 0 && opened > 100, "%d rows together have the bits of single ones, %d open", MANY,

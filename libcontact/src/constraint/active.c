@@ -151,13 +151,32 @@ static void set_all(double *numbers, int64_t first, int64_t end, double value)
   for (int64_t r = first; r < end; r++) numbers[r] = value;
 }
 
+/* The bound of each row: that of the last step if neither G nor the mobilities have changed. */
+static int find_bound(ct_solver *s)
+{
+  const size_t rows = (size_t)s->count * sizeof *s->bound,
+               nodes = (size_t)s->node_count * CT_SOLVER_WIDE * sizeof *s->mobility;
+  if (s->kept == 2 && memcmp(s->mobility, s->bound_mobility, nodes) == 0) {
+    if (s->along) ct_matrix_project(s);
+    ct_copy(s->scale, s->bound, rows);
+    return 1;
+  }
+  if (s->kept) memcpy(s->bound_mobility, s->mobility, nodes);
+  set_all(s->direction, 0, s->count, 1.0);
+  if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
+  if (s->kept) ct_copy(s->bound, s->scale, rows);
+  return 1;
+}
+
 /* The laws of the points in this step, and the bound of each row, into `scale`
  * (eq:constraint-bound). */
 static int fix_laws(ct_solver *s)
 {
-  set_all(s->direction, 0, s->count, 1.0);
-  if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
-  for (int64_t r = 0; r < s->count; r++) s->least[r] = ct_law_least(s->active[r]->enforcement);
+  if (!find_bound(s)) return 0;
+  for (int64_t r = 0, end; r < s->count; r = end) {
+    end = ct_law_end(&s->laws, r);
+    set_all(s->least, r, end, ct_law_least(s->active[r]->enforcement));
+  }
   ct_law_fix(&s->laws, s->scale, s->fraction, s->C, s->b);
   return 1;
 }

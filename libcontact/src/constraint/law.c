@@ -52,15 +52,11 @@ CT_INLINE void fill_ramps(ct_ramp (*ramp)(const ct_constraint *c), const ct_law_
 }
 
 /* Energies that they store, likewise. */
-CT_INLINE void fill_stores(double (*store)(const ct_constraint *c, double g0, double g1),
-                           const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
-                           const double *g1, double *stored)
+CT_INLINE void fill_stores(double (*store)(double k, double g0, double g1), int64_t count,
+                           const double *k, const double *g0, const double *g1, double *stored)
 {
 #pragma omp simd
-  for (int64_t r = first; r < end; r++) {
-    const ct_constraint c = row_of(of, r);
-    stored[r] = store(&c, g0[r], g1[r]);
-  }
+  for (int64_t r = 0; r < count; r++) stored[r] = store(k[r], g0[r], g1[r]);
 }
 
 /* Energy-controlled penalty (eq:energy-controlled). */
@@ -72,10 +68,10 @@ CT_INLINE ct_ramp controlled_ramp(const ct_constraint *c)
   return (ct_ramp){.C = 2.0 / (k * (1.0 + a)), .b = (1.0 - a) / (1.0 + a) * before};
 }
 
-CT_INLINE double controlled_stored(const ct_constraint *c, double g0, double g1)
+CT_INLINE double controlled_stored(double k, double g0, double g1)
 {
   // -- The mean of Π at both ends of the step (eq:controlled-store)
-  return 0.5 * (ramp_energy(c->stiffness, g0) + ramp_energy(c->stiffness, g1));
+  return 0.5 * (ramp_energy(k, g0) + ramp_energy(k, g1));
 }
 
 CT_CLONES
@@ -86,10 +82,10 @@ static void controlled_ramps(const ct_law_rows *of, int64_t first, int64_t end, 
 }
 
 CT_CLONES
-static void controlled_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
-                              const double *g1, double *stored)
+static void controlled_stores(int64_t count, const double *k, const double *g0, const double *g1,
+                              double *stored)
 {
-  fill_stores(controlled_stored, of, first, end, g0, g1, stored);
+  fill_stores(controlled_stored, count, k, g0, g1, stored);
 }
 
 /* With the depths x = -g_n and y = -g_{n-1} = x + e the store is ¼ k (⟨x⟩² + ⟨y⟩²). */
@@ -109,10 +105,10 @@ CT_INLINE ct_ramp tie_ramp(const ct_constraint *c)
   return (ct_ramp){.C = 2.0 / c->stiffness, .b = c->before};
 }
 
-CT_INLINE double tie_stored(const ct_constraint *c, double g0, double g1)
+CT_INLINE double tie_stored(double k, double g0, double g1)
 {
   // -- The mean of ½ k g² at both ends of the step (eq:tie-store)
-  return 0.25 * c->stiffness * (g0 * g0 + g1 * g1);
+  return 0.25 * k * (g0 * g0 + g1 * g1);
 }
 
 CT_CLONES
@@ -122,10 +118,10 @@ static void tie_ramps(const ct_law_rows *of, int64_t first, int64_t end, double 
 }
 
 CT_CLONES
-static void tie_stores(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
-                       const double *g1, double *stored)
+static void tie_stores(int64_t count, const double *k, const double *g0, const double *g1,
+                       double *stored)
 {
-  fill_stores(tie_stored, of, first, end, g0, g1, stored);
+  fill_stores(tie_stored, count, k, g0, g1, stored);
 }
 
 /* No point of a tie is found inside. */
@@ -140,12 +136,12 @@ static double tie_raise(const ct_constraint *c, double most)
 static const struct law {
   /* The law in one step; null: its force does not depend on the next gap, and it has no rows. */
   ct_ramp (*ramp)(const ct_constraint *c);
-  /* Energy stored at the middle of a step from the gap g0 to g1. */
-  double (*stored)(const ct_constraint *c, double g0, double g1);
-  /* The same for rows from `first` to `end` - 1: compliances and offsets, and stored energies. */
+  /* Energy that a row with the stiffness k stores at the middle of a step from the gap g0 to g1. */
+  double (*stored)(double k, double g0, double g1);
+  /* Compliances and offsets of rows from `first` to `end` - 1; and stored energies of some rows. */
   void (*ramps)(const ct_law_rows *of, int64_t first, int64_t end, double *C, double *b);
-  void (*stores)(const ct_law_rows *of, int64_t first, int64_t end, const double *g0,
-                 const double *g1, double *stored);
+  void (*stores)(int64_t count, const double *k, const double *g0, const double *g1,
+                 double *stored);
   /* Least addition to both gaps of the last step with which it stored at most `most`. Not null only
      if the work of a row is minus what it stores and loses (eq:contact-step-work); null: the store
      counts as that of the present gap. */
@@ -247,8 +243,7 @@ static void find_dashpots(const ct_law_rows *of, const double *bound, double fra
   }
 }
 
-/* End of the rows from `first` on that have one law. */
-static int64_t end_of_law(const ct_law_rows *of, int64_t first)
+int64_t ct_law_end(const ct_law_rows *of, int64_t first)
 {
   int64_t end = of->one_law ? of->count : first + 1;
   while (end < of->count && of->row[end]->enforcement == of->row[first]->enforcement) end++;
@@ -259,7 +254,7 @@ void ct_law_fix(const ct_law_rows *of, const double *bound, double fraction, dou
 {
   find_dashpots(of, bound, fraction);
   for (int64_t r = 0, end; r < of->count; r = end) {
-    end = end_of_law(of, r);
+    end = ct_law_end(of, r);
     LAWS[of->row[r]->enforcement].ramps(of, r, end, C, b);
   }
 }
@@ -364,8 +359,8 @@ void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
 static void find_stores(const ct_law_rows *of, const double *g0, const double *g1, double *stored)
 {
   for (int64_t r = 0, end; r < of->count; r = end) {
-    end = end_of_law(of, r);
-    LAWS[of->row[r]->enforcement].stores(of, r, end, g0, g1, stored);
+    end = ct_law_end(of, r);
+    LAWS[of->row[r]->enforcement].stores(end - r, &of->stiffness[r], &g0[r], &g1[r], &stored[r]);
   }
 }
 
@@ -385,9 +380,10 @@ static void settle_rows(const ct_law_rows *of, double dt, const double *x, const
   }
 }
 
-void ct_law_settle_all(const ct_law_rows *of, double dt, const double *x, const double *alone)
+void ct_law_settle_all(const ct_law_rows *of, double dt, const double *x, const double *alone,
+                       int stored)
 {
-  find_stores(of, of->gap, of->after, of->next);
+  if (!stored) find_stores(of, of->gap, of->after, of->next);
   settle_rows(of, dt, x, alone);
 }
 
@@ -424,7 +420,7 @@ void ct_law_divide(const ct_constraint *c, double part, ct_impact *memory)
 
 static double stored_between(const ct_constraint *c, double g0, double g1)
 {
-  return LAWS[c->enforcement].stored(c, g0, g1);
+  return LAWS[c->enforcement].stored(c->stiffness, g0, g1);
 }
 
 /* `last` and `next`: the energy stored at the middle of the last and the next step. */
@@ -474,6 +470,14 @@ double ct_law_claim(const ct_constraint *c)
 {
   return ct_law_keeps_account(c->enforcement) ? stored_between(c, c->before, c->gap)
                                               : ramp_energy(c->stiffness, c->gap);
+}
+
+void ct_law_claims(ct_enforcement law, int64_t count, const double *k, const double *before,
+                   const double *gap, double *claims)
+{
+  if (ct_law_keeps_account(law)) LAWS[law].stores(count, k, before, gap, claims);
+  else
+    for (int64_t r = 0; r < count; r++) claims[r] = ramp_energy(k[r], gap[r]);
 }
 
 double ct_law_raise(const ct_constraint *c, double most)

@@ -94,9 +94,12 @@ double ct_law_lag(const ct_constraint *c);
 double ct_law_start(const ct_constraint *c);
 
 /* Energy that the gaps `before` and `gap` of a row would have stored at the middle of the last
- * step: that of the present partner, even if the point had another one then. And the least addition
- * to both gaps with which it is at most `most` (eq:admitted-store). */
+ * step: that of the present partner, even if the point had another one then; and of many rows with
+ * one law. And the least addition to both gaps with which it is at most `most`
+ * (eq:admitted-store). */
 double ct_law_claim(const ct_constraint *c);
+void ct_law_claims(ct_enforcement law, int64_t count, const double *stiffness, const double *before,
+                   const double *gap, double *claims);
 double ct_law_raise(const ct_constraint *c, double most);
 
 /* The numbers of many rows side by side: one array for each member of ct_constraint that a law
@@ -115,6 +118,9 @@ typedef struct ct_law_rows {
   double *all;         /* these arrays, one after the other */
 } ct_law_rows;
 
+/* End of the rows from `first` on that have one law. */
+int64_t ct_law_end(const ct_law_rows *rows, int64_t first);
+
 /* The functions above for all rows, to the same bits. Dashpots, and ramps into C and b, where unit
  * forces on all points change the gaps by `bound`, in a whole step by 1 / `fraction` of it. */
 void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, double *C,
@@ -128,7 +134,9 @@ void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double d
 void ct_law_losses(const ct_law_rows *rows, const double *force, const double *after,
                    double *losses);
 
-/* The memory of each row; a row enters without its neighbours' forces if `alone` is negative. */
-void ct_law_settle_all(const ct_law_rows *rows, double dt, const double *x, const double *alone);
+/* The memory of each row; a row enters without its neighbours' forces if `alone` is negative.
+ * `stored`: whether ct_law_losses was the last call, with these gaps. */
+void ct_law_settle_all(const ct_law_rows *rows, double dt, const double *x, const double *alone,
+                       int stored);
 
 #endif

@@ -55,6 +55,13 @@ CT_INLINE void fill_row(int32_t own, int32_t other, const ct_constraint *c, doub
   fill_face(other, -1.0, c->other_shape, row + 4 + 4 * ct_quads_of(own));
 }
 
+/* Tell the friction of a group's rows the places of their nodes. */
+static void place_slips(ct_constraint *const *row, const ct_group *g)
+{
+  for (int32_t r = 0; r < g->rows; r++)
+    if (row[r]->slip != NULL) row[r]->slip->place = g->place;
+}
+
 /* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes; and
  * begin the next one. Returns whether a normal is not that of the first row of all. */
 CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
@@ -72,11 +79,13 @@ CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constrain
     G += step, rows++;
   } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
            row[rows]->own_count == own && row[rows]->other_count == other);
+  g->nodes = mine;
   find_places(own, mine, number, rows, s->row_counts, place);
   find_places(other, theirs, number, rows, s->row_counts, place + own);
-  for (int32_t r = 0; s->tangent != NULL && r < rows; r++)
-    if (row[r]->slip != NULL) row[r]->slip->place = g->place;
   g->rows = rows;
+  // Their weights follow on each other; those of other points do not.
+  g->face = own == 4 && rows == 4 && row[3]->own_shape - row[0]->own_shape == 24;
+  if (s->tangent != NULL) place_slips(row, g);
   g[1].first = g->first + rows * step;
   g[1].place = g->place + own + other;
   return (LANE(differ, 0) | LANE(differ, 1) | LANE(differ, 2)) != 0;
@@ -92,20 +101,72 @@ static int have_one_normal(ct_solver *s, int differ)
   return most[0] == 0.0 && most[1] == -most[4] && most[2] == -most[5] && most[3] == -most[6];
 }
 
-/* Fill the groups of some rows of one set from a group on, which has its places already; returns
- * the one behind them, with its own. */
-CT_INLINE ct_group *fill_rows(const ct_solver *s, int32_t set, ct_constraint *const *row,
-                              ct_constraint *const *end, ct_group *g, int *differ)
+/* Fill the groups of a set's rows from row `r` on, and so many that no group is cut; `to` is the
+ * next group, which has its places already. Returns the row behind them. */
+CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group **to, int *differ)
 {
   const int32_t *number = &s->place[s->first_node[set]];
-  for (; row < end; row += g[-1].rows) {
-    const int32_t own = g->own = row[0]->own_count, other = g->other = row[0]->other_count;
-    if (own == 4 && other == 4) *differ |= fill_group(s, number, row, end - row, 4, 4, g);
-    else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, end - row, 4, 0, g);
-    else *differ |= fill_group(s, number, row, end - row, own, other, g);
+  const int64_t end = s->first[set + 1], some = end - r < ROWS ? end : r + ROWS;
+  ct_group *g = *to;
+  for (ct_constraint *const *row = &s->rows[r]; r < some; row += g[-1].rows, r += g[-1].rows) {
+    const int32_t own = row[0]->own_count, other = row[0]->other_count;
+    g->own = (int8_t)own, g->other = (int8_t)other;
+    if (own == 4 && other == 4) *differ |= fill_group(s, number, row, end - r, 4, 4, g);
+    else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, end - r, 4, 0, g);
+    else *differ |= fill_group(s, number, row, end - r, own, other, g);
     g++;
   }
-  return g;
+  *to = g;
+  return r;
+}
+
+/* What differs between rows at obstacles and groups: anything, bits of normals, and of weights. */
+typedef struct difference {
+  int some;
+  quad_bits normal, weight;
+} difference;
+
+/* Compare the rows of a group with its nodes and numbers. */
+CT_INLINE void compare(int32_t rows, const ct_group *g, ct_constraint *const *row, const double *G,
+                       difference *d)
+{
+  d->some |= (g->own != 4) | (g->other != 0);
+  for (int32_t r = 0; r < rows; r++, G += 8) {
+    const ct_constraint *c = row[r];
+    const double *normal = (const double *)((const char *)c + offsetof(ct_constraint, normal));
+    d->some |= (c->own != g->nodes) | (c->other_count != 0);
+    for (int i = 0; i < PARTS && i < 3; i++)
+      d->normal |= ((const ct_quad *)normal)[i] != ((const ct_quad *)G)[i];
+    for (int i = 0; i < PARTS; i++)
+      d->weight |= ((const ct_quad *)c->own_shape)[i] != ((const ct_quad *)(G + 4))[i];
+  }
+}
+
+CT_INLINE int are_equal(const difference *d)
+{
+  return !d->some &&
+         (LANE(d->normal, 0) | LANE(d->normal, 1) | LANE(d->normal, 2) | LANE(d->weight, 0) |
+          LANE(d->weight, 1) | LANE(d->weight, 2) | LANE(d->weight, 3)) == 0;
+}
+
+/* Read the rows for their laws as long as they are those of the last step, all at obstacles.
+ * Returns whether all are: then G need not be filled. */
+CT_INLINE int keep_rows(ct_solver *s)
+{
+  const ct_group *g = s->groups, *end = g + s->group_count;
+  const size_t firsts = ((size_t)s->set_count + 1) * sizeof *s->first;
+  if (!s->kept || memcmp(s->first, s->first_point, firsts) != 0) return 0;
+  for (int64_t first = 0, r = 0; g < end; first = r) {
+    difference d = {0};
+    for (; g < end && r < first + ROWS; r += g->rows, g++) {
+      if (g->rows == 4) compare(4, g, &s->rows[r], &s->G[g->first], &d);
+      else compare(g->rows, g, &s->rows[r], &s->G[g->first], &d);
+      if (s->tangent != NULL) place_slips(&s->rows[r], g);
+    }
+    if (!are_equal(&d)) return 0;
+    ct_law_rows_read(&s->laws, s->rows, first, r);
+  }
+  return 1;
 }
 
 /* The largest weight of a node in a row, or 1: only an obstacle that a rigid body carries may touch
@@ -123,19 +184,23 @@ CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
   const ct_solver of = *s; // whose members need not be read again after each number that is written
+  if (keep_rows(s)) {
+    s->kept = 2;
+    return;
+  }
   ct_group *g = s->groups;
   int differ = 0;
   memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
   g->first = g->place = s->laws.count = 0;
   for (int32_t k = 0; k < of.set_count; k++)
     for (int64_t r = of.first[k], end; r < of.first[k + 1]; r = end) {
-      end = of.first[k + 1] - r < ROWS ? of.first[k + 1] : r + ROWS;
-      g = fill_rows(&of, k, &of.rows[r], &of.rows[end], g, &differ);
+      end = fill_rows(&of, k, r, &g, &differ);
       ct_law_rows_read(&s->laws, of.rows, r, end);
     }
   s->group_count = g - s->groups;
   s->counted = 1;
   s->weight = largest_weight(s);
+  s->kept = s->pieces == NULL && s->bodies == NULL && !s->foreign && s->groups->other == 0;
   s->along = have_one_normal(s, differ);
 }
 
@@ -192,11 +257,11 @@ static void move_along(int32_t count, const int32_t *place, const double *mobili
   }
 }
 
-/* The mobilities along the normal. */
-static void project_mobility(int32_t count, const int32_t *place, const double *n, double *mobility)
+void ct_matrix_project(const ct_solver *s)
 {
-  for (int32_t k = 0; k < count; k++) {
-    double *A = &mobility[place[k]];
+  const double *n = s->normal;
+  for (int32_t k = 0; k < s->active_node_count; k++) {
+    double *A = &s->mobility[s->active_nodes[k]];
     A[3] = (n[0] * n[0] * A[0] + n[1] * n[1] * A[1]) + n[2] * n[2] * A[2];
   }
 }
@@ -282,7 +347,7 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
   if (s->bodies != NULL)
     ct_bodies_move_sizes(s->bodies, s->active_node_count, s->active_nodes, s->moved);
   ct_times_sizes(s->groups, s->count, s->entry_place, s->G, s->moved, out);
-  if (s->along) project_mobility(s->active_node_count, s->active_nodes, s->normal, s->mobility);
+  if (s->along) ct_matrix_project(s);
   return 1;
 }
 
@@ -330,7 +395,8 @@ int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 
 void ct_matrix_choose(ct_solver *s)
 {
-  if (!s->counted) count_rows(s);
+  if (s->kept == 2 && s->counted) return;
+  if (!s->counted) count_rows(s), s->kept = 0;
   s->counted = 1;
   list_active_nodes(s);
   if (s->pieces != NULL) list_shared_nodes(s);

@@ -4,6 +4,8 @@
 #include "../base/lanes.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
 enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, MOST_QUADS = 4 };
 
@@ -144,9 +146,12 @@ CT_INLINE void times_rows(row_part part, int32_t own, int32_t other, int32_t row
 }
 
 /* Whether a group has some numbers of nodes and rows. */
-CT_INLINE int is_like(const ct_group *g, int32_t own, int32_t other, int32_t rows)
+#define COUNTS_OF(group) ((const char *)(group) + offsetof(ct_group, own))
+CT_INLINE int is_like(const ct_group *g, int32_t own, int32_t other, int face, int32_t rows)
 {
-  return (g->own == own) & (g->other == other) & (g->rows == rows);
+  const ct_group like = {
+      .own = (int8_t)own, .other = (int8_t)other, .face = (int16_t)face, .rows = rows};
+  return memcmp(COUNTS_OF(g), COUNTS_OF(&like), sizeof(ct_group) - offsetof(ct_group, own)) == 0;
 }
 
 /* Vectors of a product: at the nodes, and at the rows from those of a group on. */
@@ -158,13 +163,13 @@ typedef struct factors {
 
 /* The product of groups with the same numbers of nodes and rows, which follow on each other: most
  * do, so that these numbers are constants in a loop. Returns the group behind them. */
-CT_INLINE const ct_group *times_like(row_part part, int32_t own, int32_t other, int32_t rows,
-                                     const ct_group *e, factors *f)
+CT_INLINE const ct_group *times_like(row_part part, int32_t own, int32_t other, int face,
+                                     int32_t rows, const ct_group *e, factors *f)
 {
   do {
     times_rows(part, own, other, rows, &f->places[e->place], &f->G[e->first], f->x, f->out);
     f->out += rows, e++;
-  } while (f->out < f->end && is_like(e, own, other, rows));
+  } while (f->out < f->end && is_like(e, own, other, face, rows));
   return e;
 }
 
@@ -174,11 +179,11 @@ CT_INLINE void times_groups(row_part part, const ct_group *groups, int64_t count
 {
   factors f = {places, G, x, out, out + count};
   for (const ct_group *e = groups; f.out < f.end;)
-    if (is_like(e, 4, 4, 4)) e = times_like(part, 4, 4, 4, e, &f);
-    else if (is_like(e, 4, 0, 4)) e = times_like(part, 4, 0, 4, e, &f);
-    else if (e->own == 4 && e->other == 4) e = times_like(part, 4, 4, e->rows, e, &f);
-    else if (e->own == 8 && e->other == 8) e = times_like(part, 8, 8, e->rows, e, &f);
-    else e = times_like(part, e->own, e->other, e->rows, e, &f);
+    if (is_like(e, 4, 4, 1, 4)) e = times_like(part, 4, 4, 1, 4, e, &f);
+    else if (is_like(e, 4, 0, 1, 4)) e = times_like(part, 4, 0, 1, 4, e, &f);
+    else if (e->own == 4 && e->other == 4) e = times_like(part, 4, 4, e->face, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8) e = times_like(part, 8, 8, e->face, e->rows, e, &f);
+    else e = times_like(part, e->own, e->other, e->face, e->rows, e, &f);
 }
 
 CT_CLONES
@@ -202,28 +207,28 @@ void ct_times_sizes(const ct_group *groups, int64_t count, const int32_t *places
   times_groups(SIZES, groups, count, places, G, x, out);
 }
 
-/* Add one row times its force, or two of them, to the sums of its nodes, as multiples of the coarse
- * grid's spacing: these sums are exact in any order (eq:order-free-sum). Two rows together need
- * three operations per number instead of four. */
-CT_INLINE void add_row(row_part part, int32_t quads, int two, double coarse, int32_t step,
-                       const double *row, const double *force, ct_quad *sum)
+/* One component of the force of a row at the nodes of a quad, whose numbers begin at `b`. */
+CT_INLINE void push(row_part part, const double *row, int32_t b, int c, double force, ct_quad *out)
 {
-  const double *next = row + step;
+  const ct_quad N = *(const ct_quad *)&row[b];
+  *out = part == SIZES ? SIZE_OF(N) * force : part == ALONG ? N * force : N * (row[c] * force);
+}
+
+/* Add one row times its force, or four of them, to the sums of its nodes, as multiples of the
+ * coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows are those
+ * of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated face gives
+ * the same bits (eq:tree-sum). */
+CT_INLINE void add_row(row_part part, int32_t quads, int four, double coarse, int32_t step,
+                       const double *row, const double *f, ct_quad *sum)
+{
   for (int32_t q = 0; q < quads; q++)
     for (int c = 0; c < (part == FULL ? 3 : 1); c++)
       for (int i = 0; i < PARTS; i++) {
-        const ct_quad b = ((const ct_quad *)&row[4 + 4 * q])[i];
-        const ct_quad f = part == SIZES   ? SIZE_OF(b) * force[0]
-                          : part == ALONG ? b * force[0]
-                                          : b * (row[c] * force[0]);
-        ct_quad *to = &sum[PARTS * (3 * q + c) + i];
-        if (two) {
-          const ct_quad d = ((const ct_quad *)&next[4 + 4 * q])[i];
-          const ct_quad g = part == SIZES   ? SIZE_OF(d) * force[1]
-                            : part == ALONG ? d * force[1]
-                                            : d * (next[c] * force[1]);
-          *to += (f + coarse) - (coarse - g);
-        } else *to += (f + coarse) - coarse;
+        ct_quad t[4];
+        for (int r = 0; r < (four ? 4 : 1); r++)
+          push(part, row + r * step, 4 + 4 * q + i, c, f[r], &t[r]);
+        if (four) t[0] = (t[0] + t[3]) + (t[1] + t[2]);
+        sum[PARTS * (3 * q + c) + i] += (t[0] + coarse) - coarse;
       }
 }
 
@@ -249,16 +254,18 @@ CT_INLINE void add_nodes(row_part part, int32_t own, int32_t other, const int32_
 }
 
 /* Add rows of G with the same nodes, times their forces, to the sums at the nodes. */
-CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other, int32_t rows,
-                        const int32_t *place, const double *G, const double *force, double *sums)
+CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other, int face,
+                        int32_t rows, const int32_t *place, const double *G, const double *force,
+                        double *sums)
 {
   const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
   const ct_quad none = {0.0};
   ct_quad sum[3 * PARTS * MOST_QUADS];
   for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
-  int32_t r = 0;
-  for (; r + 1 < rows; r += 2) add_row(part, quads, 1, coarse, step, G + r * step, force + r, sum);
-  if (r < rows) add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+  if (face && rows == 4) add_row(part, quads, 1, coarse, step, G, force, sum);
+  else
+    for (int32_t r = 0; r < rows; r++)
+      add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
   add_nodes(part, own, other, place, sum, sums);
 }
 
@@ -272,13 +279,13 @@ typedef struct forces {
 
 /* Add the rows of groups with the same numbers of nodes and rows, as times_like. */
 CT_INLINE const ct_group *add_like(row_part part, double coarse, int32_t own, int32_t other,
-                                   int32_t rows, const ct_group *e, forces *f)
+                                   int face, int32_t rows, const ct_group *e, forces *f)
 {
   do {
-    add_rows(part, coarse, own, other, rows, &f->places[e->place], &f->G[e->first], f->force,
+    add_rows(part, coarse, own, other, face, rows, &f->places[e->place], &f->G[e->first], f->force,
              f->sums);
     f->force += rows, e++;
-  } while (e < f->end && is_like(e, own, other, rows));
+  } while (e < f->end && is_like(e, own, other, face, rows));
   return e;
 }
 
@@ -289,11 +296,13 @@ CT_INLINE void add_groups(row_part part, double coarse, const ct_group *groups, 
 {
   forces f = {places, G, force, sums, groups + count};
   for (const ct_group *e = groups; e < f.end;)
-    if (is_like(e, 4, 4, 4)) e = add_like(part, coarse, 4, 4, 4, e, &f);
-    else if (is_like(e, 4, 0, 4)) e = add_like(part, coarse, 4, 0, 4, e, &f);
-    else if (e->own == 4 && e->other == 4) e = add_like(part, coarse, 4, 4, e->rows, e, &f);
-    else if (e->own == 8 && e->other == 8) e = add_like(part, coarse, 8, 8, e->rows, e, &f);
-    else e = add_like(part, coarse, e->own, e->other, e->rows, e, &f);
+    if (is_like(e, 4, 4, 1, 4)) e = add_like(part, coarse, 4, 4, 1, 4, e, &f);
+    else if (is_like(e, 4, 0, 1, 4)) e = add_like(part, coarse, 4, 0, 1, 4, e, &f);
+    else if (e->own == 4 && e->other == 4)
+      e = add_like(part, coarse, 4, 4, e->face, e->rows, e, &f);
+    else if (e->own == 8 && e->other == 8)
+      e = add_like(part, coarse, 8, 8, e->face, e->rows, e, &f);
+    else e = add_like(part, coarse, e->own, e->other, e->face, e->rows, e, &f);
 }
 
 CT_CLONES

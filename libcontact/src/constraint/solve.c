@@ -51,6 +51,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   int64_t places = 0, most_entries = 0, most_quads = 0, slips = 0;
   for (int32_t k = 0; k < count; k++) {
     places += sets[k].node_count, s->most += sets[k].most, slips += sets[k].slips;
+    s->foreign |= sets[k].foreign;
     most_entries += sets[k].row_nodes * sets[k].most;
     most_quads += (1 + (sets[k].row_nodes + 6) / 4) * sets[k].most;
   }
@@ -75,11 +76,13 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, (size_t)most_quads, 4 * sizeof *s->G);
-  double **vectors[] = {&s->increment, &s->mobility, &s->last_increment, &s->sums, &s->moved};
+  double **vectors[] = {&s->increment, &s->mobility, &s->last_increment,
+                        &s->sums,      &s->moved,    &s->bound_mobility};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, CT_SOLVER_WIDE * sizeof(double));
-  double **numbers[] = {&s->C,         &s->b,     &s->free,  &s->force, &s->gradient, &s->scale,
-                        &s->direction, &s->image, &s->terms, &s->guide, &s->after,    &s->least};
+  double **numbers[] = {&s->C,     &s->b,         &s->free,  &s->force, &s->gradient,
+                        &s->scale, &s->direction, &s->image, &s->terms, &s->guide,
+                        &s->after, &s->least,     &s->bound};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   if (pool->failed) return CT_ERROR_MEMORY;
@@ -89,12 +92,31 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   return pool->failed ? CT_ERROR_MEMORY : CT_OK;
 }
 
-/* terms = x y, row by row. */
+/* terms = x y, row by row; returns a bound of their sizes. */
 CT_CLONES
-static void multiply(int64_t count, const double *x, const double *y, double *restrict terms)
+static double multiply(int64_t count, const double *x, const double *y, double *restrict terms)
 {
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++) terms[r] = x[r] * y[r];
+  double top = 0.0, all = 0.0;
+#ifndef __clang__ // as in ct_largest
+#pragma omp simd reduction(max : top) reduction(+ : all)
+#endif
+  for (int64_t r = 0; r < count; r++) {
+    const double term = x[r] * y[r], size = fabs(term);
+    terms[r] = term;
+    all += size;
+    top = size > top ? size : top;
+  }
+  return isfinite(all) ? top : INFINITY;
+}
+
+/* Σ of terms as multiples of the coarse grid's spacing, exact in any order (eq:order-free-sum). */
+CT_CLONES
+static double add_coarse(double coarse, const double *terms, int64_t count)
+{
+  double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+  for (int64_t r = 0; r < count; r++) sum += (terms[r] + coarse) - coarse;
+  return sum;
 }
 
 /* out += a x, row by row. */
@@ -141,11 +163,17 @@ static int is_finite(const ct_solver *s)
   return isfinite(most);
 }
 
-/* Σ x_r y_r, independent of the order of the rows. */
+/* Σ x_r y_r, independent of the order of the rows, on one grid only: a search needs no more. */
 static double product(ct_solver *s, const double *x, const double *y)
 {
-  multiply(s->count, x, y, s->terms);
-  return ct_sum_over(s->pieces, s->terms, s->count);
+  double top = multiply(s->count, x, y, s->terms), count = (double)s->count, sum;
+  ct_grid grid;
+  ct_pieces_largest(s->pieces, &top, 1);
+  ct_pieces_sum(s->pieces, &count, 1);
+  if (top == 0.0 || !ct_grid_init(&grid, top, (int64_t)count)) return top == 0.0 ? 0.0 : NAN;
+  sum = add_coarse(grid.coarse, s->terms, s->count);
+  ct_pieces_sum(s->pieces, &sum, 1);
+  return sum;
 }
 
 /* Measures of a unit step down the gradient that keeps forces at their least value or above: the
@@ -346,8 +374,10 @@ static double tolerance_of(const ct_solver *s)
  * meet a tolerance. If the solution is loose, no energy may appear (eq:energy-stop). */
 static int is_solved(ct_solver *s, double tolerance, double most, double top)
 {
+  s->judged = 0;
   if (!(most <= tolerance * top)) return 0;
-  return tolerance_of(s) <= CT_SOLVER_TIGHT || most <= CT_SOLVER_TIGHT * top || loses_energy(s);
+  s->judged = tolerance_of(s) > CT_SOLVER_TIGHT && most > CT_SOLVER_TIGHT * top;
+  return !s->judged || loses_energy(s);
 }
 
 /* The forces of all active rows, beginning with the present ones. Those that already meet ten times
@@ -395,6 +425,7 @@ static int find_all_forces(ct_solver *s)
     if (s->tangent == NULL) return 1;
     store_forces(s);
     if (!ct_tangent_solve(s, pass, &change)) return 0;
+    s->judged = 0;
     if (change <= UNCHANGED || (change <= nearly && loses_energy(s))) return 1;
     if (pass == MOST_PASSES) break;
   }
@@ -432,14 +463,15 @@ static void settle(ct_solver *s)
   }
   if (s->starts) ct_matrix_times(s, s->point_count, s->last_increment, s->terms);
   find_ways(of, s->starts, s->terms, s->free, s->b, s->image, s->guide);
-  ct_law_settle_all(of, s->dt, s->image, s->guide);
+  ct_law_settle_all(of, s->dt, s->image, s->guide, s->judged);
 }
 
 /* Write the forces, gaps and memory of the points. */
 static void store(ct_solver *s)
 {
   const ct_law_rows *of = &s->laws;
-  find_after(of->count, s->gradient, s->b, s->C, s->force, of->after);
+  if (s->judged) ct_copy(of->after, s->after, (size_t)of->count * sizeof *of->after);
+  else find_after(of->count, s->gradient, s->b, s->C, s->force, of->after);
   ct_copy(of->force, s->force, (size_t)of->count * sizeof *of->force);
   if (!s->again) settle(s);
   ct_law_rows_write(of);

@@ -14,6 +14,7 @@ typedef struct ct_row_set {
   const int32_t *nodes; /* ... in the problem; null: all */
   int32_t row_nodes;    /* largest number of nodes of a row, both faces together */
   int64_t slips;        /* most rows, of any set, to which this effect adds friction */
+  int foreign;          /* whether a host fills the rows, who may change lists of nodes in place */
 } ct_row_set;
 
 /* Vectors at nodes have a fourth component, so that they fill a register: 0, or the part along the
@@ -41,7 +42,9 @@ static inline int ct_solver_accepts(double given)
  * other, each filled up to whole quads. */
 typedef struct ct_group {
   int64_t first, place; /* of its numbers and of its nodes */
-  int32_t own, other;   /* nodes */
+  const int32_t *nodes; /* of its own face, as a row has them */
+  int8_t own, other;    /* nodes; compared together with the next two numbers */
+  int16_t face;         /* whether the rows are the four points of a 2 x 2 rule in their order */
   int32_t rows;
 } ct_group;
 
@@ -73,6 +76,9 @@ typedef struct ct_solver {
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
   int counted;            /* whether they are those of the groups */
+  int foreign;            /* whether there is a set with foreign rows */
+  int kept;               /* 1 if no listed row was dropped and none added; 2 if, besides, G, its
+                             groups and nodes are those of the last step */
   int32_t most_row_count; /* the largest of these numbers */
   int32_t active_node_count;
   int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
@@ -81,37 +87,40 @@ typedef struct ct_solver {
   int32_t *shared_nodes; /* the nodes on which active rows of several pieces act, likewise */
   double weight;         /* the largest one of a node in a row, or 1 */
   int64_t group_count;
-  ct_group *groups;           /* of the listed rows, and then of the active ones */
-  ct_group *listed;           /* of the listed rows, while the active ones are chosen */
-  double *G;                  /* the numbers of all rows */
-  int along;                  /* whether all rows have one normal; then vectors at nodes have their
-                                 part along it as the fourth component */
-  double normal[3];           /* this normal */
-  int32_t *entry_place;       /* begin of the places of their nodes in vectors at nodes */
-  int64_t count;              /* active rows: of points, and then those of points that open */
-  int64_t point_count;        /* active rows of points */
-  int64_t *first_point;       /* of each set in the active rows, shape (set_count + 1) */
-  int64_t *first_release;     /* the same of points that open */
-  ct_law_rows laws;           /* the numbers of these points */
-  ct_constraint **active;     /* the points of all active rows */
-  int64_t *opened;            /* of each of the second rows: the row of its point */
-  double *C, *b;              /* their laws: compliance, and offset of the next gap (eq:ramp) */
-  double *free;               /* gaps at t_{n+1} without the constraints */
-  double *force;              /* λ */
-  double *least;              /* its least value: 0, or that of a tie (eq:tie-force) */
-  double *gradient;           /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
-  double *scale;              /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
-  double *guide;              /* gradient over D in rows with a force */
-  double *direction;          /* direction of the search */
-  double *image;              /* (W + C) times it */
-  double *terms;              /* of a sum */
-  double *after;              /* next gaps with the present forces */
+  ct_group *groups;       /* of the listed rows, and then of the active ones */
+  ct_group *listed;       /* of the listed rows, while the active ones are chosen */
+  double *G;              /* the numbers of all rows */
+  int along;              /* whether all rows have one normal; then vectors at nodes have their
+                             part along it as the fourth component */
+  double normal[3];       /* this normal */
+  int32_t *entry_place;   /* begin of the places of their nodes in vectors at nodes */
+  int64_t count;          /* active rows: of points, and then those of points that open */
+  int64_t point_count;    /* active rows of points */
+  int64_t *first_point;   /* of each set in the active rows, shape (set_count + 1) */
+  int64_t *first_release; /* the same of points that open */
+  ct_law_rows laws;       /* the numbers of these points */
+  ct_constraint **active; /* the points of all active rows */
+  int64_t *opened;        /* of each of the second rows: the row of its point */
+  double *C, *b;          /* their laws: compliance, and offset of the next gap (eq:ramp) */
+  double *free;           /* gaps at t_{n+1} without the constraints */
+  double *force;          /* λ */
+  double *least;          /* its least value: 0, or that of a tie (eq:tie-force) */
+  double *gradient;       /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
+  double *scale;          /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
+  double *bound, *bound_mobility; /* the bound of W, and the mobility with which it was computed */
+  double *guide;                  /* gradient over D in rows with a force */
+  double *direction;              /* direction of the search */
+  double *image;                  /* (W + C) times it */
+  double *terms;                  /* of a sum */
+  double *after;                  /* next gaps with the present forces */
   double tolerance;           /* largest change of a force by a further step, as a fraction of the
                                  largest force; see CT_SOLVER_USUAL */
   struct ct_bodies *bodies;   /* null: no node belongs to a rigid body */
   struct ct_tangent *tangent; /* null: no friction */
   int iterations;             /* of the last solution */
   int converged;              /* whether it met the tolerance */
+  int judged;                 /* whether its energy was looked at last; then its next gaps and what
+                                 the rows store are known */
 } ct_solver;
 
 /* Allocate for some sets of rows. `place`, one number per node of the problem, becomes the place of

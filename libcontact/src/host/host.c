@@ -110,7 +110,7 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
     if (!has_set(h, part)) continue;
     h->lists[next] = part;
     sets[next++] = (ct_row_set){part->is->row_count, part->is->node_count, part->nodes,
-                                part->is->row_nodes, part->is->slip_count};
+                                part->is->row_nodes, part->is->slip_count, 0};
   }
   if (status == CT_OK)
     status = ct_solver_create(sets, count, fixed->is.node_count, number, &h->solver);

@@ -30,7 +30,8 @@ static ct_row_set set_of(const ct_effect *effect)
                       .node_count = effect->node_count,
                       .nodes = effect->nodes,
                       .row_nodes = row_nodes(effect),
-                      .slips = rubs ? effect->constraint_count : 0};
+                      .slips = rubs ? effect->constraint_count : 0,
+                      .foreign = effect->kind == CT_EFFECT_USER};
 }
 
 /* Places of the nodes of effects that prescribe motion among the solver's nodes. */
