@@ -36,24 +36,6 @@ void ct_law_rows_create(ct_pool *pool, int64_t most, ct_constraint **rows, ct_la
   for (int i = 0; all != NULL && i < CT_LAW_NUMBERS; i++) *numbers[i] = all + i * most;
 }
 
-/* Four rows of four numbers become columns. */
-CT_INLINE void turn(const double *const from[4], double *const to[4])
-{
-#if CT_ROWS
-  const ct_quad *a = (const ct_quad *)from[0], *b = (const ct_quad *)from[1],
-                *c = (const ct_quad *)from[2], *d = (const ct_quad *)from[3];
-  const ct_quad low = CT_PICK(*a, *b, 0, 4, 2, 6), high = CT_PICK(*a, *b, 1, 5, 3, 7),
-                low2 = CT_PICK(*c, *d, 0, 4, 2, 6), high2 = CT_PICK(*c, *d, 1, 5, 3, 7);
-  *(ct_quad *)to[0] = CT_PICK(low, low2, 0, 1, 4, 5);
-  *(ct_quad *)to[1] = CT_PICK(high, high2, 0, 1, 4, 5);
-  *(ct_quad *)to[2] = CT_PICK(low, low2, 2, 3, 6, 7);
-  *(ct_quad *)to[3] = CT_PICK(high, high2, 2, 3, 6, 7);
-#else
-  for (int i = 0; i < 4; i++)
-    for (int k = 0; k < 4; k++) to[k][i] = from[i][k];
-#endif
-}
-
 CT_INLINE double *numbers_of(const ct_constraint *c) { return (double *)(uintptr_t)c; }
 
 /* Rows as numbers, and the arrays with the numbers of the first of them. */
@@ -79,7 +61,7 @@ CT_INLINE void read_four(const columns c)
       from[i] = c.row[i] + READS[g][0];
       to[i] = c.first + ((int64_t)READS[g][1] + i) * c.most;
     }
-    turn(from, to);
+    ct_turn(from, to);
   }
 }
 
@@ -130,7 +112,7 @@ CT_INLINE void write_four(const columns c)
       from[i] = c.first + ((int64_t)WRITES[g][1] + i) * c.most;
       to[i] = c.row[i] + WRITES[g][0];
     }
-    turn(from, to);
+    ct_turn(from, to);
   }
   for (int i = 0; i < 4; i++) c.row[i][AT(impact.release)] = c.first[RELEASE * c.most + i];
 }

@@ -66,8 +66,12 @@ static void admit(ct_side *side, ct_point *p)
 }
 
 /* Count a point that was found inside, if it is deep. */
-static void note(ct_admission *admission, double depth, double size)
+static void note(ct_contact *contact, double depth)
 {
+  ct_admission *admission = &contact->record.admission;
+  const ct_side *sides = contact->gaps.side;
+  const double size =
+      fmax(sides[0].search->size, sides[contact->gaps.fixed->sides - 1].search->size);
   if (!(depth > DEEP * size)) return;
   admission->late += 1.0;
   admission->late_depth = fmax(admission->late_depth, depth);
@@ -126,26 +130,38 @@ static double reach_of(ct_contact *contact)
                                : sqrt(ct_vector_dot(contact->came, contact->came))));
 }
 
-/* The energy that the points of a side claim to store, as terms of a sum; returns their number.
- * Points that jumped store no more than in the last step. */
-static int64_t list_claims(ct_contact *contact, int s, double reach, double size, double *terms)
+/* Whether a point is near enough to store energy. */
+CT_INLINE int may_store(const ct_point *p, double reach)
+{
+  return p->row.gap < reach && p->other >= 0 && !isnan(p->row.normal[0]);
+}
+
+/* Points whose claims are computed side by side. */
+enum { CLAIMS = 64 };
+
+/* The energy that `count` points of a side from one on claim to store, as terms of a sum; returns
+ * their number. Points that jumped store no more than in the last step. */
+static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t count, double reach,
+                           double *terms)
 {
   ct_side *side = &contact->gaps.side[s];
-  ct_point *end = side->points + side->fixed->point_count;
+  double k[CLAIMS], before[CLAIMS], gap[CLAIMS], claims[CLAIMS];
   int64_t some = 0;
-  for (ct_point *p = side->points; p < end; p++) {
-    // Near enough to store energy
-    p->claims = p->row.gap < reach && p->other >= 0 && !isnan(p->row.normal[0]);
-    if (!p->claims) continue;
+  for (int64_t i = 0; i < count; i++, p++) {
+    k[i] = p->row.stiffness;
+    if (!may_store(p, reach)) {
+      before[i] = gap[i] = 0.0;
+      continue;
+    }
     find_before(contact, s, p);
     if (p->jumped && p->row.gap < 0.0) {
-      note(&contact->record.admission, -ct_point_distance(p), size);
+      note(contact, -ct_point_distance(p));
       admit(side, p);
     }
-    const double claim = ct_law_claim(&p->row);
-    terms[some] = claim;
-    some += claim != 0.0;
+    before[i] = p->row.before, gap[i] = p->row.gap;
   }
+  ct_law_claims(contact->fixed->law.enforcement, count, k, before, gap, claims);
+  for (int64_t i = 0; i < count; i++) terms[some] = claims[i], some += claims[i] != 0.0;
   return some;
 }
 
@@ -154,12 +170,13 @@ void ct_admission_limit(ct_contact *contact)
   ct_side *sides = contact->gaps.side;
   ct_admission *admission = &contact->record.admission;
   const int count = contact->gaps.fixed->sides;
-  const double size = fmax(sides[0].search->size, sides[count - 1].search->size),
-               reach = reach_of(contact);
-  const double late = admission->late;
+  const double reach = reach_of(contact), late = admission->late;
   int64_t some = 0;
   for (int s = 0; s < count; s++)
-    some += list_claims(contact, s, reach, size, &contact->terms[some]);
+    for (int64_t i = 0, points = sides[s].fixed->point_count; i < points; i += CLAIMS) {
+      const int64_t next = points - i < CLAIMS ? points - i : CLAIMS;
+      some += list_claims(contact, s, &sides[s].points[i], next, reach, &contact->terms[some]);
+    }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
   double both[2] = {(double)some, admission->late - late};
   ct_pieces_sum(sides[0].pieces, both, 2);
@@ -172,7 +189,7 @@ void ct_admission_limit(ct_contact *contact)
     return;
   for (ct_side *side = sides; side < sides + count; side++)
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      if (p->claims) admit(side, p);
+      if (may_store(p, reach)) admit(side, p);
 }
 
 /* The energy that the points of a side store with an explicit penalty. */

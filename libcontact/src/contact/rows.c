@@ -81,6 +81,8 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
   const double *axis = contact->axis, reach = contact->reach;
   const along m = {axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
                    axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming)};
+  const double part = contact->part;
+  const int carried = contact->fixed->carrier != NULL, alike = axis != NULL && !side->shifted;
   int64_t count = 0;
   for (ct_point *p = side->points; p < end; p++) {
     p->stored_before = stored_of(p);
@@ -90,7 +92,8 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
       continue;
     }
     if (other != NULL) row_over(contact, faces, per, p);
-    else if (contact->fixed->carrier != NULL) row_on_carrier(contact, side, p);
+    else if (carried) row_on_carrier(contact, side, p);
+    else if (alike) p->row.came = -part * m.came, p->row.moved = -m.coming; // no start gaps
     else row_at(contact, m, p);
     rows[count++] = &p->row;
   }

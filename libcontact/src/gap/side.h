@@ -38,15 +38,14 @@ typedef struct ct_point {
   double admitted; /* start gap since then, of a point that was found inside (eq:admitted) */
   double force_size;             /* size of the force in the last step, if start gaps fade */
   double last_known, last_start; /* the same in the last step */
-  double along; /* motion away from the closest point along the row's normal since the last update;
-                   NaN: not computed */
   double stored_before; /* energy that its row stored and held at the middle of the last step */
   double shift;   /* start gap from which the gap is measured, of either sign (eq:initial-shift) */
   double closed;  /* growth of the shift since the last step */
   double closing; /* its growth until the next step */
-  int claims;     /* whether the point may store energy in this step */
   double N[8];    /* shape functions of the other face at xi */
   double d[3];    /* ȳ - y */
+  double along; /* motion away from the closest point along the row's normal since the last update;
+                   NaN: not computed */
   double outward[3]; /* normal of the other side at the closest point, of any length */
   double force[3];   /* on the point's own face; of solved rows for results only */
 } ct_point;

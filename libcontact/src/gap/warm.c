@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /* Eight points with all their results. Numbers of one kind lie side by side, one lane per point. */
@@ -373,25 +374,44 @@ static int is_strange(const ct_pass *p, const block *b, int l, int64_t number)
          !(ct_pass_own_normal(p, number, own) && ct_pass_faces_across(own, normal));
 }
 
-/* Store the result of the point of a lane. Inlined with a known `per`. */
-CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, double coincident,
+/* Store four numbers in each of `count` points, one or four, from a member on. */
+CT_INLINE void write_numbers(const double *const from[4], int count, size_t member, ct_point *point)
+{
+  double *to[4];
+  for (int i = 0; i < count; i++) to[i] = (double *)(void *)((char *)&point[i] + member);
+  if (count == 4) ct_turn(from, to);
+  for (int k = 0; count == 1 && k < 4; k++) to[0][k] = *from[k];
+}
+
+/* A member between these does not compile. */
+typedef char members_follow_on_each_other
+    [offsetof(ct_point, row.gap) == offsetof(ct_point, row.normal) + 3 * sizeof(double) &&
+             offsetof(ct_point, along) == offsetof(ct_point, d) + 3 * sizeof(double)
+         ? 1
+         : -1];
+
+/* Store the results of `count` points from a lane on, one or four. Inlined with known numbers. */
+CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count, int l,
                            ct_point *point)
 {
-  const double gap = b->gap[l];
-  for (int c = 0; c < 3; c++) {
-    point->d[c] = b->d[8 * c + l];
-    point->row.normal[c] = b->direction[8 * c + l];
+  const double *n = &b->direction[l], *d = &b->d[l], *gap = &b->gap[l], *N = &b->N[l];
+  write_numbers((const double *const[4]){n, n + CT_WARM, n + 2 * CT_WARM, gap}, count,
+                offsetof(ct_point, row.normal), point);
+  write_numbers((const double *const[4]){d, d + CT_WARM, d + 2 * CT_WARM, &b->along[l]}, count,
+                offsetof(ct_point, d), point);
+  for (size_t a = 0; a < (size_t)per; a += 4, N += 4 * CT_WARM)
+    write_numbers((const double *const[4]){N, N + CT_WARM, N + 2 * CT_WARM, N + 3 * CT_WARM}, count,
+                  offsetof(ct_point, N) + a * sizeof *N, point);
+  for (int i = 0; i < count; i++, point++) {
+    for (int a = 0; a < 2; a++) point->xi[a] = b->xi[CT_WARM * a + l + i];
+    point->jumped = 0;
+    point->last_known = point->known;
+    point->known = gap[i];
+    point->status = (ct_point_status)(CT_POINT_OUTSIDE + (gap[i] < 0.0)); // or inside, the next one
+    if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
+    for (int c = 0; c < 3; c++) point->outward[c] = b->normal[CT_WARM * c + l + i];
+    ct_side_direct(p->side, point);
   }
-  for (int a = 0; a < per; a++) point->N[a] = b->N[8 * a + l];
-  for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
-  point->jumped = 0;
-  point->along = b->along[l];
-  point->last_known = point->known;
-  point->row.gap = point->known = gap;
-  point->status = (ct_point_status)(CT_POINT_OUTSIDE + (gap < 0.0)); // or inside, the next one
-  if (fabs(gap) > coincident) return;
-  for (int c = 0; c < 3; c++) point->outward[c] = b->normal[8 * c + l];
-  ct_side_direct(p->side, point);
 }
 
 /* Store the results of the lanes whose points are settled, of those in `warm`; returns their bits.
@@ -399,14 +419,15 @@ CT_INLINE void write_point(const ct_pass *p, const block *b, int per, int l, dou
 CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64_t first,
                                 unsigned warm)
 {
-  const double coincident = ct_side_coincident(p->side);
   ct_point *points = &p->side->points[first];
   unsigned settled = 0;
-  for (int l = 0; l < CT_WARM; l++) {
-    if (!(warm >> l & 1) || !b->inside[l]) continue;
-    if (b->enters[l] && is_strange(p, b, l, first + l)) continue;
-    write_point(p, b, per, l, coincident, &points[l]);
-    settled |= 1u << l;
+  for (int l = 0; l < CT_WARM; l++)
+    if ((warm >> l & 1) && b->inside[l] && !(b->enters[l] && is_strange(p, b, l, first + l)))
+      settled |= 1u << l;
+  for (int l = 0, next; l < CT_WARM; l = next) {
+    next = l % 4 == 0 && (settled >> l & 15) == 15 ? l + 4 : l + 1;
+    if (next == l + 4) write_lanes(p, b, per, 4, l, &points[l]);
+    else if (settled >> l & 1) write_lanes(p, b, per, 1, l, &points[l]);
   }
   return settled;
 }
