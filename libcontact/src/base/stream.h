@@ -45,7 +45,7 @@ void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);
 /* The result. */
 double ct_stream_sum(const ct_stream *sum);
 
-/* Largest size of some numbers; infinite if one is not finite. */
+/* Largest size of some numbers; infinite if the sum of their sizes is not finite. */
 double ct_largest(const double *values, int64_t count);
 
 /* Smallest and largest value of each column of an array (count, 3), without NaN; infinite and

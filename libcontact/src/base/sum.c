@@ -9,16 +9,16 @@
 CT_CLONES
 double ct_largest(const double *values, int64_t count)
 {
-  double top = 0.0, odd = 0.0;
+  double top = 0.0, all = 0.0;
 #ifndef __clang__ // clang has no vector maximum that propagates NaN, and warns
-#pragma omp simd reduction(max : top) reduction(+ : odd)
+#pragma omp simd reduction(max : top) reduction(+ : all)
 #endif
   for (int64_t i = 0; i < count; i++) {
     double a = fabs(values[i]);
-    odd += a - a; // NaN if a number is not finite
+    all += a; // not finite if a number is not
     top = a > top ? a : top;
   }
-  return odd == 0.0 ? top : INFINITY;
+  return isfinite(all) ? top : INFINITY;
 }
 
 CT_CLONES

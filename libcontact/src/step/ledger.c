@@ -20,14 +20,16 @@ void ct_ledger_correct(ct_state *state, double share, ct_moved piece, const doub
                        double *sum)
 {
   const ct_workspace *w = state->workspace;
-  for (int32_t i = piece.shared_first; i < piece.shared_last; i++)
+  for (int32_t i = piece.shared_first; i < piece.shared_last; i++, work += 3) {
+    const int64_t dof = 3 * (int64_t)w->shared[i];
+    const double *v = &state->velocity[dof], *force = &w->shared_first[3 * (int64_t)i];
+    double *both = &sum[dof - 3 * (int64_t)piece.first], *to = &state->work[dof];
     for (int c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)w->shared[i] + c;
-      double *both = &sum[dof - 3 * (int64_t)piece.first];
-      *both += state->velocity[dof];
+      both[c] += v[c];
       // (eq:work-balance, eq:stage-work)
-      state->work[dof] = *work++ + share * w->shared_first[3 * (int64_t)i + c] * *both;
+      to[c] = work[c] + share * force[c] * both[c];
     }
+  }
 }
 
 /* A number, or +0 if `wanted` is 0; with bit operations, because compilers turn a choice into a
