@@ -190,19 +190,26 @@ def bouncing_bar(keys: Keys) -> Answer:
     return Answer({"energy": (total[-1] - total[0]) / (5 * weight)}, run)
 
 
+# Corners of a brick, and of each of its sides.
+CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
+SIDES = np.array(
+    [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)]
+)
+
+
+def lattice(*counts: int) -> NDArray[np.float64]:
+    """Corners (elements, 8, 3) of the bricks that divide the unit cube."""
+    cells = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), -1).reshape(-1, 1, 3)
+    return np.asarray((cells + CORNERS) / np.array(counts))
+
+
 def octant(
     parts: int, layers: int, core: float = 0.45, grading: float = GRADING
 ) -> NDArray[np.float64]:
     """The corners (elements, 8, 3) of the octant of the unit ball with non-negative coordinates: a cube,
     and layers from three of its faces to the sphere. Edges grow with the power ``grading`` from the axes."""
-    corners = np.array(
-        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    )
-
-    def lattice(*counts: int) -> NDArray[np.float64]:
-        cells = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), -1).reshape(-1, 1, 3)
-        return np.asarray((cells + corners) / np.array(counts))
-
     inside = [core * lattice(parts, parts, parts) ** grading]
     for axis in range(3):
         places = np.roll(lattice(layers, parts, parts), axis, axis=2)

@@ -60,6 +60,15 @@ LIMITS |= {
         ("force", 0, 0.025, "as the duration"),
         ("rebound", 0, 0.002, "waves keep little of a slow impact"),
     ],
+    "oblique_impact": [
+        ("impulse_100", 1, 0.2, "balls of finite size: see the smaller ones"),
+        ("rebound_100", 0, 0.002, "waves keep little of a slow impact"),
+    ],
+    "oblique_small": [
+        ("impulse_13", 1, 0.05, "balls of finite size, and three elements over the radius"),
+        ("impulse_angle", 1, 0.05, "as impulse_13"),
+        ("rebound_13", 0, 0.002, "waves keep little of a slow impact"),
+    ],
     "tumbling_box": [
         (f"flip_{k}", FILE["tumbling_box"][f"euler_{k}"], 0.005, "half a step of 0.1")
         for k in (1, 2, 4)
@@ -115,7 +124,7 @@ def test_benchmark(name):
 
 
 def test_errors_fall_with_the_mesh():
-    """Where the page says that the error is that of the mesh, or of the stiffness."""
+    """Where the page says that the error is that of the mesh, of the stiffness, or of the size."""
     rods = FILE["rods_saint_venant"]
     errors = [abs(rods[f"restitution_{n}"]) for n in (25, 50, 100)]
     assert errors == sorted(errors, reverse=True)
@@ -125,6 +134,9 @@ def test_errors_fall_with_the_mesh():
     assert math.log2(shells[0] / shells[1]) == pytest.approx(2, abs=0.1)
     discs = [FILE["discs"][f"small_{n}"] for n in (2, 3, 4)]
     assert discs == sorted(discs, reverse=True)
+    balls = FILE["oblique_impact"] | FILE["oblique_small"]
+    sizes = [balls[f"impulse_{thousandths}"] for thousandths in (100, 65, 40, 26, 13)]
+    assert sizes == sorted(sizes, reverse=True) and sizes[-1] > 1
     box = [FILE["tumbling_box"][f"flip_{k}"] for k in (1, 2, 4)]
     assert box[0] > box[1] > box[2] > FILE["tumbling_box"]["solid"]
 
