@@ -821,9 +821,22 @@ static void mobilities(void)
         off = worst(off, u[c] - moved[WIDE * n + c]);
       }
       over = fmax(over, sqrt(ct_vector_dot(u, u)) / sizes[WIDE * n + 3]);
+      double bound = 0.0, eta[NODES] = {0.0};
+      for (int j = 0; j < NODES; j++) {
+        for (int e = 0; e < 3; e++) {
+          const double unit[3] = {e == 0, e == 1, e == 2};
+          ct_vector_cross(&b->arm[3 * j], unit, moment);
+          for (int c = 0; c < 3; c++) eta[j] += moment[c] * ct_vector_dot(full[c], moment);
+        }
+        if (of[j] == k) bound += sqrt(eta[j]) * sums[WIDE * j + 3];
+      }
+      bound *= sqrt(eta[n]);
+      for (int j = 0; j < NODES; j++)
+        if (of[j] == k) bound += b->most[k] * sums[WIDE * j + 3];
+      off = worst(off, bound - sizes[WIDE * n + 3]);
     }
   }
-  tap_close(off, 0.0, 1e-13, "forces move the nodes of rigid bodies");
+  tap_close(off, 0.0, 1e-13, "forces move the nodes of rigid bodies, and their bound");
   tap_ok(over <= 1.0 && over > 0.2, "and no farther than %.3g of their bound", over);
   ct_pool_empty(&s.pool);
 }

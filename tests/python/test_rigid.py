@@ -274,8 +274,8 @@ def test_a_sphere_with_mass_comes_to_rest_on_a_plate_as_hertz_says():
 
 @pytest.mark.parametrize(("angle", "friction"), [(20.0, 0.5), (60.0, 0.2)], ids=["rolls", "slides"])
 def test_a_sphere_with_mass_runs_down_an_elastic_plate(angle, friction):
-    """A solid sphere on an inclined plate: 5/7 g sin α if 2/7 tan α < μ, else g (sin α - μ cos α). Its weight grows in
-    the first half of a second, so that it does not bounce."""
+    """A solid sphere on an inclined plate: 5/7 g sin α if 2/7 tan α < μ, else g (sin α - μ cos α). Its weight grows
+    in the first half of a second, so that it does not bounce."""
     edge, alpha, start, end = 1 / 8, np.radians(angle), 0.5, 2.0
     scene = ct.Scene(units=METRES).add_material("soft", young=1e5, poisson=0.3, density=0.1)
     plate = box_of([-1, -0.5, -0.25], [3, 1, 0.25], [24, 8, 2])
@@ -334,6 +334,43 @@ def test_a_picture_has_an_obstacle_where_its_carrier_is():
     centre = [1, 0, 0] + 0.4 * v + [-0.5 * s, 0.5 * c, 0]
     np.testing.assert_allclose(shape["centre"], centre, atol=1e-5)
     assert name == "cylinder" and run.plot(view="z_max")
+
+
+@pytest.mark.parametrize("arm", [0.0, 1.0])
+def test_only_the_path_of_a_spinning_sphere_divides_a_step(arm):
+    """By .2 rad a step a sphere of radius .25 above a plate turns about its centre; or it moves by .2, being on a lever
+    of length 1, and could pass through a body (eq:tunnelling)."""
+    scene = ct.Scene(units=METRES).add_material("soft", young=1e3, poisson=0.0, density=1e6)
+    plate = box_of([-1.5, -1.5, -1], [3, 3, 0.5], [20, 20, 1])
+    scene.add_body("plate", material="soft", box=plate)
+    small = {"mass": 1.0, "moments": [1.0, 1.0, 1.0]}
+    spin = {"axis": [0, 0, 1], "rate": 20.0}
+    scene.add_body("lever", material="soft", inertia=small, spin=spin).add("rigid", body="lever")
+    sphere = {"centre": [arm, 0, 0], "radius": 0.25}
+    scene.add("obstacle", surface="plate.z_max", sphere=sphere, carrier="lever")
+    run = scene.set_time(end=0.2, dt=0.01).run(progress=False)
+    assert (run.dt < 0.01) == (arm > 0)
+
+
+def test_elastic_slip_turns_with_the_obstacle():
+    """A block rides on a turntable, and soft springs of friction hold it on its circle: it lags by no angle, as it
+    would by 2 π |e| = .06 if its slip stayed in space."""
+    scene = ct.Scene(units=METRES).add_material("any", young=1e3, poisson=0.0, density=1.0)
+    block = box_of([0.95, -0.05, 0], [0.1, 0.1, 0.1], [2, 2, 1])
+    spin = {"axis": [0, 0, 1], "rate": 1.0, "centre": [0, 0, 0]}
+    scene.add_body("block", material="any", box=block, spin=spin).add("rigid", body="block")
+    table = {"mass": 1e3, "moments": [1e3, 1e3, 1e3]}
+    scene.add_body("table", material="any", inertia=table, spin=spin)
+    scene.add("rigid", body="table", fixed=["x", "y", "z", "rx", "ry"])
+    plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    epsilon, mass = 1e3, 1e-3
+    soft = {"friction": 0.9, "epsilon": epsilon, "tangent": mass / (0.01 * epsilon * 0.1**2)}
+    scene.add("obstacle", surface="block.z_min", plane=plane, carrier="table", **soft)
+    scene.add("gravity", acceleration=[0, 0, -10], bodies=["block"])
+    run = scene.set_time(end=2 * np.pi, dt=2e-3).run(progress=False)
+    middle = np.array([1.0, 0.0]) + run.state["block"].displacement.mean(axis=0)[:2]
+    assert 1.0 < np.linalg.norm(middle) < 1.03
+    assert abs(np.arctan2(middle[1], middle[0])) < 0.01
 
 
 def test_two_tumbling_boxes_collide_and_keep_their_momenta():

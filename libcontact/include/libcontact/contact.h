@@ -301,9 +301,8 @@ typedef enum ct_obstacle_shape {
   CT_OBSTACLE_CYLINDER = 2
 } ct_obstacle_shape;
 
-/** A rigid obstacle in contact with a surface of a body, :eq:`obstacle-potential`. It moves as
- * given, without turning, or with a rigid body that carries it, :eq:`carrier-weights`. Start from
- * `ct_obstacle_def_default`. */
+/** A rigid obstacle in contact with a surface of a body, :eq:`obstacle-potential`, at rest, moving
+ * as given, or carried by a rigid body. Start from `ct_obstacle_def_default`. */
 typedef struct ct_obstacle_def {
   /** Written by `ct_obstacle_def_default`. */
   int32_t cookie;

@@ -106,7 +106,7 @@ static double motion_along(ct_contact *contact, int s, const ct_point *p)
   if (other == NULL) {
     double at[3];
     ct_side_interpolate(surface->search, surface->search->x, face, p->row.own_shape, NULL, at);
-    ct_contact_came(contact, at, back);
+    contact->fixed->partner->find_came(contact, at, back);
   } else if (other->search->per == 4) motion_at(4, other, p->other, p->N, back);
   else motion_at(other->search->per, other, p->other, p->N, back);
   for (int c = 0; c < 3; c++) own[c] -= back[c];

@@ -26,6 +26,8 @@ typedef struct ct_partner_calls {
   /* Signed distance of a place `r`, relative to the partner's position, and the unit normal there;
    * null for surfaces. */
   double (*distance)(const ct_contact *contact, const double r[3], double n[3]);
+  /* Motion of the partner near a place since the last step; null for surfaces. */
+  void (*find_came)(const ct_contact *contact, const double x[3], double came[3]);
   /* As of ct_interaction_calls. */
   ct_status (*find_springs)(const ct_contact *contact, ct_masses mass, double *omega2);
 } ct_partner_calls;
@@ -114,15 +116,6 @@ static inline const ct_side *ct_contact_acting(const ct_contact *contact, int s)
   const int sides = contact->fixed->gaps.sides;
   return ct_contact_is_rigid(contact->fixed) && sides == 1 ? NULL
                                                            : &contact->gaps.side[sides - 1 - s];
-}
-
-/* Motion of an obstacle since the last step at a place. */
-static inline void ct_contact_came(const ct_contact *contact, const double x[3], double came[3])
-{
-  memcpy(came, contact->came, 3 * sizeof *came);
-  if (contact->fixed->carrier == NULL) return;
-  ct_carrier_velocity(&contact->carried, x, came);
-  for (int c = 0; c < 3; c++) came[c] *= contact->carried.before;
 }
 
 /* The calls of contacts and obstacles. */

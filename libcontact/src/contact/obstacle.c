@@ -71,6 +71,26 @@ static ct_status open_state(ct_contact *contact)
   return ct_stations_open(contact);
 }
 
+/* Velocity of an obstacle that a body carries near a place: that of its centre, of the closest
+ * place of its axis, or of its plane. */
+static void velocity_near(const ct_contact *contact, const double x[3], double velocity[3])
+{
+  const ct_obstacle *data = ct_obstacle_of(contact);
+  double r[3], n[3], core[3];
+  for (int c = 0; c < 3; c++) r[c] = x[c] - contact->place[c];
+  const double depth = distance(contact, r, n) + (data->kind->is_round ? data->given.radius : 0.0);
+  for (int c = 0; c < 3; c++) core[c] = x[c] - (depth > 0.0 ? depth * n[c] : 0.0);
+  ct_carrier_velocity(&contact->carried, core, velocity);
+}
+
+static void find_came(const ct_contact *contact, const double x[3], double came[3])
+{
+  memcpy(came, contact->came, 3 * sizeof *came);
+  if (contact->fixed->carrier == NULL) return;
+  velocity_near(contact, x, came);
+  for (int c = 0; c < 3; c++) came[c] *= contact->carried.before;
+}
+
 /* Largest distance from which a point may reach the obstacle in this step: the size of a face plus
  * twice the displacement of the fastest node, if a body carries the obstacle relative to that. */
 static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
@@ -82,7 +102,7 @@ static double reach_of(const ct_contact *contact, const ct_surface_motion *now)
   for (int32_t i = 0; i < search->node_count; i++) {
     const double *v = &now->velocity[3 * (int64_t)ct_gaps_node(contact->gaps.fixed, 0, i)];
     double u[3] = {0.0};
-    if (carried) ct_carrier_velocity(&contact->carried, &search->x[3 * (int64_t)i], u);
+    if (carried) velocity_near(contact, &search->x[3 * (int64_t)i], u);
     for (int c = 0; c < 3; c++) u[c] = v[c] - u[c];
     top = fmax(top, ct_vector_dot(u, u));
   }
@@ -250,7 +270,7 @@ static double relative_motion(const ct_contact *contact, int32_t *node)
   double top = -1.0;
   for (int32_t i = 0; i < surface->search->node_count; i++) {
     double d[3];
-    ct_contact_came(contact, &surface->search->x[3 * (int64_t)i], d);
+    find_came(contact, &surface->search->x[3 * (int64_t)i], d);
     for (int c = 0; c < 3; c++) d[c] = surface->moved[3 * (int64_t)i + c] - d[c];
     if (!(ct_vector_dot(d, d) > top)) continue;
     top = ct_vector_dot(d, d);
@@ -311,6 +331,7 @@ static const ct_partner_calls OBSTACLE = {.label = "obstacle",
                                           .measure = measure,
                                           .check = check_step,
                                           .distance = distance,
+                                          .find_came = find_came,
                                           .find_springs = find_springs};
 
 static ct_status check(const ct_contact_fixed *fixed, const ct_obstacle_def *o,
