@@ -80,10 +80,15 @@ CT_INLINE void ct_turn(const double *const from[4], double *const to[4])
 #endif
 }
 
-/* Compile a kernel for several instruction sets; the loader selects the best one for the machine.
- */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && \
-    !defined(CT_NO_CLONES)
+/* Compile a kernel for several instruction sets. The loader selects the best one for the machine;
+ * on Windows each call does. gcc needs glibc for it. clang before 18 gives the kernel another name
+ * than its callers use, and clang 22 fails where the C library is musl. Its loader on macOS is
+ * untried. */
+#if !defined(__x86_64__) || defined(CT_NO_CLONES)
+#define CT_CLONES
+#elif defined(__clang__) && __clang_major__ >= 18 && (defined(__GLIBC__) || defined(_WIN32))
+#define CT_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__)
 #define CT_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define CT_CLONES

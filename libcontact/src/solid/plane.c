@@ -31,14 +31,6 @@ int ct_plane_holds(const ct_part_call *call)
   return 1;
 }
 
-void ct_plane_take(ct_part_call *call, double *values)
-{
-  if (call->part->plane == NULL || !ct_plane_holds(call)) return;
-  call->ring = call->part->plane;
-  call->batches = ct_plane_batches;
-  call->values = values;
-}
-
 /* Constants of all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p,
  * q and the fixed axis. */
 typedef struct constants {
@@ -153,4 +145,12 @@ void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last,
         for (int i = 0; i < 3; i++)
           *(ct_lanes *)(void *)&to[stride * (3 * k + component[i])] = f[i][k];
     }
+}
+
+void ct_plane_take(ct_part_call *call, double *values)
+{
+  if (call->part->plane == NULL || !ct_plane_holds(call)) return;
+  call->ring = call->part->plane;
+  call->batches = ct_plane_batches;
+  call->values = values;
 }
