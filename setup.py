@@ -1,5 +1,5 @@
 from setuptools import setup
 
 setup(
-    cffi_modules=["wrapper/build_core.py:ffi"], options={"bdist_wheel": {"py_limited_api": "cp311"}}
+    cffi_modules=["wrapper/build_core.py:ffi"], options={"bdist_wheel": {"py_limited_api": "cp310"}}
 )

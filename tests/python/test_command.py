@@ -557,16 +557,17 @@ def test_export_to_vtu_and_xdmf_is_read_back(run_file):
 
 @needs_hdf5
 @pytest.mark.parametrize(
-    "module, arguments, extra",
+    "module, arguments, told",
     [
-        ("meshio", ["export", "out.vtkhdf", "--to", "vtu"], "libcontact[export]"),
-        ("shtab", ["completion", "bash"], "libcontact[completion]"),
+        ("meshio", ["export", "out.vtkhdf", "--to", "vtu"], "-m pip install"),
+        ("shtab", ["completion", "bash"], "-m pip install"),
     ],
 )
-def test_a_missing_extra_is_named(run_file, module, arguments, extra, monkeypatch, capsys):
+def test_a_missing_extra_is_named(run_file, module, arguments, told, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, module, None)
     assert main(arguments) == 2
-    assert extra in capsys.readouterr().err
+    said = " ".join(capsys.readouterr().err.split())
+    assert told in said and module in said.partition(told)[2]
 
 
 @needs_hdf5

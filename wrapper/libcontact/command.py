@@ -270,8 +270,7 @@ def _plain(value: Any) -> Any:
 
 def _load(options: argparse.Namespace) -> Scene:
     """The scene of a command, with the values of ``--set``."""
-    import tomllib
-
+    from .older import tomllib
     from .scene import Scene
     from .source import value_of
 
@@ -459,6 +458,7 @@ def _mesh(options: argparse.Namespace) -> dict[str, Any]:
 @contextlib.contextmanager
 def _naming_what_is_wrong() -> Iterator[None]:
     """A file that can't be read is bad input."""
+    from .errors import install
     from .schema import SceneError
 
     try:
@@ -466,7 +466,7 @@ def _naming_what_is_wrong() -> Iterator[None]:
     except SceneError:
         raise
     except ImportError as error:
-        raise BadInput(f"reading a run needs h5py ({error})") from None
+        raise BadInput(f"reading a run needs h5py ({error}): {install('files')}") from None
     except ValueError as error:
         raise BadInput(str(error)) from None
 
@@ -554,7 +554,9 @@ def _completion(options: argparse.Namespace) -> int:
     try:
         import shtab
     except ImportError:
-        text = 'completion needs shtab: pip install "libcontact[completion]"'
+        from .errors import install
+
+        text = f"completion needs shtab: {install('completion')}"
         raise BadInput(text) from None
 
     parser = _parser()
@@ -595,7 +597,9 @@ def _check_picture(options: argparse.Namespace) -> None:
 
 def _check_matplotlib() -> None:
     if importlib.util.find_spec("matplotlib") is None:
-        raise BadInput('plotting needs matplotlib: pip install "libcontact[plot]"')
+        from .errors import install
+
+        raise BadInput(f"plotting needs matplotlib: {install('plot')}")
 
 
 def _draw(run: Run, target: Path, options: argparse.Namespace) -> None:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import sys
 import threading
 import warnings
 from collections.abc import Callable
 from functools import wraps
+from importlib import metadata
 from pathlib import Path
 from types import FrameType
 from typing import Any, ParamSpec, TypeVar
@@ -23,6 +25,13 @@ __all__ += ["NotBuiltIn", "StepError", "EnergyGrowth", "SceneWarning", "StepDivi
 
 # The library counts its memory from its first object on.
 lib.count_memory()
+
+
+def install(extra: str) -> str:
+    """The command that installs what an extra needs into this Python, wherever the package itself came from."""
+    needed = [line.split(";") for line in metadata.requires("libcontact") or []]
+    names = [name.strip() for name, *when in needed if f'extra == "{extra}"' in "".join(when)]
+    return " ".join([shlex.quote(sys.executable), "-m pip install", *map(shlex.quote, names)])
 
 
 def bare(text: str) -> str:

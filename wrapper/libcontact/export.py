@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import NotBuiltIn
+from .errors import NotBuiltIn, install
 from .run import Run
 from .state import BodyState, State
 from .tables import write_csv
@@ -92,5 +92,5 @@ def _meshio() -> Any:
     try:
         import meshio
     except ImportError:
-        raise NotBuiltIn('this format needs meshio: pip install "libcontact[export]"') from None
+        raise NotBuiltIn(f"this format needs meshio: {install('export')}") from None
     return meshio

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from .mesh import Mesh, open_hdf5
 from .meshes import FORMATS, read_mesh
+from .older import tomllib
 from .results import in_file
 from .run import Run
 from .scene import Scene

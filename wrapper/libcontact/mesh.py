@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .bridge import Floats, Ints, Rows, ask, call, doubles, ints, names
-from .errors import NotBuiltIn, check
+from .errors import NotBuiltIn, check, install
 from .schema import FACES, check_file
 from .sets import Sets
 
@@ -417,7 +417,7 @@ def open_hdf5(path: str | Path, mode: str = "r") -> Any:
         check_file(path)
         return h5py.File(path, mode)
     except ImportError:
-        raise NotBuiltIn("reading files needs h5py: pip install libcontact[files]") from None
+        raise NotBuiltIn(f"reading files needs h5py: {install('files')}") from None
     except OSError as error:
         reason = str(error) if Path(path).exists() else "no such file"
         raise ValueError(f'can\'t read "{path}": {reason}') from None

@@ -3,7 +3,6 @@ memory."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from .bridge import Floats, Ints, Rows
 from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import FIELDS, FILTERED, LAWS, Material
+from .older import tomllib
 from .schema import Place
 from .state import BodyState, State
 from .tables import MOMENTUM, Table, as_table, energy_table

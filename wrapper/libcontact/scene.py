@@ -6,7 +6,6 @@ import copy
 import math
 import os
 import re
-import tomllib
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -26,6 +25,7 @@ from .errors import NotBuiltIn, issue
 from .loop import Loop, record_count, schedule
 from .model import SHAPES, Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
+from .older import tomllib
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .pieces import Pieces, planned
 from .problem import Problem, new_state

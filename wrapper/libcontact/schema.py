@@ -19,13 +19,14 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi
 from .errors import Error, bare
+from .older import dataclass_transform
 
 T = TypeVar("T", bound="Table")
 LONGEST_NAME = 63

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from .older import tomllib
 from .schema import SceneError, Source, listed
 
 # A string, a comment, a bracket, the end of a line, or what is between them. Lines are sought in texts that tomllib has

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .bridge import Floats, Rows, members
-from .errors import NotBuiltIn
+from .errors import NotBuiltIn, install
 
 __all__ = ["Table"]
 
@@ -68,7 +68,7 @@ class Table(np.ndarray[Any, Any]):
         try:
             import pandas
         except ImportError:
-            raise NotBuiltIn('to_pandas needs pandas: pip install "libcontact[pandas]"') from None
+            raise NotBuiltIn(f"to_pandas needs pandas: {install('pandas')}") from None
         return pandas.DataFrame(dict(self.columns()))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import NotBuiltIn
+from ..errors import NotBuiltIn, install
 from ..mesh import open_hdf5, text_in
 from .hdf5 import dataset
 from .raw import Block, Labels, Numbers, Raw, Reading
@@ -78,7 +78,7 @@ def _of_classic(reading: Reading) -> tuple[Get, Callable[[str], str]]:
     try:
         from scipy.io import netcdf_file
     except ImportError:
-        text = 'classic netCDF files need SciPy: pip install "libcontact[mesh]"'
+        text = f"classic netCDF files need SciPy: {install('mesh')}"
         raise NotBuiltIn(text) from None
     import io
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import NotBuiltIn
+from ..errors import NotBuiltIn, install
 from ..mesh import open_hdf5, physical_memory, text_in
 from .hdf5 import dataset
 from .raw import KINDS, Block, Numbers, Raw, Reading
@@ -31,7 +31,7 @@ def read_vtu(reading: Reading) -> Raw:
     try:
         from meshio.vtu import read
     except ImportError:
-        text = 'reading .vtu files needs meshio: pip install "libcontact[mesh]"'
+        text = f"reading .vtu files needs meshio: {install('mesh')}"
         raise NotBuiltIn(text) from None
     told = io.StringIO()
     with contextlib.redirect_stderr(told):

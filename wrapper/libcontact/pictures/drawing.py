@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 import textwrap
-import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as member
@@ -20,6 +19,7 @@ import numpy as np
 
 from ..bridge import Floats
 from ..model import AXES
+from ..older import tomllib
 from ..schema import suggestion
 from ..state import COMPONENTS, State
 from ..surfaces import split_name
