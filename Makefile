@@ -13,6 +13,9 @@ endif
 PYTHON ?= python3
 PKG_CONFIG ?= pkg-config
 prefix ?= /usr/local
+includedir ?= $(prefix)/include
+libdir ?= $(prefix)/lib
+mandir ?= $(prefix)/share/man
 OPT ?= -O3
 BUILD := build
 empty :=
@@ -137,17 +140,20 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 -include $(wildcard $(foreach d,obj asan tsan fuzz/obj,$(BUILD)/$(d)/*.d $(BUILD)/$(d)/*/*.d))
 
 # -- Installation -----------------------------------------------------------------------------------------------------------
+PACKAGE = $(DESTDIR)$(libdir)/cmake/libcontact
+FILL = sed -e 's|@prefix@|$(prefix)|; s|@includedir@|$(includedir)|; s|@libdir@|$(libdir)|; s|@version@|$(VERSION)|; s|@soname@|$(SONAME)|; s|@openmp@|$(OPENMP)|; s|@gsl@|$(GSL)|; s|@hdf5@|$(HDF5)|'
 install: lib
-	mkdir -p $(DESTDIR)$(prefix)/include/libcontact $(DESTDIR)$(prefix)/lib/pkgconfig
-	cp libcontact/include/*.h $(DESTDIR)$(prefix)/include/
-	cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(prefix)/include/libcontact/
+	mkdir -p $(DESTDIR)$(includedir)/libcontact $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(mandir)/man3 $(PACKAGE)
+	cp libcontact/include/*.h $(DESTDIR)$(includedir)/
+	cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(includedir)/libcontact/
+	$(FILL) libcontact/libcontact.3.in > $(DESTDIR)$(mandir)/man3/libcontact.3
+	for f in config config-version; do $(FILL) libcontact/libcontact-$$f.cmake.in > $(PACKAGE)/libcontact-$$f.cmake || exit 1; done
 	for a in contact $(ADDONS:%=contact-%); do \
-	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(prefix)/lib/ && \
-	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(prefix)/lib/lib$$a.so.$(VERSION) && \
-	  ln -sf lib$$a.so.$(VERSION) $(DESTDIR)$(prefix)/lib/lib$$a.so.$(SONAME) && \
-	  ln -sf lib$$a.so.$(SONAME) $(DESTDIR)$(prefix)/lib/lib$$a.so && \
-	  sed -e 's|@prefix@|$(prefix)|; s|@version@|$(VERSION)|; s|@openmp@|$(OPENMP)|; s|@gsl@|$(GSL)|; s|@hdf5@|$(HDF5)|' \
-	    libcontact/lib$$a.pc.in > $(DESTDIR)$(prefix)/lib/pkgconfig/lib$$a.pc || exit 1; \
+	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(libdir)/ && \
+	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(libdir)/lib$$a.so.$(VERSION) && \
+	  ln -sf lib$$a.so.$(VERSION) $(DESTDIR)$(libdir)/lib$$a.so.$(SONAME) && \
+	  ln -sf lib$$a.so.$(SONAME) $(DESTDIR)$(libdir)/lib$$a.so && \
+	  $(FILL) libcontact/lib$$a.pc.in > $(DESTDIR)$(libdir)/pkgconfig/lib$$a.pc || exit 1; \
 	done
 
 # -- Set-up: system packages, then the Python environment ----------------------------------------------------------------------
@@ -254,7 +260,7 @@ $(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $
 STAGE := $(abspath $(BUILD)/stage)
 EMBED = $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l)))) \
   $(if $(HAVE_FC),$(foreach l,static shared,$(BUILD)/tests/embed_host_fortran_$(l)))
-$(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in libcontact/fortran/*)
+$(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.in libcontact/fortran/*)
 	rm -rf $(BUILD)/stage
 	$(MAKE) --no-print-directory install prefix=$(STAGE) DESTDIR=
 	$(Q)touch $@

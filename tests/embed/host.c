@@ -6,7 +6,7 @@
  * v = 0.1 and part with exchanged velocities. */
 #include "tap.h"
 
-#include <contact.h>
+#include <libcontact/contact.h>
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * The left bar has 3 x 3 faces at its end, the right one 2 x 2. With L = 10 and E = rho = A = 1 the
  * bars meet at the velocities 0.1 and -0.1, press each other with rho c v = 0.1 for 2 L / c = 20,
  * and part with exchanged velocities. */
-#include <contact.h>
+#include <libcontact/contact.h>
 #include <stdio.h>
 
 enum { LAYERS = 101, MOST = 16 * LAYERS };

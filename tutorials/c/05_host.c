@@ -1,5 +1,5 @@
 /* A host in forty lines: masses and springs slide over a fixed square with friction, to a wall. */
-#include <contact.h>
+#include <libcontact/contact.h>
 #include <stdio.h>
 
 int main(void)

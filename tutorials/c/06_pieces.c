@@ -1,6 +1,6 @@
 /* The host of 05_host.c in two pieces, each with half of the faces: two threads stand for two
  * processes. Both get the bits of one contact that has all faces. */
-#include <contact.h>
+#include <libcontact/contact.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
