@@ -30,7 +30,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test test-mpi docs pdf measured bench stability accuracy wheel check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi docs pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -69,8 +69,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml tutorials/scenes/*.inp) wrapper/libcontact/py.typed wrapper/libcontact/planning/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib install wheel figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _check-c _fuzz _kill _memory
+.PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
+.PHONY: mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory
 .DELETE_ON_ERROR:
 
 help:
@@ -86,6 +86,8 @@ help:
 	@echo "make lib              the C libraries, in build/lib"
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
+	@echo "make wheels           the Python package for Linux, Windows and macOS, in build/wheels (WHEELS=\"linux-x86_64 ...\": some of them)"
+	@echo "make check-cross      the same runs by gcc, clang, musl, aarch64, Windows, WebAssembly, as far as they run here: bits, speed, size"
 	@echo "make info             what was found on this machine"
 	@echo "make fuzz             random calls, scenes, optimisations, files and faces, for FUZZ_SECONDS (60); total counts in build/fuzz"
 	@echo "make kill             kill KILLS (100) runs while they write; each file must open and its run continue"
@@ -103,7 +105,8 @@ help:
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
 all: lib
-lib: $(ARCHIVES) $(SHARED)
+lib: archives $(SHARED)
+archives: $(ARCHIVES)
 
 # -- Libraries -------------------------------------------------------------------------------------------------------------
 # Flags that a change of must rebuild for: compiler, options, parts.
@@ -186,7 +189,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 
 # As many compilers at a time as there are processors, where the caller says nothing else.
 JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
-figures test docs pdf measured bench stability accuracy wheel: setup
+figures test docs pdf measured bench stability accuracy wheel wheels check-cross: setup
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
@@ -223,6 +226,27 @@ _stability: $(VENV)/.wrapper
 _accuracy: $(VENV)/.wrapper
 	MPLBACKEND=Agg $(VENV)/bin/python accuracy/run.py $(BUILD)/accuracy $(ACCURACY)
 	@echo "written: $(BUILD)/accuracy/"
+
+# The library for other machines, by the clang of the Python index (its runtime leaves the look at the processor to us), and the wheels made
+# of it. WHEELS and CROSS name some of the targets.
+CROSS_TARGETS := linux-x86_64=x86_64-linux-gnu.2.17 linux-aarch64=aarch64-linux-gnu.2.17 musl-x86_64=x86_64-linux-musl musl-aarch64=aarch64-linux-musl \
+  windows-x86_64=x86_64-windows-gnu macos-x86_64=x86_64-macos.11.0 macos-arm64=aarch64-macos.11.0 wasm32=wasm32-wasi wasm32-simd=wasm32-wasi
+cross_target = $(patsubst $(1)=%,%,$(filter $(1)=%,$(CROSS_TARGETS)))
+WHEELS ?= linux-x86_64 linux-aarch64 musl-x86_64 musl-aarch64 windows-x86_64 macos-x86_64 macos-arm64
+CROSS ?= linux-x86_64 musl-x86_64 musl-aarch64 windows-x86_64 wasm32 wasm32-simd
+# What unwinds a stack for C++ is of no use in a wheel.
+CROSS_OPT = -O3 -fno-asynchronous-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
+ZIG := $(abspath $(VENV))/bin/python -m ziglang
+$(BUILD)/cross/%: FORCE $(VENV)/.cross
+	@mkdir -p $@
+	+@$(MAKE) --no-print-directory archives BUILD=$@ CC="$(ZIG) cc -target $(call cross_target,$*)" AR="$(ZIG) ar" OPT="$(call CROSS_OPT,$*)" \
+	  WITHOUT="gsl hdf5 openmp" CFLAGS=-DCT_OWN_CPU_MODEL
+_wheels: $(WHEELS:%=$(BUILD)/cross/%) $(VENV)/.run
+	$(VENV)/bin/python tools/build_wheels.py $(BUILD)/cross $(BUILD)/wheels $(foreach w,$(WHEELS),$w=$(call cross_target,$w))
+
+# The same runs by all compilers and machines that can run here: their bits, their speed.
+_check-cross: $(CROSS:%=$(BUILD)/cross/%) $(ARCHIVES)
+	$(VENV)/bin/python tools/check_cross.py $(BUILD) "$(CC)" $(foreach c,$(CROSS),$c=$(call cross_target,$c))
 
 _wheel: $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel

@@ -58,8 +58,8 @@ def unpacked(wheel, folder):
 @each_wheel
 def test_a_wheel_is_small_and_holds_no_part_of_gsl_or_hdf5(wheel, tmp_path):
     """GSL's licence (GPL) and HDF5's 30 libraries stay out: their names are in no extension."""
-    assert wheel.stat().st_size <= 1.2e6 or "x86_64" in wheel.name or "amd64" in wheel.name
-    assert wheel.stat().st_size <= 1.4e6
+    three = "manylinux_2_17_x86_64" in wheel.name or "amd64" in wheel.name  # instruction sets
+    assert wheel.stat().st_size <= (1.4e6 if three else 1.2e6)
     core = unpacked(wheel, tmp_path).read_bytes()
     assert not re.search(rb"gsl_\w+|H5[A-Z]\w+_g\b|libgsl|libhdf5", core)
     (info,) = tmp_path.glob("*.dist-info")
@@ -82,10 +82,16 @@ def test_a_wheel_uses_the_limited_interface_only(wheel):
 
 @built
 @each_wheel
-def test_a_wheel_keeps_the_promise_of_its_tag(wheel):
+def test_a_wheel_keeps_the_promise_of_its_tag(wheel, tmp_path):
     """manylinux and musllinux: only the libraries, and the versions of their symbols, that the tag allows."""
     if "linux" not in wheel.name:
         pytest.skip("auditwheel knows Linux only")
+    if "musllinux" in wheel.name:  # auditwheel needs musl's own loader
+        said = subprocess.run(
+            ["readelf", "-d", unpacked(wheel, tmp_path)], capture_output=True, text=True, check=True
+        ).stdout
+        assert re.findall(r"NEEDED.*\[(.*)\]", said) == ["libc.so"]
+        return
     pytest.importorskip("auditwheel")
     tag = wheel.name.removesuffix(".whl").split("-")[-1]
     said = subprocess.run(
