@@ -86,7 +86,7 @@ static void same_as_an_effect(void)
   ct_interaction *is;
   ct_effect *effect;
   ct_error e;
-  need(ct_obstacle_create(&def, &surface, &is, &e), &e);
+  need(ct_obstacle_create(&def, &surface, NULL, &is, &e), &e);
   need(ct_obstacle_create_effect(&def, &problem, &effect, &e), &e);
   touch t = open_touch(is);
   void *scratch;
