@@ -46,7 +46,7 @@ CT_INLINE void row_over(const ct_contact *contact, const int32_t *faces, int32_t
 }
 
 /* Complete the row of a point at an obstacle that a body carries: the force acts against the body
- * on its own line (eq:carrier-row). */
+ * on its own line. */
 static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_point *p)
 {
   const ct_side *surface = &contact->gaps.side[0];
@@ -57,6 +57,7 @@ static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_po
                       contact->carried.centre, r);
   ct_carrier_weigh(&contact->carried, r, weights);
   p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
+  // -- The nodes of the body, with the weights at the point itself (eq:carrier-row)
   p->row.other_count = CT_CARRIER_NODES;
   p->row.other = contact->fixed->carrier->place;
   p->row.other_shape = weights;
