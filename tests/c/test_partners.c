@@ -41,7 +41,7 @@ static ct_interaction *obstacle_of(const partner *what, const ct_surface *surfac
   def.epsilon = EPSILON, def.enforcement = CT_ENFORCE_PENALTY;
   def.initial_penetration = set.initial, def.removal_time = REMOVAL;
   def.adjust = set.adjust, def.points = set.points;
-  need(ct_obstacle_create(&def, surface, &is, &e), &e);
+  need(ct_obstacle_create(&def, surface, NULL, &is, &e), &e);
   return is;
 }
 
