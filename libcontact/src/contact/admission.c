@@ -147,6 +147,7 @@ static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t coun
   ct_side *side = &contact->gaps.side[s];
   double k[CLAIMS], before[CLAIMS], gap[CLAIMS], claims[CLAIMS];
   int64_t some = 0;
+  if (count < 1) return 0;
   for (int64_t i = 0; i < count; i++, p++) {
     k[i] = p->row.stiffness;
     if (!may_store(p, reach)) {
