@@ -75,7 +75,7 @@ static void random_unit(double n[3])
 
 static void open_solver(linear *t)
 {
-  const ct_row_set set = {t->rows, NODES, NULL, 8, t->rows};
+  const ct_row_set set = {t->rows, NODES, NULL, 8, t->rows, 0};
   int32_t place[NODES];
   ct_error e;
   need(ct_solver_create(&set, 1, NODES, place, &t->s), &e);
