@@ -2,9 +2,10 @@
 
 The comments of the headers write names as `ct_mesh_check` or `count`. With ``default_role = "cname"`` a name that
 begins with ``ct_`` or ``CT_`` is linked to its entry in the API pages (with ``-n`` a name without entry fails),
-anything else is shown as code. At the end of reading, every function that a public header declares with ``CT_API`` must
-have an entry, and no header may have a comment *after* what it describes (``/**< … */``): hawkmoth would give it to the
-next name.
+anything else is shown as code. hawkmoth leaves the star before the last line of a comment that ends with text; here it
+goes, since docutils would read a list. At the end of reading, every function that a public header declares with
+``CT_API`` must have an entry, and no header may have a comment *after* what it describes (``/**< … */``): hawkmoth
+would give it to the next name.
 """
 
 from __future__ import annotations
@@ -39,6 +40,12 @@ class NameRole(SphinxRole):
         return [link], []
 
 
+def take_last_star(app, lines, transform, options):
+    """Take the star away that stands before the last line of a comment of several lines."""
+    if len(lines) > 1:
+        lines[-1] = re.sub(r"^\s+\* ", "", lines[-1])
+
+
 def check_manual(app, env):
     """Warn of every public function that no page documents."""
     documented = {name for name, *_ in env.get_domain("c").get_objects()}
@@ -64,5 +71,7 @@ def check_manual(app, env):
 def setup(app):
     app.add_config_value("cnames_headers", "../libcontact/include", "env")
     app.add_role("cname", NameRole())
+    app.setup_extension("hawkmoth")
+    app.connect("hawkmoth-process-docstring", take_last_star)
     app.connect("env-check-consistency", check_manual)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

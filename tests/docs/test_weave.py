@@ -338,6 +338,20 @@ def test_comment_after_what_it_describes_fails(book):
     assert status != 0 and "src/spring.h:2: WARNING: a comment must stand before" in messages
 
 
+def test_last_line_of_a_comment_is_text(book):
+    """One of two lines would become a term with a list, one of three lines an error."""
+    lines = (
+        "/** The first line,\n * the second,\n * the third. */\ndouble ct_spring_force(double u);\n"
+    )
+    sources = {"libcontact/src/spring.h": lines, "docs/spring.h": lines}
+    page = ".. c:autodoc:: spring.h\n"
+    status, messages, html = book(
+        page, extensions=("weave", "codepages", "cnames"), sources=sources
+    )
+    assert status == 0, messages
+    assert "<p>The first line,\nthe second,\nthe third.</p>" in html
+
+
 def test_name_in_backticks_is_a_link_and_must_exist(book):
     names = ("weave", "codepages", "cnames")
     known = ":cname:`ct_spring_force` and :cname:`count`\n\n.. c:function:: double ct_spring_force(double u)\n"
