@@ -54,19 +54,10 @@ static int are_four(const ct_friction_call *now, const int64_t *listed, int64_t 
 /* Vectors of four points side by side, each with a fourth component, 0. */
 CT_INLINE void load_vectors(const double *first, int64_t stride, double (*v)[4])
 {
-#if CT_ROWS
-  const ct_quad x = *(const ct_quad *)first, y = *(const ct_quad *)(first + stride),
-                z = *(const ct_quad *)(first + 2 * stride), none = {0.0},
-                low = CT_PICK(x, y, 0, 4, 2, 6), high = CT_PICK(x, y, 1, 5, 3, 7),
-                low2 = CT_PICK(z, none, 0, 4, 2, 6), high2 = CT_PICK(z, none, 1, 5, 3, 7);
-  *(ct_quad *)v[0] = CT_PICK(low, low2, 0, 1, 4, 5);
-  *(ct_quad *)v[1] = CT_PICK(high, high2, 0, 1, 4, 5);
-  *(ct_quad *)v[2] = CT_PICK(low, low2, 2, 3, 6, 7);
-  *(ct_quad *)v[3] = CT_PICK(high, high2, 2, 3, 6, 7);
-#else
-  for (int q = 0; q < 4; q++)
-    for (int c = 0; c < 4; c++) v[q][c] = c < 3 ? first[stride * c + q] : 0.0;
-#endif
+  const double none[4] = {0.0};
+  const double *const from[4] = {first, first + stride, first + 2 * stride, none};
+  double *const to[4] = {v[0], v[1], v[2], v[3]};
+  ct_turn(from, to);
 }
 
 /* Tractions and couples of four points, on a face of the other side with `count` nodes; summed
