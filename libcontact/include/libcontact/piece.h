@@ -55,8 +55,9 @@ CT_API ct_status ct_piece_bisect(const ct_problem *problem, int32_t count, const
  * other nodes from their owners, :eq:`piece-total`. Its own nodes have the bits of the whole state
  * at each step. Arrays keep the numbers of the problem; nodes that the piece does not need stand
  * still. For results call `ct_state_collect`: calls that need all nodes, such as `ct_ledger_of`,
- * refuse a piece. ``CT_ERROR_UNSUPPORTED``: an effect that can't be computed in pieces, such as
- * dynamic relaxation; ``CT_ERROR_ARGUMENT``: invalid definition, or not the same in all pieces.
+ * refuse a piece. ``CT_ERROR_UNSUPPORTED``: an effect that can't be computed in pieces: rigid
+ * bodies, a tie, one of a host without `cut`. ``CT_ERROR_ARGUMENT``: invalid definition, or not the
+ * same in all pieces.
  */
 CT_API ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state **piece,
                               ct_error *error);
