@@ -136,11 +136,10 @@ def _counts(state: Any) -> Rows:
 def planned(problem: Problem, state: Any, count: int, partition: Any = None) -> Rows:
     """What each of ``count`` pieces would compute and exchange, a row per piece; nothing is exchanged."""
     owners, rows = owners_of(problem, count, partition), []
-    alone = exchanged(lambda values: None)
+    alone, nobody = exchanged(lambda values: None), _transfer(lambda *given: None)
     for number in range(count):
         new, _kept = _definition(problem, owners, number, count)
-        new.join.sum = new.join.largest = alone
-        new.exchange = _transfer(lambda *given: None)
+        new.join.sum, new.join.largest, new.exchange = alone, alone, nobody
         piece = ask("ct_state **", lib.ct_state_cut, state, new)
         rows.append(_counts(piece))
         lib.ct_state_free(piece)
