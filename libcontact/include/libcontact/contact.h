@@ -351,7 +351,8 @@ typedef struct ct_obstacle_def {
    * face). */
   const int32_t *faces;
   /** Number of the rigid body of the problem that carries the obstacle, so that it moves and turns
-   * by its forces; null: none. Not for a host's contact, nor for the explicit penalty. */
+   * by its forces, without `velocity` and `travel`; null: none. Not for a host's contact, nor for
+   * the explicit penalty. */
   const int32_t *carrier;
 } ct_obstacle_def;
 

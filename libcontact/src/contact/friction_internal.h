@@ -13,7 +13,7 @@ typedef struct ct_friction {
   double mu, rho;
   int rigid, sides, explicit;
   int quads;       /* whether the partners' faces have four nodes */
-  int other_nodes; /* 4 or, if one may have others, 8; 0 at an obstacle */
+  int other_nodes; /* 4 or, if one may have others, 8; 0 at an obstacle that no body carries */
   const ct_side_fixed *side[2];
   int64_t points;
 } ct_friction;
