@@ -1,4 +1,4 @@
-"""Recipes of distributions agree with the library: version, license, dependencies; the Debian package builds."""
+"""Recipes of distributions agree with the library: version, license, dependencies."""
 
 import re
 from pathlib import Path
