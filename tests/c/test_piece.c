@@ -376,20 +376,22 @@ static void failures(void)
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
   int32_t *owners = integers(all_elements(problem)), *others = integers(all_elements(problem));
   ct_state *start = new_state(problem);
+  static const char *const NAME[] = {"NaN in one piece", "two cuts", "an owner out of range"};
   cut_elements(problem, 0, 2, owners);
-  for (int what = 0; what < 2; what++) {
+  for (int what = 0; what < 3; what++) {
+    others[0] = what == 2 ? 2 : 0;
     meeting with = MEETING(2);
     member of[2];
     for (int k = 0; k < 2; k++)
       of[k] = (member){.at = {&with, k},
                        .start = start,
-                       .owners = what == 1 && k == 1 ? others : owners,
+                       .owners = what > 0 && k == 1 ? others : owners,
                        .steps = 40,
                        .poison = what == 0 && k == 1 ? NAN : 0.0,
                        .whole = copy_of(start)};
     run_members(of, 2);
     tap_ok(of[0].status == of[1].status && of[0].status != CT_OK, "%s: %s; and the other: %s",
-           what == 0 ? "NaN in one piece" : "two cuts", of[1].error.text, of[0].error.text);
+           NAME[what], of[1].error.text, of[0].error.text);
     for (int k = 0; k < 2; k++) ct_state_free(of[k].whole);
     free(with.total);
   }

@@ -83,12 +83,18 @@ static int nodes_of(const ct_mesh *mesh, int32_t e, const int32_t **nodes)
   return per;
 }
 
-static ct_status check_def(const ct_problem *problem, const ct_piece_def *def, ct_error *error)
+/* What the pieces need to tell each other anything. */
+static ct_status check_calls(const ct_piece_def *def, ct_error *error)
 {
   if (def == NULL || def->cookie != CT_DEF_COOKIE || def->owners == NULL || def->join.sum == NULL ||
       def->join.largest == NULL || def->exchange == NULL ||
       (def->common == NULL && def->common_count != 0))
     return CT_REFUSE(error, "piece: an argument is null, or the definition lacks its default");
+  return CT_OK;
+}
+
+static ct_status check_def(const ct_problem *problem, const ct_piece_def *def, ct_error *error)
+{
   if (def->count < 1 || def->number < 0 || def->number >= def->count)
     return CT_REFUSE(error, "piece: there is no piece %d of %d", (int)def->number, (int)def->count);
   for (int64_t e = 0; e < element_count(problem); e++)
@@ -287,16 +293,17 @@ static void fill(ct_piece *piece, const ct_piece_def *def)
 ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct_piece **out,
                           ct_error *error)
 {
-  ct_status status = check_def(problem, def, error);
+  ct_status status = check_calls(def, error);
   if (status != CT_OK) return status;
   ct_piece *piece = ct_allocate(1, sizeof *piece);
   if (piece == NULL) return CT_NO_MEMORY(error, "a piece");
   piece->problem = problem;
   piece->def = *def;
   piece->join = (ct_pieces){piece, count_sum, count_largest};
-  fill(piece, def);
   piece->def.owners = piece->def.common = NULL;
-  status = piece->pool.failed ? CT_NO_MEMORY(error, "a piece") : CT_OK;
+  status = check_def(problem, def, error);
+  if (status == CT_OK) fill(piece, def);
+  if (piece->pool.failed) status = CT_NO_MEMORY(error, "a piece");
   status = ct_piece_agree(piece, status, error);
   if (status == CT_OK) status = check_same(piece, def, error);
   if (status == CT_OK) *out = piece;
