@@ -46,6 +46,10 @@ enum { CT_QUAD_PARTS = 4 };
 #define CT_INLINE static inline
 #endif
 
+/* The larger of two numbers without a call, as fmax would be in a loop over lanes; b if a is NaN.
+ */
+CT_INLINE double ct_larger(double a, double b) { return a > b ? a : b; }
+
 /* The same number in all lanes. */
 CT_INLINE void ct_lanes_fill(double number, ct_lanes *v)
 {

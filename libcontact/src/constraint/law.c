@@ -8,8 +8,7 @@
 #include <float.h>
 #include <math.h>
 
-/* The larger and the smaller of two numbers, without the call of fmax or fmin. */
-CT_INLINE double larger(double x, double y) { return x > y ? x : y; }
+/* The smaller of two numbers, as ct_larger. */
 CT_INLINE double smaller(double x, double y) { return x < y ? x : y; }
 
 /* min(g, 0). */
@@ -227,7 +226,7 @@ void ct_law_dampings(int64_t count, const double *zeta, const double *stiffness,
 CT_INLINE double dashpot(const ct_constraint *c, double mobility)
 {
   // -- A point that has just closed does not rebound on its own spring (eq:impact-reserve)
-  const double zeta = larger(c->dissipation, is_fresh(c) ? 0.5 : 0.0);
+  const double zeta = ct_larger(c->dissipation, is_fresh(c) ? 0.5 : 0.0);
   return damping(zeta, c->stiffness, mobility);
 }
 
@@ -331,8 +330,8 @@ CT_INLINE void count_time(ct_constraint *c, int pressed, int enters, double dt)
  * (eq:impact-reserve). */
 CT_INLINE void take(ct_constraint *c, double gain)
 {
-  const double debt = larger(-c->impact.reserve, 0.0), e = c->restitution;
-  const double kept = smaller(gain, debt) + e * larger(gain - debt, 0.0);
+  const double debt = ct_larger(-c->impact.reserve, 0.0), e = c->restitution;
+  const double kept = smaller(gain, debt) + e * ct_larger(gain - debt, 0.0);
   c->impact.reserve = e > 0.0 ? c->impact.reserve + kept : c->impact.reserve;
 }
 

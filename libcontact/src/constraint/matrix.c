@@ -332,13 +332,11 @@ static void list_shared_nodes(ct_solver *s)
   }
 }
 
-static double larger(double x, double y) { return x > y ? x : y; }
-
 int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
 {
   for (int32_t k = 0; k < s->active_node_count; k++) {
     double *A = &s->mobility[s->active_nodes[k]];
-    A[3] = larger(larger(A[0], A[1]), A[2]);
+    A[3] = ct_larger(ct_larger(A[0], A[1]), A[2]);
   }
   if (!add_forces(s, ct_add_sizes, ones)) return 0;
   if (s->bodies != NULL)

@@ -67,9 +67,6 @@ static ct_slip_set set_of(const ct_tangent *t, int64_t j)
   return set;
 }
 
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-
 /* `to` = forces without the parts beyond their discs, and `beyond` = 1 where they are still beyond
  * the chord; writes the largest component, and returns whether any is beyond. */
 CT_CLONES
@@ -87,8 +84,8 @@ static int shorten_all(const ct_tangent *t, const ct_columns *from, const ct_col
     const double along = (X[j] * cx[j] + Y[j] * cy[j]) + Z[j] * cz[j],
                  over = along > most[j] ? 1.0 : 0.0;
     beyond[j] = over;
-    any = larger(over, any);
-    top = larger(larger(larger(fabs(X[j]), fabs(Y[j])), fabs(Z[j])), top);
+    any = ct_larger(over, any);
+    top = ct_larger(ct_larger(ct_larger(fabs(X[j]), fabs(Y[j])), fabs(Z[j])), top);
   }
   *largest = top;
   return any > 0.0;
@@ -106,7 +103,7 @@ static double project(const ct_tangent *t, const ct_columns *from, const ct_colu
     ct_columns_get(from, j, T);
     ct_slip_project(&set, T);
     ct_columns_set(to, j, T);
-    for (int c = 0; c < 3; c++) top = larger(fabs(T[c]), top);
+    for (int c = 0; c < 3; c++) top = ct_larger(fabs(T[c]), top);
   }
   return top;
 }
@@ -203,12 +200,12 @@ static int measure(const ct_tangent *t, double size[2])
     const double size2 = (aimx[j] * aimx[j] + aimy[j] * aimy[j]) + aimz[j] * aimz[j],
                  part = ct_slip_part(limit[j], size2), X = aimx[j] * part, Y = aimy[j] * part,
                  Z = aimz[j] * part, over = ((X * cx[j] + Y * cy[j]) + Z * cz[j]) - chord[j];
-    any = larger(over, any);
-    most = larger(larger(larger(fabs(X - x[j]), fabs(Y - y[j])), fabs(Z - z[j])), most);
-    top = larger(larger(larger(fabs(X), fabs(Y)), fabs(Z)), top);
+    any = ct_larger(over, any);
+    most = ct_larger(ct_larger(ct_larger(fabs(X - x[j]), fabs(Y - y[j])), fabs(Z - z[j])), most);
+    top = ct_larger(ct_larger(ct_larger(fabs(X), fabs(Y)), fabs(Z)), top);
     sum += (X + Y) + Z;
   }
-  size[0] = isnan(sum) ? NAN : most, size[1] = larger(top, size[1]);
+  size[0] = isnan(sum) ? NAN : most, size[1] = ct_larger(top, size[1]);
   return any > 0.0;
 }
 

@@ -38,9 +38,6 @@ int ct_tangent_fix_laws(ct_solver *s)
   return 1;
 }
 
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-
 /* One component of the slips of the last step, the sizes of their terms, and theirs; `keep` is 0
  * for the first component, and then 1. */
 CT_CLONES
@@ -52,8 +49,8 @@ static void find_chords(int64_t count, double keep, const double *last, const do
   for (int64_t j = 0; j < count; j++) {
     // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
     c[j] = last[j] - (e[j] - e0[j]);
-    size[j] = larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), keep * size[j]);
-    length[j] = larger(fabs(c[j]), keep * length[j]);
+    size[j] = ct_larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), keep * size[j]);
+    length[j] = ct_larger(fabs(c[j]), keep * length[j]);
   }
 }
 
@@ -77,5 +74,5 @@ void ct_tangent_fix_chords(const ct_tangent *t)
   for (int c = 0; c < 3; c++)
     find_chords(t->count, c > 0, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
   for (int c = 0; c < 3; c++) drop_chords(t->count, t->stuck, size, length, t->c.x[c]);
-  for (int64_t j = 0; j < t->count; j++) t->most[j] = 2.0 * larger(t->reserve[j], 0.0);
+  for (int64_t j = 0; j < t->count; j++) t->most[j] = 2.0 * ct_larger(t->reserve[j], 0.0);
 }

@@ -300,9 +300,6 @@ int ct_tangent_apply(ct_solver *s)
   return 1;
 }
 
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-
 /* Sizes of the entries of one row, for each node (eq:slip-bound). Returns the largest. */
 static double size_row(const ct_tangent_row *r, const double *couple, double *size)
 {
@@ -311,14 +308,14 @@ static double size_row(const ct_tangent_row *r, const double *couple, double *si
   double top = 0.0;
   for (int32_t a = 0; a < c->own_count; a++) {
     size[a] = fabs(c->own_shape[a]);
-    top = larger(size[a], top);
+    top = ct_larger(size[a], top);
   }
   size += c->own_count;
   for (int32_t b = 0; b < c->other_count; b++) {
     const double *w = &couple[ALONE_WEIGHT + 4 * b];
     // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
     size[b] = fabs(c->other_shape[b]) + sqrt(ct_vector_dot(w, w) * d);
-    top = larger(size[b], top);
+    top = ct_larger(size[b], top);
   }
   return top;
 }
@@ -332,7 +329,7 @@ CT_INLINE double size_four(int32_t other, const double *lanes, double *size)
 #pragma omp simd
     for (int i = 0; i < 4; i++) {
       size[4 * a + i] = fabs(lanes[4 * a + i]);
-      most[i] = larger(size[4 * a + i], most[i]);
+      most[i] = ct_larger(size[4 * a + i], most[i]);
     }
   for (int32_t b = 0; b < other; b++) {
     const double *w = lanes + WEIGHT + 12 * b;
@@ -342,10 +339,10 @@ CT_INLINE double size_four(int32_t other, const double *lanes, double *size)
                    w2 = (w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i];
       // -- |N̄_b| + |w_b| |d| (eq:slip-bound)
       size[16 + 4 * b + i] = fabs(O[4 * b + i]) + sqrt(w2 * d2);
-      most[i] = larger(size[16 + 4 * b + i], most[i]);
+      most[i] = ct_larger(size[16 + 4 * b + i], most[i]);
     }
   }
-  return larger(larger(most[0], most[1]), larger(most[2], most[3]));
+  return ct_larger(ct_larger(most[0], most[1]), ct_larger(most[2], most[3]));
 }
 
 /* The sizes of all rows; those of four rows together lie side by side. Returns the largest. */
@@ -360,7 +357,7 @@ static double size_rows(const ct_tangent *t)
     if (r->together == 1) own = size_row(r, lanes, size);
     else if (r->row->other_count == 4) own = size_four(4, lanes, size);
     else own = size_four(0, lanes, size);
-    top = larger(own, top);
+    top = ct_larger(own, top);
   }
   return top;
 }

@@ -122,9 +122,6 @@ static void read_points(const ct_tangent *t)
   }
 }
 
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-
 /* Remove the normal parts of the forces. Returns the largest component. */
 CT_CLONES
 static double make_tangential(const ct_tangent *t)
@@ -135,7 +132,7 @@ static double make_tangential(const ct_tangent *t)
   for (int64_t j = 0; j < t->count; j++) {
     const double along = (n0[j] * x[j] + n1[j] * y[j]) + n2[j] * z[j];
     x[j] -= along * n0[j], y[j] -= along * n1[j], z[j] -= along * n2[j];
-    top = larger(larger(larger(fabs(x[j]), fabs(y[j])), fabs(z[j])), top);
+    top = ct_larger(ct_larger(ct_larger(fabs(x[j]), fabs(y[j])), fabs(z[j])), top);
   }
   return top;
 }

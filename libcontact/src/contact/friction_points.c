@@ -382,16 +382,13 @@ CT_INLINE void keep(const double *e, int64_t stride, const ct_face_axes *axes,
   for (int l = 0; l < CT_BATCH; l++) to[3][l] = sqrt((x[l] * x[l] + y[l] * y[l]) + z[l] * z[l]);
 }
 
-/* The larger of two numbers. */
-CT_INLINE double larger(double a, double b) { return a > b ? a : b; }
-
 /* The largest components of eight vectors. */
 CT_INLINE void find_largest(const double *v, int64_t stride, double *restrict largest)
 {
   const double *x = v, *y = v + stride, *z = v + 2 * stride;
 #pragma omp simd
   for (int l = 0; l < CT_BATCH; l++)
-    largest[l] = larger(larger(fabs(x[l]), fabs(y[l])), fabs(z[l]));
+    largest[l] = ct_larger(ct_larger(fabs(x[l]), fabs(y[l])), fabs(z[l]));
 }
 
 /* The weights of the couples of eight points, for the nodes of the other face, and a bound of the
@@ -409,10 +406,10 @@ CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *r
     for (int l = 0; l < CT_BATCH; l++) {
       turn[l] =
           (w[l] * T[l] + w[stride + l] * T[stride + l]) + w[2 * stride + l] * T[2 * stride + l];
-      top[l] = larger(fabs(turn[l]), top[l]);
+      top[l] = ct_larger(fabs(turn[l]), top[l]);
     }
 #pragma omp simd
-  for (int l = 0; l < CT_BATCH; l++) most[l] = larger(top[l] * arm[l], most[l]);
+  for (int l = 0; l < CT_BATCH; l++) most[l] = ct_larger(top[l] * arm[l], most[l]);
 }
 
 /* The records of eight points but for their partners. */
