@@ -65,6 +65,7 @@ nitpick_ignore = [
     ("c:identifier", "int64_t"),
     ("c:identifier", "uint64_t"),
     # Opaque in the public headers.
+    ("c:identifier", "ct_piece"),
     ("c:identifier", "ct_slip"),
     # What Scene.explain is made from: not for callers.
     ("py:class", "libcontact.problem.Problem"),
