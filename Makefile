@@ -50,17 +50,17 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wno-pass-failed $(if
 BASE := -std=c99 -ffp-contract=off -fno-math-errno $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
 CORE_FLAGS := $(BASE) $(WARNINGS) $(CFLAGS)
 GSL_FLAGS = $(if $(GSL),$(shell $(PKG_CONFIG) --cflags $(GSL)))
-HDF5_FLAGS = $(if $(HDF5),$(shell $(PKG_CONFIG) --cflags $(HDF5)))
+HDF5_FLAGS = $(if $(HDF5),$(shell $(PKG_CONFIG) --cflags $(HDF5)),-Ilibcontact/src/hdf5/loaded)
 GSL_LIBS = $(if $(GSL),$(shell $(PKG_CONFIG) --libs $(GSL)))
 HDF5_LIBS = $(if $(HDF5),$(shell $(PKG_CONFIG) --libs $(HDF5)))
 
 # -- Files ---------------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard libcontact/include/*.h libcontact/include/*/*.h)
 CORE_SOURCES := $(filter-out libcontact/src/gsl/% libcontact/src/hdf5/%,$(wildcard libcontact/src/*/*.c))
-# An add-on without its package is one source, whose calls refuse.
+# An add-on without its package is one source, whose calls refuse. HDF5 may also be loaded later, where files are those of POSIX.
 addon_sources = $(if $(2),$(filter-out %/missing.c,$(wildcard libcontact/src/$(1)/*.c)),libcontact/src/$(1)/missing.c)
 GSL_SOURCES := $(call addon_sources,gsl,$(GSL))
-HDF5_SOURCES := $(call addon_sources,hdf5,$(HDF5))
+HDF5_SOURCES := $(call addon_sources,hdf5,$(if $(findstring -windows,$(CC))$(findstring -wasi,$(CC)),$(HDF5),loaded))
 object = $(patsubst libcontact/src/%.c,$(1)/%.o,$(2))
 CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
 ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
@@ -458,7 +458,7 @@ info:
 	@echo "C++        $(if $(HAVE_CXX),$(HAVE_CXX),no: the C++ embedding tests are left out)"
 	@echo "Fortran    $(if $(HAVE_FC),$(HAVE_FC),no: the Fortran embedding test is left out (gfortran is not set up by itself))"
 	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) refuses every call)"
-	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) refuses every call)"
+	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: results files and restart by the HDF5 of h5py, in Python only)"
 	@echo "python     $(shell $(PYTHON) --version 2>&1) ($(PYTHON)), environment $(VENV)$(if $(wildcard $(VENV)/.wrapper),, (not made yet))"
 	@echo "left out   $(if $(WITHOUT),$(WITHOUT),nothing (WITHOUT=\"gsl hdf5 openmp\" leaves parts out))"
 

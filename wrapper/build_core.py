@@ -1,6 +1,7 @@
 """The extension ``libcontact._core``: its declarations are the public headers, read as they are.
 
-Plain ``pip install .`` compiles the core (libc and libm only) and add-ons that refuse every call. The Makefile links
+Plain ``pip install .`` compiles the core (libc and libm only), the files' add-on for an HDF5 that h5py brings, and a
+series that refuses every call. The Makefile links
 the archives that it has built instead, by the variables LIBCONTACT_PREBUILT (folder of the archives),
 LIBCONTACT_PACKAGES (what pkg-config calls GSL and HDF5, where they are) and LIBCONTACT_OPENMP (a flag or nothing).
 """
@@ -19,7 +20,7 @@ ADDON_HEADERS = {"gsl": "libcontact/series.h", "hdf5": "libcontact/output.h"}
 FLAGS = [
     "-O3",
     "-std=c99",
-    "-D_POSIX_C_SOURCE=199309L",
+    "-D_POSIX_C_SOURCE=200112L",
     "-ffp-contract=off",
     "-fno-math-errno",
     "-fvisibility=hidden",
@@ -77,7 +78,8 @@ else:
     sources = sorted(
         str(path)
         for path in (LIBRARY / "src").rglob("*.c")
-        if path.parent.name not in ADDON_HEADERS or path.name == "missing.c"
+        if path.parent.name not in ADDON_HEADERS
+        or (path.name == "missing.c") == (path.parent.name == "gsl" or sys.platform == "win32")
     )
     objects = []
 
@@ -139,19 +141,25 @@ extern "Python" {
 }
 """
 
+# HDF5's calls by name, in the library that h5py has loaded (hdf5.py).
+LOAD = "int ct_hdf5_load(void *(*find)(const char *name));"
+
 ffi = cffi.FFI()
 ffi.cdef(
     "\n".join(map(declarations, headers))
     + "\nstatic double wall_clock(void); long long bytes_held(void); ct_status count_memory(void);"
     + OWN
+    + 'extern "Python" void *hdf5_find(const char *name);'
+    + LOAD
 )
 ffi.set_source(
     "libcontact._core",
     "\n".join(f"#include <{header}>" for header in ["libcontact.h", *ADDON_HEADERS.values()])
     + CLOCK
-    + COUNTED,
+    + COUNTED
+    + LOAD,
     sources=sources,
-    include_dirs=[str(INCLUDE)],
+    include_dirs=[str(INCLUDE), str(LIBRARY / "src/hdf5/loaded")],
     extra_objects=objects,
     extra_compile_args=[]
     if sys.platform == "win32"

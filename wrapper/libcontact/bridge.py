@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .errors import check, new_error
+from .hdf5 import lock
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -19,17 +20,17 @@ Rows = NDArray[Any]
 
 
 def has(part: str) -> bool:
-    """Check whether an optional part was built in.
+    """Check whether an optional part is there.
 
     Parameters
     ----------
     part : {"hdf5", "gsl", "openmp"}
-        Results files, the modal series, or threads.
+        Results files, the modal series, or threads. Where HDF5 was not built in, that of h5py serves.
 
     Returns
     -------
     bool
-        True if the part was built in.
+        True if the part is there.
 
     Raises
     ------
@@ -40,7 +41,7 @@ def has(part: str) -> bool:
     # without work.
     nothing = ffi.NULL
     parts: dict[str, bool] = {
-        "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
+        "hdf5": part == "hdf5" and lock() is not None,
         "gsl": lib.ct_exact_plates_series(0, *[nothing] * 3, 0.3, 0, *[nothing] * 3)
         != lib.CT_ERROR_UNSUPPORTED,
         "openmp": bool(lib.ct_has_openmp()),

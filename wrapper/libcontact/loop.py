@@ -34,6 +34,7 @@ from .errors import (
     raise_held,
     text_of,
 )
+from .hdf5 import ADVICE, files
 from .mesh import view
 from .model import FEEDS, FIELDS, FILTERED, LARGE
 from .observers import Observer, own
@@ -202,10 +203,10 @@ class Loop:
         """Continue from the newest restart record of a file, whose run began with ``asked`` times the step of
         this run."""
         if not has("hdf5"):
-            raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
+            raise NotBuiltIn(f"this build has no HDF5, so it can't read a restart: {ADVICE}")
         name, dt = os.fsencode(path), ffi.new("double *")
         found = (name, self.problem.pointer, self.state, dt)
-        self._input("restart", call, lib.ct_output_restart_step, *found)
+        self._input("restart", call, files.ct_output_restart_step, *found)
         # The run has divided its step by `ran`, and this one divides it by a multiple of that.
         ran = round(asked * self.first.dt / dt[0])
         if self._divide(max(self.parts, ran // math.gcd(ran, asked))):
@@ -214,13 +215,13 @@ class Loop:
         if dt[0] != self.problem.dt:
             coarse = self._with_step(dt[0])
             state = new_state(coarse)
-        self._input("restart", call, lib.ct_output_restart, name, coarse.pointer, state)
+        self._input("restart", call, files.ct_output_restart, name, coarse.pointer, state)
         if state is not self.state:
             fine = (self.problem.pointer, state, self.state)
             self._input("restart", call, lib.ct_state_subdivide_step, *fine)
         if self.probes:
             given = (name, self.state, self.probes.pointer)
-            self._input("restart", call, lib.ct_output_restart_probes, *given)
+            self._input("restart", call, files.ct_output_restart_probes, *given)
 
     def _create(self, path: str | Path) -> Any:
         text, output = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output
@@ -229,7 +230,7 @@ class Loop:
             setattr(options, name, name in self.problem.parts.fields)
         options.scene, options.probes, options.filter = text, self.probes.pointer, output.filter
         pointer = self.first.pointer
-        return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
+        return ask("ct_output **", files.ct_output_create, os.fsencode(path), pointer, options)
 
     def open(self, path: str | Path) -> None:
         """Create the results file. Without HDF5 the results stay in memory, and ``known`` has warned."""
@@ -255,7 +256,7 @@ class Loop:
 
     def _end_file(self) -> None:
         output, self.output, error = self.output, None, new_error()
-        if output is not None and lib.ct_output_close(output, error) != lib.CT_OK:
+        if output is not None and files.ct_output_close(output, error) != lib.CT_OK:
             raise RunError(text_of(error.code, error), self.result())
 
     def abandon(self) -> None:
@@ -266,10 +267,10 @@ class Loop:
     def write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
         if not has("hdf5"):
-            raise NotBuiltIn("this build has no HDF5, so it can't save a run")
+            raise NotBuiltIn(f"this build has no HDF5, so it can't save a run: {ADVICE}")
         try:
             self.output = self._create(path)
-            self._call(lib.ct_output_append, self.output, self.problem.pointer, self.state)
+            self._call(files.ct_output_append, self.output, self.problem.pointer, self.state)
             self._end_file()
         except Error as reason:
             with contextlib.suppress(RunError):
@@ -347,7 +348,7 @@ class Loop:
 
     def _append(self, state: Any, ledger: Any) -> None:
         given = self.output, self.problem.pointer, state, ledger
-        self._call(lib.ct_output_append_row, *given)
+        self._call(files.ct_output_append_row, *given)
 
     # Time loop.
 

@@ -1,7 +1,9 @@
 #ifdef __linux__
 #define _GNU_SOURCE
 #else
+#undef _POSIX_C_SOURCE
 #define _XOPEN_SOURCE 700
+#define _DARWIN_C_SOURCE
 #endif
 #define _FILE_OFFSET_BITS 64
 

@@ -8,7 +8,7 @@
 
 #include <hdf5.h>
 #include <stddef.h>
-#if H5_VERSION_GE(1, 13, 0)
+#if H5_VERSION_GE(1, 13, 0) && !defined CT_HDF5_LOADED
 #include <H5FDdevelop.h>
 #endif
 
@@ -155,7 +155,8 @@ void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *f
 /* "path: can't <what>: <reason>", with the reason from HDF5's error stack; call it before any other
  * call of HDF5, which would clear the stack. */
 void ct_hdf5_fail(ct_task *task, const char *what);
-/* Check that the loaded library is the one of compilation (HDF5 itself would end the process). */
+/* Check that the loaded library is the one of compilation (HDF5 itself would end the process), or
+ * that there is one. */
 ct_status ct_hdf5_check_version(ct_error *error);
 /* Options for opening files. */
 hid_t ct_hdf5_access(void);
@@ -187,6 +188,14 @@ void ct_hdf5_extend(ct_task *task, const ct_column *column, int64_t rows);
 /* Write some rows, from `first` on. */
 void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
                         const void *source);
+
+/* -- load.c: HDF5 of the host -- */
+
+/* The address of a name in the HDF5 that the host has loaded, or null. */
+typedef void *ct_hdf5_find(const char *name);
+/* Without HDF5 all calls refuse until this has found HDF5 1.14 or newer; with it there is nothing
+ * to do. Returns whether there is an HDF5. For the Python package, which has no header of it. */
+int ct_hdf5_load(ct_hdf5_find *find);
 
 /* -- disk.c: what HDF5 has no call for, and one writer for a file -- */
 

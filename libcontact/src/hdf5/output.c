@@ -3,6 +3,7 @@
 #include <libcontact/contact_effect.h>
 #include <libcontact/base.h>
 
+#include <stdio.h>
 #include <stdlib.h>
 
 /* Bytes that HDF5 itself needs per step. Fields are computed in pieces of rows that fit the cache.
@@ -300,9 +301,16 @@ static ct_status append_state(void *output, ct_state *state, ct_error *error)
   return ct_output_append(output, state->problem, state, error);
 }
 
+static ct_status prepare(void *output, const ct_problem *problem, ct_state *state, int64_t count,
+                         ct_error *error)
+{
+  (void)output, (void)problem, (void)state, (void)count;
+  return ct_hdf5_check_version(error);
+}
+
 ct_observer ct_output_observer(ct_output *output, int64_t every)
 {
-  static const ct_observer_calls CALLS = {.check = append_state};
+  static const ct_observer_calls CALLS = {.prepare = prepare, .check = append_state};
   return (ct_observer){.calls = &CALLS, .data = output, .every = every};
 }
 
@@ -310,7 +318,7 @@ ct_observer ct_output_observer(ct_output *output, int64_t every)
 
 ct_status ct_output_close(ct_output *output, ct_error *error)
 {
-  if (output == NULL) return CT_OK;
+  if (output == NULL) return ct_hdf5_check_version(error);
   ct_task task = task_on(output, error);
   if (output->broken)
     ct_task_fail(&task, CT_ERROR_FILE, CT_NOWHERE,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..bridge import has
 from ..errors import SceneWarning, came_in_late
+from ..hdf5 import ADVICE
 from ..mesh import FACTS, rotation
 from ..model import AXES, FEEDS, Contact, speeds
 from ..observers import Observer, spread
@@ -172,7 +173,7 @@ def _units(problem: Problem) -> Iterator[SceneWarning]:
 
 def _file(output: Any) -> Iterator[SceneWarning]:
     if output is not None and not has("hdf5"):
-        text = f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file'
+        text = f'this build has no HDF5: "{output}" is not written, the results stay in memory; to get the file: {ADVICE}'
         yield SceneWarning("output", text, "output.file")
 
 
