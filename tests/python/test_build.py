@@ -11,6 +11,7 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from commands import captured
 from libcontact._core import ffi, lib
@@ -304,10 +305,14 @@ def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
     assert subprocess.run([str(program)]).returncode == 0
 
 
-@pytest.mark.skipif(shutil.which(CC[0]) is None, reason="no C compiler")
-def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
-    """`pip install .` from an sdist: without Makefile and add-ons, so GSL's licence does not apply."""
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """A function that calls a Python program with the package that `pip install .` makes from an sdist: without
+    Makefile and libraries."""
     pytest.importorskip("setuptools")
+    if shutil.which(CC[0]) is None:
+        pytest.skip("no C compiler")
+    tmp_path = tmp_path_factory.mktemp("plain")
     tree = tmp_path / "tree"
     tree.mkdir()
     for name in ("libcontact", "wrapper", "tutorials/scenes"):
@@ -349,16 +354,158 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     assert "-abi3-" in wheel.name
     assert "libcontact/py.typed" in zipfile.ZipFile(wheel).namelist()
     zipfile.ZipFile(wheel).extractall(tmp_path / "installed")
-    use = (
-        f"import libcontact as ct; assert ct.__file__.startswith({str(tmp_path)!r}); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
-        "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))"
+    environment["PYTHONPATH"] = os.pathsep.join(
+        [str(tmp_path / "installed"), str(ROOT / "stability")]
     )
-    done = captured(
-        [sys.executable, "-c", use],
-        cwd=tmp_path,
-        env={**environment, "PYTHONPATH": str(tmp_path / "installed")},
+
+    def call(program, *arguments):
+        begin = f"import sys, libcontact as ct; assert ct.__file__.startswith({str(tmp_path)!r})\n"
+        command = [sys.executable, "-c", begin + program, *map(str, arguments)]
+        done = captured(command, cwd=tmp_path, env=environment)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return call
+
+
+def test_a_package_of_the_sources_builds_the_core_alone(plain):
+    """GSL's licence does not apply; files are there with an h5py whose HDF5 is new enough, and the advice is to get one
+    where it is missing."""
+    use = """
+f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]])
+print(f.distance[0], ct.has('gsl'), ct.has('hdf5'))
+"""
+    try:
+        from h5py.version import hdf5_version_tuple as version
+    except ImportError:
+        version = (0,)
+    assert plain(use).split() == ["2.0", "False", str(version >= (1, 14))]
+    without = """
+sys.modules['h5py'] = None
+from kill import scene
+print(ct.has('hdf5'))
+try: scene().run(progress=False, output=False).save('a.vtkhdf')
+except ct.NotBuiltIn as error: print(error)
+"""
+    assert re.fullmatch(r"False\n.*no HDF5.*pip install h5py.*\n", plain(without))
+
+
+def contents(path):
+    """Every object and attribute of a file: type, shape, chunks and bytes."""
+    import h5py
+
+    out = {}
+
+    def visit(name, item):
+        out[name] = None
+        for key, value in item.attrs.items():
+            kind = item.attrs.get_id(key).get_type().encode()
+            out[name, key] = kind, np.shape(value), np.asarray(value).tobytes()
+        if isinstance(item, h5py.Dataset):
+            kind, value = item.id.get_type().encode(), np.asarray(item[()], item.id.dtype).tobytes()
+            out[name] = kind, item.shape, item.maxshape, item.chunks, value
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return out
+
+
+RUN = """
+from kill import scene
+s = scene().add_probe("tip", body="left", point=[0, 1, 1], quantities=["velocity", "stress"])
+s.add_probe("push", resultant="contact", body="left").set_output(every=10)
+path, until, restart = sys.argv[1:]
+s.run(progress=False, output=path, until=float(until), restart=restart or None)
+"""
+
+
+@pytest.fixture
+def borrowed(plain):
+    if plain("print(ct.has('hdf5'))") == "False\n" or not ct.has("hdf5"):
+        pytest.skip("no h5py with HDF5 1.14, or built without HDF5")
+    return plain
+
+
+def test_the_hdf5_of_h5py_writes_the_file_of_the_linked_one(borrowed, tmp_path):
+    """The file has the same objects with the same bytes, also after a restart from the other's file."""
+    linked, loaded, half, rest = (tmp_path / f"{name}.vtkhdf" for name in "abcd")
+    subprocess.run(
+        [sys.executable, "-c", f"import sys{RUN}", linked, "6", ""],
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "stability")},
     )
-    assert done.stdout == "2.0 False False\n", done.stderr
+    borrowed(RUN, loaded, 6, "")
+    assert len(contents(linked)) > 80 and contents(loaded) == contents(linked)
+    borrowed(RUN, half, 3, "")
+    borrowed(RUN, rest, 6, half)
+    for name in ("VTKHDF/PointData/displacement", "VTKHDF/PointData/velocity"):
+        last = [contents(path)[name][4][-54 * 24 :] for path in (rest, linked)]
+        assert last[0] == last[1]
+
+
+def test_a_run_with_the_hdf5_of_h5py_may_be_killed_and_its_disk_be_full(borrowed, tmp_path):
+    killed = "import pathlib, kill; print(sorted(kill.kill_campaign(4, folder=pathlib.Path(sys.argv[1])).items()))"
+    assert "('good', 4)" in borrowed(killed, tmp_path)
+    full = """
+import resource, signal
+from kill import scene
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (600000, 600000))
+try: scene().run(progress=False, output=sys.argv[1])
+except ct.RunError as error: print("large" in str(error), 0 < len(ct.Run.load(sys.argv[1]).steps) < 300)
+"""
+    assert borrowed(full, tmp_path / "full.vtkhdf") == "True True\n"
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="no HDF5")
+def test_the_declarations_for_a_loaded_hdf5_are_those_of_hdf5(tmp_path):
+    """The constants of our header, and the types of its calls, against the header of an installed HDF5."""
+    flags = next(
+        (
+            f
+            for n in ("hdf5-serial", "hdf5")
+            if (f := captured([PKG_CONFIG, "--cflags", n])).returncode == 0
+        ),
+        None,
+    )
+    if flags is None or shutil.which(CC[0]) is None:
+        pytest.skip("no C compiler, or no HDF5 development files")
+    own = (ROOT / "libcontact/src/hdf5/loaded/hdf5.h").read_text()
+    values = dict(re.findall(r"^ +(H5\w+) = (-?\d+),?$", own, re.M))
+    assert len(values) > 20
+    calls = re.findall(r"CALL\(([^,]+), (H5\w+), (\(.*?\))\)", own.replace("\\\n", ""))
+    assert len(calls) == own.count(" CALL(") > 60
+    source = tmp_path / "same.c"
+    lines = [
+        "#include <hdf5.h>",
+        "#undef H5OPEN",
+        "#define H5OPEN",
+        "#undef H5CHECK",
+        "#define H5CHECK",
+        "#define ASSERT(name, x) typedef char name[(x) ? 1 : -1];",
+    ]
+    lines += [f"ASSERT(is_{name}, (long)({name}) == {value})" for name, value in values.items()]
+    lines += ["ASSERT(unlimited, H5S_UNLIMITED == UINT64_MAX && HADDR_UNDEF == UINT64_MAX)"]
+    lines += [
+        "ASSERT(sizes, sizeof(hid_t) == 8 && sizeof(hsize_t) == 8 && sizeof(haddr_t) == 8 && sizeof(herr_t) == 4 && sizeof(hbool_t) == 1)"
+    ]
+    lines += ["int main(void) {"]
+    for kind, name, arguments in calls:
+        given = [] if arguments == "(void)" else arguments[1:-1].split(",")
+        asked = f"{name}({', '.join(f'*(({each}*)0)' for each in given)})"
+        kind = kind.replace("*", " *")
+        lines += [
+            f"{{ ASSERT(one, sizeof({asked}) == sizeof({kind})) {kind} back = {asked}; (void)back; }}"
+        ]
+    source.write_text("\n".join(lines) + "\nreturn 0; }\n")
+    options = [
+        "-std=c99",
+        "-fsyntax-only",
+        "-Werror=incompatible-pointer-types",
+        "-Werror=int-conversion",
+    ]
+    done = captured([*CC, *options, *flags.stdout.split(), str(source)])
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.fixture

@@ -117,7 +117,7 @@ def test_every_call_of_libc_and_hdf5_can_fail_in_the_test_of_faults():
     """tests/c/faults.h names each call that the sources make, and no other."""
     called, own = set(), set()
     for path in (ROOT / "libcontact/src/hdf5").glob("*.c"):
-        if path.name == "missing.c":
+        if path.name in ("missing.c", "load.c"):
             continue
         text = re.sub(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"])*"', "", path.read_text(), flags=re.S)
         own |= set(re.findall(r"^[a-z][\w \*]*?\b(\w+)\([^;]*?\)\s*\{", text, re.M))
