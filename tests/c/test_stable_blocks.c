@@ -141,17 +141,6 @@ static void looks(void)
          "a box whose nodes are numbered backward has the same bits");
   close_block(&solid);
 
-  // The element at a corner lies on top of another one, and its own node there on one of its nodes:
-  // as many elements and nodes as before.
-  int32_t own = m->elements[0], *other = &m->elements[8 * 22];
-  memcpy(m->elements, other, 8 * sizeof *other);
-  memcpy(&m->nodes[3 * own], &m->nodes[3 * other[0]], 3 * sizeof *m->nodes);
-  m->elements[0] = own;
-  solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_close(block_frequency(&solid) / one, 1.0, 1e-13,
-            "a box with a hole has the bound of its elements");
-  close_block(&solid);
-  m->element_count++;
   ct_mesh_free(m);
 
   // A corner is missing.
