@@ -110,7 +110,7 @@ def test_slip_of_a_block_that_slides_and_of_one_that_stays():
         pull = [10 * math.sin(angle), 0, -10 * math.cos(angle)]
         history = {"time": [0, 0.5], "value": [0, 1]}
         scene.add("gravity", acceleration=pull, history=history).add("damping", stiffness=2e-3)
-        run = scene.set_time(end=0.8, fraction=0.8).run(progress=False)
+        run = scene.set_time(end=0.8, fraction=0.8, force_tolerance=1e-8).run(progress=False)
         rows = run.pressure["obstacle"][0]
         assert set(rows["slip"]) == ({2} if slides else {1})
         weight = (rows["pressure"] * rows["area"]).sum()
@@ -118,5 +118,4 @@ def test_slip_of_a_block_that_slides_and_of_one_that_stays():
         want = -MU if slides else -math.tan(angle)
         np.testing.assert_allclose(total / weight, [want, 0, 0], atol=2e-3)
         if slides:
-            # Forces are solved to force_tolerance, 1e-4.
             np.testing.assert_allclose(rows["friction"][:, 0], -MU * rows["pressure"], rtol=1e-4)

@@ -186,7 +186,7 @@ class Contact:
     ...     x += dt * v
     >>> bool(v[0, 2] > 0.98)
     True
-    >>> bool(contact.balance.work <= 0)
+    >>> bool(abs(contact.balance.work) < 1e-12)
     True
     """
 
