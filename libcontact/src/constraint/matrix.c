@@ -84,7 +84,7 @@ CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constrain
   find_places(other, theirs, number, rows, s->row_counts, place + own);
   g->rows = rows;
   // Their weights follow on each other; those of other points do not.
-  g->face = own == 4 && rows == 4 && row[3]->own_shape - row[0]->own_shape == 24;
+  g->face = (int16_t)(own == 4 && rows == 4 && row[3]->own_shape - row[0]->own_shape == 24);
   if (s->tangent != NULL) place_slips(row, g);
   g[1].first = g->first + rows * step;
   g[1].place = g->place + own + other;

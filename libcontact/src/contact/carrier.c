@@ -25,7 +25,7 @@ static int find_dual(double x[NODES][3], double centre[3], double q[NODES][3])
   static const double FLAT = 1e-12;
   double r[NODES][3], J[3][3], inverse[3][3];
   for (int c = 0; c < 3; c++) {
-    centre[c] = sum_over(&x[0][c], 3, NULL, 0) / NODES;
+    centre[c] = sum_over(&x[0][c], 3, NULL, 0) / (double)NODES;
     for (int k = 0; k < NODES; k++) r[k][c] = x[k][c] - centre[c];
   }
   for (int c = 0; c < 3; c++)
@@ -44,7 +44,7 @@ int ct_carrier_init(ct_carrier *carrier, const double point[3])
   const int solid = find_dual(carrier->reference, centre, carrier->dual);
   for (int c = 0; c < 3; c++) r[c] = point[c] - centre[c];
   for (int k = 0; k < NODES; k++)
-    carrier->point[k] = 1.0 / NODES + ct_vector_dot(carrier->dual[k], r);
+    carrier->point[k] = 1.0 / (double)NODES + ct_vector_dot(carrier->dual[k], r);
   return solid;
 }
 
@@ -63,7 +63,7 @@ void ct_carrier_move(const ct_carrier *carrier, const ct_surface_motion *now, ct
     for (int k = 0; k < NODES; k++) from[k] = state->x[k][c] - state->centre[c];
     // -- Where the obstacle is, how the body has turned, and how it moves (eq:carrier-motion)
     place[c] = state->centre[c] + sum_over(from, 1, carrier->point, 1);
-    state->speed[c] = sum_over(&state->velocity[0][c], 3, NULL, 0) / NODES;
+    state->speed[c] = sum_over(&state->velocity[0][c], 3, NULL, 0) / (double)NODES;
     for (int d = 0; d < 3; d++) {
       state->turn[c][d] = sum_over(from, 1, &carrier->dual[0][d], 3);
       state->gradient[c][d] = sum_over(&state->velocity[0][c], 3, &state->dual[0][d], 3);
@@ -81,7 +81,8 @@ void ct_carrier_velocity(const ct_carried *state, const double x[3], double velo
 void ct_carrier_weigh(const ct_carried *state, const double r[3], double weights[NODES])
 {
   // -- w_k = 1/8 + q_k · (x - c) (eq:carrier-weights)
-  for (int k = 0; k < NODES; k++) weights[k] = 1.0 / NODES + ct_vector_dot(state->dual[k], r);
+  for (int k = 0; k < NODES; k++)
+    weights[k] = 1.0 / (double)NODES + ct_vector_dot(state->dual[k], r);
 }
 
 void ct_carrier_react(const ct_carrier *carrier, const ct_carried *state, int32_t count,
@@ -98,6 +99,6 @@ void ct_carrier_react(const ct_carrier *carrier, const ct_carried *state, int32_
     for (int k = 0; k < NODES; k++)
       // -- -Σ_a w_k(x_a) f_a (eq:carrier-force)
       force[3 * (int64_t)carrier->place[k] + c] -=
-          sum[3] / NODES + ct_vector_dot(state->dual[k], sum);
+          sum[3] / (double)NODES + ct_vector_dot(state->dual[k], sum);
   }
 }
