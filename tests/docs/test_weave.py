@@ -100,7 +100,8 @@ def book(tmp_path):
     ):
         files = {
             "docs/conf.py": f"import sys; sys.path.insert(0, {str(EXTENSIONS)!r}); extensions = {list(extensions)!r}\n"
-            "cnames_headers = '../libcontact'\nhtml_theme = 'basic'\n",
+            "cnames_headers = '../libcontact'\nhtml_theme = 'basic'\n"
+            "hawkmoth_autoconf = []\n",  # as in conf.py: it would ask for clang
             "docs/index.rst": PAGE + textwrap.dedent(page),
             "docs/other.rst": ":orphan:\n\nOther\n=====\n\n" + textwrap.dedent(other_page),
             "libcontact/src/spring.c": SPRING,
