@@ -15,10 +15,9 @@ from ._core import ffi, lib
 from .bridge import Ints, Rows, ask, call, copied, ints
 from .contact import exchanged
 from .errors import NotBuiltIn, held
+from .mesh import side_nodes
 from .problem import Problem
 
-# The corners of the six sides of a brick, in VTK's order.
-SIDES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 4, 5), (2, 3, 6, 7), (0, 3, 4, 7), (1, 2, 5, 6))
 # Cost of the contact points of a face in element forces, from the price list of contact.
 FACE_WEIGHT = 12
 INSTALL = "pip install mpich mpi4py"
@@ -67,7 +66,7 @@ def metis(problem: Problem, count: int) -> Ints:
     pairs, first = [], 0
     for body in problem.bodies.values():
         cells = body.mesh.elements[:, :8]
-        sides = np.sort(cells[:, SIDES].reshape(-1, 4), axis=1)
+        sides = np.sort(cells[:, side_nodes("hex8")].reshape(-1, 4), axis=1)
         owner = first + np.repeat(np.arange(len(cells)), 6)
         order = np.lexsort(sides.T)
         same = np.flatnonzero((sides[order][1:] == sides[order][:-1]).all(axis=1))
