@@ -643,22 +643,15 @@ static void hit_images(void)
 }
 
 /* An elastic block of any rotation, hit by a turning obstacle with mass and friction. */
-typedef struct carried {
-  ct_mesh *mesh[2];
-  ct_scene *scene;
-  const ct_problem *problem;
-  ct_state *state;
-} carried;
-
-static carried new_carried(ct_obstacle_shape shape, double mu, int kind)
+static hit new_carried(ct_obstacle_shape shape, double mu, int kind)
 {
   static const int32_t carrier = 1;
   const ct_material soft = {.law = CT_NEO_HOOKEAN, .young = 900.0, .poisson = 0.3, .density = 1.0};
   const double flip = kind == MIRRORED ? -1.0 : 1.0, edge = 2.0 / sqrt(5.0),
                at[3] = {0.13, 0.21, 1.001 * flip}, w[3] = {0.1 * flip, 0.3 * flip, 0.1};
-  carried h = {.mesh = {box_mesh(CT_HEX8, -1, -1, -1, 2, 2, 1, 6, 6, 3),
-                        box_mesh(CT_HEX8, at[0] - 0.5 * edge, at[1] - 0.5 * edge,
-                                 1.001 - 0.5 * edge, edge, edge, edge, 1, 1, 1)}};
+  hit h = {.mesh = {box_mesh(CT_HEX8, -1, -1, -1, 2, 2, 1, 6, 6, 3),
+                    box_mesh(CT_HEX8, at[0] - 0.5 * edge, at[1] - 0.5 * edge, 1.001 - 0.5 * edge,
+                             edge, edge, edge, 1, 1, 1)}};
   for (int i = 0; i < 2 && kind == MIRRORED; i++) {
     ct_mesh *image = mirror_mesh(h.mesh[i], 2);
     ct_mesh_free(h.mesh[i]);
@@ -703,13 +696,6 @@ static carried new_carried(ct_obstacle_shape shape, double mu, int kind)
   return h;
 }
 
-static void close_carried(carried *h)
-{
-  ct_state_free(h->state);
-  ct_scene_free(h->scene);
-  for (int i = 0; i < 2; i++) ct_mesh_free(h->mesh[i]);
-}
-
 /* Momentum, angular momentum and energy of both bodies (eq:carrier-weights, eq:carrier-row,
  * eq:carrier-force, eq:carrier-motion). */
 static void obstacles_with_mass(void)
@@ -717,7 +703,7 @@ static void obstacles_with_mass(void)
   static const char *const NAME[] = {"plane", "sphere", "cylinder"};
   for (int i = 0; i < 6; i++) {
     const double mu = i < 3 ? 0.0 : 0.3;
-    carried h = new_carried((ct_obstacle_shape)(i % 3), mu, PLAIN);
+    hit h = new_carried((ct_obstacle_shape)(i % 3), mu, PLAIN);
     double p = 0.0, L = 0.0, given = 0.0, rise = 0.0;
     ct_momentum start[2], now[2];
     for (int k = 0; k < 2; k++) start[k] = momentum_of(h.problem, h.state, k);
@@ -737,7 +723,7 @@ static void obstacles_with_mass(void)
            p, L, given);
     // The leapfrog of a block at large strain is not exact.
     tap_ok(rise < 1e-6, "and no energy appears (%.3g)", rise);
-    close_carried(&h);
+    close_hit(&h);
   }
 }
 
@@ -745,29 +731,29 @@ static void obstacles_with_mass(void)
 static void carried_images(void)
 {
   for (int i = 0; i < 3; i++) {
-    carried h = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
+    hit h = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
     const int32_t nodes = h.problem->node_count;
     ct_error e;
     advance(h.problem, h.state, 200);
     for (int kind = MIRRORED; kind < HITS; kind++) {
       if (kind == SHUFFLED) continue;
-      carried other = new_carried((ct_obstacle_shape)i, 0.3, kind);
+      hit other = new_carried((ct_obstacle_shape)i, 0.3, kind);
       advance(other.problem, other.state, 200);
       const double *u = h.state->displacement, *w = other.state->displacement;
       tap_ok(kind == MIRRORED ? mirror_faults(u, w, nodes, 2) == 0
                               : same_state(h.state, other.state),
              "an obstacle with mass in %s: the same bits", HIT[kind]);
-      close_carried(&other);
+      close_hit(&other);
     }
-    carried half = new_carried((ct_obstacle_shape)i, 0.3, PLAIN),
-            rest = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
+    hit half = new_carried((ct_obstacle_shape)i, 0.3, PLAIN),
+        rest = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
     advance(half.problem, half.state, 90);
     need(ct_state_copy(half.problem, half.state, rest.state, &e), &e);
     advance(rest.problem, rest.state, 110);
     tap_ok(same_state(h.state, rest.state), "a copy of the state goes on alike");
-    close_carried(&half);
-    close_carried(&rest);
-    close_carried(&h);
+    close_hit(&half);
+    close_hit(&rest);
+    close_hit(&h);
   }
 }
 
