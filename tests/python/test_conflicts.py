@@ -70,7 +70,7 @@ HELD = '[[support]]\nset = "a.x_min"\nfix = {}\n'
         (
             '[[body]]\nname = "c"\nmaterial = ["soft", "soft"]\nbox = { size = [1, 1, 1], cells = [1, 1, 1] }\n',
             "body[2].material",
-            "a list of 2; it must be a text",
+            "a list of 2; it must be the name of a [[material]]",
         ),
     ],
 )

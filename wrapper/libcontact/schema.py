@@ -277,6 +277,7 @@ class Reference(Text):
         self.table = table
 
     def read(self, value: Any, at: Place) -> Named:
+        at.need(isinstance(value, str), value, f"the name of a [[{self.table}]]")
         return Named(self.table, super().read(value, at))
 
 
@@ -614,10 +615,12 @@ class Table:
     def read(cls: type[T], value: Any, at: Place) -> T:
         """Read a table and check each key alone; :meth:`refusals` and references are checked when the whole
         scene is known."""
-        at.need(isinstance(value, dict), value, "a table")
         known = cls.keys()
-        for name, field in known.items():
-            if required(field) and name not in value:
+        needed = [name for name, field in known.items() if required(field)]
+        with_keys = f" with {listed(needed, 'and')}" if needed else ""
+        at.need(isinstance(value, dict), value, "a table" + with_keys)
+        for name in needed:
+            if name not in value:
                 near = difflib.get_close_matches(name, map(str, value), n=1, cutoff=0.75)
                 hint = f'; is "{near[0]}" meant to be it?' if near and near[0] not in known else ""
                 raise (at / name).error("is missing" + hint)
