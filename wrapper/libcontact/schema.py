@@ -370,10 +370,10 @@ class Choice(Text):
         return self.known[value] if isinstance(self.known, Mapping) else value
 
 
-def entries(value: Any, at: Place) -> list[Any]:
-    """The entries of a list or of a one-dimensional array."""
+def entries(value: Any, at: Place, what: str = "a list") -> list[Any]:
+    """The entries of a list or of a one-dimensional array; ``what`` describes it in a message."""
     array = isinstance(value, np.ndarray) and value.ndim == 1
-    at.need(array or isinstance(value, (list, tuple)), value, "a list")
+    at.need(array or isinstance(value, (list, tuple)), value, what)
     return list(value)
 
 
@@ -386,7 +386,7 @@ class Each(Kind):
         self.json["maxItems"] = len(each)
 
     def read(self, value: Any, at: Place) -> tuple[Any, ...]:
-        found = entries(value, at)
+        found = entries(value, at, f"a list of {len(self.kinds)}")
         if len(found) != len(self.kinds):
             raise at.error(f"has {len(found)} entries; it must have {len(self.kinds)}")
         return tuple(kind.read(found[i], at[i]) for i, kind in enumerate(self.kinds))
