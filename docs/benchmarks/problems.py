@@ -18,6 +18,9 @@ import numpy as np
 import libcontact as ct
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+import ball  # noqa: E402 (theory of balls that strike each other)
+
 sys.path.insert(0, str(HERE.parents[1] / "bench"))
 import hertz  # noqa: E402 (a rigid sphere on a block)
 
@@ -276,27 +279,6 @@ OBLIQUE_FRICTION, OBLIQUE_POISSON = 0.3, 0.3
 KAPPA = 2 * (1 - OBLIQUE_POISSON) / (2 - OBLIQUE_POISSON)
 
 
-def oblique_exact(angle: float, springs: int = 1000, steps: int = 4000) -> float:
-    """Tangential impulse over μ times the normal one at ψ₁ = ``angle``, by a bed of independent springs in one
-    dimension that is exact for spheres: a sphere of radius 1 with E* = m = 1 that comes 1 deep, and 2/7 of whose mass
-    resists a motion of its surface."""
-    speed = math.sqrt(16 / 15)
-    dt = defaults.DURATION / speed / steps
-    along, deep, impulse = angle * speed / KAPPA, 0.0, np.zeros(2)
-    x = (np.arange(springs) + 0.5) / springs
-    shift = np.zeros(springs)
-    while True:
-        deep += speed * dt
-        if deep <= 0:
-            return float(impulse[0] / impulse[1])
-        pressure = np.maximum(deep - x**2, 0.0)
-        limit = pressure / KAPPA
-        shift = np.clip(shift + along * dt, -limit, limit)
-        force = 2 / springs * np.array([KAPPA * shift.sum(), pressure.sum()])
-        along, speed = along - 3.5 * force[0] * dt, speed - force[1] * dt
-        impulse += force * dt
-
-
 def nested_octant(parts: int, core: float) -> Any:
     """Corners of the octant x, y, z ≥ 0 of a ball of radius 2: a cube of the edge ``core`` with ``parts`` elements
     along an edge, and shells round it whose thickness grows with their radius."""
@@ -336,6 +318,11 @@ def half_ball(parts: int, core: float) -> tuple[Any, Any, Any]:
     return nodes, elements, np.argwhere(near[elements[:, defaults.SIDES]].all(axis=2))
 
 
+def half_spaces(angle: float) -> dict[str, Any]:
+    """Maw, Barber and Fawcett's theory."""
+    return ball.strike(angle, OBLIQUE_POISSON)
+
+
 def oblique(
     ratio: float, angle: float = 1.0, over: int = 3, tangent: float | None = 1.0
 ) -> Numbers:
@@ -364,7 +351,7 @@ def oblique(
     p = run.body_momentum("above")["p"]
     impulse = p[-1] - p[0]
     return {
-        "impulse": -impulse[0] / (OBLIQUE_FRICTION * impulse[2]) / oblique_exact(angle),
+        "impulse": -impulse[0] / (OBLIQUE_FRICTION * impulse[2]) / half_spaces(angle)["impulse"],
         "rebound": -p[-1, 2] / p[0, 2] - 1,
         "updates": updates(run),
     }
@@ -380,8 +367,25 @@ def oblique_of(cases: dict[str, tuple[Any, ...]]) -> Numbers:
 
 def oblique_impact() -> Numbers:
     """Maw, Barber and Fawcett's curve at three angles, and two balls at a/R = 0.1."""
-    curve = {f"exact_{10 * angle:.0f}": oblique_exact(angle) for angle in (1.0, 2.5, 6.0)}
+    curve = {f"exact_{10 * a:.0f}": half_spaces(a)["impulse"] for a in (1.0, 2.5, 6.0)}
     return curve | oblique_of({"100": (0.1,)})
+
+
+OBLIQUE_CASES = {f"{1000 * ratio:.0f}": (1.0, ratio) for ratio in (0.1, 0.065, 0.04, 0.026, 0.013)}
+OBLIQUE_CASES["angle"] = (2.5, 0.026)
+
+
+def balls_theory() -> Numbers:
+    """The theory of balls of finite size over that of half-spaces: tangential impulses; duration and largest force less
+    one; and what a ball yields more under a pressure and a shear."""
+    found = {}
+    for name, (angle, ratio) in OBLIQUE_CASES.items():
+        of = ball.strike(angle, OBLIQUE_POISSON, ratio)
+        found[f"impulse_{name}"] = of["impulse"] / half_spaces(angle)["impulse"]
+        if name in ("100", "40"):
+            found |= {f"{key}_{name}": of[key] - 1 for key in ("duration", "force")}
+    found["normal"], found["shear"] = ball.excess(0.026, OBLIQUE_POISSON)
+    return found
 
 
 def oblique_small() -> Numbers:
@@ -685,6 +689,7 @@ CASES: dict[str, Callable[[], Numbers]] = {
     "hertz_small": hertz_small,
     "oblique_impact": oblique_impact,
     "oblique_small": oblique_small,
+    "balls_theory": balls_theory,
     "tumbling_box": tumbling_box,
     "sliding_block": sliding_block,
     "bent_plate": bent_plate,

@@ -69,6 +69,15 @@ LIMITS |= {
         ("impulse_angle", 1, 0.05, "as impulse_13"),
         ("rebound_13", 0, 0.002, "waves keep little of a slow impact"),
     ],
+    "balls_theory": [
+        (
+            f"impulse_{name}",
+            {**FILE["oblique_impact"], **FILE["oblique_small"]}[f"impulse_{name}"],
+            0.01,
+            "three elements over the radius",
+        )
+        for name in problems.OBLIQUE_CASES
+    ],
     "tumbling_box": [
         (f"flip_{k}", FILE["tumbling_box"][f"euler_{k}"], 0.005, "half a step of 0.1")
         for k in (1, 2, 4)
@@ -162,6 +171,23 @@ def test_shells_of_lame():
         strain, hoop = (u(0.8 + h) - u(0.8 - h)) / (2 * h), u(0.8) / 0.8
         stress = 1.2 * strain + 0.8 * hoop - (1e-3 if inner else 0.0)
         assert stress == pytest.approx(-problems.shells_exact(1.0, 0.25, 1e-3)[0], rel=1e-6)
+
+
+def test_modes_of_a_ball():
+    """Of a ball that is pulled along z the strain is uniform: u = σ/E (z ẑ - ν x - ν y), of degrees 0 and 2. The work
+    of two loads on each other is the same both ways. What a half-space yields is the limit of small contacts."""
+    poisson = 0.3
+    young = 1 - poisson**2
+    for n, load, u in (
+        (0, [1 / 3, 0], [(1 - 2 * poisson) / 3, 0]),
+        (2, [2 / 3, 1 / 3], [2 / 3 * (1 + poisson), (1 + poisson) / 3]),
+    ):
+        assert problems.ball.spheroidal(n, poisson) @ load == pytest.approx(np.array(u) / young)
+    modes = {n: problems.ball.spheroidal(n, poisson) for n in (2, 3, 10, 100)}
+    for n, of in (modes | {1: problems.ball.accelerated(poisson)}).items():
+        assert of[0, 1] == pytest.approx(n * (n + 1) * of[1, 0], rel=1e-9)
+    sizes = [np.abs(problems.ball.excess(ratio, poisson)) * ratio for ratio in (0.1, 0.01)]
+    assert (sizes[1] < 0.02).all() and (sizes[1] < 0.25 * sizes[0]).all()
 
 
 def test_elastica_has_the_limit_of_small_loads():
