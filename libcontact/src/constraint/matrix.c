@@ -306,7 +306,7 @@ static void count_rows(ct_solver *s)
 /* List the nodes with rows. */
 static void list_active_nodes(ct_solver *s)
 {
-  int32_t count = 0, most = 0;
+  int32_t count = 0, most = s->pieces != NULL ? s->most_row_count : 0;
   for (int32_t n = 0; n < s->node_count; n++) {
     const int32_t rows = s->row_counts[n];
     if (rows > 0) s->active_nodes[count++] = WIDE * n;
@@ -316,7 +316,9 @@ static void list_active_nodes(ct_solver *s)
   s->most_row_count = most;
 }
 
-/* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. */
+/* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. A
+ * piece that has a node of a rigid body with rows has all of them, whose forces move all of the
+ * body. */
 static void list_shared_nodes(ct_solver *s)
 {
   s->shared_count = s->most_row_count = 0;
@@ -328,7 +330,9 @@ static void list_shared_nodes(ct_solver *s)
   for (int32_t n = 0; n < s->node_count; n++) {
     const double rows = s->moved[2 * (int64_t)n], pieces = s->moved[2 * (int64_t)n + 1];
     if (rows > s->most_row_count) s->most_row_count = (int32_t)rows;
-    if (pieces > 1.0) s->shared_nodes[s->shared_count++] = WIDE * n;
+    const int rigid = s->bodies != NULL && s->bodies->of[n] >= 0 && rows > 0.0;
+    if (rigid) s->row_counts[n] = (int32_t)rows;
+    if (pieces > 1.0 || rigid) s->shared_nodes[s->shared_count++] = WIDE * n;
   }
 }
 
@@ -395,7 +399,8 @@ void ct_matrix_choose(ct_solver *s)
 {
   if (s->kept == 2 && s->counted) return;
   if (!s->counted) count_rows(s), s->kept = 0;
-  s->counted = 1;
-  list_active_nodes(s);
+  // In pieces the counts become those of all of them.
+  s->counted = s->pieces == NULL || s->bodies == NULL;
   if (s->pieces != NULL) list_shared_nodes(s);
+  list_active_nodes(s);
 }

@@ -3,6 +3,7 @@
 
 #include "../base/lanes.h"
 #include "../base/vector.h"
+#include "bodies.h"
 #include "law.h"
 #include "matrix.h"
 #include "tangent_matrix.h"
@@ -23,16 +24,14 @@ static void count_nodes(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   double most = 0.0;
-  t->node_count = 0;
   for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
-    for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++) {
-      double *count = &t->sums[r->place[a] + 3];
-      if (*count == 0.0) t->nodes[t->node_count++] = r->place[a];
-      *count += r->alike;
-    }
+    for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++)
+      t->sums[r->place[a] + 3] += r->alike;
   join_sums(s);
+  t->node_count = 0;
   for (int32_t n = 0; n < s->node_count; n++) {
     double *count = &t->sums[WIDE * (int64_t)n + 3];
+    if (*count > 0.0) t->nodes[t->node_count++] = WIDE * n;
     most = *count > most ? *count : most;
     *count = 0.0;
   }
@@ -46,15 +45,17 @@ static void list_nodes(ct_solver *s, int active)
   ct_tangent *t = s->tangent;
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
-  if (!active) count_nodes(s);
-  else t->most_row_count = s->most_row_count;
-  if (s->pieces != NULL) {
-    t->node_count = s->node_count;
-    for (int32_t n = 0; n < s->node_count; n++) t->nodes[n] = WIDE * n;
-  } else if (active) {
-    t->node_count = s->active_node_count;
-    memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
+  if (!active) {
+    count_nodes(s);
+    return;
   }
+  t->most_row_count = s->most_row_count;
+  t->node_count = s->pieces != NULL ? 0 : s->active_node_count;
+  memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
+  // Of rigid bodies the counts are those of all pieces.
+  for (int32_t n = 0; s->pieces != NULL && n < s->node_count; n++)
+    if (s->bodies == NULL || s->bodies->of[n] < 0 || s->row_counts[n] > 0)
+      t->nodes[t->node_count++] = WIDE * n;
 }
 
 /* Whether the mobility of a node keeps the direction n. */

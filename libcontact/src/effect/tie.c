@@ -7,6 +7,7 @@
 #include "../gap/side.h"
 #include "../shape/facets.h"
 #include "../step/effect_internal.h"
+#include "../step/piece.h"
 
 #include <math.h>
 
@@ -29,11 +30,13 @@ typedef struct tie_data {
   double farthest;          /* largest distance over which a point is tied */
 } tie_data;
 
-/* Rows of a state, three for each point, along x, y and z. */
+/* Rows of a state, three for each point, along x, y and z: all of them, or those of a piece. */
 typedef struct tie_scratch {
   ct_pool pool;
+  int64_t row_count, *number; /* and the number of each row among all */
   ct_constraint *rows;
-  double *terms, *fine; /* memory for sums: of each row, and of each component of each node */
+  double *terms, *fine;    /* memory for sums: of each row, and of each component of each node */
+  const ct_pieces *pieces; /* null: all rows */
 } tie_scratch;
 
 /* The row of a point along an axis, without gap and force. */
@@ -51,6 +54,27 @@ static ct_constraint row_of(const tie_point *p, int axis)
   return row;
 }
 
+/* Whether the rows of a point are those of a piece, that of its face. */
+static int is_mine(const ct_effect *effect, const ct_piece *piece, int64_t point)
+{
+  const tie_point *p = &((const tie_data *)effect->data)->points[point];
+  int32_t nodes[8];
+  for (int a = 0; a < p->own_count; a++) nodes[a] = effect->nodes[p->own[a]];
+  return ct_piece_of_face(piece, p->own_count, nodes) == piece->def.number;
+}
+
+/* The rows of a piece; null: all rows. */
+static void take_rows(const ct_effect *effect, const ct_piece *piece, tie_scratch *s)
+{
+  const tie_data *tie = effect->data;
+  s->row_count = 0;
+  for (int64_t r = 0; r < effect->constraint_count; r++) {
+    if (piece != NULL && !is_mine(effect, piece, r / 3)) continue;
+    s->number[s->row_count] = r;
+    s->rows[s->row_count++] = row_of(&tie->points[r / 3], (int)(r % 3));
+  }
+}
+
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const tie_data *tie = effect->data;
@@ -58,13 +82,14 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s == NULL) return CT_NO_MEMORY(error, "the effect tie");
   const size_t rows = 3 * (size_t)tie->point_count;
   s->rows = ct_pool_take(&s->pool, rows, sizeof *s->rows);
+  s->number = ct_pool_take(&s->pool, rows, sizeof *s->number);
   s->terms = ct_pool_take(&s->pool, rows, sizeof *s->terms);
   s->fine = ct_pool_take(&s->pool, (size_t)tie->node_count, 3 * sizeof *s->fine);
   if (s->pool.failed) {
     ct_pool_free(s);
     return CT_NO_MEMORY(error, "the effect tie");
   }
-  for (size_t r = 0; r < rows; r++) s->rows[r] = row_of(&tie->points[r / 3], (int)(r % 3));
+  take_rows(effect, NULL, s);
   *scratch = s;
   return CT_OK;
 }
@@ -85,14 +110,14 @@ static ct_status tie_list(const ct_effect *effect, const ct_view *view, ct_const
   const tie_scratch *s = view->scratch;
   const double *u = view->displacement;
   (void)error;
-  *count = effect->constraint_count;
+  *count = s->row_count;
   for (int64_t r = 0; r < *count; r++) {
     ct_constraint *row = rows[r] = &s->rows[r];
     const int axis = (int)(r % 3);
     // -- Displacement of the point relative to the place where it is tied (eq:tie-gap)
     row->gap = moved_by(effect, u, row->own_count, row->own, row->own_shape, axis) -
                moved_by(effect, u, row->other_count, row->other, row->other_shape, axis);
-    row->force = view->memory[r];
+    row->force = view->memory[s->number[r]];
   }
   return CT_OK;
 }
@@ -114,10 +139,11 @@ static ct_status tie_force(const ct_effect *effect, const ct_view *view, double 
   const int64_t components = 3 * (int64_t)effect->node_count;
   double top = 0.0;
   ct_grid grid;
-  for (int64_t r = 0; r < effect->constraint_count; r++) {
-    view->next_memory[r] = s->rows[r].force;
+  for (int64_t r = 0; r < s->row_count; r++) {
+    view->next_memory[s->number[r]] = s->rows[r].force;
     top = fmax(top, fabs(s->rows[r].force));
   }
+  ct_pieces_largest(s->pieces, &top, 1);
   for (int64_t d = 0; d < components; d++) force[d] = s->fine[d] = 0.0;
   if (top == 0.0) return CT_OK;
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
@@ -126,7 +152,7 @@ static ct_status tie_force(const ct_effect *effect, const ct_view *view, double 
                    "the largest force of a tie, %g, is too large or not finite; the motion has "
                    "diverged",
                    top);
-  for (int64_t r = 0; r < effect->constraint_count; r++) {
+  for (int64_t r = 0; r < s->row_count; r++) {
     const ct_constraint *row = &s->rows[r];
     const int axis = (int)(r % 3);
     // -- N_a λ on the own face, -N̄_b λ on the other (eq:constraint-force)
@@ -134,6 +160,8 @@ static ct_status tie_force(const ct_effect *effect, const ct_view *view, double 
     spread(&grid, -row->force, row->other_count, row->other, row->other_shape, axis, force,
            s->fine);
   }
+  ct_pieces_sum(s->pieces, force, components);
+  ct_pieces_sum(s->pieces, s->fine, components);
   for (int64_t d = 0; d < components; d++) force[d] += s->fine[d];
   return CT_OK;
 }
@@ -142,11 +170,30 @@ static ct_status tie_energy(const ct_effect *effect, const ct_view *view, double
                             ct_error *error)
 {
   const tie_scratch *s = view->scratch;
-  (void)error;
-  for (int64_t r = 0; r < effect->constraint_count; r++)
+  (void)effect, (void)error;
+  for (int64_t r = 0; r < s->row_count; r++)
     s->terms[r] = view->time == 0.0 ? ct_law_start(&s->rows[r]) : ct_law_energy(&s->rows[r]);
-  *energy = ct_sum(s->terms, effect->constraint_count);
+  *energy = ct_sum_over(s->pieces, s->terms, s->row_count);
   return CT_OK;
+}
+
+/* A piece has the rows of the points of its faces. */
+static ct_status tie_cut(const ct_effect *effect, const struct ct_piece *piece, void *scratch,
+                         ct_error *error)
+{
+  tie_scratch *s = scratch;
+  (void)error;
+  s->pieces = &piece->join;
+  take_rows(effect, piece, s);
+  return CT_OK;
+}
+
+static void tie_keep(const ct_effect *effect, const struct ct_piece *piece, int common,
+                     double *memory)
+{
+  (void)common;
+  for (int64_t r = 0; r < effect->constraint_count; r++)
+    if (!is_mine(effect, piece, r / 3)) memory[r] = 0.0;
 }
 
 static const ct_effect_calls CALLS = {.force = tie_force,
@@ -154,7 +201,8 @@ static const ct_effect_calls CALLS = {.force = tie_force,
                                       .create_scratch = create_scratch,
                                       .free_scratch = ct_pool_free,
                                       .free_data = ct_pool_free,
-                                      .constraints = {.list = tie_list}};
+                                      .constraints = {.list = tie_list},
+                                      .pieces = {tie_cut, tie_keep, .common = 1}};
 
 /* The nodes of both surfaces, and those of their faces among them. */
 static ct_status join_nodes(tie_data *tie, ct_error *error)
