@@ -2,6 +2,8 @@
 #include "hosts.h"
 #include "meeting.h"
 
+#include <unistd.h>
+
 enum { MOST_PIECES = 4, CUTS = 5 };
 
 /* One of the pieces: its thread, its state, and the whole one that it collects. */
@@ -186,6 +188,45 @@ static void touching(pair p, const char *name, ct_enforcement enforcement, doubl
 {
   ct_scene *scene = scene_of(&p, enforcement == CT_ENFORCE_PENALTY ? 1.0 : 40.0, enforcement);
   int64_t steps;
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
+  same_bits(name, problem, steps);
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
+/* Contact, friction and obstacles, of which the first body is rigid. */
+static void rigid(pair p, const char *name, ct_enforcement enforcement, double end)
+{
+  ct_scene *scene = scene_of(&p, enforcement == CT_ENFORCE_PENALTY ? 1.0 : 40.0, enforcement);
+  ct_rigid_def def = ct_rigid_def_default();
+  int64_t steps;
+  def.bodies = &(ct_rigid){.body = 0}, def.body_count = 1;
+  add_made(scene, ct_rigid_create_effect, &def);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
+  same_bits(name, problem, steps);
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
+/* Two bodies of unlike meshes, of which one moves, tied at the faces of their contact. */
+static void tied(pair p, const char *name, double end)
+{
+  ct_scene *scene = new_scene();
+  ct_tie_def def = ct_tie_def_default();
+  int64_t steps;
+  for (int i = 0; i < 2; i++) {
+    add_moving_body(scene, i == 0 ? "a" : "b", p.mesh[i], &p.material, CT_KERNEL_AUTO,
+                    p.velocity[i]);
+    const int32_t first = i == 0 ? 0 : p.mesh[0]->node_count;
+    def.kind[i] = ct_brick_face_kind(p.mesh[i]->kind);
+    def.face_count[i] = p.face_count[i], def.faces[i] = p.faces[i];
+    for (int k = 0; k < ct_face_node_count(def.kind[i]) * p.face_count[i]; k++)
+      p.faces[i][k] += first;
+  }
+  def.epsilon = 40.0 * p.material.young, def.reach = 0.1;
+  add_made(scene, ct_tie_create_effect, &def);
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9}, &steps, NULL);
   same_bits(name, problem, steps);
@@ -401,6 +442,74 @@ static void failures(void)
   free_pair(&p);
 }
 
+/* The allocation of this thread that fails; 0: none. */
+__extension__ static __thread int64_t failing;
+
+static void *allocate(size_t size, void *context)
+{
+  (void)context;
+  return failing > 0 && --failing == 0 ? NULL : malloc(size);
+}
+
+static void release(void *memory, void *context)
+{
+  (void)context;
+  free(memory);
+}
+
+static void *run_short_of_memory(void *user)
+{
+  member *m = user;
+  failing = (int64_t)m->poison;
+  m->poison = 0.0;
+  run_member(user);
+  failing = 0;
+  return NULL;
+}
+
+/* Wherever the memory of one piece ends while the state is cut, both end, and say why. */
+static void memory(void)
+{
+  const ct_allocator own = {allocate, release, NULL};
+  ct_error e;
+  need(ct_set_allocator(&own, &e), &e);
+  pair p = blocks(CT_HEX8, CT_HEX8, 0.005, 0.3);
+  ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  int32_t *owners = integers(all_elements(problem));
+  ct_state *start = new_state(problem);
+  int64_t faults = 0, wrong = 0;
+  cut_elements(problem, 0, 2, owners);
+  alarm(300); // a piece that waits for ever
+  for (ct_status status = CT_ERROR_MEMORY; status != CT_OK; faults++) {
+    meeting with = MEETING(2);
+    member of[2];
+    for (int k = 0; k < 2; k++) {
+      of[k] = (member){.at = {&with, k},
+                       .start = start,
+                       .owners = owners,
+                       .steps = 2,
+                       .poison = k == 1 ? (double)faults + 1.0 : 0.0,
+                       .whole = copy_of(start)};
+      if (pthread_create(&of[k].thread, NULL, run_short_of_memory, &of[k]) != 0) abort();
+    }
+    for (int k = 0; k < 2; k++) pthread_join(of[k].thread, NULL);
+    status = of[1].status;
+    wrong += of[0].status != status || (status != CT_OK && status != CT_ERROR_MEMORY);
+    for (int k = 0; k < 2; k++) ct_state_free(of[k].whole);
+    free(with.total);
+  }
+  alarm(0);
+  tap_ok(faults > 50 && wrong == 0, "each of %d allocations fails in one piece: both end alike",
+         (int)faults - 1);
+  ct_state_free(start);
+  ct_scene_free(scene);
+  free(owners);
+  free_pair(&p);
+  need(ct_set_allocator(NULL, &e), &e);
+}
+
 int main(void)
 {
   const ct_enforcement solved = CT_ENFORCE_ENERGY_CONTROLLED, given = CT_ENFORCE_PENALTY;
@@ -423,8 +532,15 @@ int main(void)
   touching(sunk(CT_INITIAL_REMOVE), "a block inside a plane and a sphere", solved, 0.1);
   touching(squeezed(), "a block, a plane and a cylinder", solved, 0.1);
   touching(stacked(), "two blocks, a plane and a sphere", solved, 0.06);
+  rigid(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), "a rigid block", solved, 0.1);
+  rigid(rubbing(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), 0.3), "a rigid block that rubs", solved,
+        0.06);
+  rigid(rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "and one by given penalty", given, 0.1);
+  rigid(stacked(), "a rigid block on a block, a plane and a sphere", solved, 0.06);
+  tied(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), "tied blocks", 0.06);
   bisection();
   refusals();
   failures();
+  memory();
   return tap_done();
 }

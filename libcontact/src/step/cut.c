@@ -34,11 +34,20 @@ ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state 
 {
   ct_piece *made = NULL;
   ct_state *state = NULL;
+  int64_t none = 0;
   if (whole == NULL || piece == NULL) return CT_REFUSE_NULL(error);
-  ct_status status = ct_stage_check(whole, error);
+  ct_status status = ct_piece_check(def, error);
+  if (status != CT_OK) return status;
+  // From here on an error of one piece ends all of them.
+  status = ct_stage_check(whole, error);
   if (status == CT_OK) status = ct_piece_refuse(whole, error);
   if (status == CT_OK) status = ct_piece_create(whole->problem, def, &made, error);
-  if (status != CT_OK) return status;
+  status = ct_pieces_agree(&def->join, status, &none, error);
+  if (status == CT_OK) status = ct_piece_check_same(made, def, error);
+  if (status != CT_OK) {
+    ct_pool_free(made);
+    return status;
+  }
   status = ct_state_allocate(whole->problem, &state, error);
   if (status == CT_OK) status = ct_state_equip(state, error);
   if (status == CT_OK) status = ct_state_copy(whole->problem, whole, state, error);

@@ -42,9 +42,13 @@ ct_status ct_piece_agree(const ct_piece *piece, ct_status own, ct_error *error)
 
 ct_status ct_piece_agree_on(const ct_piece *piece, ct_status own, int64_t *count, ct_error *error)
 {
+  return piece == NULL ? own : ct_pieces_agree(&piece->join, own, count, error);
+}
+
+ct_status ct_pieces_agree(const ct_pieces *join, ct_status own, int64_t *count, ct_error *error)
+{
   double both[2] = {(double)own, (double)*count};
-  if (piece == NULL) return own;
-  ct_pieces_largest(&piece->join, both, 2);
+  ct_pieces_largest(join, both, 2);
   const double worst = both[0];
   *count = (int64_t)both[1];
   if (worst == 0.0) return CT_OK;
@@ -83,8 +87,7 @@ static int nodes_of(const ct_mesh *mesh, int32_t e, const int32_t **nodes)
   return per;
 }
 
-/* What the pieces need to tell each other anything. */
-static ct_status check_calls(const ct_piece_def *def, ct_error *error)
+ct_status ct_piece_check(const ct_piece_def *def, ct_error *error)
 {
   if (def == NULL || def->cookie != CT_DEF_COOKIE || def->owners == NULL || def->join.sum == NULL ||
       def->join.largest == NULL || def->exchange == NULL ||
@@ -107,8 +110,7 @@ static ct_status check_def(const ct_problem *problem, const ct_piece_def *def, c
   return CT_OK;
 }
 
-/* Refuse definitions that are not the same in all pieces. */
-static ct_status check_same(const ct_piece *piece, const ct_piece_def *def, ct_error *error)
+ct_status ct_piece_check_same(const ct_piece *piece, const ct_piece_def *def, ct_error *error)
 {
   uint32_t hash = 2166136261u; // FNV-1a
   for (int64_t e = 0; e < element_count(piece->problem); e++)
@@ -293,19 +295,15 @@ static void fill(ct_piece *piece, const ct_piece_def *def)
 ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct_piece **out,
                           ct_error *error)
 {
-  ct_status status = check_calls(def, error);
-  if (status != CT_OK) return status;
   ct_piece *piece = ct_allocate(1, sizeof *piece);
   if (piece == NULL) return CT_NO_MEMORY(error, "a piece");
   piece->problem = problem;
   piece->def = *def;
   piece->join = (ct_pieces){piece, count_sum, count_largest};
   piece->def.owners = piece->def.common = NULL;
-  status = check_def(problem, def, error);
+  ct_status status = check_def(problem, def, error);
   if (status == CT_OK) fill(piece, def);
   if (piece->pool.failed) status = CT_NO_MEMORY(error, "a piece");
-  status = ct_piece_agree(piece, status, error);
-  if (status == CT_OK) status = check_same(piece, def, error);
   if (status == CT_OK) *out = piece;
   else ct_pool_free(piece);
   return status;

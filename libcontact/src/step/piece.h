@@ -38,7 +38,13 @@ static inline int32_t ct_piece_of_face(const ct_piece *piece, int32_t count, con
   return owner;
 }
 
-/* A piece of a problem; free it with ct_pool_free. */
+/* Refuse a definition without what the pieces need to tell each other anything. */
+ct_status ct_piece_check(const ct_piece_def *def, ct_error *error);
+
+/* Refuse definitions that are not the same in all pieces, which all make the call. */
+ct_status ct_piece_check_same(const ct_piece *piece, const ct_piece_def *def, ct_error *error);
+
+/* A piece of a problem; free it with ct_pool_free. Nothing is exchanged. */
 ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct_piece **out,
                           ct_error *error);
 
@@ -48,7 +54,10 @@ ct_status ct_piece_share(ct_piece *piece, double *values, ct_error *error);
 /* The same status in all pieces: CT_OK if all have it, else an error in all; null: one piece. */
 ct_status ct_piece_agree(const ct_piece *piece, ct_status own, ct_error *error);
 
-/* The same, and the largest of some counts. */
+/* The same by the functions of a definition, and the largest of some counts. */
+ct_status ct_pieces_agree(const ct_pieces *join, ct_status own, int64_t *count, ct_error *error);
+
+/* The same of a piece; null: one piece. */
 ct_status ct_piece_agree_on(const ct_piece *piece, ct_status own, int64_t *count, ct_error *error);
 
 /* Join numbers of which each is 0 in all pieces but one, to the last bit. */
