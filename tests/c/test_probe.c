@@ -215,6 +215,37 @@ static void monitor_takes_the_same_rows(void)
   unmake(&r);
 }
 
+/* Probes that begin when the sleeping elements are known already, as after a restart. */
+static void late_probes_take_the_same_rows(void)
+{
+  rig r = make(CT_CENTRAL_DIFFERENCE, 1, 0);
+  ct_state *one = new_state(r.problem), *other = new_state(r.problem);
+  int32_t asleep = node_at(&r, -5, 0.5, 0.5);
+  ct_probe_def def = ct_probe_def_default();
+  ct_probes *probes[2];
+  ct_monitor_options options = ct_monitor_options_default();
+  ct_monitor *monitor = NULL;
+  const int64_t begin = 3, more = STEPS - begin;
+  ct_error e;
+  def.name = "asleep", def.nodes = &asleep, def.node_count = 1;
+  def.take[CT_QUANTITY_DISPLACEMENT] = 1;
+  for (int i = 0; i < 2; i++) need(ct_probes_create(r.problem, &def, 1, &probes[i], &e), &e);
+  need(ct_run(r.problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1, &e), &e);
+  need(ct_run(r.problem, other, begin, NULL, 0, &e), &e);
+  need(ct_monitor_create(r.problem, other, &options, &monitor, &e), &e);
+  const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
+  need(ct_monitor_check(monitor, other, &e), &e);
+  need(ct_run(r.problem, other, more, both, 2, &e), &e);
+  const ct_probe_history a = history_of(probes[0], 0), b = history_of(probes[1], 0);
+  tap_ok(b.row_count == more && same(&a.rows[begin * a.width], b.rows, more * a.width),
+         "probes that begin after %d steps: the rows of those that began at once", (int)begin);
+  ct_monitor_free(monitor);
+  for (int i = 0; i < 2; i++) ct_probes_free(probes[i]);
+  ct_state_free(one);
+  ct_state_free(other);
+  unmake(&r);
+}
+
 /* Another number of threads, and the mirror image. */
 static void same_bits_elsewhere(void)
 {
@@ -363,6 +394,7 @@ int main(void)
   a_divided_step_keeps_the_times();
   for (int s = 0; s < CT_SCHEME_COUNT; s++) rows_are_what_a_host_sees((ct_scheme)s);
   monitor_takes_the_same_rows();
+  late_probes_take_the_same_rows();
   same_bits_elsewhere();
   nothing_is_allocated_in_a_step();
   refusals();

@@ -114,8 +114,14 @@ void ct_sleep_free(ct_sleep *s)
 
 void ct_sleep_share(ct_sleep *s, int32_t count, const int32_t *nodes)
 {
-  for (int32_t i = 0; s != NULL && i < count; i++)
-    ct_bits_put(s->shared, nodes[i], nodes[i] + 1, 1);
+  for (int32_t i = 0; s != NULL && i < count; i++) {
+    const int32_t n = nodes[i];
+    ct_bits_put(s->shared, n, n + 1, 1);
+    // The sets of the steps that follow may be known already.
+    if (ct_bits_get(s->active, n)) continue;
+    ct_bits_put(s->active, n, n + 1, 1);
+    ct_bits_put(s->front, n, n + 1, 1);
+  }
 }
 
 /* Whether two nodes differ in one of three numbers, which are then not equal or not finite. */
