@@ -70,7 +70,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory
+.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory
 .DELETE_ON_ERROR:
 
 help:
@@ -95,7 +95,7 @@ help:
 	@echo "make coverage         lines and branches of the C library that the C tests run, by room (COVERAGE=--book: the book's table)"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
-	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi"
+	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi; make install-mpi prefix= installs it, too"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"
@@ -145,19 +145,19 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 # -- Installation -----------------------------------------------------------------------------------------------------------
 PACKAGE = $(DESTDIR)$(libdir)/cmake/libcontact
 FILL = sed -e 's|@prefix@|$(prefix)|; s|@includedir@|$(includedir)|; s|@libdir@|$(libdir)|; s|@version@|$(VERSION)|; s|@soname@|$(SONAME)|; s|@openmp@|$(OPENMP)|; s|@gsl@|$(GSL)|; s|@hdf5@|$(HDF5)|'
+# One library from a folder of the build, in both kinds, and what pkg-config knows of it.
+install_library = cp $(2)/lib$(1).a $(DESTDIR)$(libdir)/ && \
+  cp $(2)/lib$(1).so $(DESTDIR)$(libdir)/lib$(1).so.$(VERSION) && \
+  ln -sf lib$(1).so.$(VERSION) $(DESTDIR)$(libdir)/lib$(1).so.$(SONAME) && \
+  ln -sf lib$(1).so.$(SONAME) $(DESTDIR)$(libdir)/lib$(1).so && \
+  $(FILL) libcontact/lib$(1).pc.in > $(DESTDIR)$(libdir)/pkgconfig/lib$(1).pc
 install: lib
 	mkdir -p $(DESTDIR)$(includedir)/libcontact $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(mandir)/man3 $(PACKAGE)
 	cp libcontact/include/*.h $(DESTDIR)$(includedir)/
 	cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(includedir)/libcontact/
 	$(FILL) libcontact/libcontact.3.in > $(DESTDIR)$(mandir)/man3/libcontact.3
 	for f in config config-version; do $(FILL) libcontact/libcontact-$$f.cmake.in > $(PACKAGE)/libcontact-$$f.cmake || exit 1; done
-	for a in contact $(ADDONS:%=contact-%); do \
-	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(libdir)/ && \
-	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(libdir)/lib$$a.so.$(VERSION) && \
-	  ln -sf lib$$a.so.$(VERSION) $(DESTDIR)$(libdir)/lib$$a.so.$(SONAME) && \
-	  ln -sf lib$$a.so.$(SONAME) $(DESTDIR)$(libdir)/lib$$a.so && \
-	  $(FILL) libcontact/lib$$a.pc.in > $(DESTDIR)$(libdir)/pkgconfig/lib$$a.pc || exit 1; \
-	done
+	for a in contact $(ADDONS:%=contact-%); do $(call install_library,$$a,$(BUILD)/lib) || exit 1; done
 
 # -- Set-up: system packages, then the Python environment ----------------------------------------------------------------------
 setup:
@@ -336,13 +336,19 @@ _check-c: $(C_PROGRAMS)
 
 # Pieces of a run on the processes of MPI: an engine and METIS from the Python index, and the add-on library, built with the engine's compiler.
 MPICC ?= $(abspath $(VENV))/bin/mpicc
-$(BUILD)/mpi/libcontact-mpi.a: libcontact/mpi/libcontact-mpi.c libcontact/mpi/libcontact-mpi.h $(HEADERS)
+$(BUILD)/mpi/mpi.o: libcontact/mpi/mpi.c libcontact/mpi/libcontact/mpi.h $(HEADERS)
 	@mkdir -p $(@D)
-	$(Q)$(MPICC) $(OPT) -std=c99 -fPIC $(WARNINGS) -Ilibcontact/include -c $< -o $(@D)/libcontact-mpi.o
-	$(Q)rm -f $@ && $(AR) rcs $@ $(@D)/libcontact-mpi.o && cp $(<:.c=.h) $(@D)
-mpi: $(BUILD)/mpi/libcontact-mpi.a
+	$(Q)$(MPICC) $(OPT) -std=c99 -fPIC -fvisibility=hidden $(WARNINGS) -Ilibcontact/include -Ilibcontact/mpi -c $< -o $@
+$(BUILD)/mpi/libcontact-mpi.a: $(BUILD)/mpi/mpi.o
+	$(Q)rm -f $@ && $(AR) rcs $@ $<
+$(BUILD)/mpi/libcontact-mpi.so: $(BUILD)/mpi/mpi.o
+	$(Q)$(MPICC) -shared -Wl,-soname,libcontact-mpi.so.$(SONAME) -o $@ $<
+mpi: $(BUILD)/mpi/libcontact-mpi.a $(BUILD)/mpi/libcontact-mpi.so
+install-mpi: install mpi
+	cp libcontact/mpi/libcontact/mpi.h $(DESTDIR)$(includedir)/libcontact/
+	$(call install_library,contact-mpi,$(BUILD)/mpi)
 $(BUILD)/mpi/pieces: tests/mpi/pieces.c $(BUILD)/mpi/libcontact-mpi.a $(BUILD)/lib/libcontact.a
-	$(Q)$(MPICC) -O1 $(TEST_FLAGS) -I$(BUILD)/mpi $^ -o $@ -lm
+	$(Q)$(MPICC) -O1 $(TEST_FLAGS) -Ilibcontact/mpi $^ -o $@ -lm
 test-mpi: setup
 	@+$(MAKE) --no-print-directory _$@
 _test-mpi: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.mpi

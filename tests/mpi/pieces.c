@@ -1,7 +1,7 @@
 /* Two blocks in contact with friction, on the processes of MPI: prints a hash of the whole state.
  * The same on any number of processes: mpirun -n N pieces STEPS. */
-#include <libcontact-mpi.h>
 #include <libcontact.h>
+#include <libcontact/mpi.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* The exchange of pieces by MPI: two reductions, and messages between neighbours. */
-#include "libcontact-mpi.h"
+#include <libcontact/mpi.h>
 
 #include <limits.h>
 #include <stdlib.h>
