@@ -3,9 +3,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import os
-from collections.abc import Callable
+import pickle
+import sys
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -14,13 +19,12 @@ from numpy.typing import NDArray
 from ._core import ffi, lib
 from .bridge import Ints, Rows, ask, call, copied, ints
 from .contact import exchanged
-from .errors import NotBuiltIn, held
+from .errors import Error, NotBuiltIn, SceneWarning, held, install
 from .mesh import side_nodes
 from .problem import Problem
 
 # Cost of the contact points of a face in element forces, from the price list of contact.
 FACE_WEIGHT = 12
-INSTALL = "pip install mpich mpi4py"
 # Where launchers of MPI say how many processes there are.
 SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "MPI_LOCALNRANKS", "PMIX_SIZE")
 T = TypeVar("T")
@@ -33,7 +37,9 @@ def world() -> Any:
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as reason:
-        raise NotBuiltIn(f"a run on several processes needs mpi4py: {INSTALL} ({reason})") from None
+        raise NotBuiltIn(
+            f"a run on several processes needs mpi4py: {install('mpi')} ({reason})"
+        ) from None
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
 
 
@@ -91,7 +97,7 @@ def owners_of(problem: Problem, count: int, partition: Any) -> Ints:
         return bisect(problem, count)
     if isinstance(partition, str) and partition == "metis":
         if not has_metis:
-            raise NotBuiltIn('partition = "metis" needs pymetis: pip install pymetis')
+            raise NotBuiltIn(f'partition = "metis" needs pymetis: {install("mpi")}')
         return metis(problem, count)
     if isinstance(partition, str):
         raise ValueError(
@@ -105,10 +111,11 @@ def owners_of(problem: Problem, count: int, partition: Any) -> Ints:
 
 
 def common_nodes(problem: Problem) -> Ints:
-    """The nodes that probes read: in every piece."""
+    """The nodes that probes read: in every piece. Those of contacts and obstacles are anyway."""
     found = [np.empty(0, np.int32)]
     for probe in problem.probes:
-        found.append(probe.nodes)
+        table = probe.given.resultant and probe.given.resultant.table
+        found.append(probe.nodes if table in (None, "support") else found[0])
         element = probe.members.get("element", -1)
         if element >= 0:
             body = list(problem.bodies.values())[probe.members["body"]]
@@ -171,6 +178,15 @@ def _transfer(function: Callable[..., None]) -> Any:
     return ffi.callback(given, answer)
 
 
+def _sendable(error: Exception | None) -> Exception | None:
+    """An error that other processes can read."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return Error(f"{type(error).__name__}: {error}")
+    return error
+
+
 class Pieces:
     """The processes of one run. All of them make the same calls."""
 
@@ -184,6 +200,7 @@ class Pieces:
         self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
         self._exchange = _transfer(self._send)
         self._max = MPI.MAX
+        self._common: BaseException | None = None  # the last error that all processes raise
 
     def _send(self, send: Any, send_count: Any, receive: Any, receive_count: Any) -> None:
         there = [
@@ -199,7 +216,7 @@ class Pieces:
     def cut(self, problem: Problem, state: Any) -> Any:
         """The piece of a state (``ct_state *``) that this process steps."""
         owners = self.first(lambda: owners_of(problem, self.size, self.partition))
-        new, _kept = _definition(problem, owners, self.rank, self.size)
+        new, _kept = self.alike(lambda: _definition(problem, owners, self.rank, self.size))
         new.join.sum, new.join.largest, new.exchange = self._sum, self._largest, self._exchange
         made = self.alike(lambda: ask("ct_state **", lib.ct_state_cut, state, new))
         return ffi.gc(made, lambda piece, free=lib.ct_state_free, problem=problem: free(piece))
@@ -212,8 +229,9 @@ class Pieces:
                 both = function(), None
             except Exception as reason:
                 both = None, reason
-        result, error = self.comm.bcast(both)
+        result, error = self.comm.bcast((both[0], _sendable(both[1])))
         if error is not None:
+            self._common = error
             raise error
         return cast(T, result)
 
@@ -225,10 +243,27 @@ class Pieces:
             result = function()
         except Exception as reason:
             error = reason
-        told = [each for each in self.comm.allgather(error) if each is not None]
+        told = [each for each in self.comm.allgather(_sendable(error)) if each is not None]
         if told:
-            raise min(told, key=lambda each: "in another piece" in str(each))
+            self._common = min(told, key=lambda each: "in another piece" in str(each))
+            raise self._common
         return cast(T, result)
+
+    @contextlib.contextmanager
+    def together(self) -> Iterator[None]:
+        """A run of all processes, of which the first one warns. All of them raise what follows from the scene or
+        from the whole state; another error of one process ends all of them with its message."""
+        try:
+            with warnings.catch_warnings():
+                if self.rank > 0:
+                    warnings.simplefilter("ignore")
+                yield
+        except BaseException as error:
+            if error is not self._common and not isinstance(error, (Error, SceneWarning)):
+                print(f"process {self.rank} of {self.size} ends the run:", file=sys.__stderr__)
+                traceback.print_exception(error, file=sys.__stderr__)
+                self.comm.Abort(1)
+            raise
 
     def largest(self, *numbers: int) -> list[int]:
         """The largest of all processes of each number."""

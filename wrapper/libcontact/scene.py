@@ -6,7 +6,6 @@ import copy
 import math
 import os
 import re
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -553,15 +552,16 @@ class Scene:
         """
 
         pieces = Pieces(comm, partition) if comm is not None and comm.size > 1 else None
-        if pieces is not None and pieces.rank > 0:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                return self._run(False, restart, until, output, threads, watch, observers, pieces)
-        return self._run(progress, restart, until, output, threads, watch, observers, pieces)
+        given = restart, until, output, threads, watch, observers, pieces
+        if pieces is None:
+            loop, path = self._prepared(*given)
+            return loop.run(progress, path)
+        with pieces.together():
+            loop, path = pieces.alike(lambda: self._prepared(*given))
+            return loop.run(progress if pieces.rank == 0 else False, path)
 
-    def _run(
+    def _prepared(
         self,
-        progress: bool | str,
         restart: Any,
         until: Any,
         output: Any,
@@ -569,7 +569,8 @@ class Scene:
         watch: Any,
         observers: Any,
         pieces: Pieces | None,
-    ) -> Run:
+    ) -> tuple[Loop, Any]:
+        """The loop of a run before its first step, and its file."""
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
                 threads, Place("run.threads", self._file)
@@ -586,7 +587,7 @@ class Scene:
             issue(warning)
         if restart is not None:
             loop.restart(restart, parts)
-        return loop.run(progress, path)
+        return loop, path
 
     def _whole(self) -> Parts:
         """The parts of a complete scene; otherwise the error names what is missing."""

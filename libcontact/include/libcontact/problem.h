@@ -213,14 +213,15 @@ typedef struct ct_effect_constraints {
 
 /** How an effect is computed in pieces, :doc:`/theory/pieces`. */
 typedef struct ct_effect_pieces {
-  /** Null if the effect can't be computed in pieces; or prepare the scratch space of one piece. */
+  /** Prepare the scratch space of one piece. Null: nothing is to be done if `common` is not 0, else
+   * the effect can't be computed in pieces. */
   ct_status (*cut)(const struct ct_effect *effect, const struct ct_piece *piece, void *scratch,
                    ct_error *error);
   /** Required of an effect with memory: set to 0 those of its numbers in `memory` that belong to
    * another piece, and unless `common` is 1 those that all pieces have. */
   void (*keep)(const struct ct_effect *effect, const struct ct_piece *piece, int common,
                double *memory);
-  /** Not zero: every piece needs the motion of all nodes of the effect. */
+  /** Not zero: every piece needs the motion of all nodes of the effect, and computes its forces. */
   int common;
 } ct_effect_pieces;
 

@@ -3,7 +3,6 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
-#include "../step/piece.h"
 #include "../base/error.h"
 #include "../base/stream.h"
 #include "rotation.h"
@@ -330,7 +329,7 @@ static const ct_effect_calls CALLS = {
     .free_scratch = ct_pool_free,
     .free_data = ct_pool_free,
     .constraints = {.increment = rigid_increment, .mobility = rigid_mobility},
-    .pieces = {.cut = ct_piece_local, .common = 1}};
+    .pieces = {.common = 1}};
 
 ct_rigid_def ct_rigid_def_default(void) { return (ct_rigid_def){.cookie = CT_DEF_COOKIE}; }
 

@@ -16,11 +16,11 @@ static ct_status cut_effects(ct_state *state, ct_error *error)
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     const ct_effect_pieces *calls = &effect->calls->pieces;
-    if (calls->cut == NULL || (calls->keep == NULL && effect->memory_count > 0))
+    if ((calls->cut == NULL && !calls->common) || (calls->keep == NULL && effect->memory_count > 0))
       status =
           ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                   "the effect %s can't be computed in pieces; step the whole state", effect->label);
-    else status = calls->cut(effect, w->piece, w->scratch[k], error);
+    else if (calls->cut != NULL) status = calls->cut(effect, w->piece, w->scratch[k], error);
     if (status == CT_OK && effect->memory_count > 0)
       calls->keep(effect, w->piece, 1, state->memory + ct_state_starts(problem, k).memory);
   }

@@ -1,4 +1,5 @@
 /* Steps with those who observe them. */
+#include "piece.h"
 #include "workspace.h"
 
 #include <string.h>
@@ -24,7 +25,7 @@ static ct_status prepare(const ct_problem *problem, ct_state *state, int64_t cou
     if (o->calls->prepare != NULL)
       status = o->calls->prepare(o->data, problem, state, count, error);
   }
-  return status;
+  return ct_piece_agree(state->workspace->piece, status, error);
 }
 
 /* Whether an observer samples. */

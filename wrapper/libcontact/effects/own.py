@@ -104,6 +104,7 @@ class Own:
         filled.nodes, filled.node_count = maker.keep(ints(self.nodes)), len(self.nodes)
         filled.calls = calls = maker.keep(ffi.new("ct_effect_calls *"))
         calls.force = lib.own_force
+        calls.pieces.common = 1  # the function sees its own nodes only
         if self.energy is not None:
             calls.energy = lib.own_energy
         if self.omega_squared:
