@@ -44,7 +44,7 @@ def main() -> int:
         table.write_prices(rows, table.PRICES)
         drawings.write_lists(level, table.BOOK)
         drawings.write_list(table.BOOK / "accuracy_far.csv", defaults.far(table.BOOK))
-        drawings.work().savefig(table.BOOK.parent / "_static" / "accuracy.png", dpi=110)
+        drawings.few().savefig(table.BOOK.parent / "_static" / "accuracy.png", dpi=110)
     drawings.draw(folder)
     print(
         f"{len(rows)} rows; {sum(row['status'] != 'done' for row in rows)} were refused or failed"

@@ -9,11 +9,15 @@ from __future__ import annotations
 import html
 import io
 import re
+import shutil
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
+sys.path.append(str(Path(__file__).resolve().parent / "_ext"))
+
 import browser
+import course
 from pypdf import PdfReader, PdfWriter
 from pypdf.generic import ArrayObject, NameObject
 from tqdm import tqdm
@@ -137,6 +141,8 @@ def write(folder: Path, path: Path) -> None:
             raise SystemExit(f"a page fetches {reader.outside[0]}")
         finish(writer, reader.address, book)
     writer.write(path)
+    shutil.copyfile(path, folder / "libcontact.pdf")
+    course.reveal(folder)
     print(f"{len(writer.pages)} pages: {path}")
 
 

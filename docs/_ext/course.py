@@ -1,8 +1,9 @@
-"""The courses of ``course.toml``: a mark under the heading of each section, and the table of a course.
+"""The courses of ``course.toml``: a mark under the heading of each section, tables of courses, the line of PDFs.
 
 ::
 
     .. syllabus:: six
+    .. pdfs::
 
 Words, equations and listings of a section are counted in its source, as ``tools/count_book.py`` counts them; the
 minutes of exercises are their own.
@@ -113,6 +114,16 @@ def weeks(name: str, docs: Path = DOCS) -> list[Week]:
     return found
 
 
+def reveal(folder: Path) -> None:
+    """Show the links of the first page to the PDFs that lie beside it; the others stay hidden."""
+    page = folder / "index.html"
+    text = page.read_text(encoding="utf-8")
+    for name in table()["pdfs"]:
+        if (folder / name).exists():
+            text = text.replace(f' hidden="{name}"', "").replace(' hidden="pdfs"', "")
+    page.write_text(text, encoding="utf-8")
+
+
 def setup(app):
     from docutils import nodes
     from docutils.statemachine import StringList
@@ -144,6 +155,17 @@ def setup(app):
             self.state.nested_parse(text, self.content_offset, node)
             return node.children
 
+    class Pdfs(SphinxDirective):
+        """``.. pdfs::``: links to files that the build of the pages can't know yet."""
+
+        def run(self) -> list[nodes.Node]:
+            self.env.note_dependency(str(DOCS / "course.toml"))
+            links = "".join(
+                f'<span hidden="{name}"> · <a href="{name}">{title}</a></span>'
+                for name, title in table()["pdfs"].items()
+            )
+            return [nodes.raw("", f'<p hidden="pdfs">As PDF{links}</p>', format="html")]
+
     def add_marks(app, doctree):
         course = table()
         if app.env.docname in chapters(course):
@@ -153,6 +175,12 @@ def setup(app):
                     text = mark(course, app.env.docname, section[0].astext())
                     section.insert(1, nodes.paragraph("", text, classes=["course-mark"]))
 
+    def finish(app, problem):
+        if app.builder.format == "html" and not problem:
+            reveal(Path(app.outdir))
+
     app.add_directive("syllabus", Syllabus)
+    app.add_directive("pdfs", Pdfs)
+    app.connect("build-finished", finish)
     app.connect("doctree-read", add_marks)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

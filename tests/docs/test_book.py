@@ -153,5 +153,70 @@ def test_nothing_of_the_course_is_hidden_on_a_desk(looks):
     assert {name: boxes for name, boxes in hidden.items() if name.startswith(COURSE)} == {}
 
 
+# What a student would search for, and a page that must be among the first three results.
+SEARCHES = {
+    "stable step": "theory/stable",
+    "hourglass": "theory/solid_reduced",
+    "shock": "reference/glossary",
+    "KKT": "reference/glossary",
+    "node-to-segment": "reference/glossary",
+    "tunnelling": "reference/glossary",
+    "friction": "theory/friction",
+    "penalty": "reference/glossary",
+    "closest point": "theory/projection",
+    "ct_project": "api/projection",
+}
+RESULTS = """
+() => [...document.querySelectorAll("#search-results li > a")].slice(0, 3).map(a => a.getAttribute("href"))
+"""
+SHOWN = """
+() => {
+  const box = e => e.getBoundingClientRect();
+  const hidden = [...document.querySelectorAll("article :is(p, img, svg, a)")].filter(e => {
+    if (e.closest("[hidden], .toctree-wrapper, .headerlink") || !e.textContent.trim() && e.tagName !== "IMG") return false;
+    const style = getComputedStyle(e);
+    return style.display === "none" || style.visibility !== "visible" || box(e).width === 0;
+  });
+  const picture = document.querySelector("article img");
+  return {top: box(picture).top + scrollY, loaded: picture.naturalWidth, hidden: hidden.map(e => e.outerHTML)};
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def first(book):
+    """The first page at both widths on a light and a dark ground, and the results of searches."""
+    pytest.importorskip("playwright", reason="no playwright (make build/venv/.browser)")
+    own = browser.find()
+    if own is None:
+        pytest.skip("no browser on this machine")
+    found, results = {}, {}
+    with browser.reading(book, own) as reader:
+        for scheme in ("light", "dark"):
+            reader.page.emulate_media(color_scheme=scheme)
+            for width, height in WIDTHS.items():
+                reader.page.set_viewport_size({"width": width, "height": height})
+                found[scheme, width] = reader.open("index.html").evaluate(SHOWN)
+        for query in SEARCHES:
+            page = reader.open(f"search.html?q={query}")
+            page.wait_for_selector("#search-results .search-summary:not(:empty)")
+            results[query] = page.evaluate(RESULTS)
+    return found, results
+
+
+def test_the_first_page_begins_with_its_picture(first):
+    for seen in first[0].values():
+        assert 0 < seen["top"] < 500 and seen["loaded"] > 0 and seen["hidden"] == []
+
+
+def test_a_search_finds_chapters_first(first):
+    missed = {
+        query: found
+        for query, found in first[1].items()
+        if not any(link.startswith(f"{SEARCHES[query]}.html") for link in found)
+    }
+    assert missed == {}
+
+
 def test_no_request_leaves(looks):
     assert looks[1] == []

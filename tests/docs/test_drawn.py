@@ -9,7 +9,10 @@ import pytest
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FIGURES = DOCS / "figures"
 PAGES = sorted(page for page in DOCS.rglob("*.rst") if "_build" not in page.parts)
-DRAWN = {page: re.findall(r"^\.\. drawn:: (\S+) (\w+)", page.read_text(), re.M) for page in PAGES}
+DRAWN = {
+    page: re.findall(r"^ *\.\. (?:drawn|moving):: (\S+) (\w+)", page.read_text(), re.M)
+    for page in PAGES
+}
 OF_A_PART = {"week", "parts"}  # one program for the pages of Part I, one for the maps of all parts
 
 

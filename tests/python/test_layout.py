@@ -44,7 +44,7 @@ def test_sources_have_the_layout_of_make_format(command, patterns):
 
 WIDTH = 120  # of comments and docstrings, too: max-doc-length in pyproject.toml
 # Directives whose body is text; of the others it is code, data or a formula.
-BODIES = r"admonition|drawn|figure|glossary|grid|grid-item-card|list-table|note|rubric|warning"
+BODIES = r"admonition|drawn|dropdown|figure|glossary|grid|grid-item-card|list-table|moving|note|rubric|warning"
 DIRECTIVE = re.compile(r"\s*(?:[-*] )*\.\. (?:\|.*?\| )?([\w:-]+)::")
 BORDER = re.compile(r"(=+ +)+=+|[+][-=+]+")
 MARK = re.compile(r"\s*(?:(?:[-*+]|\d+\.|#\.)\s+)*(?::[\w -]+:\s+)?")
