@@ -108,6 +108,7 @@ html_theme = "furo"
 html_title = "libcontact"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
+html_search_scorer = str(DOCS / "_static" / "search.js")
 html_show_sphinx = False
 html_copy_source = False
 pygments_style = "friendly"
