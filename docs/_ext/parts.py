@@ -1,7 +1,8 @@
 """The parts of the book: which chapters they have, in which order, and one count of chapters through all of them.
 
-A part is a page whose toctree is ``:numbered:``; the parts stand in the toctree of ``index.rst``. Sphinx begins each
-numbered toctree with 1 again. Here the numbers of a part go on where those of the part before it end.
+A part is a page whose toctree is ``:numbered:``, or whose toctree has such pages, the groups of the part; the parts
+stand in the toctree of ``index.rst``. Sphinx begins each numbered toctree with 1 again. Here the numbers go on where
+those of the toctree before it end.
 """
 
 from __future__ import annotations
@@ -19,14 +20,29 @@ def entries(page: Path, option: str = "") -> list[str]:
     return [name for block in blocks for name in re.findall(r"^   (?!:)(\S+)$", block, re.M)]
 
 
-def parts(docs: Path) -> dict[str, list[str]]:
-    """The parts in their order, each with its chapters: names of pages as in ``theory/mass``."""
-    found = {}
+def chapters(docs: Path, page: str) -> list[str]:
+    """The numbered pages of a page: names as in ``theory/mass``."""
+    folder, path = posixpath.dirname(page), docs / f"{page}.rst"
+    names = entries(path, ":numbered:") if path.exists() else []
+    return [posixpath.join(folder, name).lstrip("/") for name in names]
+
+
+def groups(docs: Path) -> dict[str, list[str]]:
+    """The pages that have chapters, parts and groups of parts, in their order."""
+    found: dict[str, list[str]] = {}
     for part in entries(docs / "index.rst"):
-        page = docs / f"{part}.rst"
-        if page.exists() and (names := entries(page, ":numbered:")):
-            folder = posixpath.dirname(part)
-            found[part] = [posixpath.join(folder, name).lstrip("/") for name in names]
+        path, folder = docs / f"{part}.rst", posixpath.dirname(part)
+        below = [f"{folder}/{name}" for name in entries(path)] if path.exists() else []
+        found |= {page: own for page in (part, *below) if (own := chapters(docs, page))}
+    return found
+
+
+def parts(docs: Path) -> dict[str, list[str]]:
+    """The parts in their order, each with its chapters."""
+    found: dict[str, list[str]] = {}
+    for page, own in groups(docs).items():
+        above = (part for part in entries(docs / "index.rst") if page.startswith(part))
+        found.setdefault(next(above, page), []).extend(own)
     return found
 
 
@@ -65,10 +81,11 @@ def setup(app):
         sphinx_numbers(collector, env)
         count = 0
         for part in env.toctree_includes.get(env.config.root_doc, []):
-            if part in env.numbered_toctrees:
-                for chapter in env.toctree_includes[part]:
-                    shift(env, chapter, count)
-                count += len(env.toctree_includes[part])
+            for page in (part, *env.toctree_includes.get(part, [])):
+                if page in env.numbered_toctrees:
+                    for chapter in env.toctree_includes[page]:
+                        shift(env, chapter, count)
+                    count += len(env.toctree_includes[page])
         return [page for page, numbers in env.toc_secnumbers.items() if before.get(page) != numbers]
 
     if (

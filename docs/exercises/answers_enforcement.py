@@ -3,20 +3,8 @@
 import warnings
 
 import numpy as np
-from answers_energy import energies
 
 import libcontact as ct
-
-
-def test_enforcement_step(says):
-    def stored(gap):
-        return min(gap, 0) ** 2 / 2
-
-    old, now, new = -0.2, -0.1, 0.05
-    force = max(0.0, -(new + old) / 2)
-    work = force * (new - old) / 2
-    fall = (stored(old) + stored(now)) / 2 - (stored(now) + stored(new)) / 2
-    says(f"{force:.3f}", f"{work:.6f}", f"{fall:.2f}", f"{fall - work:.6f}")
 
 
 def test_enforcement_overlap(says):
@@ -67,29 +55,3 @@ def test_enforcement_laws(says):
     assert abs(held - 0.05) < 0.005 and default[0]["reserve"][-1] == 0
     explicit = [gain(bar_on_wall(f, enforcement="penalty")) for f in (0.9, 0.1)]
     says(f"{explicit[0]:.1f} %", f"{explicit[1]:.3f} %")
-
-
-def test_enforcement_growth(says):
-    beta, n = 10, 50
-    limit = np.sqrt(2 / (1 + np.sqrt(1 + 4 * beta**2)))
-    grown = [
-        energies(n, fraction * limit, beta * n, controlled=False, end=6)[-1] - 1
-        for fraction in (0.3, 0.5, 0.7, 0.9)
-    ]
-    says(*(f"{value:.1%}".replace("%", " %") for value in grown[:3]))
-    says(f"{grown[3]:.0%}".replace("%", " %"))
-
-
-def test_enforcement_present(says, run):
-    names, told = run()
-    assert "0.1 / ω: the mass keeps 0.923" in told
-
-    def lost(step):
-        return 1 - np.mean([names["rebound"](step, 1 + step * p) for p in np.linspace(0, 1, 100)])
-
-    orders = [np.log2(lost(0.1) / lost(0.05))]
-    names, told = run(mend=True)
-    orders.append(np.log2(lost(0.1) / lost(0.05)))
-    assert abs(orders[0] - 1) < 0.1 and abs(orders[1] - 2) < 0.1
-    assert "keeps 0.99" in told.splitlines()[1]
-    says("first")

@@ -12,7 +12,7 @@ from shared.drawing import BLUE, GREY
 
 DOCS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(DOCS / "_ext"))
-from parts import needs, parts  # noqa: E402
+import parts  # noqa: E402
 
 COLUMNS = 5
 
@@ -25,7 +25,9 @@ def title(page):
 
 def arrows(chapters):
     """For each chapter those of the part that it needs, without those that another one of them needs."""
-    direct = {page: [n for n in needs(DOCS / f"{page}.rst") if n in chapters] for page in chapters}
+    direct = {
+        page: [n for n in parts.needs(DOCS / f"{page}.rst") if n in chapters] for page in chapters
+    }
 
     def all_before(page):
         return set(direct[page]).union(*(all_before(need) for need in direct[page]))
@@ -116,9 +118,9 @@ def untangled(place, lines, before, downwards):
 
 
 def chart(part):
-    """Boxes with the numbers and titles of the chapters of a part; an arrow leads from a chapter to one that needs
+    """Boxes with the numbers and titles of the chapters of a page; an arrow leads from a chapter to one that needs
     it."""
-    book = parts(DOCS)
+    book = parts.groups(DOCS)
     chapters = book[part]
     numbers = {
         page: i + 1 for i, page in enumerate(page for pages in book.values() for page in pages)
@@ -155,8 +157,20 @@ def method():
     return chart("theory/index")
 
 
-def deeper():
-    return chart("theory/deeper")
+def laws():
+    return chart("theory/deeper_laws")
+
+
+def effects():
+    return chart("theory/deeper_effects")
+
+
+def waves():
+    return chart("theory/deeper_waves")
+
+
+def certainty():
+    return chart("theory/deeper_certainty")
 
 
 def fast():
