@@ -1,12 +1,16 @@
 """Pictures that are drawn when the book is built: ``.. drawn:: figures/contact.py wedge``.
 
 The file, named from the folder of the book, has a function of that name, without arguments, that returns a matplotlib
-figure. The text under the directive is the caption, the option ``:alt:`` says what is seen. A book that is built
-without the package says so in place of the picture. The program of a chapter has the name of the chapter; what several
-of them need lies in ``figures/shared``.
+figure. The text under the directive is the caption, the option ``:alt:`` says what is seen. Below it stands a link to
+the picture's data (``figuredata.py``). A book that is built without the package says so in place of the picture. The
+program of a chapter has the name of the chapter; what several of them need lies in ``figures/shared``.
 
-``.. moving::`` is the same for a function that returns pictures of Pillow and the milliseconds of each. On paper, and
-for readers who want no motion, the last one stands alone. The page holds them itself.
+With ``:animation: name`` one stands above the picture, where a reader has not asked for reduced motion; on paper there
+is the picture alone. The function ``name`` returns a figure, the seconds of one round, and a dictionary from artists
+(lines and polygons) to their points in each frame, an array of frames, points and two coordinates.
+
+``.. moving::`` is the same as ``drawn`` for a function that returns pictures of Pillow and the milliseconds of each. On
+paper, and for readers who want no motion, the last one stands alone. The page holds them itself.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ import base64
 import io
 import re
 import runpy
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -25,12 +30,21 @@ from sphinx.util.docutils import SphinxDirective
 
 FIGURES = Path(__file__).resolve().parents[1] / "figures"
 STYLE = FIGURES / "book.mplstyle"
+DATA = "_data"  # the folder of the pictures' data
 sys.path.append(str(FIGURES))  # for ``from shared.drawing import BLUE``
 
 
-def svg(path: Path, name: str, alt: str) -> str:
-    """What the function draws, as an SVG element that can stand in a page: the same bytes in every build, black in the
-    colour of the page's text, #fefefe in that of the page."""
+def call(path: Path, name: str) -> Any:
+    """What the function of a program returns, drawn in the style of the book."""
+    from matplotlib import style
+
+    with style.context(STYLE):
+        return runpy.run_path(str(path))[name]()
+
+
+def svg(figure: Any, name: str, alt: str, tight: bool = True) -> str:
+    """The figure as an SVG element that can stand in a page: the same bytes in every build, black in the colour of the
+    page's text, #fefefe in that of the page."""
     import matplotlib
     from matplotlib import style
 
@@ -38,10 +52,11 @@ def svg(path: Path, name: str, alt: str) -> str:
         style.context(STYLE),
         matplotlib.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}),
     ):
-        figure = runpy.run_path(str(path))[name]()
         text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches="tight")
+        box = "tight" if tight else None
+        figure.savefig(text, format="svg", metadata={"Date": None}, bbox_inches=box)
     drawing = text.getvalue()
+    drawing = drawing[drawing.index("<svg") :]
     drawing = drawing.replace("#000000", "currentColor")
     drawing = drawing.replace(' target="_blank"', "")
     drawing = drawing.replace("#fefefe", "var(--color-background-primary, #ffffff)")
@@ -50,8 +65,27 @@ def svg(path: Path, name: str, alt: str) -> str:
     )
     # As wide as it was drawn, or as the page if that is narrower; the height follows.
     width = r'width="([\d.]+)pt" height="[\d.]+pt"'
-    drawing = re.sub(width, r'style="width:100%;max-width:\1pt"', drawing, count=1)
-    return drawing[drawing.index("<svg") :]
+    return re.sub(width, r'style="width:100%;max-width:\1pt"', drawing, count=1)
+
+
+def animation(made: tuple[Any, float, dict[Any, Any]], name: str, alt: str) -> str:
+    """An SVG element whose lines and polygons move on and on; a click halts them."""
+    figure, seconds, frames = made
+    figure.set_dpi(72)  # as an SVG is drawn, in points
+    for number, artist in enumerate(frames):
+        artist.set_gid(f"{name}-{number}")
+    drawing = svg(figure, name, f"{alt} A click stops the animation.", tight=False)
+    height = 72 * figure.get_figheight()
+    for artist, points in frames.items():
+        shown = artist.axes.transData.transform(points.reshape(-1, 2)).reshape(points.shape)
+        shown[..., 1] = height - shown[..., 1]
+        paths = ";".join("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in frame) for frame in shown)
+        animate = f'<animate attributeName="d" dur="{seconds}s" repeatCount="indefinite" values="{paths}"/>'
+        pattern = rf'(<g id="{artist.get_gid()}">\s*<path [^>]*)/>'
+        drawing, found = re.subn(pattern, rf"\1>{animate}</path>", drawing)
+        assert found == 1, f"{name} shows {artist} {found} times"
+    pause = "this.animationsPaused() ? this.unpauseAnimations() : this.pauseAnimations()"
+    return drawing.replace("<svg ", f'<svg class="moving" onclick="{pause}" ', 1)
 
 
 def webp(pictures: list[Any], **options: Any) -> str:
@@ -61,9 +95,9 @@ def webp(pictures: list[Any], **options: Any) -> str:
     return f"data:image/webp;base64,{base64.b64encode(data.getvalue()).decode()}"
 
 
-def movie(path: Path, name: str, alt: str) -> str:
-    """What the function draws, as an element that shows the pictures one after the other, again and again."""
-    pictures, times = runpy.run_path(str(path))[name]()
+def movie(made: tuple[list[Any], list[int]], alt: str) -> str:
+    """An element that shows pictures one after the other, again and again."""
+    pictures, times = made
     width, height = pictures[0].size
     return (
         f'<picture><source media="print, (prefers-reduced-motion: reduce)" srcset="{webp(pictures[-1:])}">'
@@ -73,34 +107,67 @@ def movie(path: Path, name: str, alt: str) -> str:
 
 
 class Drawn(SphinxDirective):
-    draw = staticmethod(svg)
     required_arguments = 2
     has_content = True
-    option_spec = {"alt": lambda text: " ".join(directives.unchanged_required(text).split())}
+    option_spec = {
+        "alt": lambda text: " ".join(directives.unchanged_required(text).split()),
+        "animation": directives.unchanged_required,
+    }
 
     def run(self) -> list[nodes.Node]:
-        path = Path(self.env.srcdir) / self.arguments[0]
+        path, name = Path(self.env.srcdir) / self.arguments[0], self.arguments[1]
         for program in (path, STYLE, *sorted((FIGURES / "shared").glob("*.py"))):
             self.env.note_dependency(str(program))
         caption = self.parse_content_to_nodes()
         try:
-            text = self.draw(path, self.arguments[1], self.options["alt"])
+            text, data = self.show(path, name)
             import libcontact._core
         except ImportError as error:
             return self.parse_text_to_nodes(
                 f"(This book was built without the Python package, so a picture is missing here: {error}.)\n"
             )
         self.env.note_dependency(libcontact._core.__file__)
-        picture = nodes.figure("", nodes.raw("", text, format="html"))
+        picture = nodes.figure("", nodes.raw("", text, format="html"), drawn=name)
         picture += nodes.caption("", "", *caption[0].children)
+        picture += data
         return [picture]
+
+    def show(self, path: Path, name: str) -> tuple[str, list[nodes.Node]]:
+        """The picture, and the link to its data."""
+        alt, second = self.options["alt"], self.options.get("animation")
+        figure = call(path, name)
+        text = svg(figure, name, alt)
+        if second:
+            text = animation(call(path, second), second, alt) + text
+        return text, self.data(figure, f"{path.stem}-{name}.csv")
+
+    def data(self, figure: Any, name: str) -> list[nodes.Node]:
+        """A link to the data of a picture, which are kept beside the doctrees until the book is written."""
+        import figuredata
+
+        if not (text := figuredata.table(figure)):
+            return []
+        folder = Path(self.env.doctreedir) / DATA
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+        up = "../" * self.env.docname.count("/")
+        link = nodes.reference("", "data of this picture (CSV)", refuri=f"{up}{DATA}/{name}")
+        return [nodes.legend("", nodes.paragraph("", "", link), classes=["figure-data"])]
 
 
 class Moving(Drawn):
-    draw = staticmethod(movie)
+    def show(self, path: Path, name: str) -> tuple[str, list[nodes.Node]]:
+        return movie(call(path, name), self.options["alt"]), []
+
+
+def write_data(app, error) -> None:
+    folder = Path(app.doctreedir) / DATA
+    if app.builder.format == "html" and not error and folder.exists():
+        shutil.copytree(folder, Path(app.outdir) / DATA, dirs_exist_ok=True)
 
 
 def setup(app):
     app.add_directive("drawn", Drawn)
     app.add_directive("moving", Moving)
-    return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}
+    app.connect("build-finished", write_data)
+    return {"version": "2", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -68,6 +68,25 @@ def simplex():
     return figure
 
 
+def moving_simplex():
+    """The triangle on its way, over the lines of equal distance and the places where it has been."""
+    value, triangles = rolling()
+    figure = Figure(figsize=(5.0, 4.2), layout="constrained")
+    ax = figure.subplots()
+    grid = np.linspace(-1.6, 1.6, 81)
+    height = value(np.stack(np.meshgrid(grid, grid), -1))
+    levels = np.quantile(height, np.linspace(0.01, 0.95, 16))
+    ax.contour(grid, grid, height, levels, colors=GREY, linewidths=0.5)
+    ax.plot(*outline("Q8").T, color="black", lw=1)
+    for triangle in triangles:
+        ax.fill(*triangle.T, facecolor="none", alpha=0.3, edgecolor=ORANGE, lw=0.6)
+    (shown,) = ax.fill(*triangles[0].T, color=ORANGE)
+    ax.set(xlabel="ξ₁", ylabel="ξ₂", aspect="equal", xlim=(-1.6, 1.3), ylim=(-1.5, 1.2))
+    ax.grid(False)
+    closed = np.concatenate([triangles, triangles[:, :1]], axis=1)
+    return figure, 0.25 * len(triangles), {shown: np.repeat(closed, 2, axis=0)}
+
+
 def moves():
     """The three moves of the rolling simplex, with the lines of equal height of a plane valley."""
     figure = Figure(figsize=(7.5, 2.7))

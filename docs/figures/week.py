@@ -80,6 +80,36 @@ def waves():
     return figure
 
 
+def moving_waves():
+    """The bars on their way through the impact, with the stress in each element."""
+    elements, scale = 40, 0.12  # places on the picture are x + scale * u
+    times, stresses, forces, _ = bar.impact(elements)
+    figure = Figure(figsize=(7.5, 2.8), layout="constrained")
+    ax = figure.subplots()
+    before = np.arange(-0.5, 0, 0.05)
+    shown, frames = np.concatenate([before, times[::2]]), {}
+    for side, own in ((-1, slice(0, elements)), (1, slice(elements + 1, None))):
+        strain = np.vstack([np.zeros((len(before), elements)), stresses[::2, own]])
+        u = np.cumsum(strain, axis=1) / elements
+        speed = -side + side * np.cumsum(forces) / elements  # of the centre of mass
+        centre = np.cumsum(speed) / elements
+        u += np.concatenate([-side * before, centre[::2]])[:, None] - u.mean(axis=1)[:, None]
+        x = (np.arange(elements) + 0.5) / elements - (side < 0) + scale * u
+        ends = x[:, [0, -1]] + np.array([-0.5, 0.5]) / elements
+        low, high = np.full_like(x[:, :2], -1.5), np.full_like(x[:, :2], -1.35)
+        box = np.stack(
+            [np.hstack([ends, ends[:, ::-1], ends[:, :1]]), np.hstack([low, high, low[:, :1]])], -1
+        )
+        (line,) = ax.plot(x[0], strain[0])
+        (body,) = ax.fill(*box[0].T, color=line.get_color(), lw=0)
+        frames |= {line: np.stack([x, strain], -1), body: box}
+    (clock,) = ax.plot([-1.3, -1.3], [0.35, 0.35], color=DARK, lw=2.5)
+    ends = np.stack([np.full_like(shown, -1.3), -1.3 + 2.6 * (shown + 0.5) / 3.5], 1)
+    frames[clock] = np.stack([ends, np.full_like(ends, 0.35)], -1)
+    ax.set(xlabel="place x / L", ylabel="stress / (ρ c v)", xlim=(-1.3, 1.3), ylim=(-1.6, 0.4))
+    return figure, 6.0, frames
+
+
 def fronts():
     """The wave in the right bar at half of its length, with steps of three lengths."""
     figure = Figure(figsize=(7.5, 3.0))

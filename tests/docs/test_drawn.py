@@ -1,13 +1,17 @@
 """Whether the pictures of a chapter stand in the program of its name (docs/figures)."""
 
 import ast
+import csv
+import io
 import re
+import sys
 from pathlib import Path
 
 import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FIGURES = DOCS / "figures"
+sys.path.insert(0, str(DOCS / "_ext"))
 PAGES = sorted(page for page in DOCS.rglob("*.rst") if "_build" not in page.parts)
 DRAWN = {
     page: re.findall(r"^ *\.\. (?:drawn|moving):: (\S+) (\w+)", page.read_text(), re.M)
@@ -37,3 +41,62 @@ def test_every_program_is_drawn_and_short():
         assert len(program.read_text().splitlines()) <= 300, program.name
         if program.parent == FIGURES:
             assert program in used, f"no page draws {program.name}"
+
+
+def test_the_data_of_a_picture():
+    """What is drawn stands in the table once, without sketches and colour bars."""
+    pytest.importorskip("matplotlib")
+    import figuredata
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    figure = Figure()
+    ax, image, sketch = figure.subplots(1, 3)
+    ax.plot([0, 1], [2, 3.25], label="own")
+    ax.bar([1], [4], width=2)
+    figure.colorbar(image.imshow(np.arange(6.0).reshape(2, 3), extent=(0, 3, 0, 2), origin="lower"))
+    sketch.plot([7, 7], [7, 7])
+    sketch.set_axis_off()
+    rows = list(csv.reader(io.StringIO(figuredata.table(figure))))
+    assert rows[:3] == [
+        ["panel", "curve", "x", "y", "value"],
+        ["1", "own", "0", "2", ""],
+        ["1", "own", "1", "3.25", ""],
+    ]
+    assert {(x, y) for _, name, x, y, _ in rows if name == "area 1"} == {
+        ("0", "0"),
+        ("2", "0"),
+        ("2", "4"),
+        ("0", "4"),
+    }
+    cells = [(float(x), float(y), float(v)) for _, name, x, y, v in rows if name == "image 1"]
+    assert cells == [(c + 0.5, r + 0.5, 3 * r + c) for r in range(2) for c in range(3)]
+    assert "7" not in {row[2] for row in rows}
+
+
+MOVING = re.findall(
+    r"^\.\. drawn:: (\S+) .*\n(?:   .*\n)*?   :animation: (\w+)$",
+    "".join(page.read_text() for page in PAGES),
+    re.M,
+)
+
+
+@pytest.mark.parametrize("place, name", MOVING)
+def test_an_animation_is_small_and_moves(place, name):
+    pytest.importorskip("libcontact")
+    pytest.importorskip("sphinx")
+    pytest.importorskip("matplotlib")
+    import drawn
+
+    made = drawn.call(DOCS / place, name)
+    text = drawn.animation(made, name, "alt")
+    assert len(text) < 150_000 and 4 <= made[1] <= 8
+    values = re.findall(r'<animate attributeName="d" [^>]*values="([^"]*)"', text)
+    assert len(values) == len(made[2])
+    for frames in (value.split(";") for value in values):
+        assert len(frames) >= 40 and len(set(frames)) >= 20
+        assert len({frame.count("L") for frame in frames}) == 1  # else a browser shows steps
+
+
+def test_two_pictures_move():
+    assert len(MOVING) == 2
