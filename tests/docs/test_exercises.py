@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 FOLDER = DOCS / "exercises"
-sys.path[:0] = [str(ROOT / "tools"), str(DOCS / "_ext")]
+sys.path[:0] = [str(ROOT / "tools"), str(DOCS), str(DOCS / "_ext")]
+import answers  # noqa: E402
 import count_book  # noqa: E402
 from parts import parts  # noqa: E402
 
@@ -58,6 +60,9 @@ Book
 
 See :numref:`one`.
 
+.. include:: /exercises/x.rst
+"""
+EXERCISES = """
 .. exercise:: one
    :kind: hand
    :grade: 1
@@ -67,7 +72,7 @@ See :numref:`one`.
 
    .. answer::
 
-      It is fortytwo.
+      It is fortytwo, as each of :math:`n` readers knows by now.
 
 .. exercise:: two
    :kind: program
@@ -76,17 +81,19 @@ See :numref:`one`.
 
    And now?
 """
+ANSWER = "It is fortytwo, as each of n readers knows by now."
 
 
 def build(book: Path, page: str, *options: str) -> subprocess.CompletedProcess:
     """The book of one page, built in a process of its own, as directives stay registered."""
     pytest.importorskip("sphinx_design")
-    book.mkdir(exist_ok=True)
+    (book / "exercises").mkdir(parents=True, exist_ok=True)
+    (book / "exercises" / "x.rst").write_text(EXERCISES)
     (book / "index.rst").write_text(page)
     (book / "conf.py").write_text(
         f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\n"
         "extensions = ['exercises']\nhtml_copy_source = False\nnumfig = True\n"
-        "numfig_format = {'exercise': 'Exercise %s'}\n"
+        "numfig_format = {'exercise': 'Exercise %s'}\nexclude_patterns = ['exercises/*']\n"
     )
     command = [sys.executable, "-m", "sphinx", "-q", "-b", "html", *options, book, book / "out"]
     return subprocess.run(command, capture_output=True, text=True)
@@ -108,6 +115,34 @@ def test_students_get_no_answer(tmp_path):
         assert bool(found) == bool(having)
         assert ("<details" in page) == bool(having)
         assert "Exercise 1 </span>by hand · grade 1 of 3 · 10 minutes" in page
+        checked = answers.check(out, out.parent)
+        assert checked == (["index.html: the answer of one"] if having else [])
+
+
+def test_an_answer_is_found_in_every_kind_of_file(tmp_path):
+    (tmp_path / "exercises").mkdir()
+    (tmp_path / "exercises" / "x.rst").write_text(EXERCISES)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "a.html").write_text("<p>It is fortytwo, <em>as each</em> of \\(n\\) readers know</p>")
+    (out / "b.ipynb").write_text(f'{{"source": ["{ANSWER[:20]}\\n{ANSWER[20:]}"]}}')
+    (out / "c.txt").write_text("It is fortytwo, as you know.")  # a part that is too short
+    with zipfile.ZipFile(out / "d.zip", "w") as packed:
+        packed.writestr("own.py", f"# {ANSWER}")
+    index = 'Search.setIndex({"terms": {"fortytwo": 0, "reader": 1, "other": 2}, "titleterms": {}})'
+    (out / "searchindex.js").write_text(index)
+    found = ["a.html", "b.ipynb", "d.zip/own.py"]
+    checked = answers.check(out, tmp_path)
+    assert checked == [f"{name}: the answer of one" for name in found]
+    (out / "a.html").unlink()  # no page has the words any longer
+    words = [line for line in answers.check(out, tmp_path) if line.startswith("searchindex.js")]
+    assert [line.split("'")[1] for line in words] == ["fortytwo", "reader"]
+
+
+def test_every_answer_has_words_of_its_own():
+    own = set(answers.telling().values())
+    asked = {one.label for file in FILES for one in count_book.exercises(file.read_text())}
+    assert own == asked
 
 
 def test_an_exercise_without_its_grade_fails(tmp_path):
