@@ -44,6 +44,7 @@ extensions = [
     "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it
     "measured",  # numbers in the text come from measured.json
+    "typed",  # a page types no other numbers than typed.toml lists
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
     "hawkmoth",
     "sphinx.ext.autodoc",

@@ -47,6 +47,10 @@ sys.path.insert(0, str(ROOT / "accuracy"))
 import campaign  # noqa: E402 (the campaign of `make accuracy`)
 import defaults  # noqa: E402 (the scenes of the defaults)
 import drawings  # noqa: E402
+import price  # noqa: E402 (the errors of a run)
+
+sys.path.insert(0, str(DOCS / "figures"))
+from shared import scenes  # noqa: E402 (the bar of the chapter on energy)
 
 sys.path.insert(0, str(DOCS / "benchmarks"))
 import problems as benchmarks  # noqa: E402
@@ -100,6 +104,64 @@ def first_run() -> Numbers:
         "plateau": program["plateau"],
         "exact": -rho * c1 * 1000.0,
         "lowest": program["stress"].min(),
+    }
+
+
+@measurement
+def ball() -> Numbers:
+    """From what ball.py printed (a test runs it anew): how far the pressures of its meshes lie apart, and above
+    Hertz's."""
+    text = (DOCS / "start" / "ball.out").read_text()
+    found = re.findall(r"^(\d+) cells, (beta = 2|default penalty): ([\d.]+) MPa", text, re.M)
+    soft, default = (
+        [float(value) for _, law, value in found if law == name]
+        for name in ("beta = 2", "default penalty")
+    )
+    hertz = float(re.search(r"Hertz: ([\d.]+)", text)[1])  # type: ignore[index]
+    return {
+        "soft": soft[-1] / soft[0] - 1,
+        "spread": max(default) / min(default) - 1,
+        "above": default[-1] / hertz - 1,
+    }
+
+
+# -- Laboratory and zoo ----------------------------------------------------------------------------
+
+
+@measurement
+def laboratory() -> Numbers:
+    """From the tables of `make stability` and `make zoo`, the default law: growth and loss of linear bodies and of the
+    others, and how the runs of the zoo ended."""
+    rows = defaults.table.read(DOCS / "stability" / "summary.csv")
+    own = [row for row in rows if row["enforcement"] == "energy-controlled" and row["lost"] != ""]
+    large = ("folding strip", "rolled strip", "coil", "crushed ring", "pair of bodies")
+    found = {"linear_growth": max(r["energy grows by"] for r in own if r["case"] not in large)}
+    found["plates_lost"] = max(r["lost"] for r in own if r["case"] == "plates")
+    for name in large:
+        (row,) = (r for r in own if r["case"] == name)
+        key = name.split()[0]
+        found[f"{key}_growth"] = row["energy grows by"]
+        if key not in ("crushed", "pair"):
+            found[f"{key}_lost"] = row["lost"]
+    zoo = defaults.table.read(DOCS / "stability" / "zoo.csv")
+    found |= {
+        f"zoo_{name}": sum(r[name] for r in zoo) for name in ("runs", "ok", "refused", "fail")
+    }
+    found["zoo_growth"] = max(r["bodies' energy grows by"] for r in zoo)
+    return found
+
+
+# -- Energy ----------------------------------------------------------------------------------------
+
+
+@measurement
+def energy() -> Numbers:
+    """The bar of the first picture: the most that the contact holds, and what the impact loses, over the start."""
+    run = scenes.bar_on_wall().set_time(end=2.6, fraction=0.9).run(progress=False, output=False)
+    start = run.energy["total"][0]
+    return {
+        "held": run.energy["reserve"].max() / start,
+        "lost": 1 - run.energy["total"][-1] / start,
     }
 
 
@@ -862,13 +924,40 @@ def dispersion() -> Numbers:
         k = 0.02
         phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
         found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
-    return found
+    axis, diagonal = (
+        1 - ct.dispersion(0.1 * np.array(n) / np.linalg.norm(n), "hex8", poisson=0.3).phase[2]
+        for n in ((1, 0, 0), (1, 1, 0))
+    )
+    return found | {"diagonal": diagonal / axis}
+
+
+FILTERED = {
+    "full": ("reference", campaign.BEST, (0, 2)),
+    "stiff": ("reference", campaign.BEST | campaign.STIFF, (0, 1, 2, 3)),
+    "contact": ("contact", campaign.BEST | campaign.STIFF, (0, 2)),
+    "paper": ("reference", campaign.PAPER, (0, 2)),
+}
 
 
 @measurement
 def filtered_plate() -> Numbers:
-    """q of eq:filter-transfer of the plate of the chapter, (c₁ Δt/h)² at the stable step."""
-    return {"q": (shown.plate(10).explain().data["time"]["stable"] * 10) ** 2}
+    """q of eq:filter-transfer of the plate of the chapter, (c₁ Δt/h)² at the stable step; errors and front of the
+    plates with d/40, for elements and passes, at c₁t/d = 0.56 and as means."""
+    found = {"q": (shown.plate(10).explain().data["time"]["stable"] * 10) ** 2}
+    for name, (scene, keys, passes) in FILTERED.items():
+        for count in passes:
+            own = campaign.case(scene, 40, keys | ({"output.filter": count} if count else {}))
+            mean = price.times_of(own)[1]
+            found[f"{name}{count}_overshoot"] = mean["overshoot"]
+            if name == "paper":
+                continue
+            done = price.run(price.scene_of(own, price.T))
+            end = price.compared(price.shown(own, done), price.T, price.plate(own))
+            found[f"{name}{count}_width"] = mean["width"]
+            for line in ("fig4", "fig5"):
+                found[f"{name}{count}_{line}"] = mean[f"l1_{line}"]
+                found[f"{name}{count}_{line}_end"] = end[f"l1_{line}"]
+    return found
 
 
 # -- Impact of two plates --------------------------------------------------------------------------

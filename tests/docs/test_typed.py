@@ -1,0 +1,97 @@
+"""Numbers that pages type: each is listed, results that are still typed become fewer, and a new one fails the build."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+sys.path.insert(0, str(DOCS / "_ext"))
+from typed import check, typed  # noqa: E402
+
+TABLE = tomllib.loads((DOCS / "typed.toml").read_text())
+PAGES = {
+    path.relative_to(DOCS).with_suffix("").as_posix(): path.read_text()
+    for path in DOCS.rglob("*.rst")
+    if not {"tutorials", "exercises", "_code"} & set(path.parts)
+}
+# Results of runs that pages still type. The number may only shrink.
+MOST_OPEN = 208
+
+
+def test_pages_type_what_the_list_has():
+    wrong = [f"{name}: {one}" for name, text in PAGES.items() for one in check(name, text, TABLE)]
+    assert wrong == [] and set(TABLE) <= set(PAGES)
+
+
+def test_typed_results_become_fewer():
+    count = sum(len(row.get("open", ())) for row in TABLE.values())
+    print(f"{count} results of runs are typed by hand")
+    assert count <= MOST_OPEN
+
+
+PAGE = """
+Page
+====
+
+A bar of 100 elements loses 3.5 % of its energy, :measured:`a.b:.1%` at half the step, and takes
+1.8 times as long. See ``Delta = 5 %``.
+
+.. math::
+
+   x = 3 \\%
+
+=====  =====
+mesh   error
+=====  =====
+10     0.25
+=====  =====
+
+.. list-table::
+
+   * - 20
+     - 1.25 %
+
+.. drawn:: figures/a.py b
+   :alt: a curve
+
+   The curve ends at 7 %.
+
+How we know that it is right
+----------------------------
+
+Within 1 %.
+
+Next
+----
+
+It grew by 2 %.
+"""
+FOUND = ["3.5 %", "1.8 times", "0.25", "1.25 %", "7 %", "2 %"]
+
+
+def test_numbers_of_sentences_and_tables_are_found():
+    assert typed(PAGE) == FOUND
+    assert check("a", PAGE, {"a": {"given": FOUND[:2], "open": FOUND[2:]}}) == []
+    assert check("a", PAGE, {"a": {"given": [*FOUND, "9 %"]}}) == [
+        'typed.toml lists "9 %", which is not there'
+    ]
+    assert check("a", PAGE, {}) == [f'"{one}" is typed' for one in FOUND]
+
+
+def test_a_typed_result_fails_the_build(tmp_path):
+    pytest.importorskip("sphinx")
+    (tmp_path / "conf.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\nextensions = ['typed']\n"
+    )
+    (tmp_path / "index.rst").write_text("Page\n====\n\nThe bar loses 5 % of 2 %.\n")
+    (tmp_path / "typed.toml").write_text('[index]\ngiven = ["2 %"]\n')
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "text", ".", "out"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode != 0 and 'typed: index: "5 %" is typed' in done.stderr
