@@ -30,7 +30,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test test-mpi docs pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi test-hosts docs pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -70,7 +70,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory
+.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
 help:
@@ -96,6 +96,7 @@ help:
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
 	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi; make install-mpi prefix= installs it, too"
+	@echo "make test-hosts       the contact in scikit-fem, NGSolve and Akantu, and beside that of CalculiX; installs them"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"
@@ -354,6 +355,16 @@ test-mpi: setup
 _test-mpi: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.mpi
 	@+$(MAKE) --no-print-directory $(BUILD)/mpi/pieces
 	@LIBCONTACT_BUILD=$(BUILD) $(VENV)/bin/python -m pytest -q tests/python/test_mpi.py
+
+# Other programs as hosts of the contact. Each is installed alone, since not all are made for each machine; what is absent is skipped.
+$(VENV)/.hosts: wrapper/requirements/hosts.txt $(VENV)/.base
+	@sed '/^#/d' $< | while read -r each; do echo "  pip install $$each"; \
+	  $(PIP) install -q "$$each" || echo "not installed, so its tests are skipped: $$each" >&2; done
+	$(Q)touch $@
+test-hosts: setup
+	@+$(MAKE) --no-print-directory _$@
+_test-hosts: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.hosts
+	@$(VENV)/bin/python -m pytest -q tests/python/test_hosts.py tests/python/test_contact.py
 
 # The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60

@@ -23,6 +23,7 @@ look() { # what is missing now
   case "$commands" in *" test "*) command -v "${CXX%% *}" >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || wanted="$wanted g++" ;; esac
   # Callgrind counts instructions. libc6-dbg: valgrind replaces functions of libc by their names.
   case "$commands" in *" memory "* | *" bench "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
+  case "$commands" in *" test-hosts "*) command -v ccx >/dev/null 2>&1 || wanted="$wanted calculix-ccx" ;; esac
   # The names that docs/browser.py looks for.
   case "$commands" in *" pdf "*)
     for browser in chromium chromium-browser google-chrome chrome ""; do command -v "$browser" >/dev/null 2>&1 && break; done

@@ -1,0 +1,73 @@
+"""The table of docs/start/hosts.rst: ``python tests/hosts/table.py`` prints it, ``--book`` writes it."""
+
+import csv
+import importlib
+import re
+import shutil
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import calculix
+import plates
+
+HERE = Path(__file__).parent
+BOOK = HERE.parents[1] / "docs" / "start" / "hosts.csv"
+HOSTS = {"skfem": "scikit-fem", "ngsolve": "ngsolve", "akantu": "akantu"}
+HEAD = [
+    "Host",
+    "Lines of glue",
+    ":math:`\\beta`",
+    "Difference from the scene",
+    "Rise of energy",
+    "Energy at the end",
+    "Time of the contact",
+]
+
+
+def glue(host):
+    """The lines of code between the marks, in the host's file and in the loop of plates.py if the host uses it."""
+    text = (HERE / f"host_{host}.py").read_text()
+    if "plates.run_host" in text:
+        text += (HERE / "plates.py").read_text()
+    marked = "".join(re.findall(r"# -- glue\n(.*?)# -- end", text, re.S)).splitlines()
+    return len([line for line in marked if line.strip() and not line.strip().startswith('"""')])
+
+
+def rows(host):
+    """A row of the table for each penalty."""
+    for beta in plates.FACTORS:
+        result = importlib.import_module(f"host_{host}").run(beta)
+        shots = zip(result.shots, plates.run_scene(result, beta))
+        apart = max(plates.difference(*pair) for pair in shots)
+        left = result.energy[-1] / result.energy[0]
+        numbers = f"{beta:g}", f"{apart:.0e}", f"{result.rise:.0e}", f"{left:.5f}"
+        name = f"{HOSTS[host]} {version(HOSTS[host])}"
+        yield [name, glue(host), *numbers, f"{100 * result.share:.0f} %"]
+
+
+def beside_calculix(beta=4.0):
+    """The stress behind the front of CalculiX and of the scene, and the ratio of their mean displacements."""
+    one = calculix.run(beta)
+    other = plates.run_scene(plates.Result(plates.PLATEAU / 40), beta)[0]
+    stresses = [plates.stress(X[1], u[1]) for X, u in (one, other)]
+    return *stresses, *(
+        mine[:, 0].mean() / ours[:, 0].mean() for mine, ours in zip(one[1], other[1])
+    )
+
+
+if __name__ == "__main__":
+    table = [HEAD]
+    for host in HOSTS:
+        for row in rows(host):
+            print(*row, sep=" | ", flush=True)
+            table.append(row)
+    if shutil.which("ccx"):
+        print(
+            "CalculiX | stress {:.4f}, scene {:.4f} | displacements {:.4f} {:.4f}".format(
+                *beside_calculix()
+            )
+        )
+    if "--book" in sys.argv:
+        with open(BOOK, "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows(table)
