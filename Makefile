@@ -30,7 +30,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test test-mpi test-hosts docs pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi test-hosts docs slides pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -69,8 +69,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml tutorials/scenes/*.inp) wrapper/libcontact/py.typed wrapper/libcontact/planning/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
+.PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
+.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
 help:
@@ -78,7 +78,8 @@ help:
 	@echo "make test             all tests; the last line has their number"
 	@echo "make check-c          only the C tests, without a Python environment"
 	@echo "make docs             the book, in build/docs/html; STUDENT=1: without the answers of the exercises, in build/docs/student"
-	@echo "make pdf              the book as one PDF, build/docs/libcontact.pdf (made by Chromium)"
+	@echo "make slides           the book with a deck of slides per week of its courses, in build/docs/html/slides"
+	@echo "make pdf              the course, the book and the reference as PDFs (made by Chromium), in build/docs/html"
 	@echo "make measured         compute the numbers that the book quotes again, into docs/measured.json"
 	@echo "make bench            measurements of speed, tables and pictures, in build/bench"
 	@echo "make stability        hard cases, each with its classification, in build/stability"
@@ -190,7 +191,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 
 # As many compilers at a time as there are processors, where the caller says nothing else.
 JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
-figures test docs pdf measured bench stability accuracy wheel wheels check-cross: setup
+figures test docs slides pdf measured bench stability accuracy wheel wheels check-cross: setup
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
@@ -204,12 +205,19 @@ _figures: $(VENV)/.wrapper
 # STUDENT=1: the book without the answers of its exercises, in a folder of its own.
 STUDENT ?=
 BOOK := $(BUILD)/docs/$(if $(STUDENT),student,html)
+# No file of the students' book has an answer.
+CHECK_ANSWERS = $(if $(STUDENT),$(VENV)/bin/python docs/answers.py $(BOOK))
 _docs: $(VENV)/.wrapper $(VENV)/.docs
 	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html $(if $(STUDENT),-D student=1) docs $(BOOK)
+	$(CHECK_ANSWERS)
 	@echo "written: $(BOOK)/index.html"
 
+_slides: _docs
+	@echo "written: $(BOOK)/slides/, the decks of the weeks: six/1.html ... twelve/12.html"
+
 _pdf: _docs $(VENV)/.browser
-	$(VENV)/bin/python docs/printed.py $(BOOK) $(BUILD)/docs/libcontact$(if $(STUDENT),-student).pdf
+	$(VENV)/bin/python docs/printed.py $(BOOK)
+	$(CHECK_ANSWERS)
 
 _measured: $(VENV)/.wrapper
 	$(VENV)/bin/python docs/measure.py

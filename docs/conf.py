@@ -40,6 +40,7 @@ extensions = [
     "scenekeys",  # the tables of a scene's keys come from the package's model
     "exercises",  # with folded answers, which -D student=1 leaves out
     "course",  # marks of sections and tables of weeks come from course.toml
+    "slides",  # show what the chapters have; the decks of the weeks come from course.toml
     "parts",  # one count of chapters through all parts
     "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it
@@ -108,6 +109,7 @@ trace_open: list[str] = []
 html_theme = "furo"
 html_title = "libcontact"
 html_static_path = ["_static"]
+templates_path = ["_templates"]
 html_css_files = ["book.css"]
 html_search_scorer = str(DOCS / "_static" / "search.js")
 html_show_sphinx = False

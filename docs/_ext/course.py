@@ -147,7 +147,8 @@ def setup(app):
             for number, week in enumerate(weeks(name), 1):
                 own = ", ".join(f":doc:`/{chapter}`" for chapter in week.chapters)
                 asked = ", ".join(f":numref:`%s <{label}>`" for label in week.exercises)
-                cells = [number, own, asked, week.words, week.equations, week.listings]
+                deck = f"{number} (`slides <../slides/{name}/{number}.html>`__)"
+                cells = [deck, own, asked, week.words, week.equations, week.listings]
                 cells += [f"{week.reading:.0f}", sum(week.exercises.values())]
                 lines += [f"   {'* -' if not i else '  -'} {cell}" for i, cell in enumerate(cells)]
             text = StringList("\n".join(lines).splitlines(), source="course.toml")

@@ -131,7 +131,7 @@ def looks(book):
     names = [path.relative_to(book).as_posix() for path in sorted(book.rglob("*.html"))]
     found = {width: {} for width in WIDTHS}
     with browser.reading(book, own) as reader:
-        for name in (name for name in names if not name.startswith("_code/")):
+        for name in (name for name in names if not name.startswith(("_code/", "slides/"))):
             page = reader.open(name)
             for width, height in WIDTHS.items():
                 page.set_viewport_size({"width": width, "height": height})
@@ -220,3 +220,42 @@ def test_a_search_finds_chapters_first(first):
 
 def test_no_request_leaves(looks):
     assert looks[1] == []
+
+
+# Decks as a projector and a telephone show them. `tall`: slides that do not fit into the window. `lost` and `hidden` as
+# above.
+DECK = """
+() => {
+  const width = document.documentElement.clientWidth, tall = [], lost = [], hidden = [];
+  const title = e => e.closest("section").querySelector("h1, h2").textContent + ": " + e.tagName;
+  for (const slide of document.querySelectorAll("main > section"))
+    if (slide.getBoundingClientRect().height > innerHeight + 1) tall.push(title(slide));
+  for (const box of document.querySelectorAll(".math > mjx-container, div.highlight pre"))
+    if (box.scrollWidth > box.clientWidth + 1) hidden.push(title(box));
+  for (const e of document.querySelectorAll("main *")) {
+    let box = e;
+    if (e.getBoundingClientRect().right <= width + 1) continue;
+    while (box !== document.body && getComputedStyle(box).overflowX === "visible") box = box.parentElement;
+    if (box === document.body) lost.push(title(e));
+  }
+  return {slides: document.querySelectorAll("main > section").length, tall, lost, hidden,
+          errors: document.querySelectorAll("mjx-merror, .pull").length};
+}
+"""
+
+
+def test_decks(book):
+    pytest.importorskip("playwright", reason="no playwright (make build/venv/.browser)")
+    own = browser.find()
+    if own is None:
+        pytest.skip("no browser on this machine")
+    with browser.reading(book, own) as reader:
+        for week in range(1, 13):
+            page = reader.open(f"slides/twelve/{week}.html")
+            page.set_viewport_size({"width": 1400, "height": 800})
+            wide = page.evaluate(DECK)
+            page.set_viewport_size({"width": 390, "height": 844})
+            narrow = page.evaluate(DECK)
+            assert wide["slides"] >= 8 and wide["errors"] == 0
+            assert (wide["tall"], wide["lost"], wide["hidden"], narrow["lost"]) == ([], [], [], [])
+        assert reader.outside == []
