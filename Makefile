@@ -30,7 +30,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test test-mpi test-hosts docs slides pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi test-page page test-hosts docs slides pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -70,7 +70,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
+.PHONY: page test-page _page _test-page mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
 help:
@@ -80,6 +80,7 @@ help:
 	@echo "make docs             the book, in build/docs/html; STUDENT=1: without the answers of the exercises, in build/docs/student"
 	@echo "make slides           the book with a deck of slides per week of its courses, in build/docs/html/slides"
 	@echo "make pdf              the course, the book and the reference as PDFs (made by Chromium), in build/docs/html"
+	@echo "make page             the laboratories of the book, with the library in WebAssembly, in build/page: opens from a disk"
 	@echo "make measured         compute the numbers that the book quotes again, into docs/measured.json"
 	@echo "make bench            measurements of speed, tables and pictures, in build/bench"
 	@echo "make stability        hard cases, each with its classification, in build/stability"
@@ -98,6 +99,7 @@ help:
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
 	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi; make install-mpi prefix= installs it, too"
 	@echo "make test-hosts       the contact in scikit-fem, NGSolve and Akantu, and beside that of CalculiX; installs them"
+	@echo "make test-page        the laboratories in Node and in Chromium, moved by pointer and keys"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"
@@ -191,7 +193,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 
 # As many compilers at a time as there are processors, where the caller says nothing else.
 JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
-figures test docs slides pdf measured bench stability accuracy wheel wheels check-cross: setup
+figures test test-page page docs slides pdf measured bench stability accuracy wheel wheels check-cross: setup
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
 	@+$(MAKE) --no-print-directory $(JOBS) _$@
@@ -218,6 +220,22 @@ _slides: _docs
 _pdf: _docs $(VENV)/.browser
 	$(VENV)/bin/python docs/printed.py $(BOOK)
 	$(CHECK_ANSWERS)
+
+# The library in a page: WebAssembly with vector instructions and without. zig by itself takes -Oz for -Os.
+PAGE_OPT = -Oz -Xclang -Oz -fno-pic $(if $(filter simd,$(1)),-msimd128)
+PAGE_MODULES := $(BUILD)/page/simd.wasm $(BUILD)/page/plain.wasm
+$(BUILD)/page/%/lib/libcontact.a: FORCE $(VENV)/.cross
+	+@$(MAKE) --no-print-directory $@ BUILD=$(BUILD)/page/$* CC="$(ZIG) cc -target wasm32-wasi" AR="$(ZIG) ar" CFLAGS="$(call PAGE_OPT,$*)" OPT= WITHOUT="gsl hdf5 openmp"
+$(BUILD)/page/%.wasm: $(BUILD)/page/%/lib/libcontact.a $(wildcard docs/laboratory/module/*)
+	@echo "  module $@"
+	$(Q)$(ZIG) cc -target wasm32-wasi -mexec-model=reactor -std=c99 -ffp-contract=off $(call PAGE_OPT,$*) -s $(WARNINGS) -Wl,--max-memory=536870912 \
+	  -Ilibcontact/include docs/laboratory/module/*.c $< -o $@
+.SECONDARY: $(PAGE_MODULES:.wasm=/lib/libcontact.a)
+_page: $(PAGE_MODULES) $(VENV)/.wrapper
+	$(VENV)/bin/python tools/build_page.py $(PAGE_MODULES) $(BUILD)/page/html
+	@echo "written: $(BUILD)/page/html/index.html"
+_test-page: _page $(VENV)/.test $(VENV)/.docs $(VENV)/.browser
+	LIBCONTACT_BUILD=$(BUILD) $(VENV)/bin/python -m pytest -q tests/python/test_page.py
 
 _measured: $(VENV)/.wrapper
 	$(VENV)/bin/python docs/measure.py

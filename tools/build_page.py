@@ -1,0 +1,85 @@
+"""``make page``: the laboratories as a folder of files that a browser opens from a disk.
+
+``build_page.py simd.wasm plain.wasm FOLDER`` packs both modules of the library (``docs/laboratory/module``), writes the
+scripts and one page for each laboratory. A browser without vector instructions needs the second module, which is stored
+as its differences from the first.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = ROOT / "docs" / "laboratory"
+# Loaded by the page and by its worker, in this order.
+COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js")
+SHOWN = ("packed.js",)
+MOST_PACKED = 450_000  # bytes of both modules
+SHORTEST = 16  # bytes of a part that is copied from the other module
+
+
+def leb(number: int) -> bytes:
+    """A number >= 0, seven bits a byte, the lowest first."""
+    out = bytearray()
+    while number > 127:
+        out.append(number & 127 | 128)
+        number >>= 7
+    return bytes([*out, number])
+
+
+def differences(new: bytes, old: bytes) -> bytes:
+    """``new`` as parts of ``old`` and what lies between them: a count of bytes, these bytes, then the place in
+    ``old`` and the length of the part that follows; ``unpackDifferences`` of ``packed.js`` reads it."""
+    places: dict[bytes, int] = {}
+    for i in range(len(old) - SHORTEST):
+        places.setdefault(old[i : i + SHORTEST], i)
+    out, first, i = bytearray(), 0, 0
+    while i < len(new):
+        place = places.get(new[i : i + SHORTEST])
+        if place is None:
+            i += 1
+            continue
+        n = SHORTEST
+        while new[i + n : i + n + 1] == old[place + n : place + n + 1] != b"":
+            n += 1
+        out += leb(i - first) + new[first:i] + leb(place) + leb(n)
+        first = i = i + n
+    return bytes(out + leb(len(new) - first) + new[first:] + leb(0) + leb(0))
+
+
+def packed(name: str, content: bytes) -> str:
+    """A script that hands a packed file to the page."""
+    text = base64.b64encode(content).decode()
+    return f'laboratoryFile("{name}", "{text}");\n'
+
+
+def pack_modules(simd: bytes, plain: bytes) -> dict[str, bytes]:
+    """The content of both modules, packed."""
+    out = {
+        "module-simd": gzip.compress(simd, 9, mtime=0),
+        "module-plain": gzip.compress(differences(plain, simd), 9, mtime=0),
+    }
+    total = sum(map(len, out.values()))
+    if total > MOST_PACKED:
+        sys.exit(f"the packed modules have {total} bytes; at most {MOST_PACKED} are allowed")
+    return out
+
+
+def main(simd: str, plain: str, target: str) -> None:
+    folder = Path(target)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in pack_modules(Path(simd).read_bytes(), Path(plain).read_bytes()).items():
+        (folder / f"{name}.js").write_text(packed(name, content))
+        print(f"{name}.js: {len(content)} bytes packed")
+    computing = "".join((SOURCES / name).read_text(encoding="utf-8") for name in COMPUTING)
+    shown = "".join((SOURCES / name).read_text(encoding="utf-8") for name in SHOWN)
+    script = f"{computing}{shown}const LABORATORY_WORKER = {json.dumps(computing)};\n"
+    (folder / "laboratory.js").write_text(script, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
