@@ -269,6 +269,46 @@ static void near_rows(void)
          left_out, wrong);
 }
 
+/* Sums at nodes do not depend on the order of rows: the four points of a face and a fifth on its
+ * nodes, with a row of other nodes before or after that one. (eq:order-free-sum, eq:tree-sum) */
+static void fifth_point(void)
+{
+  static const ct_row_set set = {6, 8, NULL, 4, 0, 0};
+  static const int32_t nodes[2][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+  double shape[6][8], force[6], moved[2][CT_SOLVER_WIDE * 8];
+  int differing = 0;
+  for (int trial = 0; trial < 100; trial++) {
+    ct_constraint row[6];
+    for (int j = 0; j < 6; j++) {
+      force[j] = 1.0 + uniform(1.0);
+      for (int a = 0; a < 8; a++) shape[j][a] = a < 4 ? 0.25 + uniform(0.2) : 0.0;
+      row[j] = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                               .stiffness = 1.0,
+                               .own_count = 4,
+                               .own = nodes[j == 5],
+                               .own_shape = shape[j],
+                               .normal = {0.0, 0.6, 0.8}};
+    }
+    for (int last = 0; last < 2; last++) {
+      ct_solver *s;
+      int32_t place[8];
+      ct_error e;
+      need(ct_solver_create(&set, 1, 8, place, &s), &e);
+      s->fraction = 1.0, s->first[1] = 6;
+      for (int d = 0; d < CT_SOLVER_WIDE * 8; d++) s->mobility[d] = 1.0;
+      for (int j = 0; j < 6; j++) s->rows[j] = &row[last || j < 4 ? j : 9 - j];
+      double own[6];
+      for (int j = 0; j < 6; j++) own[j] = force[s->rows[j] - row];
+      if (!ct_active_set_up(s) || !ct_matrix_push(s, own)) differing++;
+      memcpy(moved[last], s->moved, sizeof moved[last]);
+      ct_pool_free(s);
+    }
+    differing += memcmp(moved[0], moved[1], sizeof moved[0]) != 0;
+  }
+  tap_ok(differing == 0,
+         "a fifth point on the nodes of a face: the same sums in any order (%d differ)", differing);
+}
+
 /* The whole solution: no force is negative, gradients vanish at points with a force and are not
  * negative elsewhere, and the number of rounds is small. */
 static void solution(void)
@@ -430,6 +470,7 @@ int main(void)
   step();
   release_of_rows();
   near_rows();
+  fifth_point();
   solution();
   loose_solution(1e-4);
   loose_solution(1e-2);

@@ -110,10 +110,12 @@ CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group
   ct_group *g = *to;
   for (ct_constraint *const *row = &s->rows[r]; r < some; row += g[-1].rows, r += g[-1].rows) {
     const int32_t own = row[0]->own_count, other = row[0]->other_count;
+    // The four points of a face are a group although a station follows them on its nodes.
+    const int64_t most = own == 4 && end - r > 4 ? 4 : end - r;
     g->own = (int8_t)own, g->other = (int8_t)other;
-    if (own == 4 && other == 4) *differ |= fill_group(s, number, row, end - r, 4, 4, g);
-    else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, end - r, 4, 0, g);
-    else *differ |= fill_group(s, number, row, end - r, own, other, g);
+    if (own == 4 && other == 4) *differ |= fill_group(s, number, row, most, 4, 4, g);
+    else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, most, 4, 0, g);
+    else *differ |= fill_group(s, number, row, most, own, other, g);
     g++;
   }
   *to = g;
