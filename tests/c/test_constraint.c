@@ -4,6 +4,7 @@
 #include "../../libcontact/src/constraint/active.h"
 #include "../../libcontact/src/constraint/matrix.h"
 #include "bodies.h"
+#include "meeting.h"
 
 enum { NODES = 9, ROWS = 14, PER = 8, DOFS = 3 * NODES };
 
@@ -95,7 +96,7 @@ static void fill_dense(rows *r)
 static void prepare(rows *r)
 {
   fill(r);
-  (void)ct_active_set_up(r->s);
+  (void)ct_active_set_up(r->s, 0);
   fill_dense(r);
 }
 
@@ -252,7 +253,7 @@ static void near_rows(void)
       most = fmax(most, fmax(fabs(free[j] - c->gap), -c->gap));
     }
     ct_matrix_fill(r.s);
-    ct_active_choose(r.s);
+    ct_active_choose(r.s, 0);
     for (int j = 0, next = 0; j < ROWS; j++) {
       int near = fmin(r.row[j].gap, free[j]) <= 2.0 * most, inside = before_by_hand(&r, j) < 0.0,
           listed = next < r.s->count && r.s->active[next] == &r.row[j];
@@ -267,6 +268,85 @@ static void near_rows(void)
   tap_ok(wrong == 0 && left_out > 50 && were_inside > 10,
          "rows that have a force: %d only as they were inside, %d dropped, %d wrong", were_inside,
          left_out, wrong);
+}
+
+/* A mass at rest between two planes: the points of all or of one, in a solver or a piece of it. */
+typedef struct squeezed {
+  pthread_t thread;
+  seat at;
+  ct_pieces pieces;
+  ct_solver *s;
+  ct_constraint row[2];
+  int first, end, solved;
+} squeezed;
+
+static const double MOBILITY = 0.5, FAR = 1.0, MOTION = 0.005;
+
+/* The point of the lower plane holds energy, and opens. */
+static void open_squeezed(squeezed *t)
+{
+  static const ct_row_set set = {2, 1, NULL, 2, 0, 0};
+  static const int32_t node = 0;
+  static const double one[CT_ROW_NODES] = {1.0};
+  int32_t place[1];
+  ct_error e;
+  need(ct_solver_create(&set, 1, 1, place, &t->s), &e);
+  for (int j = 0; j < 2; j++)
+    t->row[j] = (ct_constraint){.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                                .stiffness = 100.0,
+                                .dissipation = 0.15,
+                                .restitution = 1.0,
+                                .travel_time = 1.0,
+                                .gap = j == 0 ? 0.0 : FAR,
+                                .own_count = 1,
+                                .own = &node,
+                                .own_shape = one,
+                                .normal = {0.0, 0.0, j == 0 ? 1.0 : -1.0}};
+  t->row[0].force = 1.0;
+  t->row[0].impact = (ct_impact){.reserve = 4.0, .pressed = 10.0};
+  t->s->fraction = t->s->dt = 1.0, t->s->tolerance = 1e-10;
+  for (int j = t->first; j < t->end; j++) t->s->rows[t->s->first[1]++] = &t->row[j];
+  for (int c = 0; c < 3; c++) t->s->mobility[c] = MOBILITY;
+  t->s->increment[2] = t->s->last_increment[2] = MOTION;
+}
+
+static void *solve_squeezed(void *user)
+{
+  squeezed *t = user;
+  open_squeezed(t);
+  t->pieces = (ct_pieces){&t->at, add, take_largest};
+  if (t->at.with != NULL) t->s->pieces = &t->pieces;
+  t->solved = ct_solver_solve(t->s);
+  ct_pool_free(t->s);
+  return NULL;
+}
+
+/* The lower point throws the mass into the upper plane, which is 200 times farther away than the
+ * mass would move alone: the upper point takes part and follows its law, also in another piece.
+ * (eq:thrown-constraints, eq:energy-controlled) */
+static void thrown_row(void)
+{
+  meeting with = MEETING(2);
+  squeezed whole = {.end = 2}, part[2];
+  solve_squeezed(&whole);
+  const ct_constraint *low = &whole.row[0], *up = &whole.row[1];
+  const double after = FAR - (MOTION + MOBILITY * (low->force - up->force)),
+               law = -0.5 * up->stiffness * (1.0 + up->dashpot) * after;
+  tap_ok(whole.solved && low->impact.release > 0.0 && after < 0.0 &&
+             fabs(up->force - law) < 1e-8 * law,
+         "a point that is thrown inside, %.1f times as far away as it would move, takes part "
+         "(%.1e off its law)",
+         FAR / MOTION, up->force / law - 1.0);
+  for (int k = 0; k < 2; k++) {
+    part[k] = (squeezed){.at = {&with, k}, .first = k, .end = k + 1};
+    if (pthread_create(&part[k].thread, NULL, solve_squeezed, &part[k]) != 0) abort();
+  }
+  for (int k = 0; k < 2; k++) pthread_join(part[k].thread, NULL);
+  tap_ok(part[0].solved && part[1].solved &&
+             memcmp(&part[0].row[0].force, &low->force, sizeof low->force) == 0 &&
+             memcmp(&part[1].row[1].force, &up->force, sizeof up->force) == 0,
+         "and so it does if another piece throws it");
+  free(with.total);
 }
 
 /* Sums at nodes do not depend on the order of rows: the four points of a face and a fifth on its
@@ -299,7 +379,7 @@ static void fifth_point(void)
       for (int j = 0; j < 6; j++) s->rows[j] = &row[last || j < 4 ? j : 9 - j];
       double own[6];
       for (int j = 0; j < 6; j++) own[j] = force[s->rows[j] - row];
-      if (!ct_active_set_up(s) || !ct_matrix_push(s, own)) differing++;
+      if (!ct_active_set_up(s, 0) || !ct_matrix_push(s, own)) differing++;
       memcpy(moved[last], s->moved, sizeof moved[last]);
       ct_pool_free(s);
     }
@@ -421,7 +501,7 @@ static int set_up_again(rows *r)
   for (int i = 0; i < NODES; i++)
     for (int c = 0; c < 4; c++)
       r->s->mobility[CT_SOLVER_WIDE * i + c] = c < 3 ? r->A[3 * i + c] : 0.0;
-  (void)ct_active_set_up(r->s);
+  (void)ct_active_set_up(r->s, 0);
   return r->s->kept == 2;
 }
 
@@ -470,6 +550,7 @@ int main(void)
   step();
   release_of_rows();
   near_rows();
+  thrown_row();
   fifth_point();
   solution();
   loose_solution(1e-4);

@@ -3,6 +3,7 @@
 #include "law.h"
 #include "law_rows.h"
 #include "matrix.h"
+#include "tangent_rows.h"
 
 #include "../base/lanes.h"
 #include "../base/stream.h"
@@ -60,16 +61,23 @@ static double predict_gaps(ct_solver *s)
 }
 
 /* A row that takes no part in this step. */
-static void drop(const ct_solver *s, int64_t j)
+static void drop(ct_solver *s, int64_t j)
 {
   ct_constraint *c = s->laws.row[j];
   c->before = s->laws.before[j];
   c->after = s->laws.after[j];
   // The force of a row without a law is given; it has friction.
-  if (!ct_law_has_rows(c->enforcement)) return;
-  c->force = 0.0;
-  if (s->again) c->impact = (ct_impact){.reserve = 0.0};
-  else ct_law_leave(c, s->dt);
+  if (ct_law_has_rows(c->enforcement)) s->dropped[s->dropped_count++] = j;
+}
+
+void ct_active_leave(const ct_solver *s)
+{
+  for (int64_t i = 0; i < s->dropped_count; i++) {
+    ct_constraint *c = s->rows[s->dropped[i]];
+    c->force = 0.0;
+    if (s->again) c->impact = (ct_impact){.reserve = 0.0};
+    else ct_law_leave(c, s->dt);
+  }
 }
 
 /* Forces of the last step. */
@@ -129,12 +137,13 @@ static void drop_rows(ct_solver *s, double near)
 }
 
 /* Choose the rows that take part (eq:near-constraints). */
-void ct_active_choose(ct_solver *s)
+void ct_active_choose(ct_solver *s, int all)
 {
   ct_law_rows *of = &s->laws;
   double most = predict_gaps(s);
   ct_pieces_largest(s->pieces, &most, 1);
-  const double near = 2.0 * most;
+  const double near = all ? HUGE_VAL : 2.0 * most;
+  s->dropped_count = 0;
   memcpy(s->first_point, s->first, ((size_t)s->set_count + 1) * sizeof *s->first);
   if (!have_laws(s) || !are_near(of->count, of->gap, of->after, near)) drop_rows(s, near);
   s->count = s->point_count = of->count;
@@ -144,6 +153,42 @@ void ct_active_choose(ct_solver *s)
   // Nothing opens at t = 0, so the place is free; the points close now.
   memcpy(of->release, of->force, (size_t)s->count * sizeof *of->force);
   memset(of->pressed, 0, (size_t)s->count * sizeof *of->pressed);
+}
+
+/* Motion of all nodes by all forces. Returns 0 if it is not finite. */
+static int push_all(ct_solver *s)
+{
+  const ct_tangent *t = s->tangent;
+  if (!ct_matrix_push_all(s, s->force)) return 0;
+  for (int32_t k = 0; t != NULL && t->some && t->coupled && k < t->node_count; k++)
+    for (int c = 0; c < 3; c++) s->moved[t->nodes[k] + c] += t->moved[t->nodes[k] + c];
+  return 1;
+}
+
+/* The largest depth after the step of a row that takes no part, or 0. */
+static double deepest(ct_solver *s)
+{
+  const ct_group *g = s->listed;
+  double most = 0.0;
+  for (int64_t i = 0, r = 0; i < s->dropped_count; r += g->rows, g++) {
+    if (s->dropped[i] >= r + g->rows) continue;
+    const int moved = ct_matrix_times_group(s, g, s->moved, s->terms);
+    for (; i < s->dropped_count && s->dropped[i] < r + g->rows; i++)
+      // -- g_free + W λ of a row that takes no part (eq:thrown-constraints)
+      if (moved) most = fmax(most, -(s->rows[s->dropped[i]]->after + s->terms[s->dropped[i] - r]));
+  }
+  return most;
+}
+
+int ct_active_throws(ct_solver *s)
+{
+  double most[2] = {(double)s->dropped_count, ct_largest(s->force, s->count)};
+  ct_pieces_largest(s->pieces, most, 2);
+  if (most[0] == 0.0 || most[1] == 0.0) return 0;
+  if (!push_all(s)) return -1;
+  most[0] = deepest(s);
+  ct_pieces_largest(s->pieces, most, 1);
+  return most[0] > 0.0;
 }
 
 static void set_all(double *numbers, int64_t first, int64_t end, double value)
@@ -255,11 +300,11 @@ static void invert(int64_t count, const double *C, double *restrict scale)
 }
 
 /* The rows of the problem, their laws, and the scale of each. */
-int ct_active_set_up(ct_solver *s)
+int ct_active_set_up(ct_solver *s, int all)
 {
   if (s->starts && !s->again) forget(s);
   ct_matrix_fill(s);
-  ct_active_choose(s);
+  ct_active_choose(s, all);
   ct_matrix_choose(s);
   if (!fix_laws(s) || !add_releases(s)) return 0;
   invert(s->count, s->C, s->scale);

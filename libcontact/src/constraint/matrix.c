@@ -268,8 +268,9 @@ void ct_matrix_project(const ct_solver *s)
   }
 }
 
-/* Sums of forces at the nodes. Returns 0 if they are not finite. */
-static int add_forces(ct_solver *s, ct_add *add, const double *force)
+/* Sums of forces at the nodes of this piece's active rows, or at all. Returns 0 if they are not
+ * finite. */
+static int add_forces(ct_solver *s, ct_add *add, const double *force, int all)
 {
   ct_grid grid;
   double top = ct_largest(force, s->count);
@@ -277,7 +278,8 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force)
   // Shape functions of quadratic faces are below 1 in size; the factor 2 is a margin.
   if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
   add(grid.coarse, s->groups, s->group_count, s->entry_place, s->G, force, s->sums);
-  if (s->shared_count > 0) join_nodes(s);
+  if (all) ct_pieces_sum(s->pieces, s->sums, WIDE * (int64_t)s->node_count);
+  else if (s->shared_count > 0) join_nodes(s);
   return 1;
 }
 
@@ -291,8 +293,15 @@ void ct_matrix_move(const ct_solver *s, int32_t count, const int32_t *place, dou
 
 int ct_matrix_push(ct_solver *s, const double *force)
 {
-  if (!add_forces(s, ct_add_full, force)) return 0;
+  if (!add_forces(s, ct_add_full, force, 0)) return 0;
   ct_matrix_move(s, s->active_node_count, s->active_nodes, s->sums, s->moved);
+  return 1;
+}
+
+int ct_matrix_push_all(ct_solver *s, const double *force)
+{
+  if (!add_forces(s, ct_add_full, force, 1)) return 0;
+  ct_matrix_move(s, s->node_count, s->all_nodes, s->sums, s->moved);
   return 1;
 }
 
@@ -344,7 +353,7 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
     double *A = &s->mobility[s->active_nodes[k]];
     A[3] = ct_larger(ct_larger(A[0], A[1]), A[2]);
   }
-  if (!add_forces(s, ct_add_sizes, ones)) return 0;
+  if (!add_forces(s, ct_add_sizes, ones, 0)) return 0;
   if (s->bodies != NULL)
     ct_bodies_push_sizes(s->bodies, s->active_node_count, s->active_nodes, s->sums);
   move_active_nodes(s->active_node_count, s->active_nodes, s->mobility, s->sums, s->moved);
@@ -358,6 +367,17 @@ int ct_matrix_bound(ct_solver *s, const double *ones, double *out)
 void ct_matrix_times(const ct_solver *s, int64_t count, const double *x, double *out)
 {
   ct_times_full(s->groups, count, s->entry_place, s->G, x, out);
+}
+
+int ct_matrix_times_group(const ct_solver *s, const ct_group *of, const double *x, double *out)
+{
+  int moves = 0;
+  for (int32_t a = 0; a < of->own + of->other; a++) {
+    const double *node = &x[s->entry_place[of->place + a]];
+    moves |= node[0] != 0.0 || node[1] != 0.0 || node[2] != 0.0;
+  }
+  if (moves) ct_times_full(of, of->rows, s->entry_place, s->G, x, out);
+  return moves;
 }
 
 /* The fourth components of vectors at some nodes become those along a normal. */
@@ -380,7 +400,7 @@ void ct_matrix_motion(const ct_solver *s, int64_t count, double *x, double *out)
 static int slide(ct_solver *s, const double *force)
 {
   const int32_t count = s->active_node_count, *place = s->active_nodes;
-  if (!add_forces(s, ct_add_along, force)) return 0;
+  if (!add_forces(s, ct_add_along, force, 0)) return 0;
   if (s->bodies != NULL) ct_bodies_push(s->bodies, count, place, s->normal, s->sums);
   move_along(count, place, s->mobility, s->sums, s->moved);
   if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, s->normal, s->moved);

@@ -19,6 +19,10 @@ void ct_matrix_choose(ct_solver *solver);
 /* `out` = G times a vector at nodes, of the first `count` rows. */
 void ct_matrix_times(const ct_solver *solver, int64_t count, const double *x, double *out);
 
+/* The same of the rows of a group, unless none of its nodes moves, which is returned as 0. */
+int ct_matrix_times_group(const ct_solver *solver, const ct_group *of, const double *x,
+                          double *out);
+
 /* The same for a motion of the nodes, whose fourth components may be overwritten. */
 void ct_matrix_motion(const ct_solver *solver, int64_t count, double *x, double *out);
 
@@ -26,8 +30,10 @@ void ct_matrix_motion(const ct_solver *solver, int64_t count, double *x, double 
  * Returns 0 if they are not finite. */
 int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 
-/* `moved` = A Gᵀ times forces of the active rows. Returns 0 if they are not finite. */
+/* `moved` = A Gᵀ times forces of the active rows, at their nodes or at all nodes of the solver; of
+ * pieces these are more than the nodes of this piece's rows. Returns 0 if they are not finite. */
 int ct_matrix_push(ct_solver *solver, const double *force);
+int ct_matrix_push_all(ct_solver *solver, const double *force);
 
 /* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
 void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place, double *sums,

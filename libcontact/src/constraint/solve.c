@@ -68,12 +68,14 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->row_counts = ct_pool_take(pool, nodes, sizeof *s->row_counts);
   s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
+  s->dropped = ct_pool_take(pool, (size_t)s->most, sizeof *s->dropped);
   s->opened = ct_pool_take(pool, (size_t)s->most, sizeof *s->opened);
   ct_law_rows_create(pool, s->most, s->active, &s->laws);
   s->groups = ct_pool_take(pool, rows + 1, sizeof *s->groups);
   s->listed = ct_pool_take(pool, (size_t)s->most, sizeof *s->listed);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
+  s->all_nodes = ct_pool_take(pool, nodes, sizeof *s->all_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, (size_t)most_quads, 4 * sizeof *s->G);
   double **vectors[] = {&s->increment, &s->mobility, &s->last_increment,
@@ -88,6 +90,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   if (pool->failed) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < count; k++) s->first_node[k + 1] = s->first_node[k] + sets[k].node_count;
   number_nodes(s, sets, problem_nodes, place);
+  for (int32_t n = 0; n < s->node_count; n++) s->all_nodes[n] = CT_SOLVER_WIDE * n;
   if (slips > 0) ct_tangent_create(s, slips);
   return pool->failed ? CT_ERROR_MEMORY : CT_OK;
 }
@@ -479,13 +482,23 @@ static void store(ct_solver *s)
     ct_law_settle_again(of->row[r], s->dt, of->row[r]->impact.release);
 }
 
+/* The forces of the rows that are near, or of all. Returns 0 if they are not finite. */
+static int solve(ct_solver *s, int all)
+{
+  return ct_active_set_up(s, all) && (s->tangent == NULL || ct_tangent_begin(s)) &&
+         find_all_forces(s);
+}
+
 int ct_solver_solve(ct_solver *s)
 {
   s->iterations = 0;
   s->converged = 1;
-  if (!ct_active_set_up(s)) return 0;
-  if (s->tangent != NULL && !ct_tangent_begin(s)) return 0;
-  if (!find_all_forces(s)) return 0;
+  if (!solve(s, 0)) return 0;
+  const int again = ct_active_throws(s);
+  for (int64_t r = 0; again > 0 && r < s->point_count; r++)
+    s->active[r]->force = s->laws.force[r]; // of the last step
+  if (again < 0 || (again > 0 && !solve(s, 1))) return 0;
+  ct_active_leave(s);
   if (s->tangent != NULL) ct_tangent_store(s);
   store(s);
   return 1;

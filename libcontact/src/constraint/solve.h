@@ -82,6 +82,7 @@ typedef struct ct_solver {
   int32_t most_row_count; /* the largest of these numbers */
   int32_t active_node_count;
   int32_t *active_nodes;   /* the nodes on which active rows act, as `entry_place` */
+  int32_t *all_nodes;      /* all nodes, likewise */
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
   int32_t *shared_nodes; /* the nodes on which active rows of several pieces act, likewise */
@@ -100,13 +101,15 @@ typedef struct ct_solver {
   int64_t *first_release; /* the same of points that open */
   ct_law_rows laws;       /* the numbers of these points */
   ct_constraint **active; /* the points of all active rows */
-  int64_t *opened;        /* of each of the second rows: the row of its point */
-  double *C, *b;          /* their laws: compliance, and offset of the next gap (eq:ramp) */
-  double *free;           /* gaps at t_{n+1} without the constraints */
-  double *force;          /* λ */
-  double *least;          /* its least value: 0, or that of a tie (eq:tie-force) */
-  double *gradient;       /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
-  double *scale;          /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
+  int64_t dropped_count;
+  int64_t *dropped; /* listed rows with a law that take no part in this step */
+  int64_t *opened;  /* of each of the second rows: the row of its point */
+  double *C, *b;    /* their laws: compliance, and offset of the next gap (eq:ramp) */
+  double *free;     /* gaps at t_{n+1} without the constraints */
+  double *force;    /* λ */
+  double *least;    /* its least value: 0, or that of a tie (eq:tie-force) */
+  double *gradient; /* g_{n+1} + b + C λ, the gradient of the function to be minimised */
+  double *scale;    /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
   double *bound, *bound_mobility; /* the bound of W, and the mobility with which it was computed */
   double *guide;                  /* gradient over D in rows with a force */
   double *direction;              /* direction of the search */
