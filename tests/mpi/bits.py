@@ -43,7 +43,7 @@ def compare(name, steps, every, folder):
     scene, share = scene_of(name)
     more = {"progress": False, "output": False, **begun(scene, share, folder)}
     problem = scene._built(None)
-    more["until"] = share * problem.end + steps * problem.dt
+    more["until"] = min(share * problem.end + steps * problem.dt, problem.end)
     alone = scene.run(**more)
     count = sum(len(body.mesh.elements) for body in problem.bodies.values())
     for how, partition in cuts(count, every).items():
