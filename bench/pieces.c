@@ -70,8 +70,15 @@ int main(int argc, char **argv)
     of[k] = (job){.at = {&with, k}, .start = start, .owners = owners, .steps = atoi(argv[5])};
   for (int k = 0; k < pieces; k++) pthread_create(&of[k].thread, NULL, work, &of[k]);
   for (int k = 0; k < pieces; k++) pthread_join(of[k].thread, NULL);
+  int64_t elements = 0, received = 0;
+  for (int k = 0; k < pieces; k++) {
+    const ct_piece_counts *own = &of[k].counts;
+    elements = own->elements > elements ? own->elements : elements;
+    received = own->received > received ? own->received : received;
+  }
   const ct_piece_counts *c = &of[0].counts;
-  printf("%lld %lld\n", (long long)c->joins, (long long)c->joined);
+  printf("%lld %lld %lld %lld %lld\n", (long long)c->joins, (long long)c->joined,
+         (long long)c->exchanges, (long long)elements, (long long)received);
   free(owners);
   free(with.total);
   ct_mesh_free(high);

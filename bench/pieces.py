@@ -1,48 +1,156 @@
-"""Instructions of the piece that has most of them, sums and numbers in these, per step of two blocks that hit each
-other (chapter "Pieces"): ``python bench/pieces.py``, with valgrind. Pieces are threads, so the work of the
-messages counts, too."""
+"""Two blocks that hit each other, in pieces: strong and weak scaling by counts (chapter "Pieces"). ``python
+bench/pieces.py`` with valgrind counts the instructions of the piece that has most of them, and its messages, per step;
+pieces are threads there, and what stands for MPI is not counted. ``--memory`` instead measures the memory of the
+processes of MPI, each with the whole model, on Linux."""
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
+import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-CELLS, FIRST, STEPS = 12, 4, 20
+FIRST, STEPS, PIECES = 4, 20, (1, 2, 4, 8)
+# Cells along an edge of a block: for a given model, and for one that grows with the pieces.
+STRONG, WEAK = (12, 12, 12, 12), (8, 10, 13, 16)
+# What stands for MPI, and the network of the estimate: instructions/s, s a message, bytes/s.
+MESSAGES = ("add", "take_largest", "hand_over")
+RATE, LATENCY, BANDWIDTH = 4e9, 2e-6, 1e9
 
 
-def counted(program: Path, folder: Path, *case: float, steps: int) -> tuple[int, list[int]]:
-    """Instructions in ``ct_run`` of the piece with most of them, and what the first piece printed."""
-    for path in folder.glob("out*"):
-        path.unlink()
-    command = ["valgrind", "--tool=callgrind", "--separate-threads=yes", "--toggle-collect=ct_run"]
-    command += [f"--callgrind-out-file={folder / 'out'}", str(program)]
-    command += [str(each) for each in (CELLS, *case, steps)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    totals = [re.findall(r"^totals: (\d+)", path.read_text(), re.M) for path in folder.glob("out*")]
+@dataclass
+class Count:
+    """Of a step: instructions, sums and maxima, numbers in them; elements and received nodes of a piece."""
+
+    cells: int
+    pieces: int
+    instructions: float
+    joins: float
+    joined: float
+    elements: int
+    received: int
+
+    @property
+    def seconds(self) -> float:
+        """Estimate of a step: a sum over all pieces takes as many messages as doublings."""
+        doublings = math.ceil(math.log2(self.pieces)) if self.pieces > 1 else 0
+        messages = self.joins * doublings + (self.pieces > 1)
+        volume = 8 * (self.joined * min(doublings, 1) + 3 * self.received)
+        return self.instructions / RATE + messages * LATENCY + volume / BANDWIDTH
+
+
+def counted(program: Path, *case: float, toggles: tuple[str, ...]) -> tuple[int, list[int]]:
+    """Instructions of the thread with most of them in functions, and what the program printed."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = ["valgrind", "--tool=callgrind", "--separate-threads=yes"]
+        command += [f"--toggle-collect={name}" for name in toggles]
+        command += [f"--callgrind-out-file={folder}/out", str(program), *map(str, case)]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        totals = [
+            re.findall(r"^totals: (\d+)", path.read_text(), re.M)
+            for path in Path(folder).glob("out*")
+        ]
     return max(int(found[-1]) for found in totals if found), [int(n) for n in done.stdout.split()]
 
 
+def count(program: Path, cells: int, pieces: int, contact: int, friction: float) -> Count:
+    toggles, case = ("ct_run", *MESSAGES), (cells, pieces, contact, friction)
+    few, before = counted(program, *case, FIRST, toggles=toggles)
+    many, after = counted(program, *case, FIRST + STEPS, toggles=toggles)
+    joins, joined = ((b - a) / STEPS for a, b in zip(before[:2], after[:2]))
+    return Count(cells, pieces, (many - few) / STEPS, joins, joined, *after[3:])
+
+
+HEAD = "                 pieces   elements  M instructions  model  contact     sums  KB in them  KB received  efficiency"
+
+
+def lines(program: Path, name: str, sizes: tuple[int, ...]) -> None:
+    """A table; ``model``: instructions over those in proportion to the elements; ``contact``: its share of them."""
+    print(f"{name}\n{HEAD}")
+    bare: dict[int, Count] = {}
+    for contact, friction in ((0, 0.0), (1, 0.0), (1, 0.3)):
+        text = f"friction {friction}" if friction else "contact" if contact else "no contact"
+        first = None
+        for cells, pieces in zip(sizes, PIECES):
+            one = count(program, cells, pieces, contact, friction)
+            first = first or one
+            bare.setdefault(pieces, one)
+            ratio = one.instructions / (first.instructions / first.elements * one.elements)
+            model = "" if contact else f"{ratio:.2f}"
+            share = 1 - bare[pieces].instructions / one.instructions
+            # Work of all pieces per element, relative to one piece.
+            grown = (one.cells / first.cells) ** 3
+            efficiency = grown * first.seconds / (pieces * one.seconds)
+            print(
+                f"{text:14} {pieces:8} {one.elements:10} {one.instructions / 1e6:15.2f}"
+                f" {model:>6} {share:8.0%} {one.joins:8.0f}"
+                f" {8e-3 * one.joined:11.1f} {24e-3 * one.received:12.1f} {efficiency:11.0%}",
+                flush=True,
+            )
+
+
+def set_up(program: Path) -> None:
+    """Instructions before the first step: of the whole model, and of the cut."""
+    print(f"set-up of two blocks of {STRONG[0]}^3 with contact")
+    for pieces in PIECES:
+        case = (STRONG[0], pieces, 1, 0.0, 0)
+        whole, _ = counted(program, *case, toggles=("main", "ct_state_cut"))
+        cut, _ = counted(program, *case, toggles=("ct_state_cut", *MESSAGES))
+        print(
+            f"{pieces} pieces: whole model {whole / 1e6:.1f} M, cut {cut / 1e6:.1f} M", flush=True
+        )
+
+
+PROGRAM = """
+import sys
+import libcontact as ct
+from mpi4py import MPI
+def resident(key):
+    found = [line for line in open("/proc/self/status") if line.startswith(key)]
+    return int(found[0].split()[1]) / 1024
+comm, cells, start = MPI.COMM_WORLD, int(sys.argv[1]), resident("VmRSS")
+scene = ct.Scene({"units": {"length": "m", "mass": "kg", "time": "s"},
+    "material": [{"name": "soft", "young": 900, "poisson": 0.3, "density": 1}], "time": {"end": 1},
+    "body": [{"name": name, "material": "soft", "velocity": [0, 0, v],
+        "box": {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [cells] * 3}}
+        for name, z, v in (("low", -1, 0.5), ("high", 0, -0.5))],
+    "contact": [{"surfaces": ["low.z_max", "high.z_min"]}]})
+problem = scene._built(None)
+built = resident("VmRSS")
+scene.run(progress=False, output=False, until=8 * problem.dt, comm=comm, partition="coordinates")
+rows = comm.gather((built - start, resident("VmHWM") - start))
+if comm.rank == 0:
+    built, peak = (max(column) for column in zip(*rows))
+    print(f"{comm.size:9} {built:14.0f} {peak:14.0f} {comm.size * peak:12.0f}")
+"""
+
+
+def memory() -> None:
+    """Largest memory of a process above that of Python: of the built model, and in the run."""
+    cells, launcher = 48, Path(sys.executable).with_name("mpiexec")
+    print(f"two blocks of {cells}^3\nprocesses   built, MB   run, MB   of all, MB", flush=True)
+    for pieces in PIECES:
+        command = [str(launcher), "-n", str(pieces), sys.executable, "-W", "ignore", "-m", "mpi4py"]
+        subprocess.run([*command, "-c", PROGRAM, str(cells)], check=True)
+
+
 def main() -> None:
+    if "--memory" in sys.argv:
+        memory()
+        return
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        program = folder / "pieces"
+        program = Path(name) / "pieces"
         command = ["cc", "-O1", "-std=c99", "-D_GNU_SOURCE", f"-I{ROOT / 'libcontact' / 'include'}"]
         command += [str(ROOT / "bench" / "pieces.c"), "-o", str(program)]
         command += [str(ROOT / "build" / "lib" / "libcontact.a"), "-fopenmp", "-lpthread", "-lm"]
         subprocess.run(command, check=True)
-        print(f"two blocks of {CELLS}^3  pieces  instructions a step   sums   numbers")
-        for contact, friction in ((0, 0.0), (1, 0.0), (1, 0.3)):
-            text = f"contact, friction {friction}" if contact else "no contact"
-            for pieces in (1, 2, 4, 8):
-                case = (pieces, contact, friction)
-                few, before = counted(program, folder, *case, steps=FIRST)
-                many, after = counted(program, folder, *case, steps=FIRST + STEPS)
-                sums, numbers = ((b - a) / STEPS for a, b in zip(before, after))
-                each = (many - few) // STEPS
-                print(f"{text:22} {pieces:6} {each:20} {sums:6.1f} {numbers:9.0f}", flush=True)
+        lines(program, f"one model: two blocks of {STRONG[0]}^3", STRONG)
+        lines(program, "a model that grows: two blocks of 8^3 to 16^3", WEAK)
+        set_up(program)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""What pieces compute and exchange: counts of a cube, a bound in closed form, and a model of larger ones."""
+"""What pieces compute and exchange: counts of a cube, the same in closed form, and a model of larger ones."""
+
+from math import prod
 
 from libcontact.pieces import planned
 from libcontact.problem import memory_estimate, new_state
@@ -23,20 +25,30 @@ cube = ct.Scene(
 )
 problem = cube._built(None)
 
-print(f"a cube of {EDGE}^3   elements of a piece   received nodes   bounds")
-for count in (1, 8, 64):
+
+def block(edges, parts):
+    """Elements that a block computes, and nodes that it receives, if so many blocks lie along each edge."""
+    elements = [a + (k > 1) for a, k in zip(edges, parts)]
+    own = [a + (k < 3) for a, k in zip(edges, parts)]
+    return prod(elements), prod(e + 1 for e in elements) - prod(own)
+
+
+print(f"a cube of {EDGE}^3   elements of a piece   received nodes   in closed form")
+for parts in ((1, 1, 1), (2, 1, 1), (2, 2, 1), (2, 2, 2), (4, 4, 4)):
+    count = prod(parts)
     rows = planned(problem, new_state(problem), count, "coordinates")
-    edge = EDGE / count ** (1 / 3)
-    bounds = (edge + 2) ** 3, 6 * edge**2 + 12 * edge + 8
-    most = rows["elements"].max(), rows["received"].max()
-    print(f"{count:6} pieces {most[0]:18} {most[1]:16} {bounds[0]:12.0f} {bounds[1]:6.0f}")
+    told = block([EDGE // k for k in parts], parts)
+    print(
+        f"{count:6} pieces {rows['elements'].max():18} {rows['received'].max():16} {told[0]:12} {told[1]:6}"
+    )
 
 ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 100
 print("\n10^9 elements     compute  messages     sums  efficiency   GB a machine, now and in parts")
 for machines in (10, 100, 1000):
     edge = (ELEMENTS / machines) ** (1 / 3)
-    compute = (edge + 2) ** 3 / (CORES * SPEED)
-    messages, sums = 24 * (6 * edge**2) / BANDWIDTH, SUMS * SUM
+    elements, received = block([edge] * 3, (3, 3, 3))
+    compute = elements / (CORES * SPEED)
+    messages, sums = 24 * received / BANDWIDTH, SUMS * SUM
     efficiency = ELEMENTS / machines / (CORES * SPEED) / (compute + messages + sums)
     memory = [memory_estimate(n, n, 8) / 1e9 for n in (int(ELEMENTS), int(edge**3))]
     print(
