@@ -71,7 +71,9 @@ def test_the_data_of_a_picture():
     }
     cells = [(float(x), float(y), float(v)) for _, name, x, y, v in rows if name == "image 1"]
     assert cells == [(c + 0.5, r + 0.5, 3 * r + c) for r in range(2) for c in range(3)]
-    assert "7" not in {row[2] for row in rows}
+    assert {row[0] for row in rows[1:]} == {"1", "2"}
+    turned = figuredata.points(image.imshow(np.arange(6.0).reshape(2, 3)))  # row 0 on top, at y = 0
+    assert turned.tolist() == [[c, r, 3 * r + c] for r in range(2) for c in range(3)]
 
 
 MOVING = re.findall(
