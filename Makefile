@@ -70,7 +70,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: page test-page _page _test-page mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
+.PHONY: page test-page page-tools _page _test-page mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
 help:
@@ -209,7 +209,7 @@ STUDENT ?=
 BOOK := $(BUILD)/docs/$(if $(STUDENT),student,html)
 # No file of the students' book has an answer.
 CHECK_ANSWERS = $(if $(STUDENT),$(VENV)/bin/python docs/answers.py $(BOOK))
-_docs: $(VENV)/.wrapper $(VENV)/.docs
+_docs: $(VENV)/.wrapper $(VENV)/.docs page-tools
 	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html $(if $(STUDENT),-D student=1) docs $(BOOK)
 	$(CHECK_ANSWERS)
 	@echo "written: $(BOOK)/index.html"
@@ -235,7 +235,11 @@ _page: $(PAGE_MODULES) $(VENV)/.wrapper
 	$(VENV)/bin/python tools/build_page.py $(PAGE_MODULES) $(BUILD)/page/html
 	@echo "written: $(BUILD)/page/html/index.html"
 _test-page: _page $(VENV)/.test $(VENV)/.docs $(VENV)/.browser
-	LIBCONTACT_BUILD=$(BUILD) $(VENV)/bin/python -m pytest -q tests/python/test_page.py
+	LIBCONTACT_BUILD=$(BUILD) LIBCONTACT_PAGE_ACTIONS=60 $(VENV)/bin/python -m pytest -q tests/python/test_page.py tests/docs/test_laboratory.py
+
+# Without the cross compiler the book has pictures in place of its laboratories.
+page-tools: $(VENV)/.wrapper
+	@+$(MAKE) --no-print-directory _page || echo "no cross compiler, so the laboratories of the book are pictures: wrapper/requirements/cross.txt" >&2
 
 _measured: $(VENV)/.wrapper
 	$(VENV)/bin/python docs/measure.py

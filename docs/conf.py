@@ -44,6 +44,7 @@ extensions = [
     "parts",  # one count of chapters through all parts
     "symbols",  # the tables of notation come from reference/notation.toml
     "drawn",  # pictures of a chapter come from a program beside it
+    "laboratory",  # pages in which a reader runs the library, from make page
     "measured",  # numbers in the text come from measured.json
     "typed",  # a page types no other numbers than typed.toml lists
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page

@@ -8,18 +8,80 @@ as its differences from the first.
 from __future__ import annotations
 
 import base64
+import csv
 import gzip
 import json
+import shutil
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
 # Loaded by the page and by its worker, in this order.
-COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js")
-SHOWN = ("packed.js",)
+COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js", "plates.job.js")
+SHOWN = (
+    "packed.js",
+    "remote.js",
+    "control.js",
+    "plot.js",
+    "field.js",
+    "laboratory.js",
+    "bar.js",
+    "plates.js",
+)
 MOST_PACKED = 450_000  # bytes of both modules
 SHORTEST = 16  # bytes of a part that is copied from the other module
+
+
+PAGES = {"bar": "A wall and a bar", "plates": "Two plates"}
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<link rel="stylesheet" href="page.css">
+<link rel="stylesheet" href="laboratory.css">
+</head>
+<body>
+<h1>{title}</h1>
+{content}
+</body>
+</html>
+"""
+
+
+def html(title: str, content: str) -> str:
+    return PAGE.format(title=title, content=content)
+
+
+def page(name: str) -> str:
+    """The page of one laboratory."""
+    needs = "<noscript>This page computes, and needs JavaScript for it.</noscript>"
+    content = (
+        f'<div class="laboratory" data-laboratory="{name}">{needs}</div>\n'
+        '<p><a href="index.html">All laboratories</a></p>\n'
+        '<script defer src="laboratory.js"></script>'
+    )
+    return html(PAGES[name], content)
+
+
+def joined(*names: str) -> str:
+    """Sources of the page, one after another."""
+    return "".join((SOURCES / name).read_text(encoding="utf-8") for name in names)
+
+
+def prices() -> dict[str, dict[str, list[float]]]:
+    """Element updates and errors of the book's runs of two plates, by the line of the error."""
+    with (ROOT / "docs" / "theory" / "accuracy.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["scene"] == "contact"]
+    rows = [row for row in rows if row["status"] == "done" and "poisson" not in row["setting"]]
+    columns = {"x": "l1_fig4_at_056", "z": "l1_fig5_at_056"}
+    updates = [float(row["updates"]) for row in rows]
+    return {
+        line: {"updates": updates, "error": [float(row[column]) for row in rows]}
+        for line, column in columns.items()
+    }
 
 
 def leb(number: int) -> bytes:
@@ -75,10 +137,19 @@ def main(simd: str, plain: str, target: str) -> None:
     for name, content in pack_modules(Path(simd).read_bytes(), Path(plain).read_bytes()).items():
         (folder / f"{name}.js").write_text(packed(name, content))
         print(f"{name}.js: {len(content)} bytes packed")
-    computing = "".join((SOURCES / name).read_text(encoding="utf-8") for name in COMPUTING)
-    shown = "".join((SOURCES / name).read_text(encoding="utf-8") for name in SHOWN)
-    script = f"{computing}{shown}const LABORATORY_WORKER = {json.dumps(computing)};\n"
-    (folder / "laboratory.js").write_text(script, encoding="utf-8")
+    worker = joined(*COMPUTING, "worker.js")
+    script = f"{joined(*COMPUTING, *SHOWN)}const LABORATORY_WORKER = {json.dumps(worker)};\n"
+    script += f"const LABORATORY_PRICES = {json.dumps(prices())};\n"
+    (folder / "laboratory.js").write_text(script + joined("start.js"), encoding="utf-8")
+    for name in ("laboratory.css", "page.css"):
+        shutil.copyfile(SOURCES / name, folder / name)
+    for name in PAGES:
+        (folder / f"{name}.html").write_text(page(name), encoding="utf-8")
+    links = "".join(
+        f'<li><a href="{name}.html">{title}</a></li>\n' for name, title in PAGES.items()
+    )
+    text = f"<p>The library computes in these pages.</p>\n<ul>\n{links}</ul>"
+    (folder / "index.html").write_text(html("Laboratories", text), encoding="utf-8")
 
 
 if __name__ == "__main__":

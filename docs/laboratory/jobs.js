@@ -31,5 +31,5 @@ async function advanceAll(library, every, sample, pause) {
       left = performance.now() + PART;
     }
   }
-  return { steps: total, elements, updates: total * elements };
+  return { steps: total, elements, updates: total * elements, computed: call.element_updates() };
 }

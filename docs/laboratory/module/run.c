@@ -210,3 +210,21 @@ EXPORT(skin_count) int skin_count(int body)
 {
   return ct_mesh_outer_faces(page.problem->bodies[body].mesh, NULL, NULL);
 }
+
+/* Likewise from displacements without the short waves that the mesh cannot represent. */
+EXPORT(filtered_stress) const double *filtered_stress(int body, int passes)
+{
+  const ct_body *of = &page.problem->bodies[body];
+  ct_filter *filter = NULL;
+  double *u = malloc(3 * (size_t)page.problem->node_count * sizeof *u);
+  double *out = numbers(6 * of->mesh->element_count);
+  ct_status status = ct_filter_create(page.problem, passes, &filter, &page_error);
+  if (u == NULL || out == NULL) status = CT_ERROR_MEMORY;
+  if (status == CT_OK) status = ct_filter_apply(filter, page.state, u, NULL, &page_error);
+  if (status == CT_OK)
+    status =
+        ct_solid_stress(of->mesh, &of->material, u + 3 * (size_t)of->first_node, out, &page_error);
+  ct_filter_free(filter);
+  free(u);
+  return status == CT_OK ? out : NULL;
+}

@@ -1,0 +1,78 @@
+// Controls of a laboratory: each has a name, a label, its allowed values and a value at the start.
+"use strict";
+
+let controlCount = 0;
+
+function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
+}
+
+// Text with the unit of a value.
+function shown(declared, value) {
+  return declared.unit ? `${value} ${declared.unit}` : String(value);
+}
+
+// One of some numbers, by a slider that moves over their places.
+function slider(declared, value, changed) {
+  const id = `laboratory-${controlCount++}`;
+  const output = element("output", { for: id });
+  const input = element("input", { id, type: "range", min: 0, max: declared.values.length - 1, step: 1 });
+  const write = () => {
+    const text = shown(declared, declared.values[input.value]);
+    output.textContent = text;
+    input.setAttribute("aria-valuetext", text);
+  };
+  const set = (next) => {
+    input.value = declared.values.indexOf(next);
+    write();
+  };
+  input.addEventListener("input", () => {
+    write();
+    changed(declared.values[input.value]);
+  });
+  set(value);
+  const label = element("label", { for: id }, declared.label, " ", output);
+  return { box: element("div", { class: "laboratory-control" }, label, input), set };
+}
+
+// One of some words.
+function choice(declared, value, changed) {
+  const id = `laboratory-${controlCount++}`;
+  const options = Object.entries(declared.words).map(([name, text]) => {
+    const option = element("option", { value: name });
+    option.textContent = text;
+    return option;
+  });
+  const select = element("select", { id }, ...options);
+  select.value = value;
+  select.addEventListener("change", () => changed(select.value));
+  const set = (next) => (select.value = next);
+  const label = element("label", { for: id }, declared.label);
+  return { box: element("div", { class: "laboratory-control" }, label, select), set };
+}
+
+// The values of a state from a text such as "law=penalty&beta=10": what is not declared or not allowed is left out.
+function readState(declarations, text) {
+  const given = new URLSearchParams(text);
+  const state = {};
+  for (const declared of declarations) {
+    const found = given.get(declared.name);
+    state[declared.name] = declared.start;
+    if (found === null) continue;
+    if (declared.words) {
+      if (Object.hasOwn(declared.words, found)) state[declared.name] = found;
+    } else if (declared.values.includes(Number(found))) {
+      state[declared.name] = Number(found);
+    }
+  }
+  return state;
+}
+
+// The inverse, without the values that a laboratory starts with.
+function writeState(declarations, state) {
+  const changed = declarations.filter(({ name, start }) => state[name] !== start);
+  return changed.map(({ name }) => `${name}=${state[name]}`).join("&");
+}

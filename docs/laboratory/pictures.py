@@ -1,0 +1,47 @@
+"""What stands in the place of a laboratory on paper and without JavaScript: one picture each."""
+
+import warnings
+
+from matplotlib.figure import Figure
+
+import libcontact as ct
+
+
+def bar():
+    """Energy of a bar that hits a wall, with a stiff explicit penalty and with the default law."""
+    figure = Figure(figsize=(6.4, 2.8))
+    ax = figure.subplots()
+    laws = {"energy_controlled": "energy-controlled (the default)", "penalty": "explicit penalty"}
+    for law, name in laws.items():
+        data = ct.Scene.load(ct.example("bar_on_a_wall")).data
+        data["body"][0]["box"]["origin"] = [1, 0, 0]
+        data["obstacle"][0] |= {"enforcement": law, "beta": 10}
+        data["time"] = {"end": 1, "fraction": 0.9, "energy_limit": 1e9}
+        data["output"] = {"every": 1}
+        with warnings.catch_warnings(action="ignore"):  # the explicit penalty makes energy here
+            energy = ct.Scene(data).run(progress=False).energy
+        ax.plot(energy["time"], energy["total"] / energy["total"][0], label=name)
+    ax.set(xlabel="time t [s]", ylabel="energy / start", ylim=(0, None))
+    ax.legend()
+    return figure
+
+
+def plates():
+    """Transversal stress on the line of Fig. 5, computed with 40 elements, beside the closed form."""
+    figure = Figure(figsize=(6.4, 2.8))
+    ax = figure.subplots()
+    data = ct.Scene.load(ct.example("plates")).data
+    for body in data["body"]:
+        body["box"]["cells"] = [40, 1, 40]
+    data["contact"] = [{"surfaces": data["contact"][0]["surfaces"], "beta": 40}]
+    data["time"]["courant"] = 0.5
+    run = ct.Scene(data).run(progress=False, output=False)
+    place, stress = run.line("stress_zz", (1.0, 0.0, 0.03), (1.0, 0.0, 2.47), n=200, body="right")
+    z = 0.03 / 2.5 + place / 2.5
+    exact = ct.exact.plates(0.4, z, 0.56).stress.sigma_z
+    # The plateau behind the front is -1 in the unit of the closed form.
+    ax.plot(z, exact, "--", color="black", lw=1.2, label="exact")
+    ax.plot(z, -stress / stress[0], label="computed, d/40")
+    ax.set(xlabel="z / d at x = 0.4 d", ylabel=r"$\sigma_z^*$")
+    ax.legend()
+    return figure

@@ -1,0 +1,191 @@
+"""The laboratories in a browser, from files, moved by pointer and keys. Skipped without a browser or ``make page``;
+``make test-page`` runs them all. No test depends on how long a run takes: it waits for the caption."""
+
+import os
+import random
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright", reason="playwright is not installed")
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs"))
+
+import browser  # noqa: E402
+
+FOLDER = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "page" / "html"
+FOUND = browser.find()
+NAMES = sorted(path.stem for path in FOLDER.glob("*.html") if path.stem != "index")
+ACTIONS = int(os.environ.get("LIBCONTACT_PAGE_ACTIONS", "0"))  # of random input, by make test-page
+pytestmark = pytest.mark.skipif(FOUND is None or not NAMES, reason="no browser, or no make page")
+whole = pytest.mark.skipif(not ACTIONS, reason="part of make test-page")
+FAST = {"bar": "cells=20", "plates": "n=20"}
+
+
+class Visit:
+    """A page of its own context, what it asked for outside its files, and its errors."""
+
+    def __init__(self, chromium, width=1400, scheme="light", **more):
+        size = {"width": width, "height": 900}
+        self.context = chromium.new_context(viewport=size, color_scheme=scheme, **more)
+        self.page = self.context.new_page()
+        self.page.set_default_timeout(120_000)
+        self.outside, self.errors = [], []
+        self.page.on("request", self._asked)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", self._said)
+
+    def _asked(self, request):
+        if not request.url.startswith(("file:", "blob:", "data:")):
+            self.outside.append(request.url)
+
+    def _said(self, message):
+        if message.type in ("error", "warning"):
+            self.errors.append(message.text)
+
+    def open(self, name, state=""):
+        state = state or FAST.get(name, "")
+        self.page.goto(f"{(FOLDER / f'{name}.html').as_uri()}#{name}:{state}")
+        return self.finished()
+
+    def finished(self):
+        """The caption of the run, when it is over."""
+        rest = "() => !document.querySelector('[aria-busy]') && document.querySelector('.laboratory').laboratory.idle"
+        self.page.wait_for_function(rest)
+        return self.page.locator(".laboratory-caption").inner_text()
+
+    def end(self):
+        self.context.close()
+        assert not self.outside and not self.errors
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        own = driver.chromium.launch(executable_path=FOUND, args=["--no-sandbox"])
+        yield own
+        own.close()
+
+
+@pytest.fixture
+def visit(chromium):
+    made = Visit(chromium)
+    yield made
+    made.end()
+
+
+@whole
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_laboratory_runs_from_its_file(chromium, name, width, scheme):
+    visit = Visit(chromium, width, scheme)
+    assert visit.open(name)
+    page = visit.page
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    colour = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert (sum(map(int, re.findall(r"\d+", colour)[:3])) < 200) == (scheme == "dark")
+    for canvas in page.locator("canvas").all():
+        assert canvas.get_attribute("aria-label")
+        drawn = "c => new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size"
+        assert canvas.evaluate(drawn) > 2
+    for control in page.locator(".laboratory-control :is(input, select)").all():
+        label = page.locator(f"label[for={control.get_attribute('id')}]")
+        assert label.inner_text().strip()
+    visit.end()
+
+
+def energy(caption):
+    return float(re.search(r"energy at the end is ([\d.]+) times", caption)[1])
+
+
+def test_five_actions_show_the_growth_of_energy_and_then_the_default_s(visit):
+    visit.open("bar", "x=")
+    page = visit.page
+    page.get_by_label("Law of the contact").select_option("penalty")
+    page.get_by_label("Penalty factor").press("ArrowRight")
+    grown = visit.finished()
+    assert grown.startswith("Explicit penalty, β = 10") and energy(grown) > 2.0
+    page.get_by_label("Law of the contact").select_option("energy_controlled")
+    kept = visit.finished()
+    assert kept.startswith("Energy-controlled penalty, β = 10") and 0.99 < energy(kept) <= 1.0
+
+
+def test_the_pointer_moves_a_slider_and_the_link_keeps_the_state(visit):
+    visit.open("bar")
+    page = visit.page
+    slider = page.get_by_label("Landing phase")
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + 5, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] - 4, box["y"] + box["height"] / 2, steps=5)
+    page.mouse.up()
+    assert slider.get_attribute("aria-valuetext") == "0.9 h"
+    before = visit.finished()
+    address = page.locator(".laboratory-link").evaluate("link => link.href")
+    assert address == page.url and "phase=0.9" in address
+    page.goto("about:blank")
+    page.goto(address)
+    assert visit.finished() == before
+    assert page.get_by_label("Landing phase").get_attribute("aria-valuetext") == "0.9 h"
+
+
+def test_a_state_that_is_not_allowed_is_not_taken(visit):
+    visit.open("bar", "law=<img src=x onerror=alert(1)>&beta=7&cells=1e9&phase=NaN&__proto__=1")
+    page = visit.page
+    assert page.locator("img").count() == 0
+    state = page.evaluate("document.querySelector('.laboratory').laboratory.state")
+    assert state == {
+        **{"law": "energy_controlled", "beta": 5, "step": 0.9, "integrator": "central_difference"},
+        **{"cells": 100, "phase": 0},
+    }
+
+
+def test_stop_ends_a_long_run_and_leaving_ends_the_worker(visit):
+    visit.open("plates")
+    page = visit.page
+    page.evaluate("location.hash = '#plates:n=100&courant=0.05&end=1.1'")
+    page.get_by_role("button", name="Stop").click()
+    page.wait_for_function("() => document.querySelector('.laboratory').laboratory.idle")
+    assert page.locator(".laboratory-status").inner_text() == "stopped"
+    page.evaluate("dispatchEvent(new Event('pagehide'))")
+    assert page.evaluate("document.querySelector('.laboratory').laboratory.remote.worker === null")
+    page.get_by_label("Elements along d").press("Home")
+    assert visit.finished()
+
+
+def test_without_motion_only_the_end_is_shown(chromium):
+    visit = Visit(chromium, reduced_motion="reduce")
+    visit.open("plates", "n=10")
+    page = visit.page
+    page.evaluate(
+        "() => { const view = document.querySelector('.laboratory').laboratory.view, old = view.show;"
+        " window.shown = []; view.show = (part, state) => { shown.push(part.fraction); old.call(view, part, state); }; }"
+    )
+    page.get_by_role("button", name="Run").click()
+    visit.finished()
+    assert page.evaluate("shown") == [1]
+    visit.end()
+
+
+@whole
+@pytest.mark.parametrize("name", NAMES)
+def test_random_input_leaves_a_page_that_runs(visit, name):
+    random.seed(name)
+    visit.open(name)
+    page = visit.page
+    controls = page.locator(".laboratory :is(input, select, button, canvas[tabindex])")
+    keys = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Tab", "Home", "Enter"]
+    for _ in range(ACTIONS):
+        control = controls.nth(random.randrange(controls.count()))
+        if control.is_enabled():
+            control.focus()
+        page.keyboard.press(random.choice(keys))
+        if random.random() < 0.3:
+            page.mouse.click(random.uniform(50, 1300), random.uniform(50, 850))
+    page.goto("about:blank")
+    assert visit.open(name)
