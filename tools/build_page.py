@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
 # Loaded by the page and by its worker, in this order.
-COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js", "plates.job.js")
+COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js", "plates.job.js", "closest.job.js")
 SHOWN = (
     "packed.js",
     "remote.js",
@@ -28,12 +28,14 @@ SHOWN = (
     "laboratory.js",
     "bar.js",
     "plates.js",
+    "turn.js",
+    "closest.js",
 )
 MOST_PACKED = 450_000  # bytes of both modules
 SHORTEST = 16  # bytes of a part that is copied from the other module
 
 
-PAGES = {"bar": "A wall and a bar", "plates": "Two plates"}
+PAGES = {"bar": "A wall and a bar", "plates": "Two plates", "closest": "Closest point"}
 PAGE = """<!doctype html>
 <html lang="en">
 <head>

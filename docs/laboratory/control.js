@@ -1,4 +1,5 @@
-// Controls of a laboratory: each has a name, a label, its allowed values and a value at the start.
+// Controls of a laboratory: each has a name, a label, its allowed values and a value at the start. A list of numbers,
+// which a picture changes, has a count and limits in place of a label.
 "use strict";
 
 let controlCount = 0;
@@ -62,7 +63,11 @@ function readState(declarations, text) {
     const found = given.get(declared.name);
     state[declared.name] = declared.start;
     if (found === null) continue;
-    if (declared.words) {
+    if (declared.count) {
+      const numbers = found.split(",").map(Number);
+      const allowed = numbers.every((value) => value >= declared.least && value <= declared.most);
+      if (numbers.length === declared.count && allowed) state[declared.name] = numbers;
+    } else if (declared.words) {
       if (Object.hasOwn(declared.words, found)) state[declared.name] = found;
     } else if (declared.values.includes(Number(found))) {
       state[declared.name] = Number(found);

@@ -16,6 +16,7 @@ class Laboratory {
     this.own = LABORATORIES[name];
     this.remote = new Remote();
     this.runs = 0;
+    this.last = null;
     this.ready = false;
     this.waiting = false;
     this.state = readState(this.own.controls, this.addressed());
@@ -41,7 +42,7 @@ class Laboratory {
     this.controls = {};
     const form = element("form", { class: "laboratory-controls" });
     form.addEventListener("submit", (event) => event.preventDefault());
-    for (const declared of this.own.controls) {
+    for (const declared of this.own.controls.filter(({ label }) => label)) {
       const make = declared.words ? choice : slider;
       const control = make(declared, this.state[declared.name], (value) => this.change(declared.name, value));
       this.controls[declared.name] = control;
@@ -81,6 +82,14 @@ class Laboratory {
     this.timer = setTimeout(() => this.start(), QUIET);
   }
 
+  // Set controls to values that a picture gives.
+  set(values) {
+    for (const [name, value] of Object.entries(values)) {
+      this.controls[name].set(value);
+      this.change(name, value);
+    }
+  }
+
   // Take the state of the address, after it has changed.
   restore() {
     const text = this.addressed();
@@ -101,7 +110,6 @@ class Laboratory {
     this.stopButton.disabled = false;
     this.live.setAttribute("aria-busy", "true");
     this.status.textContent = "running …";
-    this.last = null;
     try {
       const result = await this.remote.run(this.own.job, state, (part) => {
         this.last = part;

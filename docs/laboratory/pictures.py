@@ -2,7 +2,9 @@
 
 import warnings
 
+from libcontact.pictures.plot_projection import draw_path
 from matplotlib.figure import Figure
+from shared.faces import POINT, bent_face
 
 import libcontact as ct
 
@@ -44,4 +46,14 @@ def plates():
     ax.plot(z, -stress / stress[0], label="computed, d/40")
     ax.set(xlabel="z / d at x = 0.4 d", ylabel=r"$\sigma_z^*$")
     ax.legend()
+    return figure
+
+
+def closest():
+    """The ways of three methods over the map of distances."""
+    figure = Figure(figsize=(7.5, 2.9))
+    for ax, method in zip(figure.subplots(1, 3, sharey=True), ("simplex", "newton", "robust")):
+        count = draw_path(ax, "Q8", bent_face(), POINT, method, start=(-0.2, 0.7))
+        ax.set_title(f"{method}: {count}", fontsize=9)
+        ax.grid(False)
     return figure

@@ -134,6 +134,42 @@ def test_the_pointer_moves_a_slider_and_the_link_keeps_the_state(visit):
     assert page.get_by_label("Landing phase").get_attribute("aria-valuetext") == "0.9 h"
 
 
+def test_nodes_and_point_move_by_pointer_and_keys(visit):
+    visit.open("closest", "kind=Q4")
+    page = visit.page
+    state = "document.querySelector('.laboratory').laboratory.state"
+    canvas = page.get_by_role("application")
+    canvas.scroll_into_view_if_needed()
+    box, before = canvas.bounding_box(), page.evaluate(f"{state}.nodes")
+    at = page.evaluate(
+        "(v => v.onScreen(v.placeOf(2)))(document.querySelector('.laboratory').laboratory.view)"
+    )
+    page.mouse.move(box["x"] + at[0], box["y"] + at[1])
+    page.mouse.down()
+    page.mouse.move(box["x"] + at[0] + 40, box["y"] + at[1] + 10, steps=4)
+    page.mouse.up()
+    visit.finished()
+    after = page.evaluate(f"{state}.nodes")
+    moved = [i for i in range(9) if before[3 * i : 3 * i + 3] != after[3 * i : 3 * i + 3]]
+    assert moved == [2]
+    canvas.press("n")
+    for _ in range(7):
+        canvas.press("n")
+    for key in ("w", "e", "ArrowLeft"):
+        canvas.press(key)
+    visit.finished()
+    last, address = page.evaluate(f"{state}.nodes"), page.url
+    assert last != after
+    page.goto("about:blank")
+    page.goto(address)
+    visit.finished()
+    assert page.evaluate(f"{state}.nodes") == last
+    assert page.locator(".laboratory-table tbody tr").count() == 12
+    page.locator("canvas[role=img]").click(position={"x": 150, "y": 150})
+    visit.finished()
+    assert page.evaluate(f"[{state}.start1, {state}.start2]") == [0, 0]
+
+
 def test_a_state_that_is_not_allowed_is_not_taken(visit):
     visit.open("bar", "law=<img src=x onerror=alert(1)>&beta=7&cells=1e9&phase=NaN&__proto__=1")
     page = visit.page

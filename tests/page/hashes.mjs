@@ -5,6 +5,8 @@ import vm from "node:vm";
 const [folder, kind] = process.argv.slice(2);
 const context = vm.createContext({
   WebAssembly, TextDecoder, Uint8Array, Float64Array, Int32Array, Blob, Response, DecompressionStream, atob, performance,
+  // A page without laboratories.
+  document: { currentScript: { src: "" }, readyState: "complete", querySelectorAll: () => [] },
 });
 context.globalThis = context;
 for (const name of ["laboratory.js", "module-simd.js", "module-plain.js"]) {
@@ -29,6 +31,13 @@ const answer = await vm.runInContext(`(async () => {
       library.give(points.flat());
       library.check(library.call.project_all(points.length));
       return hashOf(all(library.call.numbers(1), 3 * points.length));
+    },
+    simplex({ nodes, point, start }) {
+      library.give(nodes.flat());
+      library.call.set_face(1);
+      const found = projected(library, point, CLOSEST.simplex, start).path;
+      const rolled = rollSimplex(library, point, start).map(({ corners, low }) => corners[low]);
+      return { found, rolled: rolled.slice(1) };
     },
     exact({ rows, poisson }) {
       library.give(rows.flat());

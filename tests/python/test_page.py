@@ -117,6 +117,16 @@ def test_the_closed_form_is_that_of_this_machine_to_round_off(kind):
     assert np.abs(np.reshape(answer, (500, 5)).T - exact).max() < 1e-12
 
 
+@module
+def test_the_shown_simplex_rolls_as_that_of_the_library():
+    """Its lowest corner after each step, until differences of distances are round-off."""
+    for point in ([0.4, 0.3, 1.2], [-0.5, 0.1, -1.0], [0.9, -0.8, 0.4]):
+        task = {"task": "simplex", "nodes": FACE, "point": point, "start": [-0.2, 0.6]}
+        (answer,) = ask("simd", task)
+        assert len(answer["found"]) > 40
+        assert answer["found"][:40] == answer["rolled"][:40]
+
+
 def test_a_module_is_put_together_from_its_differences():
     """The inverse of ``differences``, written as ``unpackDifferences`` of packed.js reads it."""
     random = np.random.default_rng(3)

@@ -1,0 +1,68 @@
+// A view from a direction that the pointer and the keys turn, without perspective.
+"use strict";
+
+const TURN_STEP = Math.PI / 24;
+
+class Turn {
+  constructor(azimuth, elevation) {
+    this.azimuth = azimuth;
+    this.elevation = elevation;
+  }
+
+  // Axes of the picture in space: to the right, up, towards the reader.
+  get axes() {
+    const [sa, ca] = [Math.sin(this.azimuth), Math.cos(this.azimuth)];
+    const [se, ce] = [Math.sin(this.elevation), Math.cos(this.elevation)];
+    return [[-sa, ca, 0], [-ca * se, -sa * se, ce], [ca * ce, sa * ce, se]];
+  }
+
+  by(right, up) {
+    this.azimuth -= right;
+    this.elevation = Math.max(-1.55, Math.min(1.55, this.elevation + up));
+  }
+
+  // Turn by a key; whether the key is one of those.
+  key(name) {
+    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[name];
+    if (step) this.by(step[0] * TURN_STEP, step[1] * TURN_STEP);
+    return Boolean(step);
+  }
+}
+
+function dot(a, b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Follow a pointer that is pressed on a canvas: `begin(place)`, then `move(place, change)`; places in pixels of the page.
+function followPointer(canvas, begin, move) {
+  let last = null;
+  const placeOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  canvas.style.touchAction = "none";
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    last = placeOf(event);
+    begin(last);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!last) return;
+    const place = placeOf(event);
+    move(place, [place[0] - last[0], place[1] - last[1]]);
+    last = place;
+  });
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => (last = null));
+}
+
+// A canvas of the width of its column and its pen in pixels of the page; null while it is not shown.
+function penOf(canvas, height) {
+  const width = canvas.clientWidth;
+  if (width === 0) return null;
+  const ratio = devicePixelRatio || 1;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const pen = canvas.getContext("2d");
+  pen.scale(ratio, ratio);
+  return { pen, width, height };
+}
