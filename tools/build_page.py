@@ -18,7 +18,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
 # Loaded by the page and by its worker, in this order.
-COMPUTING = ("library.js", "scene.js", "jobs.js", "bar.job.js", "plates.job.js", "closest.job.js")
+COMPUTING = (
+    "library.js",
+    "scene.js",
+    "jobs.js",
+    "bar.job.js",
+    "plates.job.js",
+    "closest.job.js",
+    "waves.job.js",
+)
 SHOWN = (
     "packed.js",
     "remote.js",
@@ -30,12 +38,18 @@ SHOWN = (
     "plates.js",
     "turn.js",
     "closest.js",
+    "waves.js",
 )
 MOST_PACKED = 450_000  # bytes of both modules
 SHORTEST = 16  # bytes of a part that is copied from the other module
 
 
-PAGES = {"bar": "A wall and a bar", "plates": "Two plates", "closest": "Closest point"}
+PAGES = {
+    "bar": "A wall and a bar",
+    "plates": "Two plates",
+    "closest": "Closest point",
+    "waves": "Waves",
+}
 PAGE = """<!doctype html>
 <html lang="en">
 <head>

@@ -57,3 +57,15 @@ def closest():
         ax.set_title(f"{method}: {count}", fontsize=9)
         ax.grid(False)
     return figure
+
+
+def waves():
+    """The front of a step after 56 elements, as the sum of all waves of two meshes."""
+    figure = Figure(figsize=(6.4, 2.8))
+    ax = figure.subplots()
+    for courant in (0.125, 0.9):
+        front = ct.dispersion_front(56.0, courant=courant)
+        ax.plot(front.distance, front.stress, label=f"hex8, Courant number {courant}")
+    ax.set(xlabel="distance from the wall / h", ylabel=r"stress / $\rho c_1 v_0$")
+    ax.legend()
+    return figure
