@@ -15,6 +15,8 @@ import shutil
 import sys
 from pathlib import Path
 
+import page_tables
+
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
 # Loaded by the page and by its worker, in this order.
@@ -29,6 +31,10 @@ COMPUTING = (
 )
 SHOWN = (
     "packed.js",
+    "toml.js",
+    "words.js",
+    "check.js",
+    "rules.js",
     "remote.js",
     "control.js",
     "plot.js",
@@ -156,6 +162,7 @@ def main(simd: str, plain: str, target: str) -> None:
     worker = joined(*COMPUTING, "worker.js")
     script = f"{joined(*COMPUTING, *SHOWN)}const LABORATORY_WORKER = {json.dumps(worker)};\n"
     script += f"const LABORATORY_PRICES = {json.dumps(prices())};\n"
+    script += f"const LABORATORY_TABLES = {json.dumps(page_tables.tables())};\n"
     (folder / "laboratory.js").write_text(script + joined("start.js"), encoding="utf-8")
     for name in ("laboratory.css", "page.css"):
         shutil.copyfile(SOURCES / name, folder / name)

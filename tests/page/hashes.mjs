@@ -4,7 +4,7 @@ import vm from "node:vm";
 
 const [folder, kind] = process.argv.slice(2);
 const context = vm.createContext({
-  WebAssembly, TextDecoder, Uint8Array, Float64Array, Int32Array, Blob, Response, DecompressionStream, atob, performance,
+  WebAssembly, TextDecoder, TextEncoder, Uint8Array, Float64Array, Int32Array, Blob, Response, DecompressionStream, atob, performance,
   // A page without laboratories.
   document: { currentScript: { src: "" }, readyState: "complete", querySelectorAll: () => [] },
 });
@@ -38,6 +38,14 @@ const answer = await vm.runInContext(`(async () => {
       const found = projected(library, point, CLOSEST.simplex, start).path;
       const rolled = rollSimplex(library, point, start).map(({ corners, low }) => corners[low]);
       return { found, rolled: rolled.slice(1) };
+    },
+    check({ text }) {
+      try {
+        return { scene: readScene(text) };
+      } catch (fault) {
+        if (!(fault instanceof SceneFault)) throw fault;
+        return { key: fault.key, reason: fault.reason, line: fault.line };
+      }
     },
     exact({ rows, poisson }) {
       library.give(rows.flat());
