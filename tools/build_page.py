@@ -13,6 +13,7 @@ import gzip
 import json
 import shutil
 import sys
+import tomllib
 from pathlib import Path
 
 import page_tables
@@ -28,6 +29,7 @@ COMPUTING = (
     "plates.job.js",
     "closest.job.js",
     "waves.job.js",
+    "own.job.js",
 )
 SHOWN = (
     "packed.js",
@@ -45,16 +47,19 @@ SHOWN = (
     "turn.js",
     "closest.js",
     "waves.js",
+    "own.js",
 )
 MOST_PACKED = 450_000  # bytes of both modules
 SHORTEST = 16  # bytes of a part that is copied from the other module
 
 
+EXAMPLES = ("plates", "bar_on_a_wall", "bouncing_bar")
 PAGES = {
     "bar": "A wall and a bar",
     "plates": "Two plates",
     "closest": "Closest point",
     "waves": "Waves",
+    "own": "Your own scene",
 }
 PAGE = """<!doctype html>
 <html lang="en">
@@ -104,6 +109,17 @@ def prices() -> dict[str, dict[str, list[float]]]:
         line: {"updates": updates, "error": [float(row[column]) for row in rows]}
         for line, column in columns.items()
     }
+
+
+def examples() -> list[dict[str, str]]:
+    """Scenes with which a reader may begin: a ring with friction, and scenes of the tutorials, some of them coarser."""
+    scenes = ROOT / "tutorials" / "scenes"
+    found = [SOURCES / "ring.toml", *(scenes / f"{name}.toml" for name in EXAMPLES)]
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in found}
+    texts["plates"] = texts["plates"].replace("100, 1, 100", "30, 1, 30")
+    return [
+        {"name": name, "title": tomllib.loads(t)["title"], "text": t} for name, t in texts.items()
+    ]
 
 
 def leb(number: int) -> bytes:
@@ -160,10 +176,13 @@ def main(simd: str, plain: str, target: str) -> None:
         (folder / f"{name}.js").write_text(packed(name, content))
         print(f"{name}.js: {len(content)} bytes packed")
     worker = joined(*COMPUTING, "worker.js")
-    script = f"{joined(*COMPUTING, *SHOWN)}const LABORATORY_WORKER = {json.dumps(worker)};\n"
+    script = f"const LABORATORY_WORKER = {json.dumps(worker)};\n"
     script += f"const LABORATORY_PRICES = {json.dumps(prices())};\n"
+    script += f"const LABORATORY_EXAMPLES = {json.dumps(examples())};\n"
     script += f"const LABORATORY_TABLES = {json.dumps(page_tables.tables())};\n"
-    (folder / "laboratory.js").write_text(script + joined("start.js"), encoding="utf-8")
+    (folder / "laboratory.js").write_text(
+        script + joined(*COMPUTING, *SHOWN, "start.js"), encoding="utf-8"
+    )
     for name in ("laboratory.css", "page.css"):
         shutil.copyfile(SOURCES / name, folder / name)
     for name in PAGES:

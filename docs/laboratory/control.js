@@ -1,5 +1,5 @@
 // Controls of a laboratory: each has a name, a label, its allowed values and a value at the start. A list of numbers,
-// which a picture changes, has a count and limits in place of a label.
+// which a picture changes, has a count and limits in place of a label, a text a greatest length.
 "use strict";
 
 let controlCount = 0;
@@ -63,7 +63,9 @@ function readState(declarations, text) {
     const found = given.get(declared.name);
     state[declared.name] = declared.start;
     if (found === null) continue;
-    if (declared.count) {
+    if (declared.longest) {
+      if (found.length <= declared.longest) state[declared.name] = found;
+    } else if (declared.count) {
       const numbers = found.split(",").map(Number);
       const allowed = numbers.every((value) => value >= declared.least && value <= declared.most);
       if (numbers.length === declared.count && allowed) state[declared.name] = numbers;
@@ -79,5 +81,5 @@ function readState(declarations, text) {
 // The inverse, without the values that a laboratory starts with.
 function writeState(declarations, state) {
   const changed = declarations.filter(({ name, start }) => state[name] !== start);
-  return changed.map(({ name }) => `${name}=${state[name]}`).join("&");
+  return changed.map(({ name }) => `${name}=${encodeURIComponent(state[name])}`).join("&");
 }

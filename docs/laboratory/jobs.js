@@ -31,5 +31,6 @@ async function advanceAll(library, every, sample, pause) {
       left = performance.now() + PART;
     }
   }
+  library.check(call.sample_probes());
   return { steps: total, elements, updates: total * elements, computed: call.element_updates() };
 }

@@ -96,6 +96,7 @@ class Laboratory {
     if (text === null) return;
     this.state = readState(this.own.controls, text);
     for (const [name, control] of Object.entries(this.controls)) control.set(this.state[name]);
+    this.view.restored?.();
     this.writeLink();
     this.start();
   }
@@ -111,9 +112,10 @@ class Laboratory {
     this.live.setAttribute("aria-busy", "true");
     this.status.textContent = "running …";
     try {
-      const result = await this.remote.run(this.own.job, state, (part) => {
+      const given = this.own.prepare ? this.own.prepare(state) : state;
+      const result = await this.remote.run(this.own.job, given, (part) => {
         this.last = part;
-        if (part.fraction < 1 && reducedMotion()) return;
+        if (part.fraction > 0 && part.fraction < 1 && reducedMotion()) return;
         this.status.textContent = `running: ${Math.round(100 * part.fraction)} %`;
         this.view.show(part, state);
       });
@@ -125,7 +127,7 @@ class Laboratory {
         this.status.textContent = "stopped";
       }
     } catch (error) {
-      this.status.textContent = `failed: ${error.message}`;
+      this.status.textContent = `failed: ${error instanceof SceneFault ? faultText(error) : error.message}`;
     }
     if (own === this.runs) this.rest();
   }

@@ -1,12 +1,15 @@
 """What stands in the place of a laboratory on paper and without JavaScript: one picture each."""
 
 import warnings
+from pathlib import Path
 
 from libcontact.pictures.plot_projection import draw_path
 from matplotlib.figure import Figure
 from shared.faces import POINT, bent_face
 
 import libcontact as ct
+
+RING = Path(__file__).resolve().parent / "ring.toml"
 
 
 def bar():
@@ -68,4 +71,16 @@ def waves():
         ax.plot(front.distance, front.stress, label=f"hex8, Courant number {courant}")
     ax.set(xlabel="distance from the wall / h", ylabel=r"stress / $\rho c_1 v_0$")
     ax.legend()
+    return figure
+
+
+def own():
+    """The energy balance of a ring that hits a block."""
+    figure = Figure(figsize=(6.4, 2.8))
+    ax = figure.subplots()
+    energy = ct.Scene.load(RING).run(progress=False, output=False).energy
+    for name in ("kinetic", "strain", "contact", "total"):
+        ax.plot(1e3 * energy["time"], energy[name], label=name)
+    ax.set(xlabel="time t [ms]", ylabel="energy [mJ]")
+    ax.legend(ncols=4)
     return figure

@@ -2,7 +2,7 @@
 "use strict";
 
 const COLOURS = { blue: "#3b8bd4", orange: "#e8762b", green: "#3fa34d", red: "#d64550", violet: "#9b6fd0", grey: "#8a8a8a" };
-const PLOT_MARGIN = { left: 58, right: 10, top: 22, bottom: 40 };
+const PLOT_MARGIN = { left: 58, right: 18, top: 22, bottom: 40 };
 const PLOT_FONT = "12px system-ui, sans-serif";
 
 // Round numbers between two limits, about `count` of them.

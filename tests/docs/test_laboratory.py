@@ -7,7 +7,10 @@ import re
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import libcontact as ct
 
 pytest.importorskip("playwright", reason="playwright is not installed")
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,7 +24,7 @@ NAMES = sorted(path.stem for path in FOLDER.glob("*.html") if path.stem != "inde
 ACTIONS = int(os.environ.get("LIBCONTACT_PAGE_ACTIONS", "0"))  # of random input, by make test-page
 pytestmark = pytest.mark.skipif(FOUND is None or not NAMES, reason="no browser, or no make page")
 whole = pytest.mark.skipif(not ACTIONS, reason="part of make test-page")
-FAST = {"bar": "cells=20", "plates": "n=20"}
+FAST = {"bar": "cells=20", "plates": "n=20", "own": "example=bar_on_a_wall"}
 
 
 class Visit:
@@ -168,6 +171,61 @@ def test_nodes_and_point_move_by_pointer_and_keys(visit):
     page.locator("canvas[role=img]").click(position={"x": 150, "y": 150})
     visit.finished()
     assert page.evaluate(f"[{state}.start1, {state}.start2]") == [0, 0]
+
+
+def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    text = ct.example("plates").read_text(encoding="utf-8").replace("100, 1, 100", "6, 1, 6")
+    text = text.replace('element = "hex8"', 'element = "hex20"', 1)
+    text += '[[probe]]\nname = "at the wall"\nbody = "right"\npoint = [0, 0, 0]\n'
+    (tmp_path / "plates.toml").write_text(text, encoding="utf-8")
+    expected = ct.Scene.load(tmp_path / "plates.toml").run(progress=False, output=False)
+    visit.open("own")
+    page, area = visit.page, visit.page.get_by_label("Scene (TOML)")
+    area.fill(text.replace("beta = 4", "betta = 4"))
+    told = page.locator(".laboratory-verdict").inner_text()
+    assert re.match(r'line 2\d: contact\[0\].betta: unknown key; did you mean "beta"\?', told)
+    area.fill(text)
+    page.get_by_role("button", name="Run").click()
+    visit.finished()
+    saved = []
+    for kind in ("vtu", "csv"):
+        with page.expect_download() as waiting:
+            page.get_by_role("button", name=f"Save .{kind}").click()
+        waiting.value.save_as(tmp_path / f"scene.{kind}")
+        saved.append(tmp_path / f"scene.{kind}")
+    mesh = meshio.read(saved[0])
+    states = [expected.state[name] for name in ("left", "right")]
+    for name in ("displacement", "velocity"):
+        rows = np.concatenate([getattr(state, name) for state in states])
+        assert np.array_equal(mesh.point_data[name], rows)
+    assert [block.type for block in mesh.cells] == ["hexahedron20", "hexahedron"]
+    assert np.array_equal(
+        np.concatenate(mesh.cell_data["stress"]), np.concatenate([s.stress for s in states])
+    )
+    ledger, probe = saved[1].read_text(encoding="utf-8").split("\n\n")
+    last = dict(
+        zip(*(line.split(",") for line in (ledger.splitlines()[0], ledger.splitlines()[-1])))
+    )
+    assert float(last["total"]) == expected.energy["total"][-1]
+    rows = np.loadtxt(probe.splitlines()[2:], delimiter=",")
+    assert probe.startswith('# "at the wall"')
+    history = expected.probes["at the wall"]
+    assert np.array_equal(rows[:, 1:4], history["displacement"])
+    canvas = page.get_by_role("application")
+    canvas.scroll_into_view_if_needed()
+    azimuth = "document.querySelector('.laboratory').laboratory.view.turn.azimuth"
+    before = page.evaluate(azimuth)
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 160, box["y"] + 120, steps=3)
+    page.mouse.up()
+    assert page.evaluate(azimuth) == pytest.approx(before - 60 / 150)
+    address = page.url
+    page.goto("about:blank")
+    page.goto(address)
+    assert area.input_value() == text
 
 
 def test_a_state_that_is_not_allowed_is_not_taken(visit):

@@ -107,6 +107,13 @@ EXPORT(probe_rows) const double *probe_rows(int probe)
   return history.rows;
 }
 
+/* The row of the present state, which a run records only when the next step begins. */
+EXPORT(sample_probes) ct_status sample_probes(void)
+{
+  if (page.probes == NULL) return CT_OK;
+  return ct_probes_sample(page.probes, page.state, &page_error);
+}
+
 EXPORT(step_count) double step_count(void) { return (double)page.step_count; }
 
 EXPORT(step_number) double step_number(void) { return (double)page.state->step; }
@@ -227,4 +234,13 @@ EXPORT(filtered_stress) const double *filtered_stress(int body, int passes)
   ct_filter_free(filter);
   free(u);
   return status == CT_OK ? out : NULL;
+}
+
+/* The elements of these faces, in the same order. */
+EXPORT(skin_owners) const int32_t *skin_owners(int body)
+{
+  const ct_mesh *mesh = page.problem->bodies[body].mesh;
+  int32_t *out = (int32_t *)numbers(ct_mesh_outer_faces(mesh, NULL, NULL));
+  if (out != NULL) ct_mesh_outer_faces(mesh, NULL, out);
+  return out;
 }
