@@ -191,6 +191,26 @@ module libcontact
       type(ct_obstacle_def) :: obstacle
     end function
 
+    function ct_obstacle_def_plane(point, normal) bind(C) result(obstacle)
+      import :: c_double, ct_obstacle_def
+      real(c_double), intent(in) :: point(3), normal(3)
+      type(ct_obstacle_def) :: obstacle
+    end function
+
+    function ct_obstacle_def_sphere(centre, radius) bind(C) result(obstacle)
+      import :: c_double, ct_obstacle_def
+      real(c_double), intent(in) :: centre(3)
+      real(c_double), value :: radius
+      type(ct_obstacle_def) :: obstacle
+    end function
+
+    function ct_obstacle_def_cylinder(centre, axis, radius) bind(C) result(obstacle)
+      import :: c_double, ct_obstacle_def
+      real(c_double), intent(in) :: centre(3), axis(3)
+      real(c_double), value :: radius
+      type(ct_obstacle_def) :: obstacle
+    end function
+
     function ct_contact_add_obstacle(contact, side, obstacle, error) bind(C) result(status)
       import :: c_int, c_int32_t, c_ptr, ct_obstacle_def, ct_error
       type(c_ptr), value :: contact

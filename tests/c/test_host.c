@@ -489,6 +489,12 @@ static void refused_parts(void)
            status == CT_OK ? "" : e.text);
     ct_contact_free(other);
   }
+  const int32_t carrier = 7;
+  wall.carrier = &carrier;
+  tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "body 7") != NULL && strstr(e.text, "carr") != NULL,
+         "a host has no bodies that carry obstacles: %s", e.text);
+  wall.carrier = NULL;
   wall.shape = (ct_obstacle_shape)3;
   tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   wall.shape = CT_OBSTACLE_PLANE;

@@ -113,15 +113,14 @@ static double gap_of(const ct_obstacle_def *o, const double p[3], double n[3])
   return kind->gap(at.radius, at.axis, r, n);
 }
 
-/* eq:obstacle-gap, eq:obstacle-motion. */
+/* eq:obstacle-gap, eq:obstacle-motion; shapes in the words of a scene. */
 static void gaps(void)
 {
   double n[3], p[3] = {3.0, 4.0, 7.0};
-  ct_obstacle_def plane = {COOKIE, .shape = CT_OBSTACLE_PLANE, .point = {0, 0, 1},
-                           .axis = {0, 0, 2}};
-  ct_obstacle_def ball = {COOKIE, .shape = CT_OBSTACLE_SPHERE, .point = {0, 0, 7}, .radius = 2.0};
-  ct_obstacle_def pipe = {COOKIE, .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100},
-                          .axis = {0, 0, -3}, .radius = 6.0};
+  ct_obstacle_def plane = ct_obstacle_def_plane((double[3]){0, 0, 1}, (double[3]){0, 0, 2}),
+                  ball = ct_obstacle_def_sphere((double[3]){0, 0, 7}, 2.0),
+                  pipe =
+                      ct_obstacle_def_cylinder((double[3]){0, 0, 100}, (double[3]){0, 0, -3}, 6.0);
   tap_ok(gap_of(&plane, p, n) == 6.0 && n[2] == 1.0, "plane: height over it");
   p[2] = -1e6;
   tap_ok(gap_of(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0, "plane: a point deep inside is inside");

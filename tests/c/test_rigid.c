@@ -727,6 +727,39 @@ static void obstacles_with_mass(void)
   }
 }
 
+/* What can't carry an obstacle, or be carried, is refused by name. */
+static void carriers_refused(void)
+{
+  hit h = new_carried(CT_OBSTACLE_SPHERE, 0.0, PLAIN);
+  int32_t *faces = integers(4 * 36);
+  static const int32_t BODY[] = {1, -1, 2, 0};
+  ct_obstacle_def good = ct_obstacle_def_sphere((double[3]){0.13, 0.21, 1.001}, 1.0);
+  good.epsilon = 2e5, good.travel_time = 0.01, good.kind = CT_Q4, good.faces = faces;
+  good.face_count = ct_mesh_plane_faces(h.mesh[0], 2, 0.0, faces, NULL), good.carrier = BODY;
+  ct_obstacle_def moving = good, explicit = good, other[3] = {good, good, good};
+  moving.velocity[1] = 0.1, explicit.enforcement = CT_ENFORCE_PENALTY;
+  for (int k = 0; k < 3; k++) other[k].carrier = &BODY[k + 1];
+  const struct {
+    const ct_obstacle_def *def;
+    const char *why;
+  } wrong[] = {{&moving, "leave velocity and travel out"},
+               {&explicit, "explicit penalty"},
+               {&other[0], "no body -1"},
+               {&other[1], "no body 2"},
+               {&other[2], "body block carries it and can't touch it"}};
+  ct_error e;
+  ct_effect *effect = NULL;
+  for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+    const ct_status status = ct_obstacle_create_effect(wrong[i].def, h.problem, &effect, &e);
+    tap_ok(status == CT_ERROR_ARGUMENT && effect == NULL && strstr(e.text, wrong[i].why) != NULL,
+           "%s", e.text);
+  }
+  need(ct_obstacle_create_effect(&good, h.problem, &effect, &e), &e);
+  ct_effect_free(effect);
+  free(faces);
+  close_hit(&h);
+}
+
 /* The same bits in a mirrored scene, with two threads and after a copy of the state. */
 static void carried_images(void)
 {
@@ -868,6 +901,7 @@ int main(void)
   hit_images();
   obstacles_with_mass();
   carried_images();
+  carriers_refused();
   rotations();
   images();
   beside_others();

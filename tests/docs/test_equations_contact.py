@@ -161,7 +161,7 @@ def test_energy_of_the_controlled_law():
 
 @executes("penalty-default", "penalty-factor")
 def test_penalties():
-    close(ct.Contact.penalty(3.0, 0.5), 40 * 3.0 / 0.5)
+    close(ct.Contact.penalty_default(3.0, 0.5), 40 * 3.0 / 0.5)
     close(lib.ct_contact_penalty(4.0, 3.0, 0.5), 4.0 * 3.0 / 0.5)
 
 

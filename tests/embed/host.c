@@ -159,11 +159,12 @@ static void slide(void)
 {
   static const int32_t face[4] = {0, 3, 2, 1};
   static const double start[12] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+  static const double point[3] = {0, 0, 0}, normal[3] = {0, 0, 1};
   double x[12], v[12], f[12], free_mass[12], force[3], motion, memory[400];
   const double dt = 1e-3;
   ct_surface plate;
   ct_contact_options options = ct_contact_options_default();
-  ct_obstacle_def plane = ct_obstacle_def_default();
+  ct_obstacle_def plane = ct_obstacle_def_plane(point, normal);
   ct_contact_prediction p;
   ct_contact_balance balance;
   ct_contact *contact[2] = {NULL, NULL};
@@ -173,7 +174,7 @@ static void slide(void)
   plate.kind = CT_Q4, plate.node_count = 4, plate.face_count = 1;
   plate.faces = face, plate.reference = start;
   options.epsilon = 1.0, options.restitution = plane.restitution = 0.0;
-  plane.axis[2] = 1.0, plane.epsilon = 2e5;
+  plane.epsilon = 2e5;
   for (int k = 0; k < 2; k++)
     bad += ct_contact_create(&plate, NULL, &options, &contact[k], &error) != CT_OK ||
            ct_contact_add_obstacle(contact[k], 0, &plane, &error) != CT_OK ||

@@ -137,6 +137,16 @@ contains
     call ct_contact_free(contact)
   end subroutine
 
+  ! Shapes in the words of a scene: point, normal, centre, radius, axis.
+  subroutine shapes()
+    type(ct_obstacle_def) :: ball, pipe
+    ball = ct_obstacle_def_sphere([1.0_dp, 2.0_dp, 3.0_dp], 4.0_dp)
+    pipe = ct_obstacle_def_cylinder([1.0_dp, 2.0_dp, 3.0_dp], [5.0_dp, 6.0_dp, 7.0_dp], 8.0_dp)
+    call check(ball%shape == CT_OBSTACLE_SPHERE .and. all(ball%point == [1, 2, 3]) .and. ball%radius == 4, "a sphere")
+    call check(pipe%shape == CT_OBSTACLE_CYLINDER .and. all(pipe%point == [1, 2, 3]) .and. all(pipe%axis == [5, 6, 7]) &
+               .and. pipe%radius == 8, "a cylinder")
+  end subroutine
+
   ! A plate of mass 2 slides on a plane: it stops after v**2/(2 mu g), and what friction has dissipated
   ! is 1/2 m v**2; another contact goes on from the memory of the first.
   subroutine slide()
@@ -158,8 +168,7 @@ contains
     options = ct_contact_options_default()
     options%epsilon = 1.0_dp
     options%restitution = 0.0_dp
-    plane = ct_obstacle_def_default()
-    plane%axis(3) = 1.0_dp
+    plane = ct_obstacle_def_plane([0.0_dp, 0.0_dp, 0.0_dp], [0.0_dp, 0.0_dp, 1.0_dp])
     plane%epsilon = 2e5_dp
     plane%restitution = 0.0_dp
     bad = 0
@@ -321,6 +330,7 @@ program host
 
   call compare_layouts()
   call project()
+  call shapes()
   call slide()
   call check(len(ct_version()) >= 5 .and. ct_status_name(CT_OK) == "ok", "names and version: "//ct_version())
 

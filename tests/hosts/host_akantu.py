@@ -60,13 +60,8 @@ def run(beta):
     solid = akantu.SolidMechanicsModel(mesh)
     solid.initFull(_analysis_method=akantu._explicit_lumped_mass)
     solid.assembleMassLumped()
-    X, u, v, a = (
-        mesh.getNodes(),
-        solid.getDisplacement(),
-        solid.getVelocity(),
-        solid.getAcceleration(),
-    )
-    m = solid.getMass()
+    X, u, m = mesh.getNodes(), solid.getDisplacement(), solid.getMass()
+    v, a = solid.getVelocity(), solid.getAcceleration()
     w = np.where(plates.fixed(X), 0.0, 1.0 / m)
 
     def force(displacement):
@@ -86,7 +81,8 @@ def run(beta):
     hit, left = (X[faces, 0] == 0.0).all(axis=1), owners < len(bricks) // 2
     first, second = (ct.Surface("Q4", X, faces[hit & side]) for side in (left, ~left))
     keys = {"travel_time": plates.H / plates.C1, "force_tolerance": plates.TOLERANCE}
-    contact = plates.Timed(first, second, epsilon=beta * plates.YOUNG / plates.H, **keys)
+    epsilon = ct.Contact.penalty(beta, plates.YOUNG, plates.H)
+    contact = plates.Timed(first, second, epsilon=epsilon, **keys)
     # -- end
     for n in range(result.steps):
         # -- glue

@@ -107,7 +107,7 @@ def run_host(plates, beta):
     # -- glue
     first, second = (p.surface() for p in plates)
     keys = {"travel_time": H / C1, "force_tolerance": TOLERANCE}
-    contact = Timed(first, second, epsilon=beta * YOUNG / H, **keys)
+    contact = Timed(first, second, epsilon=ct.Contact.penalty(beta, YOUNG, H), **keys)
     # -- end
     for n in range(result.steps):
         f = [p.force(p.x - p.X) for p in plates]

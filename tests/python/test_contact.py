@@ -11,6 +11,7 @@ from scenes import METRES, box_of
 
 import libcontact as ct
 
+GROUND, BELOW = ({"point": [0, 0, z], "normal": [0, 0, 1]} for z in (0, -2))
 SQUARE = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], float)
 
 
@@ -192,10 +193,11 @@ def test_penalties_and_the_step_that_the_explicit_one_allows():
         rub = ct.Contact(
             *rods.surfaces, epsilon=1 / rods.h, enforcement=enforcement, friction=0.3, tangent=0.2
         )
-        rub.add_obstacle("plane", [0, 0, 0], epsilon=0.5, friction=0.1, tangent=0.8)
+        rub.add_obstacle(GROUND, epsilon=0.5, friction=0.1, tangent=0.8)
         assert rub.stable_step(rods.split(mass)) == pytest.approx(step, rel=1e-12)
-    assert ct.Contact.penalty(3.0, 0.5) == 40 * 3.0 / 0.5
-    assert ct.Contact.penalty(3.0, 0.5, "penalty") == 4 * 3.0 / 0.5
+    assert ct.Contact.penalty(7.0, 3.0, 0.5) == 7 * 3.0 / 0.5
+    assert ct.Contact.penalty_default(3.0, 0.5) == 40 * 3.0 / 0.5
+    assert ct.Contact.penalty_default(3.0, 0.5, "penalty") == 4 * 3.0 / 0.5
 
 
 def test_the_default_law_has_no_limit():
@@ -350,7 +352,9 @@ def test_scikit_fem_as_the_host():
         # The degrees of freedom of a node are consecutive in nodal_dofs.
         inverse.append(np.ascontiguousarray(m[basis.nodal_dofs.T]))
     dt = 0.9 * 2 / np.sqrt(max(half[-1] for half in halves))
-    contact = ct.Contact(*surfaces, epsilon=ct.Contact.penalty(1.346, 0.25), travel_time=0.2)
+    contact = ct.Contact(
+        *surfaces, epsilon=ct.Contact.penalty_default(1.346, 0.25), travel_time=0.2
+    )
     x, totals, momenta = [X[0].copy(), X[1].copy()], [], []
     for n in range(int(6 / dt)):
         forces, energy = [], 0.0
@@ -419,9 +423,9 @@ def test_nonsense_is_refused_by_name(wrong):
         ct.Contact(wrong, epsilon=1.0)
     for modulus, h, name in ((wrong, 1.0, "modulus"), (1.0, wrong, "h")):
         with pytest.raises((TypeError, ValueError), match=f"{name} must"):
-            ct.Contact.penalty(modulus, h)
+            ct.Contact.penalty_default(modulus, h)
     with pytest.raises(ValueError, match="enforcement must be one of"):
-        ct.Contact.penalty(1.0, 1.0, wrong)
+        ct.Contact.penalty_default(1.0, 1.0, wrong)
     contact, zero = ct.Contact(a, epsilon=1.0, travel_time=1.0), np.zeros((4, 3))
     with pytest.raises((TypeError, ValueError), match="dt must"):
         contact.step(wrong, SQUARE, zero, zero)
@@ -431,20 +435,24 @@ def test_nonsense_is_refused_by_name(wrong):
         given = {"x": SQUARE, "velocity": zero, "inverse_mass": zero, name: wrong}
         with pytest.raises((TypeError, ValueError), match=f"{name} must"):
             contact.step(0.1, **given)
-    for name in ("point", "axis", "velocity", "epsilon", "radius", "friction", "history"):
-        given = {"shape": "sphere", "point": [0, 0, -2], "epsilon": 1.0, "radius": 1.0, name: wrong}
-        if name == "history" and wrong is None:
+    ball = {"centre": [0, 0, -2], "radius": 1.0}
+    for name in ("sphere", "velocity", "epsilon", "friction", "history"):
+        given = {"sphere": ball, "epsilon": 1.0, name: wrong}
+        if name in ("history", "sphere") and (wrong is None or wrong == {}):
             continue
-        with pytest.raises((TypeError, ValueError), match=f"{name} must"):
+        with pytest.raises((TypeError, ValueError), match=f"{name} must|{name}: is .* must"):
             contact.add_obstacle(**given)
+    for name in ball:
+        with pytest.raises(ValueError, match=rf"add_obstacle: sphere\.{name}.*: (is|has)"):
+            contact.add_obstacle(sphere=ball | {name: wrong}, epsilon=1.0)
     # No refused part was added.
     with pytest.raises(ValueError, match="friction must be positive and finite, not -1"):
-        contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0, friction=-1.0)
+        contact.add_obstacle(BELOW, epsilon=1.0, friction=-1.0)
     with pytest.raises(ValueError, match="tangent must be positive and finite, not 0"):
-        contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0, friction=0.1, tangent=0.0)
+        contact.add_obstacle(BELOW, epsilon=1.0, friction=0.1, tangent=0.0)
     with pytest.raises(ValueError, match="there is no obstacle 0"):
         contact.reaction(0)
-    assert contact.add_obstacle("plane", [0, 0, -2], epsilon=1.0) == 0
+    assert contact.add_obstacle(BELOW, epsilon=1.0) == 0
 
 
 def test_a_step_needs_the_travel_time_or_restitution_0():
@@ -457,11 +465,29 @@ def test_a_step_needs_the_travel_time_or_restitution_0():
         with pytest.raises(ct.ArgumentError, match="contact: " + need.format(f"{time:g}")):
             step(ct.Contact(a, b, epsilon=1.0, travel_time=time))
     walled = ct.Contact(a, b, epsilon=1.0, travel_time=1.0)
-    walled.add_obstacle("plane", [0, 0, -2], epsilon=1.0, travel_time=0.0)
+    walled.add_obstacle(BELOW, epsilon=1.0, travel_time=0.0)
     with pytest.raises(ct.ArgumentError, match="obstacle: " + need.format(0)):
         step(walled)
     for given in ({"restitution": 0.0}, {"enforcement": "penalty"}, {"travel_time": 0.1}):
         step(ct.Contact(a, b, epsilon=1.0, **given))
+
+
+@pytest.mark.parametrize(
+    "given, why",
+    [
+        ({}, "give one of plane, sphere and cylinder"),
+        ({"plane": BELOW, "sphere": {"centre": [0, 0, -2], "radius": 1.0}}, "give one of plane"),
+        ({"plane": {"point": [0, 0, -2]}}, "plane.normal: is missing"),
+        ({"plane": BELOW | {"normal": [0, 0, 0]}}, "normal"),
+        ({"cylinder": BELOW}, "cylinder"),
+        ({"shape": "plane", "plane": BELOW}, '"shape" is gone; write "plane={...}, sphere='),
+    ],
+)
+def test_an_obstacle_has_the_tables_of_a_scene(given, why):
+    contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0)
+    with pytest.raises((TypeError, ValueError), match=why):
+        contact.add_obstacle(epsilon=1.0, **given)
+    assert contact.add_obstacle(plane=BELOW, epsilon=1.0) == 0
 
 
 def test_an_old_word_answers_what_to_write():
@@ -482,7 +508,7 @@ def test_an_old_word_answers_what_to_write():
 def test_a_plate_that_begins_inside_a_plane(how):
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0, restitution=0.0)
     keys = {"initial_penetration": how, "removal_time": 0.02}
-    wall = contact.add_obstacle("plane", [0, 0, 0.01], epsilon=2e5, **keys)
+    wall = contact.add_obstacle(GROUND | {"point": [0, 0, 0.01]}, epsilon=2e5, **keys)
     with pytest.raises(ValueError, match="there is no obstacle 1"):
         contact.penetration(obstacle=1)
     x, v, free, zero = SQUARE.copy(), np.zeros((4, 3)), np.full((4, 3), 2.0), np.zeros((4, 3))
@@ -510,12 +536,10 @@ def test_a_plate_that_begins_inside_a_plane(how):
         assert contact.penetration(obstacle=wall)["surface"] is None
 
 
-def slider(**plane):
+def slider(**keys):
     """A plate of mass 2 on a plane, under its weight; v along x."""
     contact = ct.Contact(square(SQUARE, [0, 3, 2, 1]), itself=False, epsilon=1.0, restitution=0.0)
-    wall = contact.add_obstacle(
-        "plane", [0, 0, 0], epsilon=2e5, initial_penetration="force", **plane
-    )
+    wall = contact.add_obstacle(GROUND, epsilon=2e5, initial_penetration="force", **keys)
     return contact, wall
 
 
@@ -574,4 +598,4 @@ def test_restart():
     with pytest.raises(ct.Error, match="were not written by ct_contact_save"):
         second.restore(np.full_like(first.save(), np.nan))
     with pytest.raises(ct.ArgumentError, match="before the first step"):
-        second.add_obstacle("plane", [0, 0, 0], epsilon=1.0)
+        second.add_obstacle(GROUND, epsilon=1.0)

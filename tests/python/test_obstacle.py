@@ -111,6 +111,23 @@ def test_hertz(enforcement, lost):
 
 
 @needs_hdf5
+def test_a_scene_and_a_host_take_the_same_tables():
+    """``add_obstacle`` of a scene is its table ``[[obstacle]]``, and a host's takes the same shapes."""
+    data, shapes = changed("bar_on_a_wall"), {"plane": {"point": [0, 0, 0], "normal": [1, 0, 0]}}
+    (wall,) = data.pop("obstacle")
+    built = ct.Scene(units=data["units"])
+    for each in data["material"]:
+        built.add_material(**each)
+    for each in data["body"]:
+        built.add_body(**each)
+    assert built.add_obstacle(**wall).data["obstacle"] == [wall]
+    with pytest.raises(SceneError, match=r"obstacle\[1\].plane.normal: is missing"):
+        built.add_obstacle(surface="bar.x_min", plane={"point": [0, 0, 0]})
+    built.add_obstacle(surface="bar.x_min", **shapes)
+    square = ct.Surface("Q4", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    assert ct.Contact(square, itself=False, epsilon=1.0).add_obstacle(**shapes, epsilon=1.0) == 0
+
+
 def test_restart_carries_friction(tmp_path):
     scene = ct.Scene(changed("block_on_an_incline", output={"every": 50}))
     whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")

@@ -7,16 +7,16 @@ int main(void)
   const double ground[12] = {-3, -3, 0, 3, -3, 0, 3, 3, 0, -3, 3, 0};
   const double no_motion[12] = {0}, X[12] = {0, 0, 0, 0, 1, 0, 1, 1, 0, 1, 0, 0};
   const double inverse_mass[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, dt = 0.01;
+  const double corner[3] = {2, 0, 0}, left[3] = {-1, 0, 0};
   const int32_t face[4] = {0, 1, 2, 3}; /* counter-clockwise from outside: down, and up */
   double x[12], v[12] = {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}, f[12], g[12];
   ct_surface a = {CT_Q4, 4, 1, face, X}, b = {CT_Q4, 4, 1, face, ground};
   ct_contact_options options = ct_contact_options_default();
-  ct_obstacle_def wall = ct_obstacle_def_default();
+  ct_obstacle_def wall = ct_obstacle_def_plane(corner, left); /* x = 2 */
   ct_contact *contact = NULL;
   ct_error e;
   options.epsilon = wall.epsilon = 4000.0;
   options.travel_time = wall.travel_time = 0.14; /* h / c1 of masses 1 and springs 100 */
-  wall.point[0] = 2.0, wall.axis[0] = -1.0;      /* the plane x = 2 */
   int failed = ct_contact_create(&a, &b, &options, &contact, &e) != CT_OK ||
                ct_contact_add_obstacle(contact, 0, &wall, &e) != CT_OK ||
                ct_contact_add_friction(contact, -1, 0.2, 1.0, &e) != CT_OK;

@@ -57,11 +57,11 @@ static ct_contact *open_contact(run *r)
   const uint8_t owned[FACES] = {r->piece == 0, r->piece == 1};
   const ct_pieces pieces = {NULL, sum, largest};
   ct_contact_options options = ct_contact_options_default();
-  ct_obstacle_def wall = ct_obstacle_def_default();
+  const double corner[3] = {2, 0, 0}, left[3] = {-1, 0, 0};
+  ct_obstacle_def wall = ct_obstacle_def_plane(corner, left); /* x = 2 */
   ct_contact *contact = NULL;
   options.epsilon = wall.epsilon = 4000.0;
   options.travel_time = wall.travel_time = 0.14; /* h / c1 of masses 1 and springs 100 */
-  wall.point[0] = 2.0, wall.axis[0] = -1.0;      /* the plane x = 2 */
   r->failed =
       ct_contact_create(&a, &b, &options, &contact, &r->e) != CT_OK ||
       ct_contact_add_obstacle(contact, 0, &wall, &r->e) != CT_OK ||

@@ -23,7 +23,9 @@ from .bridge import (
     positive,
     real,
 )
+from .effects.obstacle import Obstacle
 from .errors import SceneWarning, came_in_late, held, issue, renamed
+from .schema import Place
 from .search import Surface
 
 __all__ = ["Balance", "Contact"]
@@ -108,6 +110,16 @@ def exchanged(function: Callable[[Floats], None]) -> Any:
     return ffi.callback("int(void *, double *, int64_t)", answer)
 
 
+def shape_of(given: dict[str, Any]) -> tuple[str, Any]:
+    """The name of the one shape that is given, and its table, checked as in a scene."""
+    there = [name for name, table in given.items() if table is not None]
+    if len(there) != 1:
+        example = 'plane={"point": [0, 0, 0], "normal": [0, 0, 1]}'
+        raise TypeError(f"add_obstacle: give one of plane, sphere and cylinder, such as {example}")
+    kind = Obstacle.keys()[there[0]].metadata["kind"]
+    return there[0], kind.read(given[there[0]], Place(there[0], "add_obstacle"))
+
+
 class Contact:
     """Contact of two surfaces, or of one with itself, and with rigid obstacles, in a host's own
     time loop: one call per step.
@@ -125,7 +137,7 @@ class Contact:
         The other surface. Without it the first one is in contact with itself, or with
         ``itself=False`` only with obstacles.
     epsilon : float
-        Penalty [stress / length]; see :meth:`penalty`.
+        Penalty [stress / length]; see :meth:`penalty` and :meth:`penalty_default`.
     enforcement : {"energy_controlled", "penalty"}
         Law by which forces follow from gaps.
     dissipation : float
@@ -248,8 +260,30 @@ class Contact:
         self._add_friction(-1, *self._rubbing(friction, tangent))
 
     @staticmethod
-    def penalty(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:
-        """Default penalty of an enforcement.
+    def penalty(beta: float, young: float, h: float) -> float:
+        """Penalty β E / h, :eq:`penalty-factor`, as a scene has it by its key ``beta``.
+
+        Parameters
+        ----------
+        beta : float
+            The factor.
+        young : float
+            The smaller Young's modulus of the two materials [stress].
+        h : float
+            The shortest edge of their elements [length].
+
+        Returns
+        -------
+        float
+            ε [stress / length].
+        """
+        given = {"beta": beta, "young": young, "h": h}
+        sizes = (positive(name, finite(name, size)) for name, size in given.items())
+        return float(lib.ct_contact_penalty(*sizes))
+
+    @staticmethod
+    def penalty_default(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:
+        """Default penalty of an enforcement, as a scene has it without ``beta`` and ``epsilon``.
 
         Parameters
         ----------
@@ -276,14 +310,14 @@ class Contact:
         )
         return float(lib.ct_contact_penalty_default(number, *sizes))
 
+    @renamed(shape="plane={...}, sphere={...} or cylinder={...}")
     def add_obstacle(
         self,
-        shape: str,
-        point: Any,
+        plane: Any = None,
+        sphere: Any = None,
+        cylinder: Any = None,
         *,
         epsilon: float,
-        axis: Any = (0.0, 0.0, 1.0),
-        radius: float = 0.0,
         velocity: Any = (0.0, 0.0, 0.0),
         travel: Any = (0.0, 0.0, 0.0),
         history: tuple[Any, Any] | None = None,
@@ -302,17 +336,12 @@ class Contact:
 
         Parameters
         ----------
-        shape : {"plane", "sphere", "cylinder"}
-            Its shape.
-        point : array_like, shape (3,)
-            A point of the plane, the centre of the sphere, a point of the cylinder's axis, in the first step [length].
+        plane, sphere, cylinder : dict
+            One of the three, with the keys that it has in a scene: ``plane={"point": p, "normal": n}``,
+            ``sphere={"centre": c, "radius": r}``, ``cylinder={"centre": c, "radius": r, "axis": a}`` in the first
+            step [length]. The normal points out of the obstacle.
         epsilon : float
             Penalty [stress / length].
-        axis : array_like, shape (3,)
-            Normal of the plane, which points out of the obstacle, or direction of the cylinder's
-            axis.
-        radius : float
-            Radius of sphere or cylinder [length].
         velocity : array_like, shape (3,)
             Its constant velocity [length / time].
         travel : array_like, shape (3,)
@@ -349,16 +378,16 @@ class Contact:
             An argument is invalid, or a step was already taken.
         """
         definition = ffi.new("ct_obstacle_def *", lib.ct_obstacle_def_default())
-        definition.shape = chosen("shape", shape, names("ct_obstacle_shape"))
+        name, shape = shape_of({"plane": plane, "sphere": sphere, "cylinder": cylinder})
+        definition.shape, definition.radius = names("ct_obstacle_shape")[name], shape.radius
         definition.enforcement = chosen("enforcement", self._enforcement, names("ct_enforcement"))
         definition.points = chosen("points", points, names("ct_contact_rule"))
         definition.initial_penetration = _initial(initial_penetration)
-        vectors = {"point": point, "axis": axis, "velocity": velocity, "travel": travel}
-        for name, values in vectors.items():
+        definition.point, definition.axis = shape.point, shape.axis
+        for name, values in {"velocity": velocity, "travel": travel}.items():
             setattr(definition, name, real(name, values, (3,)).tolist())
         for name, value in {
             "epsilon": epsilon,
-            "radius": radius,
             "dissipation": dissipation,
             "restitution": self._restitution if restitution is None else restitution,
             "travel_time": self._travel_time if travel_time is None else travel_time,

@@ -19,6 +19,7 @@ import tomli_w
 from . import html
 from .bridge import index
 from .checks.warned import during, known
+from .effects.obstacle import Obstacle
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
 from .loop import Loop, record_count, schedule
@@ -285,6 +286,7 @@ class Scene:
     add_body = _adding("add_body", Body)
     add_contact = _adding_pair("add_contact", Contact, ContactKeys)
     add_support = _adding("add_support", Support)
+    add_obstacle = _adding("add_obstacle", Obstacle)
     add_probe = _adding("add_probe", Probe)
     set_time = _adding("set_time", Time)
     set_output = _adding("set_output", Output)

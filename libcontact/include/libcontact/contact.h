@@ -320,22 +320,15 @@ typedef struct ct_obstacle_def {
   double epsilon;
   /** Law by which forces follow from gaps. */
   ct_enforcement enforcement;
-  /** Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
-   * penalty. With 0, energy is conserved while contact lasts. */
-  double dissipation;
-  /** Restitution and travel time h / c₁, as in ct_contact_options. */
-  double restitution, travel_time;
+  /** Damping ratio, restitution and travel time h / c₁, as in ct_contact_options. */
+  double dissipation, restitution, travel_time;
   /** Positions of the points on the faces; default: Gauss points. */
   ct_contact_rule points;
   /** Treatment of points that penetrate at the start; default CT_INITIAL_KEEP. */
   ct_initial initial_penetration;
-  /** Time in which CT_INITIAL_REMOVE separates surface and obstacle [time], > 0. */
-  double removal_time;
-  /**
-   * Distance within which gaps and overlaps at the start count as touching [length], >= 0,
-   * :eq:`initial-adjust`. Default 0: no gap is closed.
-   */
-  double adjust;
+  /** Time of CT_INITIAL_REMOVE, and the distance that counts as touching, as in
+   * ct_contact_options. */
+  double removal_time, adjust;
   /** Constant velocity [length / time]. */
   double velocity[3];
   /** Displacement that the amplitude multiplies [length]; zero without an amplitude. */
@@ -359,6 +352,17 @@ typedef struct ct_obstacle_def {
 /** A plane at rest with the energy-controlled penalty, dissipation 0.15, restitution 1 and
  * CT_INITIAL_KEEP; the caller must set the other members, also ``travel_time``. */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
+
+/** The same with a plane through `point` [length] and its `normal`, which points out of the
+ * obstacle; the words of a scene's plane. */
+CT_API ct_obstacle_def ct_obstacle_def_plane(const double point[3], const double normal[3]);
+
+/** The same with a sphere [length]. */
+CT_API ct_obstacle_def ct_obstacle_def_sphere(const double centre[3], double radius);
+
+/** The same with a cylinder [length], whose `axis` passes through `centre`. */
+CT_API ct_obstacle_def ct_obstacle_def_cylinder(const double centre[3], const double axis[3],
+                                                double radius);
 
 /**
  * Add an obstacle for all faces of surface `side` (0 or 1) of a host's contact; `ct_contact_step`

@@ -415,6 +415,32 @@ ct_obstacle_def ct_obstacle_def_default(void)
                            .initial_penetration = CT_INITIAL_KEEP};
 }
 
+static ct_obstacle_def shaped(ct_obstacle_shape shape, const double point[3], const double *axis,
+                              double radius)
+{
+  ct_obstacle_def def = ct_obstacle_def_default();
+  def.shape = shape, def.radius = radius;
+  memcpy(def.point, point, sizeof def.point);
+  if (axis != NULL) memcpy(def.axis, axis, sizeof def.axis);
+  return def;
+}
+
+ct_obstacle_def ct_obstacle_def_plane(const double point[3], const double normal[3])
+{
+  return shaped(CT_OBSTACLE_PLANE, point, normal, 0.0);
+}
+
+ct_obstacle_def ct_obstacle_def_sphere(const double centre[3], double radius)
+{
+  return shaped(CT_OBSTACLE_SPHERE, centre, NULL, radius);
+}
+
+ct_obstacle_def ct_obstacle_def_cylinder(const double centre[3], const double axis[3],
+                                         double radius)
+{
+  return shaped(CT_OBSTACLE_CYLINDER, centre, axis, radius);
+}
+
 /* Let nodes of a rigid body carry the obstacle: they follow in the list of the surface's nodes. */
 static ct_status carry(ct_obstacle *data, const ct_surface *surface, const int32_t *nodes,
                        ct_error *error)
