@@ -63,6 +63,14 @@ def test_a_program_of_c_has_the_same_bits_on_each_number_of_processes():
     assert len(hashes) == 1 and "contact" in hashes.pop()
 
 
+def test_a_mesh_too_small_for_metis_is_cut_by_coordinates(capfd):
+    cells = {f"body[{i}].box.cells": [3, 1, 2] for i in range(2)}
+    problem = ct.Scene.load(PLATES, cells)._built(None)
+    owners = owners_of(problem, 3, "metis")
+    assert np.array_equal(owners, owners_of(problem, 3, "coordinates"))
+    assert capfd.readouterr().out == ""
+
+
 HOST = f"""add_executable(host {ROOT}/tests/mpi/pieces.c)
 target_link_libraries(host PRIVATE libcontact::mpi libcontact::core)
 """

@@ -25,6 +25,8 @@ from .problem import Problem
 
 # Cost of the contact points of a face in element forces, from the price list of contact.
 FACE_WEIGHT = 12
+# Fewest elements per piece for METIS.
+FEW_ELEMENTS = 8
 # Where launchers of MPI say how many processes there are.
 SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "MPI_LOCALNRANKS", "PMIX_SIZE")
 T = TypeVar("T")
@@ -89,22 +91,22 @@ def metis(problem: Problem, count: int) -> Ints:
 
 def owners_of(problem: Problem, count: int, partition: Any) -> Ints:
     """The piece of each element of all bodies, one body after another, as ``partition`` says: "metis",
-    "coordinates", an array, or None for the best that is installed."""
+    "coordinates", an array, or None for the best that is installed. METIS does not cut a small mesh, which is cut
+    by coordinates."""
     has_metis = importlib.util.find_spec("pymetis") is not None
+    wanted = sum(len(body.mesh.elements) for body in problem.bodies.values())
     if partition is None:
         partition = "metis" if has_metis else "coordinates"
-    if isinstance(partition, str) and partition == "coordinates":
-        return bisect(problem, count)
-    if isinstance(partition, str) and partition == "metis":
-        if not has_metis:
-            raise NotBuiltIn(f'partition = "metis" needs pymetis: {install("mpi")}')
-        return metis(problem, count)
     if isinstance(partition, str):
-        raise ValueError(
-            f'there is no partition "{partition}"; it is "metis", "coordinates" or an array'
-        )
+        if partition not in ("metis", "coordinates"):
+            raise ValueError(
+                f'there is no partition "{partition}"; it is "metis", "coordinates" or an array'
+            )
+        if partition == "metis" and not has_metis:
+            raise NotBuiltIn(f'partition = "metis" needs pymetis: {install("mpi")}')
+        small = wanted < FEW_ELEMENTS * count
+        return (bisect if small or partition == "coordinates" else metis)(problem, count)
     owners = np.ascontiguousarray(partition, np.int32)
-    wanted = sum(len(body.mesh.elements) for body in problem.bodies.values())
     if owners.shape != (wanted,):
         raise ValueError(f"the partition has shape {owners.shape}, and there are {wanted} elements")
     return owners
