@@ -152,6 +152,12 @@ def equal(one, other):
     return all(map(np.array_equal, content(one), content(other)))
 
 
+def test_what_one_process_computes_is_refused_on_several_once():
+    done = launched(3, sys.executable, "-m", "libcontact", "plan", PLATES, "--error", "1%")
+    assert done.returncode == 2
+    assert done.stderr.count("only run computes on several processes") == 1
+
+
 @pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def test_a_run_continues_on_another_number_of_processes(scene, tmp_path):
     whole, half, rest = (tmp_path / name for name in ("whole.vtkhdf", "half.vtkhdf", "rest.vtkhdf"))

@@ -78,6 +78,14 @@ def _command(arguments: Sequence[str] | None) -> int:
         options = _parser().parse_args(arguments)
     except SystemExit as end:
         return int(end.code or 0)
+    if options.command is not _run_all:
+        from .pieces import launched
+
+        processes, number = launched()
+        if processes > 1 and number > 0:
+            return BAD_INPUT
+        if processes > 1:
+            raise BadInput("only run computes on several processes; start this without mpirun")
     return int(options.command(options))
 
 

@@ -27,14 +27,21 @@ from .problem import Problem
 FACE_WEIGHT = 12
 # Fewest elements per piece for METIS.
 FEW_ELEMENTS = 8
-# Where launchers of MPI say how many processes there are.
+# Where launchers of MPI say how many processes there are, and which one this is.
 SIZES = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "MPI_LOCALNRANKS", "PMIX_SIZE")
+RANKS = ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "MPI_LOCALRANKID", "PMIX_RANK")
 T = TypeVar("T")
+
+
+def launched() -> tuple[int, int]:
+    """Number of processes that a launcher of MPI has started, and that of this one; 1 and 0 without one."""
+    size, rank = (max(int(os.environ.get(name, "0")) for name in names) for names in (SIZES, RANKS))
+    return max(size, 1), rank
 
 
 def world() -> Any:
     """The communicator of a program that MPI has started on several processes; None on one."""
-    if all(int(os.environ.get(name, "1")) <= 1 for name in SIZES):
+    if launched()[0] <= 1:
         return None
     try:
         from mpi4py import MPI
