@@ -159,6 +159,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"/\d\d_",
     "within_subsection_order": "FileNameSortKey",
     "plot_gallery": RUN_TUTORIALS,
+    "image_scrapers": ("figuredata",),  # with the data of each picture
     "abort_on_example_error": True,
     # Nothing on a page is of the machine that built it, or of Python: no times, no "<matplotlib.lines.Line2D object at
     # 0x...>".

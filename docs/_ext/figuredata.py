@@ -1,4 +1,4 @@
-"""The data of a picture as a table (CSV), for the link that ``drawn.py`` sets below it.
+"""The data of a picture as a table (CSV), for the link that ``drawn.py`` sets below it, and for those of tutorials.
 
 A row per point: the panel (from 1), the curve (its label, or kind and number), x, y, and the value that a colour shows.
 The corners of a bar and of a filled area and the points of a line of equal height have a row each, a cell of an image
@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -77,3 +80,22 @@ def table(figure: Figure) -> str:
         [("panel", "curve", "x", "y", "value"), *((*row, "")[:5] for row in rows)]
     )
     return text.getvalue() if rows else ""
+
+
+def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
+    """The pictures of a tutorial, with links to their data."""
+    from matplotlib import pyplot
+    from sphinx_gallery.scrapers import matplotlib_scraper
+
+    tables = [table(pyplot.figure(number)) for number in pyplot.get_fignums()]
+    text = matplotlib_scraper(block, block_vars, gallery_conf)
+    for name, data in zip(re.findall(r"image-sg:: (\S+)\.png", text), tables):
+        if data:
+            Path(gallery_conf["src_dir"], f"{name[1:]}.csv").write_text(data, encoding="utf-8")
+            text += f"\n:download:`data of the picture (CSV) <{name}.csv>`\n"
+    return text
+
+
+def _get_sg_image_scraper() -> Callable[..., str]:
+    """For the gallery, which takes the name of this module."""
+    return scrape

@@ -76,6 +76,30 @@ def test_the_data_of_a_picture():
     assert turned.tolist() == [[c, r, 3 * r + c] for r in range(2) for c in range(3)]
 
 
+def test_pictures_of_tutorials_have_their_data(tmp_path):
+    scrapers = pytest.importorskip("sphinx_gallery.scrapers")
+    from figuredata import _get_sg_image_scraper
+    from matplotlib import pyplot
+
+    images = tmp_path / "tutorials" / "images"
+    images.mkdir(parents=True)
+    for values in ([1, 2], [3, 4.5]):
+        pyplot.figure().subplots().plot(values, label="own")
+    where = scrapers.ImagePathIterator(str(images / "picture_{0:03}.png"))
+    conf = {
+        "src_dir": str(tmp_path),
+        "image_srcset": [],
+        "compress_images": (),
+        "matplotlib_animations": (False, None),
+    }
+    text = _get_sg_image_scraper()(None, {"image_path_iterator": where}, conf)
+    for number, last in ((1, "1,own,1,2,"), (2, "1,own,1,4.5,")):
+        name = f"tutorials/images/picture_00{number}.csv"
+        assert f"<{'/' + name}>" in text
+        assert (tmp_path / name).read_text().splitlines()[-1] == last
+    assert pyplot.get_fignums() == []
+
+
 MOVING = re.findall(
     r"^\.\. drawn:: (\S+) .*\n(?:   .*\n)*?   :animation: (\w+)$",
     "".join(page.read_text() for page in PAGES),
