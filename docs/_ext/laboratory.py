@@ -12,7 +12,7 @@ from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import directives
-from drawn import svg
+from drawn import call, svg
 from sphinx.util.docutils import SphinxDirective
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,8 +32,7 @@ class Laboratory(SphinxDirective):
         self.env.metadata[self.env.docname]["laboratory"] = "yes"
         caption = self.parse_content_to_nodes()
         try:
-            drawing = svg(PICTURES, name, self.options["alt"])
-            drawing = drawing[drawing.index("<svg") :]
+            drawing = svg(call(PICTURES, name), f"laboratory-{name}", self.options["alt"])
         except ImportError as error:
             drawing = f"<p>(This book was built without the Python package: {error}.)</p>"
         here = built(self.config.laboratory_folder)
@@ -50,6 +49,18 @@ class Laboratory(SphinxDirective):
 
 def built(folder: str) -> bool:
     return (Path(folder) / "laboratory.js").exists()
+
+
+def link(role, rawtext, text, lineno, inliner, options=None, content=None):
+    """``:laboratory:`words <bar:law=penalty&beta=10>```: a laboratory with its state set."""
+    words, _, place = " ".join(text.rstrip(">").split()).rpartition(" <")
+    name = place.partition(":")[0]
+    env = inliner.document.settings.env
+    if not built(env.config.laboratory_folder):
+        return [nodes.inline(rawtext, words)], []
+    up = "../" * env.docname.count("/")
+    address = f"{up}{TARGET}/{name}.html#{place}"
+    return [nodes.reference(rawtext, words, refuri=address)], []
 
 
 def copy(app) -> None:
@@ -69,6 +80,7 @@ def add_scripts(app, page, template, context, tree) -> None:
 def setup(app):
     app.add_config_value("laboratory_folder", str(ROOT / "build" / "page" / "html"), "env")
     app.add_directive("laboratory", Laboratory)
+    app.add_role("laboratory", link)
     app.connect("builder-inited", copy)
     app.connect("html-page-context", add_scripts)
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

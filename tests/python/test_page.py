@@ -207,7 +207,11 @@ def test_wrong_scenes_have_the_key_the_reason_and_the_line_of_python(tmp_path):
         expected.append({"key": error.key, "reason": error.reason, "line": error.line})
         tasks.append({"task": "check", "text": text})
     found = ask("simd", *tasks)
-    differ = [(change, here, there) for change, here, there in zip(WRONG, found, expected) if here != there]
+    differ = [
+        (change, here, there)
+        for change, here, there in zip(WRONG, found, expected)
+        if here != there
+    ]
     assert not differ
 
 
