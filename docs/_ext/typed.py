@@ -1,10 +1,10 @@
-"""Numbers that are typed: a percentage or a ratio in a sentence, or a decimal in a cell of a table, that no role computes.
+"""Numbers that are typed: percentages and ratios in sentences, decimals in tables, that no role computes.
 
-A *measured* number, the result of a run, comes from ``measured.json`` (``measured.py``). What a page may type is listed
-in ``typed.toml``: for each page the numbers that are ``given`` (data of a scene, a limit, a value of the literature, a
-step of a derivation), and results that are still ``open``. A number that the list does not have is a warning, so with
-``-W`` the build fails; so is one of the list that the page no longer has. The sections "How we know that it is right"
-state tolerances of tests and are not read.
+A *measured* number, the result of a run, comes from ``measured.json`` (``measured.py``). What a page may type is
+listed in ``typed.toml``: for each page the numbers that are ``given`` (data of a scene, a limit, a value of the
+literature, a step of a derivation), and results that are still ``open``. A number that the list does not have is a
+warning, so with ``-W`` the build fails; so is one of the list that the page no longer has. The sections "How we know
+that it is right" state tolerances of tests and are not read.
 """
 
 from __future__ import annotations
