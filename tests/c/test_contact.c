@@ -92,6 +92,68 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   close_pair(contact, &a, &b);
 }
 
+/* Force of a point: half of ε w J_ref times the way to the closest point, where it is inside. */
+static void force_of_point(const ct_contact_point *p, double F[3])
+{
+  for (int c = 0; c < 3; c++) {
+    F[c] = 0.0;
+    if (p->gap < 0.0) F[c] = 0.5 * EPSILON * p->weight * (p->closest[c] - p->position[c]);
+  }
+}
+
+/* Add N_a F to the nodes of the face on which the point lies, at xi. */
+static void spread_force(const double F[3], const ct_surface *s, int face, const double xi[2],
+                         double *f)
+{
+  const int per = ct_face_node_count(s->kind);
+  double N[8];
+  ct_segment_shape(s->kind, xi, N);
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++) f[3 * s->faces[face * per + a] + c] += N[a] * F[c];
+}
+
+/* The same, point by point and in this order, as the fast form of the library: it sums at many
+ * points at once and in any order. (eq:contact-force) */
+static void plain_form(ct_face_kind ka, ct_face_kind kb)
+{
+  patch a, b;
+  warped_pair(ka, kb, &a, &b);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  const ct_surface *surface[2] = {&a.surface, &b.surface};
+  double *found[2], *plain[2], top = 0.0, off = 0.0;
+  for (int s = 0; s < 2; s++) {
+    found[s] = numbers(3 * surface[s]->node_count);
+    plain[s] = numbers(3 * surface[s]->node_count);
+  }
+  update(contact, &a, &b);
+  forces(contact, &a, &b, found[0], found[1]);
+  const int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(count, sizeof *point);
+  ct_contact_points(contact, point, NULL);
+  for (int64_t i = 0; i < count; i++) {
+    const ct_contact_point *p = &point[i];
+    const int own = p->side, other = 1 - own;
+    ct_rule rule;
+    double F[3], against[3];
+    if (p->other < 0) continue;
+    ct_rule_face(surface[own]->kind, &rule, NULL);
+    force_of_point(p, F);
+    for (int c = 0; c < 3; c++) against[c] = -F[c];
+    spread_force(F, surface[own], p->face, rule.xi[p->point], plain[own]);
+    spread_force(against, surface[other], p->other, p->xi, plain[other]);
+  }
+  for (int s = 0; s < 2; s++)
+    for (int i = 0; i < 3 * surface[s]->node_count; i++) {
+      top = worst(top, plain[s][i]);
+      off = worst(off, found[s][i] - plain[s][i]);
+    }
+  tap_ok(top > 0.0 && off < 1e-13 * top, "%s on %s: the plain form of the forces, off by %.2g",
+         KIND[kb], KIND[ka], off / top);
+  for (int s = 0; s < 2; s++) free_all(found[s], plain[s]);
+  free(point);
+  close_pair(contact, &a, &b);
+}
+
 /* Forces of the pass of b on nodes of the flat patch a, n x n cells over 1 by 0.75: half of
  * pressure times weight times shape function, summed over the Gauss points of b. The cell of a
  * point follows from its coordinates. */
@@ -1024,6 +1086,7 @@ int main(void)
   static const int pair[7][2] = {{CT_Q4, CT_Q4}, {CT_Q8, CT_Q8}, {CT_T3, CT_T3}, {CT_T6, CT_T6},
                                  {CT_Q4, CT_T6}, {CT_Q8, CT_T3}, {CT_Q8, CT_Q4}};
   for (int i = 0; i < 7; i++) force_is_gradient((ct_face_kind)pair[i][0], (ct_face_kind)pair[i][1]);
+  for (int i = 0; i < 7; i++) plain_form((ct_face_kind)pair[i][0], (ct_face_kind)pair[i][1]);
   for (int k = 0; k < 4; k++) flat_overlap((ct_face_kind)k, (ct_face_kind)k, 3, 3);
   flat_overlap(CT_Q4, CT_Q4, 2, 3);
   flat_overlap(CT_Q4, CT_Q4, 4, 5);

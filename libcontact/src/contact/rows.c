@@ -131,19 +131,25 @@ double ct_side_take_rows(ct_side *side)
   return top;
 }
 
+/* Force of a point with the explicit penalty: k d where it is inside. With a start gap it is
+ * counted from there, along the normal. */
+static void penalize(ct_point *p)
+{
+  const double *n = p->row.normal, k = p->row.stiffness;
+  const int inside = p->other >= 0 && p->row.gap < 0.0, counted = p->shift != 0.0;
+  for (int c = 0; c < 3; c++) {
+    p->force[c] = 0.0;
+    // -- F = k d (eq:contact-force, eq:obstacle-force)
+    if (inside && !counted) p->force[c] = k * p->d[c];
+    if (inside && counted && !isnan(n[0])) p->force[c] = -k * p->row.gap * n[c];
+  }
+}
+
 double ct_side_apply_penalty(ct_side *side)
 {
   double top = 0.0;
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    const double *n = p->row.normal, k = p->row.stiffness;
-    int inside = p->other >= 0 && p->row.gap < 0.0,
-        counted = inside && p->shift != 0.0 && !isnan(n[0]);
-    // -- Force of the point, k d where it is inside
-    for (int c = 0; c < 3; c++)
-      p->force[c] = counted ? -k * p->row.gap * n[c]
-                    // (eq:contact-force, eq:obstacle-force)
-                    : inside && p->shift == 0.0 ? k * p->d[c]
-                                                : 0.0;
+    penalize(p);
     top = larger(top, p->force);
   }
   return top;
