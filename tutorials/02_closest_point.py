@@ -9,7 +9,8 @@ and place a point under the arch. Each method of :doc:`/theory/projection` finds
 or another one, or none. Then we measure how much one more digit costs, and find a limit of all
 methods that compare values.
 
-Each claim on this page is followed by an ``assert``, so the program fails where a claim is wrong.
+The program computes for about 5 s of one core. Each claim is followed by an ``assert``, so it
+fails where a claim is wrong.
 """
 
 # %%
@@ -42,6 +43,12 @@ square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], 
 s, t = square[:, 0] + 0.35 * square[:, 1], square[:, 1] + 0.1 * square.prod(axis=1)
 nodes = np.column_stack([np.sin(s), t, np.cos(s) + 0.15 * square.prod(axis=1)])
 point = np.array([0.1, 0.1, -0.1])
+ax = plt.figure(figsize=(5, 4)).add_subplot(projection="3d")
+ax.plot(*nodes[[0, 4, 1, 5, 2, 6, 3, 7, 0]].T, "o-", lw=1)
+ax.plot(*point, "*", ms=12, color="tab:red")
+
+# %%
+# The nodes of the face, and the point.
 
 
 def face(x, y):
@@ -272,14 +279,31 @@ print(f"distance by the simplex and by robust differ by {off:.0e}")
 assert off < 1e-14
 
 # %%
-# Change this, expect that
-# ------------------------
+# Predict, then unfold
+# --------------------
+# Write down each prediction before you unfold the answer; the lines below run the changes.
+#
 # 1. Move the point to the middle, ``[0, 0.1, -0.1]``. Both valleys are now almost equally deep.
-#    Expect that the simplex fails from a third of the starts, that ``robust`` fails from a few, and
-#    that ``certified`` finds the closest point from each.
-# 2. Move it above the arch, ``[0.1, 0.1, 1.5]``. Expect no failure: there is only one valley.
-# 3. Move it to the side, ``[0.3, 0.1, -0.1]``. The closest point is now on an edge. Expect that all
-#    methods without constraints leave the face; ``robust`` and ``certified`` find the edge.
+#    From how many of the starts do ``simplex``, ``robust`` and ``certified`` fail?
+#
+#    .. answer::
+#
+#       The simplex fails from a third of the starts, ``robust`` from a few, and ``certified`` finds
+#       the closest point from each.
+#
+# 2. Move it above the arch, ``[0.1, 0.1, 1.5]``. How many starts fail now?
+#
+#    .. answer::
+#
+#       None: there is only one valley.
+#
+# 3. Move it to the side, ``[0.3, 0.1, -0.1]``. Where is the closest point, and which methods find
+#    it?
+#
+#    .. answer::
+#
+#       It is on an edge. All methods without constraints leave the face; ``robust`` and
+#       ``certified`` find the edge.
 
 x, y = np.meshgrid(*2 * [np.linspace(-1, 1, 31)])
 starts = np.stack([x, y], axis=-1).reshape(-1, 2)

@@ -16,11 +16,13 @@
 The kinds are ``hand``, ``program`` (with the library or a program of one's own) and ``error`` (find the error in
 ``exercises/programs``, a file with the name of the exercise); the grades 1 to 3. A chapter includes its file of
 ``exercises`` at its end. The test of an answer stands beside that file and has the name of the exercise; see
-``exercises/conftest.py``. With ``-D student=1`` (``make docs STUDENT=1``) answers are not read at all, so they are in
-no file of the book.
+``exercises/conftest.py``. Tutorials have answers, too, which are folded in their notebooks. With ``-D student=1``
+(``make docs STUDENT=1``) answers are not read at all, so they are in no file of the book.
 """
 
 from __future__ import annotations
+
+import re
 
 from docutils import nodes
 from docutils.parsers.rst import directives
@@ -86,8 +88,30 @@ def depart(translator, node: exercise) -> None:
     translator.body.append("</div>\n")
 
 
+def folded(text: str, student: bool = False) -> str:
+    """Text of a tutorial for a notebook: the answers folded, or left out."""
+    block = re.compile(r"^( *)\.\. answer::\n\n((?:\1 +\S.*\n?|[ \t]*\n)+)", re.M)
+    shown = r"\1<details><summary>Answer</summary>\n\n\2\n\1</details>\n\n"
+    return block.sub("" if student else shown, text)
+
+
+def fold_in_notebooks(app) -> None:
+    """The gallery writes the notebooks of the tutorials from their texts, in which it knows no answers."""
+    if "sphinx_gallery.gen_gallery" in app.extensions:
+        from sphinx_gallery import notebook
+
+        convert = getattr(notebook.rst2md, "plain", notebook.rst2md)
+
+        def rst2md(text, *options):
+            return convert(folded(text, app.config.student), *options)
+
+        rst2md.plain = convert  # type: ignore[attr-defined]
+        notebook.rst2md = rst2md
+
+
 def setup(app):
     app.setup_extension("sphinx_design")
+    app.connect("builder-inited", fold_in_notebooks, priority=100)
     app.add_config_value("student", False, "env", bool)
     app.add_enumerable_node(
         exercise, "exercise", title_getter=lambda node: node["about"], html=(visit, depart)

@@ -41,6 +41,7 @@ CHAPTERS = {
         *DOCS.glob("week/*.rst"),
         *DOCS.glob("theory/*.rst"),
         *DOCS.glob("stability/*.rst"),
+        DOCS / "start" / "prerequisites.rst",
     ]
     for file in count_book.included(DOCS, page.read_text(encoding="utf-8"))
     for label in count_book.exercises(file.read_text(encoding="utf-8"))

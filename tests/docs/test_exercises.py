@@ -54,6 +54,16 @@ def test_each_file_belongs_to_one_chapter():
     assert programs <= set(labels)
 
 
+def test_answers_of_tutorials_are_folded_in_notebooks():
+    from exercises import folded
+
+    text = "1. How?\n\n   .. answer::\n\n      So,\n      and so.\n\n2. Why?\n\n   .. answer::\n\n      For this.\n"
+    shown = folded(text)
+    assert shown.count("<details><summary>Answer</summary>\n\n      So,\n      and so.") == 1
+    assert shown.count("</details>") == 2 and ".. answer" not in shown and "2. Why?" in shown
+    assert folded(text, student=True).split() == "1. How? 2. Why?".split()
+
+
 PAGE = """
 Book
 ====

@@ -98,11 +98,21 @@ def test_at_most_a_fifth_draws(script):
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
 def test_each_sends_the_reader_on(script):
-    """The last section names two or three changes and their results; the program has tried each."""
-    section = script.read_text().partition("# Change this, expect that\n")[2]
+    """The last section asks for two or three predictions, each with a folded answer; the program has tried each."""
+    section = script.read_text().partition("# Predict, then unfold\n")[2]
     text, code = re.split(r"^(?!#)", section, maxsplit=1, flags=re.M)
-    assert 2 <= len(re.findall(r"^# \d\. ", text, re.M)) <= 3
+    asked = len(re.findall(r"^# \d\. .*\?", text.replace("\n#    ", " "), re.M))
+    assert 2 <= asked <= 3 and text.count("#    .. answer::") == asked
     assert code.count("assert ") >= 2
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda s: s.stem)
+def test_each_draws_within_twenty_lines_and_tells_its_time(script):
+    head, code = script.read_text().split('"""', 2)[1:]
+    lines = [line for line in code.splitlines() if line and not line.startswith("#")]
+    first = [i for i, line in enumerate(lines, 1) if re.search(r"\bplt\.|\.plot\(", line)]
+    assert first and first[0] <= 20
+    assert re.search(r"about \d+ s of one core", " ".join(head.split()))
 
 
 @pytest.mark.skipif("LIBCONTACT_DOWNLOADS" not in os.environ, reason="minutes; needs the book")

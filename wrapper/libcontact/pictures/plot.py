@@ -7,16 +7,13 @@ Functions that draw into axes of matplotlib; they shorten the programs of the tu
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import exact
 from ..state import BodyState
-
-if TYPE_CHECKING:
-    from ..planning.plan import Cost
 
 Array = npt.NDArray[np.float64]
 # Colour, line and name of each kind of wave front.
@@ -164,44 +161,6 @@ def draw_bar_in_time(
     t = np.broadcast_to(borders[:, None], x.shape)
     look = {"cmap": "RdBu_r", "vmin": -limit, "vmax": limit, "rasterized": True}
     return axes.pcolormesh(*((t, x) if upright else (x, t)), values, **look)
-
-
-def draw_costs(axes: Any, plans: Mapping[str, Sequence[Cost]], notes: Sequence[str] = ()) -> None:
-    """
-    Draw a pair of bars for each plan: above what was measured, below, pale, what was predicted.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    plans : dict
-        The costs of each run, ``{name: scene.costs(run)}``.
-    notes : sequence of str
-        A text beside each pair.
-    """
-    parts = list(dict.fromkeys(cost.name for plan in plans.values() for cost in plan))
-    seen: set[str] = set()
-    longest = 0.0
-    for row, plan in enumerate(plans.values()):
-        ends = []
-        for kind, shift, alpha in (("measured", -0.2, 1.0), ("predicted", 0.2, 0.45)):
-            start = 0.0
-            for cost in plan:
-                width = 1e3 * (getattr(cost, kind) or 0.0)
-                look = {"height": 0.38, "color": f"C{parts.index(cost.name)}", "alpha": alpha}
-                label = None if cost.name in seen or kind == "predicted" else cost.name
-                axes.barh(row + shift, width, left=start, label=label, **look)
-                seen.add(cost.name)
-                start += width
-            ends.append(start)
-        longest = max(longest, *ends)
-        if notes:
-            axes.text(max(ends), row, f"  {notes[row]}", va="center", fontsize=9)
-    axes.set_yticks(range(len(plans)), list(plans))
-    axes.invert_yaxis()
-    axes.set(xlim=(0, 1.9 * longest), xlabel="time of the run [ms]")
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
 def draw_map(
