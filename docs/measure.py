@@ -125,6 +125,14 @@ def ball() -> Numbers:
     }
 
 
+@measurement
+def wall() -> Numbers:
+    """The largest speed of the mass after the impact on a plain penalty, with steps of 1.5/ω, from 200 starts."""
+    program: dict[str, Any] = {}
+    exec(compile((DOCS / "week" / "wall.py").read_text(), "wall.py", "exec"), program)
+    return {"fastest": program["rebound"](1.5).max()}
+
+
 # -- Laboratory and zoo ----------------------------------------------------------------------------
 
 

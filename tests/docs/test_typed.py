@@ -18,7 +18,7 @@ PAGES = {
     if not {"tutorials", "exercises", "_code"} & set(path.parts)
 }
 # Results of runs that pages still type. The number may only shrink.
-MOST_OPEN = 208
+MOST_OPEN = 194
 
 
 def test_pages_type_what_the_list_has():
