@@ -1,7 +1,7 @@
 /* The instruction sets of the machine, as gcc's and clang's runtime store them for the selection of
  * kernels (lanes.h). Only for a compiler whose runtime does not look, and always tells the oldest
  * machine: that of zig (0.17). */
-#if defined(CT_OWN_CPU_MODEL) && defined(__x86_64__)
+#if defined(CT_OWN_RUNTIME) && defined(__x86_64__)
 #include <cpuid.h>
 
 /* The layout that the compilers fixed: bits of `features` by the order of their own list. */

@@ -200,7 +200,7 @@ ct_status ct_search_nearest(const ct_search *search, size_t count, const double 
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
 #ifdef _OPENMP
   int threads = ct_threads_for(own.threads, blocks, 1);
-#pragma omp parallel for num_threads(threads) schedule(dynamic) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static, 1) if (threads > 1)
 #endif
   for (int64_t b = 0; b < blocks; b++) {
     size_t first = (size_t)b * BLOCK, last = first + BLOCK < count ? first + BLOCK : count;

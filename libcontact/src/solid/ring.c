@@ -71,11 +71,12 @@ static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_
                                                               CT_LEAST_OF_MESH);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static, 1) \
-    reduction(& : fits) if (threads > 1)
+    reduction(&& : fits) if (threads > 1)
 #endif
   for (int share = 0; share < threads; share++)
-    fits &= enter_nodes(mesh, ring, ct_share(count, share, threads),
-                        ct_share(count, share + 1, threads), twin, around);
+    fits = enter_nodes(mesh, ring, ct_share(count, share, threads),
+                       ct_share(count, share + 1, threads), twin, around) &&
+           fits;
   return fits;
 }
 
