@@ -124,7 +124,7 @@ $(BUILD)/obj/hdf5/%.o $(BUILD)/asan/hdf5/%.o: EXTRA = $(HDF5_FLAGS)
 $(BUILD)/obj/%.o: libcontact/src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  cc $<"
-	$(Q)$(CC) $(OPT) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(OPT) $(CORE_FLAGS) $(EXTRA) $(SMALL) -MMD -MP -c $< -o $@
 
 $(BUILD)/lib/libcontact.a: $(CORE_OBJECTS)
 $(BUILD)/lib/libcontact-gsl.a: $(call object,$(BUILD)/obj,$(GSL_SOURCES))
@@ -258,26 +258,34 @@ _accuracy: $(VENV)/.wrapper
 	MPLBACKEND=Agg $(VENV)/bin/python accuracy/run.py $(BUILD)/accuracy $(ACCURACY)
 	@echo "written: $(BUILD)/accuracy/"
 
-# The library for other machines, by the clang of the Python index (its runtime leaves the look at the processor to us), and the wheels made
+# The library for other machines, by the clang of the Python index, of whose runtime nothing comes along (CT_OWN_RUNTIME), and the wheels made
 # of it. WHEELS and CROSS name some of the targets.
 CROSS_TARGETS := linux-x86_64=x86_64-linux-gnu.2.17 linux-aarch64=aarch64-linux-gnu.2.17 musl-x86_64=x86_64-linux-musl musl-aarch64=aarch64-linux-musl \
   windows-x86_64=x86_64-windows-gnu macos-x86_64=x86_64-macos.11.0 macos-arm64=aarch64-macos.11.0 wasm32=wasm32-wasi wasm32-simd=wasm32-wasi
 cross_target = $(patsubst $(1)=%,%,$(filter $(1)=%,$(CROSS_TARGETS)))
 WHEELS ?= linux-x86_64 linux-aarch64 musl-x86_64 musl-aarch64 windows-x86_64 macos-x86_64 macos-arm64
 CROSS ?= linux-x86_64 musl-x86_64 musl-aarch64 windows-x86_64 wasm32 wasm32-simd
-# What unwinds a stack for C++ is of no use in a wheel.
-CROSS_OPT = -O3 -fno-asynchronous-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
+# What unwinds a stack for C++ is of no use in a wheel. What runs once a run or for output is compiled for size, and of contact's loops
+# only the products gain if they are unrolled.
+CROSS_OPT = -O3 -g0 -fno-asynchronous-unwind-tables -fno-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
+FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(addprefix solid/,below blocks bound element stress) \
+  $(addprefix projection/,nelder_mead simplex simplex_newton bfgs broyden steepest_descent sphere torus certified least_squares) step/probe step/piece
+NOT_UNROLLED := contact/% gap/% constraint/matrix constraint/tangent_matrix
+FOR_WHEELS = $(if $(findstring -DCT_OWN_RUNTIME,$(CFLAGS)),$(1))
+$(FOR_SIZE:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-Os)
+$(NOT_UNROLLED:%=$(BUILD)/obj/%.o): SMALL = $(call FOR_WHEELS,-fno-unroll-loops)
 ZIG := $(abspath $(VENV))/bin/python -m ziglang
 $(BUILD)/cross/%: FORCE $(VENV)/.cross
 	@mkdir -p $@
 	+@$(MAKE) --no-print-directory archives BUILD=$@ CC="$(ZIG) cc -target $(call cross_target,$*)" AR="$(ZIG) ar" OPT="$(call CROSS_OPT,$*)" \
-	  WITHOUT="gsl hdf5 openmp" CFLAGS=-DCT_OWN_CPU_MODEL
-_wheels: $(WHEELS:%=$(BUILD)/cross/%) $(VENV)/.run
-	$(VENV)/bin/python tools/build_wheels.py $(BUILD)/cross $(BUILD)/wheels $(foreach w,$(WHEELS),$w=$(call cross_target,$w))
+	  WITHOUT="gsl hdf5" OPENMP=$(if $(filter wasm%,$*),,-fopenmp) CFLAGS=-DCT_OWN_RUNTIME
+_wheels: $(WHEELS:%=$(BUILD)/cross/%) $(ARCHIVES) $(VENV)/.run
+	$(VENV)/bin/python tools/build_wheels.py $(BUILD) $(foreach w,$(WHEELS),$w=$(call cross_target,$w))
+	$(VENV)/bin/python tools/try_wheels.py $(BUILD) "$(CC) $(OPENMP)" $(foreach w,$(WHEELS),$w=$(call cross_target,$w))
 
 # The same runs by all compilers and machines that can run here: their bits, their speed.
 _check-cross: $(CROSS:%=$(BUILD)/cross/%) $(ARCHIVES)
-	$(VENV)/bin/python tools/check_cross.py $(BUILD) "$(CC)" $(foreach c,$(CROSS),$c=$(call cross_target,$c))
+	$(VENV)/bin/python tools/check_cross.py $(BUILD) "$(CC) $(OPENMP)" $(foreach c,$(CROSS),$c=$(call cross_target,$c))
 
 _wheel: $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel

@@ -1,7 +1,7 @@
 """Wheels for other machines, with the cross compiler of the Python index (``ziglang``).
 
 ``make wheels`` calls it with the folder in which make has built the library, and with names of targets and what the
-compiler calls them: ``build_wheels.py build/cross build/wheels linux-x86_64=x86_64-linux-gnu.2.17 ...``. The package is
+compiler calls them: ``build_wheels.py build linux-x86_64=x86_64-linux-gnu.2.17 ...``. The package is
 the same in all wheels but for its one extension, which uses Python's limited interface (abi3), so that one wheel serves
 all versions of Python.
 """
@@ -16,6 +16,8 @@ import sys
 import sysconfig
 from pathlib import Path
 from typing import NamedTuple
+
+import ziglang
 
 ROOT = Path(__file__).resolve().parents[1]
 PYTHON = (3, 10)
@@ -81,8 +83,10 @@ def build_extension(
         "-std=gnu99",
         "-ffp-contract=off",
         "-w",
-        "-Os",
+        "-Oz",
+        "-g0",
         "-fno-asynchronous-unwind-tables",
+        "-fno-unwind-tables",
         "-fPIC",
         "-fvisibility=hidden",
         "-fno-sanitize=all",
@@ -94,8 +98,29 @@ def build_extension(
     if target.extension.endswith(".pyd"):
         libraries.append(python_library(work, core))
     extension = work / target.extension
-    zig(*compiler, *target.link, "-s", core, *libraries, "-lm", "-o", extension)
+    # -Os: what the linker adds of the compiler's runtime is of its small build, too.
+    link = ("-Os", "-s", core, *libraries, "-lm", "-lpthread")
+    zig(*compiler, *target.link, *link, "-o", extension)
     return extension
+
+
+def add_licences(name: str, info: Path) -> None:
+    """The texts of what the compiler links inside: of its own runtime and, on Windows, of the C library's."""
+    here = Path(ziglang.__file__).parent
+    texts = {"zig": (here / "LICENSE").read_text()}
+    if "windows" in name:
+        libc = here / "lib/libc"
+        texts |= {"mingw-w64": (libc / "mingw/COPYING").read_text()}
+        texts |= {"musl": (libc / "musl/COPYRIGHT").read_text()}
+        threads = (libc / "mingw/winpthreads/thread.c").read_text()
+        texts |= {"winpthreads": threads[threads.index("/*") + 2 : threads.index("*/")]}
+    metadata = (info / "METADATA").read_text()
+    for part, text in texts.items():
+        (info / f"licenses/LICENSE.{part}").write_text(text)
+        metadata = metadata.replace(
+            "License-File: ", f"License-File: LICENSE.{part}\nLicense-File: ", 1
+        )
+    (info / "METADATA").write_text(metadata)
 
 
 def pack(name: str, package: Path, extension: Path, work: Path, out: Path) -> Path:
@@ -107,9 +132,13 @@ def pack(name: str, package: Path, extension: Path, work: Path, out: Path) -> Pa
     (info,) = tree.glob("*.dist-info")
     python = "cp" + "".join(map(str, PYTHON))
     tags = "".join(f"Tag: {python}-abi3-{tag}\n" for tag in TARGETS[name].tag.split("."))
+    add_licences(name, info)
     (info / "WHEEL").write_text(
         f"Wheel-Version: 1.0\nGenerator: libcontact\nRoot-Is-Purelib: false\n{tags}"
     )
+    said = run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", work)
+    for old in out.glob(f"*{TARGETS[name].tag.split('.')[0]}*.whl"):
+        old.unlink()
     said = run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", out)
     return out / re.search(r"(libcontact-\S+\.whl)", said)[1]
 
@@ -139,17 +168,17 @@ def write_source(work: Path) -> Path:
     return source
 
 
-def main(cross: str, out: str, *targets: str) -> None:
-    wheels, work = Path(out).resolve(), Path(cross).resolve()
-    wheels.mkdir(parents=True, exist_ok=True)
+def main(build: str, *targets: str) -> None:
+    wheels, work = Path(build).resolve() / "wheels", Path(build).resolve() / "cross"
+    wheels.mkdir(exist_ok=True)
     os.environ["SOURCE_DATE_EPOCH"] = "1577836800"  # the same bytes each time
     package, source, headers = package_tree(work), write_source(work), python_headers(work)
     for name, triple in (each.split("=") for each in targets):
         extension = build_extension(name, triple, source, headers, work, work / name / "wheel")
         wheel = pack(name, package, extension, work / name / "wheel", wheels)
-        size = wheel.stat().st_size
-        over = f"  more than {LARGEST / 1e6} MB" if size > LARGEST else ""
-        print(f"{name:15} {size / 1e6:.2f} MB  {wheel.name}{over}")
+        if wheel.stat().st_size > LARGEST:
+            sys.exit(f"{wheel.name} has {wheel.stat().st_size} bytes, more than {LARGEST}")
+        print(f"written: {wheel}")
 
 
 if __name__ == "__main__":

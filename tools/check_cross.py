@@ -1,27 +1,35 @@
 """One table: the runs of ``tests/cross/cross.c`` by each compiler and machine, bits, speed and size.
 
-``check_cross.py build "cc" linux-x86_64=x86_64-linux-gnu.2.17 ...``, after make has built the library for each target
-in ``build/cross``. The first line, of the machine's own compiler, is what the others are compared with; other bits end
-the command with 1. A target whose emulator is not here is named and left out.
+``check_cross.py build "cc -fopenmp" linux-x86_64=x86_64-linux-gnu.2.17 ...``, after make has built the library for each
+target in ``build/cross``. The first line, of the machine's own compiler, is what the others are compared with; other
+bits, with one thread or two, end the command with 1. A target whose emulator is not here is named and left out. TABLE
+names a file that gets the table, too.
 """
 
 from __future__ import annotations
 
+import csv
+import os
+import re
 import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "tests/cross/cross.c"
 REPEATS = 5
+HEAD = ("target", "compiler", "run by", "bits", "M updates/s", "share", "contact s", "share", "kB")
 # What runs the programs of a machine that is not this one.
 WASM = """
 import sys, wasmtime as w
 engine = w.Engine()
 linker, store, wasi = w.Linker(engine), w.Store(engine), w.WasiConfig()
 wasi.inherit_stdout()
+wasi.argv = sys.argv[1:]
 linker.define_wasi()
 store.set_wasi(wasi)
 instance = linker.instantiate(store, w.Module.from_file(engine, sys.argv[1]))
@@ -30,58 +38,100 @@ try:
 except w.ExitTrap as end:
     sys.exit(end.code)
 """
-RUNNERS = {"aarch64": ["qemu-aarch64"], "windows": ["wine"], "wasm32": [sys.executable, "-c", WASM]}
+RUNNERS = {
+    "aarch64-linux": ("QEMU", ["qemu-aarch64"]),
+    "windows": ("Wine", ["wine"]),
+    "wasm32": ("Wasmtime", [sys.executable, "-c", WASM]),
+    "macos": ("", ["no emulator of macOS"]),
+}
 
 
-def build(compiler: list[str], flags: list[str], library: Path, program: Path) -> Path:
-    command = [*compiler, "-std=c99", "-O2", "-s", "-Ilibcontact/include", *flags]
-    command += [str(SOURCE), str(library), "-lm", "-o", str(program)]
+class Target(NamedTuple):
+    compiler: list[str]
+    library: Path
+    flags: list[str] = ["-lpthread"]
+    emulator: str = ""
+    runner: list[str] = []
+
+    def runs(self) -> bool:
+        return not self.runner or shutil.which(self.runner[0]) is not None
+
+
+def target_of(name: str, triple: str, cross: Path) -> Target:
+    emulator, runner = next((r for part, r in RUNNERS.items() if part in triple), ("", []))
+    wasm = ["-D_WASI_EMULATED_PROCESS_CLOCKS", "-lwasi-emulated-process-clocks"]
+    return Target(
+        [sys.executable, "-m", "ziglang", "cc", "-target", triple],
+        cross / name / "lib/libcontact.a",
+        wasm if "wasm" in name else ["-lpthread"],
+        emulator,
+        runner,
+    )
+
+
+def version(compiler: list[str]) -> str:
+    """The compiler and its version."""
+    words = [word for word in compiler if not word.startswith("-f")]
+    said = subprocess.run([*words, "--version"], capture_output=True, text=True).stdout
+    number = re.search(r"\d+\.\d+", said)
+    return f"{'clang' if 'clang' in said else 'gcc'} {number[0] if number else '?'}"
+
+
+def build(target: Target, program: Path) -> Path:
+    command = [*target.compiler, "-std=c99", "-O2", "-s", "-Ilibcontact/include", str(SOURCE)]
+    command += [str(target.library), "-lm", *target.flags, "-o", str(program)]
     program.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run(command, cwd=ROOT, check=True)
     return program
 
 
-def run(runner: list[str], program: Path) -> dict[str, str]:
-    """Hashes by name, and the best speed of some runs."""
-    found: dict[str, str] = {}
-    for _ in range(REPEATS):
-        said = subprocess.run([*runner, str(program)], capture_output=True, text=True, check=True)
-        lines = dict(line.split() for line in said.stdout.splitlines())
-        lines["speed"] = str(max(float(lines["speed"]), float(found.get("speed", 0))))
-        lines["seconds"] = str(min(float(lines["seconds"]), float(found.get("seconds", 1e300))))
-        found = lines
-    return found
+def run(target: Target, program: Path, *arguments: str) -> tuple[dict[str, str], float, float]:
+    """Hashes by name, element updates in a second, and the seconds of contact."""
+    command = [*target.runner, str(program), *arguments]
+    said = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = dict(line.split() for line in said.stdout.splitlines())
+    return found, float(found.pop("speed")), float(found.pop("seconds"))
+
+
+def write(head: Iterable[str], rows: list[tuple[str, ...]]) -> None:
+    """Print a table, and write the file that TABLE names."""
+    lines = [tuple(head), *rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        print("  ".join(word.ljust(w) for word, w in zip(line, widths, strict=True)).rstrip())
+    if os.environ.get("TABLE"):
+        with open(os.environ["TABLE"], "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(lines)
 
 
 def main(build_folder: str, compiler: str, *targets: str) -> int:
     folder = Path(build_folder).resolve()
-    programs = {"native": (shlex.split(compiler), ["-fopenmp"], folder / "lib/libcontact.a", [])}
+    cross = folder / "cross"
+    programs: dict[str, Path] = {}
+    all_of = {"native": Target(shlex.split(compiler), folder / "lib/libcontact.a")}
     for name, triple in (each.split("=") for each in targets):
-        zig = [sys.executable, "-m", "ziglang", "cc", "-target", triple]
-        flags = []
-        if "wasm" in name:
-            flags = ["-D_WASI_EMULATED_PROCESS_CLOCKS", "-lwasi-emulated-process-clocks"]
-        runner = next((words for part, words in RUNNERS.items() if part in triple), [])
-        programs[name] = (zig, flags, folder / "cross" / name / "lib/libcontact.a", runner)
-    first, faults = None, 0
-    print(
-        f"{'target':16}{'bits':8}{'M updates/s':>12}{'share':>7}{'contact s':>11}{'share':>7}{'kB':>7}"
-    )
-    for name, (words, flags, library, runner) in programs.items():
-        program = build(words, flags, library, folder / "cross" / f"cross-{name}.exe")
-        if runner and runner[0] != sys.executable and shutil.which(runner[0]) is None:
-            print(f"{name:16}not run: no {runner[0]}")
+        all_of[name] = target_of(name, triple, cross)
+    rows = []
+    for name, target in all_of.items():
+        programs[name] = build(target, cross / f"cross-{name}.exe")
+        words = (name, version(target.compiler), target.emulator)
+        if not target.runs():
+            rows.append((*words, "not run", *5 * ("",)))
             continue
-        found = run(runner, program)
-        speed, seconds = float(found.pop("speed")), float(found.pop("seconds"))
-        first = first or (found, speed, seconds)
-        equal = found == first[0]
-        faults += not equal
-        print(
-            f"{name:16}{'equal' if equal else 'DIFFER':8}{speed / 1e6:12.1f}{speed / first[1]:7.2f}"
-            f"{seconds:11.3f}{seconds / first[2]:7.2f}{program.stat().st_size / 1e3:7.0f}"
-        )
-    return faults > 0
+        # In turn with the first one, as other programs share the machine.
+        pairs = [
+            (run(all_of["native"], programs["native"]), run(target, programs[name]))
+            for _ in range(REPEATS)
+        ]
+        speeds = [max(pair[i][1] for pair in pairs) for i in (0, 1)]
+        seconds = [min(pair[i][2] for pair in pairs) for i in (0, 1)]
+        hashes = [pair[1][0] for pair in pairs] + [run(target, programs[name], "60", "2")[0]]
+        bits = "equal" if all(one == pairs[0][0][0] for one in hashes) else "DIFFER"
+        numbers = (f"{speeds[1] / 1e6:.1f}", f"{speeds[1] / speeds[0]:.2f}")
+        numbers += (f"{seconds[1]:.3f}", f"{seconds[1] / seconds[0]:.2f}")
+        rows.append((*words, bits, *numbers, f"{programs[name].stat().st_size / 1e3:.0f}"))
+    write(HEAD, rows)
+    return any("DIFFER" in line for line in rows)
 
 
 if __name__ == "__main__":

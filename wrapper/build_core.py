@@ -20,7 +20,7 @@ ADDON_HEADERS = {"gsl": "libcontact/series.h", "hdf5": "libcontact/output.h"}
 FLAGS = [
     "-O3",
     "-std=c99",
-    "-D_POSIX_C_SOURCE=200112L",
+    *([] if sys.platform == "darwin" else ["-D_POSIX_C_SOURCE=200112L"]),  # hides functions there
     "-ffp-contract=off",
     "-fno-math-errno",
     "-fvisibility=hidden",

@@ -98,6 +98,13 @@ CT_INLINE void ct_turn(const double *const from[4], double *const to[4])
 #define CT_CLONES
 #endif
 
+/* A kernel that runs for output only: in wheels, which have to be small, once and for size. */
+#if defined(CT_OWN_RUNTIME)
+#define CT_CLONES_RARE __attribute__((minsize))
+#else
+#define CT_CLONES_RARE CT_CLONES
+#endif
+
 /* A loop whose choices run in lanes: the compiler may compute both sides of each. No result depends
  * on it; all kernels compiled so would be slower (gcc 12). */
 #if defined(__GNUC__) && !defined(__clang__)

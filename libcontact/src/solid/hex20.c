@@ -205,7 +205,7 @@ void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int3
   }
 }
 
-CT_CLONES
+CT_CLONES_RARE
 void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch,
                                    const double *displacement, double energies[8])
 {

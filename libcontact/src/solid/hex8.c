@@ -149,7 +149,7 @@ void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32
   }
 }
 
-CT_CLONES
+CT_CLONES_RARE
 void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
                                   const double *displacement, double energies[8])
 {

@@ -103,7 +103,7 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
   }
 }
 
-CT_CLONES
+CT_CLONES_RARE
 void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement,
                                double strain[8], double hourglass[8])
 {

@@ -26,7 +26,7 @@ CT_INLINE void gradients(int per, const double (*dN)[3], ct_lanes *x, ct_lanes *
 
 /* The elements of a batch from `lane` on: their gradients and determinants, and Hooke's stress
  * (eq:hooke). */
-CT_CLONES
+CT_CLONES_RARE
 static void stress_lanes(const ct_mesh *mesh, int32_t batch, int lane, const double (*dN)[3],
                          const double lame[2], const double *displacement, ct_lanes *det,
                          ct_lanes G[3][3], ct_lanes stress[6])
