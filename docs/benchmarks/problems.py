@@ -611,6 +611,80 @@ def crushed_ring() -> Numbers:
     return found
 
 
+# -- Rings in impact -------------------------------------------------------------------------------
+
+RING_THICKNESS = 0.1  # over the radius of its axis
+
+
+def ring_modes(count: int, shear: float) -> tuple[Any, Any]:
+    """Frequencies and radial amplitudes at the point of contact, of unit modal mass, of the plane vibrations of a
+    Timoshenko ring (E = ρ = r = 1, ν = 0, width 1) with up to ``count`` waves around."""
+    h, found = RING_THICKNESS, []
+    for n in range(count + 1):
+        # Of the radial, tangential and angular amplitudes: stretch of the axis, shear and change of curvature.
+        rows = np.array([[1, n, 0], [-n, -1, 1], [0, 0, n]]) * [[1], [n > 0], [1]]
+        stiffness = rows.T @ np.diag([h, 0.5 * shear * h, h**3 / 12]) @ rows
+        root = np.sqrt((math.pi if n else 2 * math.pi) * np.array([h, h, h**3 / 12]))
+        square, modes = np.linalg.eigh(
+            stiffness * (math.pi if n else 2 * math.pi) / np.outer(root, root)
+        )
+        omega = np.sqrt(np.maximum(square, 0.0))
+        omega[0] *= n != 1  # the ring moves as a rigid body
+        found += [(w, a) for w, a in zip(omega, modes[0] / root[0]) if n or abs(a) * root[0] > 0.5]
+    return tuple(np.array(found).T)
+
+
+def rings_exact(count: int, dt: float, shear: float = 5 / 6) -> tuple[Any, Any]:
+    """Time and velocity of the centre of a ring that comes with 1 and meets a rigid plane at one point. In each step
+    the force is constant; it is 0 or such that the point ends the step at the plane."""
+    omega, a = ring_modes(count, shear)
+    rigid, some = omega == 0, np.where(omega == 0, 1.0, omega)
+    cosine, sine = np.cos(omega * dt), np.where(rigid, dt, np.sin(omega * dt) / some)
+    shift = np.where(rigid, 0.5 * dt**2, (1 - cosine) / some**2) * a
+    q, v = np.zeros_like(a), rigid / a
+    time = dt * np.arange(int(RINGS_END / dt))
+    speed = np.empty(len(time))
+    for i in range(len(time)):
+        speed[i] = v[rigid][0] * a[rigid][0]
+        q, v = cosine * q + sine * v, cosine * v - omega**2 * sine * q
+        force = max(0.0, a @ q / (a @ shift))
+        q, v = q - shift * force, v - sine * a * force
+    return time, speed
+
+
+RINGS_END = 80.0
+
+
+def rings(element: str, layers: int, around: int) -> tuple[Any, Any, float]:
+    """Two rings: time and velocity of the centre of the left one over that of the impact, and the cost."""
+    data = load("rings")
+    for body in data["body"]:
+        body |= {"element": element}
+        body["ring"] |= {"cells": [layers, around, 1], "width": 2 * math.pi / around}
+    run = done(data)
+    p = run.body_momentum("left")
+    return p["time"], p["p"][:, 0] / p["p"][0, 0], updates(run)
+
+
+RINGS = {"48": ("hex20", 1, 48), "96": ("hex20", 1, 96), "hex8": ("hex8", 4, 192)}
+
+
+def rings_in_impact() -> Numbers:
+    """Restitution by modes and by three meshes, and the mean difference of the velocity from that of the modes."""
+    found = {}
+    for count in (40, 80, 160):
+        time, speed = rings_exact(count, 0.005)
+        found[f"modes_{count}"] = -speed[-1]
+    for name, shear in (("stiffer", 1.0), ("softer", 0.7)):
+        found[name] = -rings_exact(160, 0.005, shear)[1][-1]
+    for name, case in RINGS.items():
+        t, v, cost = rings(*case)
+        found[f"restitution_{name}"] = -v[-1]
+        found[f"apart_{name}"] = float(np.abs(v - np.interp(t, time, speed)).mean())
+        found[f"cost_{name}"] = cost
+    return found
+
+
 def shells_exact(young: float, nu: float, stress: float) -> tuple[float, float]:
     """Pressure and radial displacement at the interface of the scene's shells, by Lamé's solution. The inner one would
     expand by the strain stress/3K."""
@@ -698,7 +772,8 @@ CASES: dict[str, Callable[[], Numbers]] = {
     "crushed_ring": crushed_ring,
     "nested_shells": nested_shells,
     "discs": discs,
+    "rings_in_impact": rings_in_impact,
 }
 CASES |= {name: lambda n=name, e=exact: rods_of(n, e) for name, exact in RODS.items()}
 # Computed by ``make measured`` alone.
-SLOW = {"hertz_small", "oblique_small"}
+SLOW = {"hertz_small", "oblique_small", "rings_in_impact"}

@@ -113,6 +113,13 @@ LIMITS |= {
         ("hex20_16_displacement", 0, 0.003, "curved faces"),
         ("hex20_16_pressure", 0, 0.04, "the recovered pressure of meshes that do not match"),
     ],
+    "rings_in_impact": [
+        ("modes_160", FILE["rings_in_impact"]["modes_40"], 0.01, "the series has settled"),
+        ("restitution_48", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
+        ("restitution_96", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
+        ("restitution_hex8", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
+        ("apart_96", 0, 0.02, "shifts of single contacts"),
+    ],
     "discs": [
         ("large_4", -81, 0.02, "release waves from the rims"),
         ("small_4", 0, 2, "2 % of the speed of the impact, as the large disc"),
@@ -157,6 +164,22 @@ def test_a_ring_that_is_hardly_crushed_is_linear():
     assert 1e-6 / small == pytest.approx(math.pi / 4 - 2 / math.pi, rel=1e-5)
     root = math.gamma(0.75) * math.sqrt(math.pi) / math.gamma(1.25) / 2
     assert problems.crushed_exact(1.2) == pytest.approx((2 * root / 1.2) ** 2, rel=1e-9)
+
+
+def test_modes_of_a_ring():
+    """Radial breathing ω = c/r; the bending of a thin ring, n² (n² − 1)²/(n² + 1) EI/(ρA r⁴), but for shear and the
+    turning of sections, of the order n² h²/r²; a rigid motion of the whole mass. The plane only slows the ring."""
+    omega, a = problems.ring_modes(3, 5 / 6)
+    assert np.sort(omega)[0] == 0 and (omega == 0).sum() == 1
+    assert 1 / a[omega == 0][0] ** 2 == pytest.approx(2 * math.pi * problems.RING_THICKNESS)
+    assert np.abs(omega - 1.0).min() < 1e-9
+    inertia = problems.RING_THICKNESS**2 / 12
+    for n in (2, 3):
+        thin = math.sqrt(n**2 * (n**2 - 1) ** 2 / (n**2 + 1) * inertia)
+        assert np.abs(omega / thin - 1).min() < 3 * n**2 * inertia
+    time, speed = problems.rings_exact(40, 0.02)
+    assert speed[0] == pytest.approx(1.0) and np.diff(speed).max() < 1e-12
+    assert problems.rings_exact(20, 0.02)[1][-1] == pytest.approx(speed[-1], abs=0.02)
 
 
 def test_shells_of_lame():
