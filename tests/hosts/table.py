@@ -3,7 +3,6 @@
 import csv
 import importlib
 import re
-import shutil
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -22,6 +21,14 @@ HEAD = [
     "Rise of energy",
     "Energy at the end",
     "Time of the contact",
+]
+
+HEAD_CALCULIX = [
+    "Step over :math:`h/c_1`",
+    "Stress of CalculiX",
+    "Stress of the scene",
+    "Displacement of the left plate over that of the scene",
+    "of the right plate",
 ]
 
 
@@ -46,9 +53,9 @@ def rows(host):
         yield [name, glue(host), *numbers, f"{100 * result.share:.0f} %"]
 
 
-def beside_calculix(beta=4.0):
+def beside_calculix(courant, beta=4.0):
     """The stress behind the front of CalculiX and of the scene, and the ratio of their mean displacements."""
-    one = calculix.run(beta)
+    one = calculix.run(beta, courant)
     other = plates.run_scene(plates.Result(plates.PLATEAU / 40), beta)[0]
     stresses = [plates.stress(X[1], u[1]) for X, u in (one, other)]
     return *stresses, *(
@@ -56,18 +63,21 @@ def beside_calculix(beta=4.0):
     )
 
 
+def write(path, table):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows(table)
+
+
 if __name__ == "__main__":
-    table = [HEAD]
+    hosts, calculix_rows = [HEAD], [HEAD_CALCULIX]
     for host in HOSTS:
         for row in rows(host):
             print(*row, sep=" | ", flush=True)
-            table.append(row)
-    if shutil.which("ccx"):
-        print(
-            "CalculiX | stress {:.4f}, scene {:.4f} | displacements {:.4f} {:.4f}".format(
-                *beside_calculix()
-            )
-        )
+            hosts.append(row)
+    for courant in (0.25, 0.5):
+        numbers = [f"{number:.4f}" for number in beside_calculix(courant)]
+        print("CalculiX", courant, *numbers, sep=" | ", flush=True)
+        calculix_rows.append([courant, *numbers])
     if "--book" in sys.argv:
-        with open(BOOK, "w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows(table)
+        write(BOOK, hosts)
+        write(BOOK.with_name("hosts_calculix.csv"), calculix_rows)

@@ -311,8 +311,7 @@ typedef struct ct_obstacle_def {
   /** A point of the plane, the centre of the sphere, a point of the cylinder's axis, at t = 0
    * [length]. */
   double point[3];
-  /** Normal of the plane, which points out of the obstacle, or direction of the cylinder's axis; of
-   * any length except 0; not read for a sphere. */
+  /** Normal of the plane, out of the obstacle, or direction of the cylinder's axis; not 0. */
   double axis[3];
   /** Radius of sphere or cylinder [length], > 0; not read for a plane. */
   double radius;
@@ -353,8 +352,7 @@ typedef struct ct_obstacle_def {
  * CT_INITIAL_KEEP; the caller must set the other members, also ``travel_time``. */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
-/** The same with a plane through `point` [length] and its `normal`, which points out of the
- * obstacle; the words of a scene's plane. */
+/** The same with a plane through `point` [length]; its `normal` points out of the obstacle. */
 CT_API ct_obstacle_def ct_obstacle_def_plane(const double point[3], const double normal[3]);
 
 /** The same with a sphere [length]. */
