@@ -233,16 +233,18 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
-/* Add the sums of the other pieces at the nodes that they share; `moved` is free until then. */
-static void join_nodes(ct_solver *s)
+/* Add the sums of the other pieces at the nodes that they share, of the components first ... first
+ * + some - 1; `moved` is free until then. */
+CT_INLINE void join_nodes(ct_solver *s, int first, int some)
 {
-  const size_t size = WIDE * sizeof *s->sums;
+  double *joined = s->moved;
   for (int32_t k = 0; k < s->shared_count; k++)
-    memcpy(&s->moved[WIDE * (int64_t)k], &s->sums[s->shared_nodes[k]], size);
-  ct_pieces_sum(s->pieces, s->moved, WIDE * (int64_t)s->shared_count);
+    for (int c = 0; c < some; c++)
+      joined[some * (int64_t)k + c] = s->sums[s->shared_nodes[k] + first + c];
+  ct_pieces_sum(s->pieces, joined, some * (int64_t)s->shared_count);
   for (int32_t k = 0; k < s->shared_count; k++)
-    if (s->row_counts[s->shared_nodes[k] / WIDE] > 0)
-      memcpy(&s->sums[s->shared_nodes[k]], &s->moved[WIDE * (int64_t)k], size);
+    for (int c = 0; s->row_counts[s->shared_nodes[k] / WIDE] > 0 && c < some; c++)
+      s->sums[s->shared_nodes[k] + first + c] = joined[some * (int64_t)k + c];
 }
 
 /* The same for sums along the one normal n of all rows, which are fourth components; those of
@@ -279,7 +281,8 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force, int all)
   if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
   add(grid.coarse, s->groups, s->group_count, s->entry_place, s->G, force, s->sums);
   if (all) ct_pieces_sum(s->pieces, s->sums, WIDE * (int64_t)s->node_count);
-  else if (s->shared_count > 0) join_nodes(s);
+  else if (s->shared_count > 0 && add == ct_add_full) join_nodes(s, 0, 3);
+  else if (s->shared_count > 0) join_nodes(s, 3, 1);
   return 1;
 }
 
