@@ -69,6 +69,8 @@ def setup(app):
     app.add_config_value("typed_file", "typed.toml", "env")
 
     def read(app, name, source):
+        if name.startswith("tutorials/"):  # made of programs that assert their claims
+            return
         path = Path(app.srcdir) / app.config.typed_file
         for problem in check(name, source[0], tomllib.loads(path.read_text(encoding="utf-8"))):
             logger.warning("typed: %s: %s", name, problem, location=name, type="typed")
