@@ -71,9 +71,9 @@ const READ = {
     return name;
   },
   Reference(node, at, kind, seen) {
-    const name = READ.Text(node, at);
-    seen.push({ at, table: kind.table, name });
-    return name;
+    at.need(node.type === "string", node, `the name of a [[${kind.table}]]`);
+    seen.push({ at, table: kind.table, name: node.value });
+    return node.value;
   },
   Surface(node, at, _, seen) {
     at.need(node.type === "string", node, 'a text such as "left.x_max"');
@@ -102,7 +102,7 @@ const READ = {
     return chosen;
   },
   Each(node, at, kind, seen) {
-    at.need(node.type === "array", node, "a list");
+    at.need(node.type === "array", node, `a list of ${kind.kinds.length}`);
     const { length } = node.value;
     if (length !== kind.kinds.length) at.fail(`has ${length} entries; it must have ${kind.kinds.length}`);
     return kind.kinds.map((each, i) => readKind(node.value[i], at.entry(i), each, seen));
@@ -146,12 +146,13 @@ function splitSurface(text, dotted) {
 }
 
 function readTable(node, at, name, seen) {
-  at.need(node.type === "table", node, "a table");
   const table = LABORATORY_TABLES.tables[name];
   const known = Object.keys(table.keys);
+  const needed = known.filter((key) => table.keys[key].required);
+  at.need(node.type === "table", node, `a table${needed.length ? ` with ${listed(needed, "and")}` : ""}`);
   const given = [...node.value.keys()];
-  for (const key of known) {
-    if (!table.keys[key].required || node.value.has(key)) continue;
+  for (const key of needed) {
+    if (node.value.has(key)) continue;
     const near = nearestName(key, given, 0.75);
     const hint = near !== null && !known.includes(near) ? `; is "${near}" meant to be it?` : "";
     at.of(key).fail(`is missing${hint}`);

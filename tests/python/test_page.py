@@ -147,6 +147,7 @@ WRONG = [
     ("ring = {", "ball = { radius = 1.0, cells = [2, 9] } #"),
     ("ring = {", "box = { size = [1, 1, 1], cells = [1, 1, 1] }\nring = {"),
     ("ring = {", "# ring = {"),
+    ("ring = {", "ring = 3 # {"),
     ("velocity = [2e5, 1e5, 0]", "velocity = [2e5, nan, 0]"),
     ("velocity = [2e5, 1e5, 0]", "velocity = 2e5"),
     ("velocity = [2e5, 1e5, 0]", "speed = [2e5, 1e5, 0]"),

@@ -1,0 +1,41 @@
+"""The directive of a laboratory on a tiny book: with what ``make page`` builds, and with a picture in its place."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("sphinx", reason="Sphinx is not installed")
+EXTENSIONS = Path(__file__).resolve().parents[2] / "docs" / "_ext"
+PAGE = """
+Book
+====
+
+.. laboratory:: closest
+   :alt: three maps
+
+   A caption.
+
+See :laboratory:`the stiff penalty <bar:law=penalty&beta=10>`.
+"""
+
+
+@pytest.mark.parametrize("built", [False, True])
+def test_a_laboratory_is_a_picture_in_a_book_without_make_page(tmp_path, built):
+    folder, source = tmp_path / "page", tmp_path / "book"
+    folder.mkdir()
+    source.mkdir()
+    if built:
+        (folder / "laboratory.js").write_text("// scripts")
+    conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = ['drawn', 'laboratory']\n"
+    (source / "conf.py").write_text(f"{conf}laboratory_folder = {str(folder)!r}\n")
+    (source / "index.rst").write_text(PAGE)
+    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", source, tmp_path / "out"]
+    subprocess.run(command, check=True)
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert page.count("<svg") == 1 and 'data-laboratory="closest"' in page and "A caption." in page
+    assert ("without the cross compiler" in page) != built
+    assert ("laboratory/laboratory.js" in page) == built
+    assert ('href="_static/laboratory/bar.html#bar:law=penalty&amp;beta=10"' in page) == built
+    assert (tmp_path / "out" / "_static" / "laboratory" / "laboratory.js").exists() == built
