@@ -42,6 +42,7 @@ class ClosestView {
     const about = "Map of the distance over the reference square, with the way of the method";
     this.map = element("canvas", { class: "laboratory-plot", role: "img", "aria-label": about });
     this.table = element("table", { class: "laboratory-table" });
+    this.fill(WORDS.method.map((name) => [METHOD_WORDS[name], "–", "–", "–", "–"]));
     const box = element("div", { class: "laboratory-wide" }, this.table);
     laboratory.pictures.append(this.space, this.map, box);
     for (const canvas of [this.space, this.map]) {
@@ -208,21 +209,24 @@ class ClosestView {
   }
 
   // One row per method.
-  fill(part) {
+  fill(rows) {
     const head = ["method", "evaluations", "distance", "ends", "answer"];
+    const line = (tag, cells) => element("tr", {}, ...cells.map((cell) => element(tag, {}, String(cell))));
+    this.table.replaceChildren(element("thead", {}, line("th", head)), element("tbody", {}, ...rows.map((row) => line("td", row))));
+  }
+
+  rows(part) {
     const best = part.answers[CLOSEST.certified].distance;
-    const rows = part.answers.map((answer, i) => {
+    return part.answers.map((answer, i) => {
       const same = answer.where < 3 && Math.abs(answer.distance - best) <= 1e-6 * (1 + best);
       const verdict = answer.status > 1 ? STATUS[answer.status] : same ? "the closest point" : "another point";
       const distance = Number.isFinite(answer.distance) ? answer.distance.toFixed(6) : "none";
       return [METHOD_WORDS[WORDS.method[i]], answer.evaluations, distance, WHERE[answer.where] ?? "", verdict];
     });
-    const line = (tag, cells) => element("tr", {}, ...cells.map((cell) => element(tag, {}, String(cell))));
-    this.table.replaceChildren(element("thead", {}, line("th", head)), element("tbody", {}, ...rows.map((row) => line("td", row))));
   }
 
   finish(part, state) {
-    this.fill(part);
+    this.fill(this.rows(part));
     const answer = part.answers[WORDS.method.indexOf(state.method)];
     const certified = part.answers[CLOSEST.certified];
     const proof = certified.certified ? "proved to be the smallest" : "not proved";

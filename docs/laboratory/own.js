@@ -14,9 +14,13 @@ LABORATORIES.own = {
   },
   // An example replaces the text and runs; a change of the text is only checked.
   changed(laboratory, name) {
-    if (name === "text") laboratory.view.check();
-    else laboratory.view.take("");
-    return name === "text";
+    if (name === "text") {
+      laboratory.view.check();
+      return true;
+    }
+    if (laboratory.state.text) laboratory.change("text", "");
+    laboratory.view.take("");
+    return false;
   },
   prepare(state) {
     return readScene(textOf(state));

@@ -226,6 +226,10 @@ def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     page.goto("about:blank")
     page.goto(address)
     assert area.input_value() == text
+    visit.finished()
+    page.get_by_label("Begin with").select_option("bar_on_a_wall")
+    visit.finished()
+    assert 'name = "bar"' in area.input_value() and "text" not in page.url
 
 
 def test_a_state_that_is_not_allowed_is_not_taken(visit):
