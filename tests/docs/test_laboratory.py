@@ -102,6 +102,14 @@ def test_a_laboratory_runs_from_its_file(chromium, name, width, scheme):
     visit.end()
 
 
+def small_plates(cells):
+    """The text of a scene of two plates with the default law."""
+    text = (
+        ct.example("plates").read_text(encoding="utf-8").replace('"penalty"', '"energy_controlled"')
+    )
+    return text.replace("100, 1, 100", f"{cells}, 1, {cells}")
+
+
 def energy(caption):
     return float(re.search(r"energy at the end is ([\d.]+) times", caption)[1])
 
@@ -175,7 +183,7 @@ def test_nodes_and_point_move_by_pointer_and_keys(visit):
 
 def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     meshio = pytest.importorskip("meshio")
-    text = ct.example("plates").read_text(encoding="utf-8").replace("100, 1, 100", "6, 1, 6")
+    text = small_plates(6)
     text = text.replace('element = "hex8"', 'element = "hex20"', 1)
     text += '[[probe]]\nname = "at the wall"\nbody = "right"\npoint = [0, 0, 0]\n'
     (tmp_path / "plates.toml").write_text(text, encoding="utf-8")
@@ -254,6 +262,25 @@ def test_stop_ends_a_long_run_and_leaving_ends_the_worker(visit):
     assert page.evaluate("document.querySelector('.laboratory').laboratory.remote.worker === null")
     page.get_by_label("Elements along d").press("Home")
     assert visit.finished()
+
+
+@pytest.mark.parametrize("simd", [True, False])
+def test_the_browser_has_the_bits_of_this_machine(visit, tmp_path, simd):
+    text = small_plates(10)
+    (tmp_path / "plates.toml").write_text(text, encoding="utf-8")
+    state = ct.Scene.load(tmp_path / "plates.toml").run(progress=False, output=False).state
+    visit.open("own")
+    found = visit.page.evaluate(
+        """async ([text, simd]) => {
+          const library = await Library.open(await moduleBytes(packedFile, simd));
+          buildScene(library, readScene(text));
+          library.check(library.call.advance(library.call.step_count()));
+          return [...library.doubles(library.call.displacement(), 3 * library.call.node_count(-1))];
+        }""",
+        [text, simd],
+    )
+    expected = np.concatenate([state[name].displacement for name in ("left", "right")])
+    assert np.array_equal(np.reshape(found, (-1, 3)), expected)
 
 
 def test_without_motion_only_the_end_is_shown(chromium):
