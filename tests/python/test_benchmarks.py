@@ -115,10 +115,10 @@ LIMITS |= {
     ],
     "rings_in_impact": [
         ("modes_160", FILE["rings_in_impact"]["modes_40"], 0.01, "the series has settled"),
-        ("restitution_48", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
-        ("restitution_96", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
-        ("restitution_hex8", FILE["rings_in_impact"]["modes_160"], 0.03, "the last contacts"),
-        ("apart_96", 0, 0.02, "shifts of single contacts"),
+        ("restitution_48", FILE["rings_in_impact"]["modes_160"], 0.01, "the last contacts"),
+        ("restitution_96", FILE["rings_in_impact"]["modes_160"], 0.01, "the last contacts"),
+        ("restitution_hex8", FILE["rings_in_impact"]["modes_160"], 0.01, "the last contacts"),
+        ("apart_96", 0, 0.01, "shifts of single contacts"),
     ],
     "discs": [
         ("large_4", -81, 0.02, "release waves from the rims"),
