@@ -23,6 +23,7 @@ sys.path.append(str(DOCS.parent / "tools"))
 import count_book  # noqa: E402
 
 RUN = 6
+SOURCES, SUFFIXES = ("libcontact", "tutorials", "wrapper"), (".c", ".h", ".out", ".py", ".rst")
 # Roles that the book prints in other words than those of the source.
 PRINTED = re.compile(r":(?:eq|ref|doc|numref|cite:\w|cite|measured):`[^`]*`")
 Runs = dict[tuple[str, ...], str]  # of words, with the label of their exercise
@@ -33,8 +34,11 @@ def words(text: str) -> list[str]:
 
 
 def runs(text: str) -> Iterator[tuple[str, ...]]:
+    """Six words in a row, at least four of them different words of a language: numbers alone may stand anywhere."""
     own = words(text)
-    yield from zip(*(own[i:] for i in range(RUN)))
+    for run in zip(*(own[i:] for i in range(RUN))):
+        if len({word for word in run if len(word) > 1 and word.isalpha()}) > 3:
+            yield run
 
 
 def parts(rst: str) -> list[str]:
@@ -49,17 +53,17 @@ def parts(rst: str) -> list[str]:
 
 
 def telling(docs: Path = DOCS) -> Runs:
-    """What gives an answer away: its runs of words, without those that stand elsewhere in the pages or in the programs
-    of the exercises."""
+    """What gives an answer away: its runs of words, without those that stand elsewhere in the sources of the book."""
     folder, found, known = docs / "exercises", {}, set[tuple[str, ...]]()
     for file in folder.glob("*.rst"):
         for one in count_book.exercises(file.read_text(encoding="utf-8")):
             known.update(run for part in parts(one.question) for run in runs(part))
             found |= {run: one.label for part in parts(one.answer) for run in runs(part)}
-    others = [*docs.rglob("*.rst"), *(folder / "programs").glob("*.py")]
-    for file in (file for file in others if file.parent != folder):
-        text = file.read_text(encoding="utf-8")
-        known.update(run for part in parts(text) for run in runs(part))
+    tops = [docs, *(docs.parent / name for name in SOURCES)]
+    for file in (file for top in tops for file in top.rglob("*")):
+        if file.suffix in SUFFIXES and file.parent != folder:
+            text = file.read_text(encoding="utf-8")
+            known.update(run for part in parts(text) for run in runs(part))
     return {run: label for run, label in found.items() if run not in known}
 
 
