@@ -1,7 +1,7 @@
 // A bar flies against a rigid wall: Doyen, Ern and Piperno (2011), nearer to the wall.
 "use strict";
 
-const BAR = { young: 900, density: 1, length: 10, side: 0.1, speed: 10, gap: 1, end: 1 };
+const BAR = { young: 900, density: 1, length: 10, side: 0.1, speed: 10, gap: 1, end: 1, curve: 1000 };
 BAR.sound = Math.sqrt(BAR.young / BAR.density);
 BAR.pressure = BAR.density * BAR.sound * BAR.speed;
 BAR.energy = 0.5 * BAR.density * BAR.length * BAR.side ** 2 * BAR.speed ** 2;
@@ -34,6 +34,22 @@ function columnOf({ count, width, rows }, k) {
   return Float64Array.from({ length: count }, (_, i) => rows[i * width + k]);
 }
 
+// Numbers of the rows that a curve of `values` needs: of each of `most` parts those of its smallest and largest value.
+function thinned(values, most) {
+  const width = Math.ceil(values.length / most);
+  if (width < 3) return [...values.keys()];
+  const out = [];
+  for (let first = 0; first < values.length; first += width) {
+    let [low, high] = [first, first];
+    for (let i = first; i < Math.min(first + width, values.length); i++) {
+      if (values[i] < values[low]) low = i;
+      if (values[i] > values[high]) high = i;
+    }
+    out.push(Math.min(low, high), Math.max(low, high));
+  }
+  return out;
+}
+
 JOBS.bar = async function (library, state, tell, pause) {
   const scene = barScene(state);
   buildScene(library, scene);
@@ -44,14 +60,12 @@ JOBS.bar = async function (library, state, tell, pause) {
   let shown = performance.now();
   const send = (fraction) => {
     const force = probeRows(library, 0, 4);
-    const end = probeRows(library, 1, 7);
-    tell({
-      fraction,
-      time: columnOf(force, 0),
-      pressure: columnOf(force, 1).map((value) => value / BAR.side ** 2),
-      gap: columnOf(end, 1).map((value) => value + gap),
-      energy,
-    });
+    const end = columnOf(probeRows(library, 1, 7), 1);
+    const pressure = columnOf(force, 1).map((value) => value / BAR.side ** 2);
+    const rows = thinned(pressure, BAR.curve);
+    const at = (values) => Float64Array.from(rows, (i) => values[i]);
+    const gaps = at(end).map((value) => value + gap);
+    tell({ fraction, time: at(columnOf(force, 0)), pressure: at(pressure), gap: gaps, energy });
   };
   const counts = await advanceAll(library, every, (fraction) => {
     const now = energiesOf(library);

@@ -17,6 +17,7 @@ class Laboratory {
     this.remote = new Remote();
     this.runs = 0;
     this.last = null;
+    this.frame = null;
     this.ready = false;
     this.waiting = false;
     this.state = readState(this.own.controls, this.addressed());
@@ -113,13 +114,9 @@ class Laboratory {
     this.status.textContent = "running …";
     try {
       const given = this.own.prepare ? this.own.prepare(state) : state;
-      const result = await this.remote.run(this.own.job, given, (part) => {
-        this.last = part;
-        if (part.fraction > 0 && part.fraction < 1 && reducedMotion()) return;
-        this.status.textContent = `running: ${Math.round(100 * part.fraction)} %`;
-        this.view.show(part, state);
-      });
+      const result = await this.remote.run(this.own.job, given, (part) => this.receive(part, state));
       if (result) {
+        this.draw(state);
         const seconds = (performance.now() - began) / 1000;
         this.caption.textContent = this.view.finish(this.last, state, result);
         this.status.textContent = this.own.price(result, seconds);
@@ -130,6 +127,23 @@ class Laboratory {
       this.status.textContent = `failed: ${error instanceof SceneFault ? faultText(error) : error.message}`;
     }
     if (own === this.runs) this.rest();
+  }
+
+  // Take a part of a run; of those that come within a frame of the screen the last one is drawn.
+  receive(part, state) {
+    this.last = part;
+    if (part.fraction === 0) this.view.begin?.(part);
+    if (this.frame || reducedMotion()) return;
+    this.frame = requestAnimationFrame(() => {
+      this.status.textContent = `running: ${Math.round(100 * this.last.fraction)} %`;
+      this.draw(state);
+    });
+  }
+
+  draw(state) {
+    cancelAnimationFrame(this.frame);
+    this.frame = null;
+    this.view.show(this.last, state);
   }
 
   // Whether no run is going on or about to begin.

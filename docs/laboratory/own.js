@@ -86,10 +86,13 @@ class OwnView {
     }
   }
 
-  show(part) {
+  begin({ skins, at }) {
     for (const button of this.files) button.disabled = true;
-    this.skins = part.skins ?? this.skins;
-    if (part.fraction === 0) this.fit(part.at);
+    this.skins = skins;
+    this.fit(at);
+  }
+
+  show(part) {
     this.part = part;
     this.redraw();
   }
