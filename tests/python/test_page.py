@@ -143,7 +143,7 @@ WRONG = [
     ("cells = [2, 24, 2]", 'cells = "many"'),
     ("radius = [0.8, 1.0]", "radius = [1.5, 1.0]"),
     ("radius = [0.8, 1.0]", "radius = { inner = 1 }"),
-    ("width = 0.5", "widht = 0.5"),
+    ("width = 0.5", "with = 0.5"),
     ("ring = {", "ball = { radius = 1.0, cells = [2, 9] } #"),
     ("ring = {", "box = { size = [1, 1, 1], cells = [1, 1, 1] }\nring = {"),
     ("ring = {", "# ring = {"),
