@@ -12,9 +12,16 @@ function colourOf(value) {
 class Field {
   constructor(label) {
     this.canvas = element("canvas", { role: "img", "aria-label": label, class: "laboratory-plot" });
-    this.canvas.style.aspectRatio = "2 / 1.12";
     this.shown = null;
-    new ResizeObserver(() => this.shown && this.draw(...this.shown)).observe(this.canvas);
+    new ResizeObserver(() => {
+      this.canvas.style.height = `${this.height}px`;
+      if (this.shown) this.draw(...this.shown);
+    }).observe(this.canvas);
+  }
+
+  // Two squares, and below them the scale of colours.
+  get height() {
+    return Math.round(this.canvas.clientWidth / 2) + 34;
   }
 
   // Fields of the left and right body, n by n; the largest value of the colours; lines of the right one, in its size.
@@ -24,7 +31,7 @@ class Field {
     if (width === 0) return;
     const ratio = devicePixelRatio || 1;
     this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(width * 0.56 * ratio);
+    this.canvas.height = Math.round(this.height * ratio);
     const pen = this.canvas.getContext("2d");
     const size = this.canvas.width / 2;
     pen.imageSmoothingEnabled = false;

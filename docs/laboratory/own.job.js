@@ -43,7 +43,7 @@ JOBS.own = async function (library, scene, tell, pause) {
   const ledger = [{ time: 0, ...energiesOf(library) }];
   const every = Math.max(1, Math.floor(call.step_count() / OWN.rows));
   const show = (fraction) => tell({ fraction, ...pictureOf(library, skins), ledger, time: call.time_now() });
-  tell({ fraction: 0, skins, ...pictureOf(library, skins), ledger, time: 0 });
+  tell({ fraction: 0, units: scene.units, skins, ...pictureOf(library, skins), ledger, time: 0 });
   let shown = performance.now();
   const counts = await advanceAll(library, every, (fraction) => {
     const now = energiesOf(library);

@@ -86,7 +86,9 @@ class OwnView {
     }
   }
 
-  begin({ skins, at }) {
+  begin({ skins, at, units: { length, mass, time } }) {
+    this.units = { time, stress: `${mass}/(${length} ${time}²)` };
+    this.energy.names = { x: `time [${time}]`, y: `energy [${mass} ${length}²/${time}²]` };
     for (const button of this.files) button.disabled = true;
     this.skins = skins;
     this.fit(at);
@@ -158,7 +160,8 @@ class OwnView {
     }
     pen.fillStyle = getComputedStyle(this.space).color;
     pen.font = PLOT_FONT;
-    pen.fillText(`t = ${this.part.time.toPrecision(4)}; von Mises stress from 0 (pale) to ${most.toPrecision(3)} (red)`, 4, height - 6);
+    pen.fillText(`t = ${this.part.time.toPrecision(4)} ${this.units.time}`, 4, height - 22);
+    pen.fillText(`von Mises: 0 (pale) to ${most.toPrecision(3)} ${this.units.stress} (red)`, 4, height - 6);
   }
 
   finish(part, state, result) {
@@ -169,7 +172,7 @@ class OwnView {
     const rows = ENERGIES.map((name) => line("td", [name, first[name].toPrecision(6), last[name].toPrecision(6)]));
     this.table.replaceChildren(element("thead", {}, line("th", ["energy", "start", "end"])), element("tbody", {}, ...rows));
     const change = Math.abs(last.total - first.total) / Math.max(first.kinetic, last.kinetic, last.strain, 1e-300);
-    return `The run ended at t = ${part.time.toPrecision(4)}; the total energy has changed by ${(100 * change).toPrecision(2)} % of the largest part.`;
+    return `The run ended at t = ${part.time.toPrecision(4)} ${this.units.time}; the total energy has changed by ${(100 * change).toPrecision(2)} % of the largest part.`;
   }
 
   async save(kind) {
