@@ -402,7 +402,7 @@ $(VENV)/.hosts: wrapper/requirements/hosts.txt $(VENV)/.base
 test-hosts: setup
 	@+$(MAKE) --no-print-directory _$@
 _test-hosts: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.hosts
-	@$(VENV)/bin/python -m pytest -q tests/python/test_hosts.py tests/python/test_contact.py
+	@LIBCONTACT_HOSTS=1 $(VENV)/bin/python -m pytest -q tests/python/test_hosts.py tests/python/test_contact.py
 
 # The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60

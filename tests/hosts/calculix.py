@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import plates
+import two_plates as plates
 from libcontact.mesh import Mesh
 
 # Its time is in µs, because it takes steps of nanoseconds for none.
@@ -53,7 +53,7 @@ def deck(beta, courant):
 
 
 def run(beta, courant=0.25):
-    """Coordinates and displacements of both plates at the time PLATEAU, as a shot of plates.py."""
+    """Coordinates and displacements of both plates at the time PLATEAU, as a shot of two_plates.py."""
     text, sides = deck(beta, courant)
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "plates.inp").write_text(text)

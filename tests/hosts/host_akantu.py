@@ -7,7 +7,7 @@ from pathlib import Path
 import akantu
 import meshio
 import numpy as np
-import plates
+import two_plates as plates
 from libcontact.mesh import Mesh
 
 import libcontact as ct
@@ -47,7 +47,7 @@ def start(solid, parts):
 
 
 class Shot:
-    """One plate, as plates.py takes it."""
+    """One plate, as two_plates.py takes it."""
 
     def __init__(self, solid, part):
         self.X = solid.getMesh().getNodes()[part].copy()

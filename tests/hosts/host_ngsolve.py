@@ -2,7 +2,7 @@
 
 import ngsolve as ng
 import numpy as np
-import plates
+import two_plates as plates
 from libcontact.mesh import Mesh
 from ngsolve.meshes import MakeHexMesh
 
@@ -47,5 +47,5 @@ class Plate:
 
 
 def run(beta):
-    """Both plates, in the loop of plates.py."""
+    """Both plates, in the loop of two_plates.py."""
     return plates.run_host([Plate(0), Plate(1)], beta)

@@ -1,8 +1,8 @@
 """Host: scikit-fem makes mesh, stiffness and masses; SciPy multiplies."""
 
 import numpy as np
-import plates
 import skfem
+import two_plates as plates
 from libcontact.mesh import Mesh
 from skfem.models.elasticity import linear_elasticity
 
@@ -38,5 +38,5 @@ class Plate:
 
 
 def run(beta):
-    """Both plates, in the loop of plates.py."""
+    """Both plates, in the loop of two_plates.py."""
     return plates.run_host([Plate(0), Plate(1)], beta)

@@ -1,8 +1,10 @@
 """Two plates hit each other in other programs, with the contact of this library: the same run as in a scene; and
-CalculiX with its own contact. Each part is skipped without its program; ``make test-hosts`` installs them."""
+CalculiX with its own contact. ``make test-hosts`` installs the programs and sets LIBCONTACT_HOSTS; each part is skipped
+without its program."""
 
 import csv
 import importlib
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -11,9 +13,10 @@ import pytest
 
 scipy = pytest.importorskip("scipy")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "hosts"))
-import plates  # noqa: E402
-import table  # noqa: E402
+import hosts_table as table  # noqa: E402
+import two_plates as plates  # noqa: E402
 
+LONG = pytest.mark.skipif(not os.environ.get("LIBCONTACT_HOSTS"), reason="make test-hosts")
 BETAS = pytest.mark.parametrize("beta", plates.FACTORS)
 
 
@@ -22,6 +25,7 @@ def host(name):
     return importlib.import_module(f"host_{name}")
 
 
+@LONG
 @BETAS
 @pytest.mark.parametrize("name", table.HOSTS)
 def test_a_host_computes_the_run_of_the_scene(name, beta):
@@ -41,6 +45,7 @@ def test_a_host_computes_the_run_of_the_scene(name, beta):
     assert plates.stress(*(each[1] for each in result.shots[0])) == pytest.approx(-7 / 3, rel=0.01)
 
 
+@LONG
 def test_calculix_has_the_same_stress_with_its_own_contact():
     """Its contact is another law at another step, so only means agree: the stress behind the front, which has a closed
     form, and the displacement. At beta 4 the faces overlap by 1 % of it."""

@@ -1,4 +1,4 @@
-"""The table of docs/start/hosts.rst: ``python tests/hosts/table.py`` prints it, ``--book`` writes it."""
+"""The table of docs/start/hosts.rst: ``python tests/hosts/hosts_table.py`` prints it, ``--book`` writes it."""
 
 import csv
 import importlib
@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import calculix
-import plates
+import two_plates as plates
 
 HERE = Path(__file__).parent
 BOOK = HERE.parents[1] / "docs" / "start" / "hosts.csv"
@@ -33,10 +33,10 @@ HEAD_CALCULIX = [
 
 
 def glue(host):
-    """The lines of code between the marks, in the host's file and in the loop of plates.py if the host uses it."""
+    """The lines of code between the marks, in the host's file and in the loop of two_plates.py if the host uses it."""
     text = (HERE / f"host_{host}.py").read_text()
     if "plates.run_host" in text:
-        text += (HERE / "plates.py").read_text()
+        text += (HERE / "two_plates.py").read_text()
     marked = "".join(re.findall(r"# -- glue\n(.*?)# -- end", text, re.S)).splitlines()
     return len([line for line in marked if line.strip() and not line.strip().startswith('"""')])
 
