@@ -64,7 +64,7 @@ def arm_python(work: Path) -> list[str]:
         apt = ["apt-get", "-qq", "-y", "--no-install-recommends", "--download-only"]
         apt += ["-oAPT::Architecture=arm64", "-oAPT::Architectures=arm64", f"-oDir::Cache={state}"]
         apt += [f"-oDir::State={state}", f"-oDir::State::status={state}/status"]
-        for words in (["update"], ["install", f"python{ARM_PYTHON}"]):
+        for words in (["update"], ["install", f"python{ARM_PYTHON}", "libstdc++6"]):
             subprocess.run([*apt, *words], stderr=subprocess.DEVNULL)
         for package in (state / "archives").glob("*.deb"):
             run("dpkg-deb", "-x", package, root)

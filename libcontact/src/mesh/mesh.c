@@ -494,7 +494,7 @@ CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
 }
 
 /* Whether the elements from `e` on, one per lane, are certainly good. */
-CT_CLONES
+CT_CLONES_RARE
 static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
 {
   ct_lanes x[3 * 20];
@@ -572,7 +572,7 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
 
 /* Square of the shortest edge of the elements from `e` on, one per lane; edges of zero length do
  * not count. */
-CT_CLONES
+CT_CLONES_RARE
 static double shortest_square(const ct_mesh *mesh, int32_t e)
 {
   static const int edge[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},

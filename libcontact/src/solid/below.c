@@ -61,7 +61,7 @@ CT_INLINE void find_trace(const ct_solid_part *part, const ct_mass_shapes *at, i
   *trace *= lambda + 4.0 * mu;
 }
 
-CT_CLONES
+CT_CLONES_RARE
 static void traces(const ct_solid_part *part, const ct_mass_shapes *at, int32_t e, ct_lanes *trace)
 {
   if (at->per == 8) find_trace(part, at, 8, e, trace);
