@@ -152,9 +152,8 @@ def test_nodes_and_point_move_by_pointer_and_keys(visit):
     canvas = page.get_by_role("application")
     canvas.scroll_into_view_if_needed()
     box, before = canvas.bounding_box(), page.evaluate(f"{state}.nodes")
-    at = page.evaluate(
-        "(v => v.onScreen(v.placeOf(2)))(document.querySelector('.laboratory').laboratory.view)"
-    )
+    place = "(v => v.onScreen(v.placeOf(2)))(document.querySelector('.laboratory').laboratory.view)"
+    at = page.evaluate(place)
     page.mouse.move(box["x"] + at[0], box["y"] + at[1])
     page.mouse.down()
     page.mouse.move(box["x"] + at[0] + 40, box["y"] + at[1] + 10, steps=4)
@@ -163,6 +162,7 @@ def test_nodes_and_point_move_by_pointer_and_keys(visit):
     after = page.evaluate(f"{state}.nodes")
     moved = [i for i in range(9) if before[3 * i : 3 * i + 3] != after[3 * i : 3 * i + 3]]
     assert moved == [2]
+    assert page.evaluate(place) == pytest.approx([at[0] + 40, at[1] + 10], abs=0.5)
     canvas.press("n")
     for _ in range(7):
         canvas.press("n")
