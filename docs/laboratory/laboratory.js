@@ -115,6 +115,7 @@ class Laboratory {
     try {
       const given = this.own.prepare ? this.own.prepare(state) : state;
       const result = await this.remote.run(this.own.job, given, (part) => this.receive(part, state));
+      this.dropFrame();
       if (result) {
         this.draw(state);
         const seconds = (performance.now() - began) / 1000;
@@ -124,6 +125,8 @@ class Laboratory {
         this.status.textContent = "stopped";
       }
     } catch (error) {
+      this.remote.stop();
+      this.dropFrame();
       this.status.textContent = `failed: ${error instanceof SceneFault ? faultText(error) : error.message}`;
     }
     if (own === this.runs) this.rest();
@@ -140,9 +143,13 @@ class Laboratory {
     });
   }
 
-  draw(state) {
+  dropFrame() {
     cancelAnimationFrame(this.frame);
     this.frame = null;
+  }
+
+  draw(state) {
+    this.dropFrame();
     this.view.show(this.last, state);
   }
 
