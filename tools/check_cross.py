@@ -78,7 +78,7 @@ def version(compiler: list[str]) -> str:
 
 
 def build(target: Target, program: Path) -> Path:
-    command = [*target.compiler, "-std=c99", "-O2", "-s", "-Ilibcontact/include", str(SOURCE)]
+    command = [*target.compiler, "-std=c99", "-Os", "-s", "-Ilibcontact/include", str(SOURCE)]
     command += [str(target.library), "-lm", *target.flags, "-o", str(program)]
     program.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run(command, cwd=ROOT, check=True)
@@ -113,6 +113,7 @@ def main(build_folder: str, compiler: str, *targets: str) -> int:
         all_of[name] = target_of(name, triple, cross)
     rows = []
     for name, target in all_of.items():
+        print(f"  {name}", file=sys.stderr, flush=True)
         programs[name] = build(target, cross / f"cross-{name}.exe")
         words = (name, version(target.compiler), target.emulator)
         if not target.runs():

@@ -109,6 +109,7 @@ def main(build_folder: str, compiler: str, *targets: str) -> int:
     native = check_cross.Target(compiler.split(), build / "lib/libcontact.a")
     rows, first = [], ""
     for name, triple in (each.split("=") for each in targets):
+        print(f"  try {name}", file=sys.stderr, flush=True)
         tag = TARGETS[name].tag.split(".")[0]
         (wheel,) = (build / "wheels").glob(f"*{tag}*.whl")
         tried = None
