@@ -57,6 +57,7 @@ def gallery(tmp_path_factory):
         ": inf", ": float('inf')"
     )
     (root / "docs" / "conf.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(ROOT / 'docs' / '_ext')!r})\n"
         f"extensions = ['sphinx_gallery.gen_gallery']\nsphinx_gallery_conf = {settings}\n"
     )
     (root / "docs" / "index.rst").write_text("Book\n====\n\n.. toctree::\n\n   scripts/index\n")
@@ -82,3 +83,9 @@ def test_output_is_what_the_script_printed(gallery):
     assert "matplotlib.lines" not in page and "running time" not in page
     page = (gallery / "02_short.html").read_text()
     assert "object at 0x" not in page and "running time" not in page
+
+
+def test_a_picture_links_its_data(gallery):
+    (data,) = (gallery.parent / "_downloads").rglob("*.csv")
+    assert data.read_text() == "panel,curve,x,y,value\n1,line 1,0,1,\n1,line 1,1,2,\n"
+    assert f"{data.parent.name}/{data.name}" in (gallery / "01_long.html").read_text()
