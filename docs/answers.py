@@ -21,6 +21,7 @@ DOCS = Path(__file__).resolve().parent
 sys.path.append(str(DOCS.parent / "tools"))
 
 import count_book  # noqa: E402
+from tqdm import tqdm  # noqa: E402
 
 RUN = 6
 SOURCES, SUFFIXES = ("libcontact", "tutorials", "wrapper"), (".c", ".h", ".out", ".py", ".rst")
@@ -42,7 +43,14 @@ def runs(text: str) -> Iterator[tuple[str, ...]]:
 
 
 def parts(rst: str) -> list[str]:
-    """The pieces of a source that a page shows word by word."""
+    """The pieces of a source that a page shows word by word, and those of a PDF, where formulas are drawings."""
+    without = re.sub(r":math:`[^`]*`", " ", rst)
+    if without != rst:
+        return parts(without) + pieces(rst)
+    return pieces(rst)
+
+
+def pieces(rst: str) -> list[str]:
     rst = re.sub(
         r":math:|:download:|^ *\.\. .*$|^ *:[\w-]+:(?: .*)?$",
         " ",
@@ -98,7 +106,7 @@ def check(folder: Path, docs: Path = DOCS) -> list[str]:
     from sphinx.search.en import SearchEnglish
 
     secret, found, shown = telling(docs), [], set[str]()
-    for path in sorted(folder.rglob("*")):
+    for path in tqdm(sorted(folder.rglob("*")), unit="file", disable=None):
         name = path.relative_to(folder).as_posix()
         if not path.is_file() or name.startswith(".doctrees/"):
             continue
