@@ -9,7 +9,7 @@ def ramp(gap_free, gap_before, W, penalty):
 
 
 def impact(elements=100, courant=0.9, travel=3.0, penalty=1e3):
-    """Equal bars of length, stiffness, density and speed 1: lowest stress, lowest gap, masses, velocities."""
+    """Equal bars of length and speed 1: lowest stress, lowest gap, masses, velocities."""
     h = 1.0 / elements
     dt = courant * h
     last, first = elements, elements + 1  # last node of the left bar, first of the right

@@ -6,7 +6,7 @@ PENALTY = 3.0
 
 
 def forces(point):
-    """Closest point of the square and the force on the point; the square gets the opposite one there."""
+    """Closest point of the square and the force on the point; the square gets the opposite one."""
     closest = np.clip(point, -1, 1)
     d = closest - point
     axis = np.abs(point).argmax()  # of the side that is nearest

@@ -21,7 +21,7 @@ def masses():
 
 
 def largest(u, steps=600, dt=0.1):
-    """Largest displacement in a number of steps, from rest; the springs are shape functions' integrals of u."""
+    """Largest displacement in a number of steps, from rest; each spring is an integral of u."""
     m, v = masses(), np.zeros(8)
     k = np.array([0.1] * 4 + [0.9] * 4)
     for _ in range(steps):
