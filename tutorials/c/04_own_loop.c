@@ -45,7 +45,7 @@ static ct_surface surface(const bar *b)
 static void springs(bar *b)
 {
   int layer = (b->n + 1) * (b->n + 1);
-  for (int a = 0; a < 3 * b->nodes; a++) b->f[0][a] = 0.0;
+  for (int a = 0; a < b->nodes; a++) b->f[a][0] = b->f[a][1] = b->f[a][2] = 0.0;
   for (int a = 0; a + layer < b->nodes; a++) {
     double force = b->area[a] / h * (b->x[a + layer][0] - b->x[a][0] - h);
     b->f[a][0] += force, b->f[a + layer][0] -= force;
