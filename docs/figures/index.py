@@ -47,7 +47,8 @@ def moving():
     states = collision().states
     end, top = states[-1].time, np.abs(states[-1]["left"].stress[:, 2]).max()
     figure = Figure(figsize=(7.6, 4.18))
-    figure.set_layout_engine("none")  # for all pictures; the option of Figure is forgotten after the first
+    # For all pictures; the option of Figure is forgotten after the first.
+    figure.set_layout_engine("none")
     ax = figure.add_axes((0, 0, 1, 1))
     flights = [*np.linspace(0.9, 0, FLIGHT, endpoint=False), *np.zeros(FRAMES)]
     shown = [0] * FLIGHT + [round(i) for i in np.linspace(0, len(states) - 1, FRAMES)]
