@@ -423,7 +423,7 @@ if ct.has("gsl"):
 #    .. answer::
 #
 #       A warning comes before the first step, and then an error: the explicit penalty adds energy
-#       at large steps (:doc:`04_explicit_penalty`).
+#       at large steps (:doc:`03_explicit_penalty`).
 
 
 def changed(paper_law=False, **step):
