@@ -197,7 +197,7 @@ def refused(**given):
         ({"lfet": "hard"}, "material.lfet", ['no set of elements "lfet"', 'mean "left"']),
         ({"left": "hrad"}, "material.left", ['no material is named "hrad"', 'mean "hard"']),
         ({}, "material", ["is empty"]),
-        (3, "material", ["a text"]),
+        (3, "material", ["the name of a [[material]]"]),
     ],
 )
 def test_every_element_has_one_material(material, key, reasons):
