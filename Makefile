@@ -230,7 +230,7 @@ $(BUILD)/page/%.wasm: $(BUILD)/page/%/lib/libcontact.a $(wildcard docs/laborator
 	@echo "  module $@"
 	$(Q)$(ZIG) cc -target wasm32-wasi -mexec-model=reactor -std=c99 -ffp-contract=off $(call PAGE_OPT,$*) -s $(WARNINGS) -Wl,--max-memory=536870912 \
 	  -Ilibcontact/include docs/laboratory/module/*.c $< -o $@
-.SECONDARY: $(PAGE_MODULES:.wasm=/lib/libcontact.a)
+.SECONDARY: $(PAGE_MODULES:.wasm=/lib/libcontact.a) $(VENV)/.cross
 _page: $(PAGE_MODULES) $(VENV)/.wrapper
 	$(VENV)/bin/python tools/build_page.py $(PAGE_MODULES) $(BUILD)/page/html
 	@echo "written: $(BUILD)/page/html/index.html"
