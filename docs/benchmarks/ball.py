@@ -19,8 +19,9 @@ def lame(poisson: float) -> tuple[float, float]:
 
 
 def spheroidal(n: int, poisson: float) -> Any:
-    """Displacements over tractions of degree n ≠ 1 at the surface of a ball at rest, radial Y and tangential ∇Y, from
-    the solutions ∇ω and r² ∇ω + α x ω of Navier's equation with the solid harmonic ω = rⁿ Y."""
+    """Displacements over tractions of degree n ≠ 1 at the surface of a ball at rest, radial Y
+    and tangential ∇Y, from the solutions ∇ω and r² ∇ω + α x ω of Navier's equation with the
+    solid harmonic ω = rⁿ Y."""
     Λ, μ = lame(poisson)
     α = -2 * (n * Λ + (3 * n + 1) * μ) / ((n + 3) * Λ + (n + 5) * μ)
     if n == 0:
@@ -32,17 +33,19 @@ def spheroidal(n: int, poisson: float) -> Any:
 
 
 def accelerated(poisson: float) -> Any:
-    """The same for n = 1, relative to the centre of mass of the ball, which the tractions accelerate: the solution is
-    c₁ r² b + c₂ x (b · x) with the body force b = -(t_r + 2 t_t)."""
+    """The same for n = 1, relative to the centre of mass of the ball, which the tractions
+    accelerate: the solution is c₁ r² b + c₂ x (b · x) with the body force b = -(t_r + 2
+    t_t)."""
     Λ, μ = lame(poisson)
     c = np.linalg.inv([[2 * Λ + 8 * μ, 4 * Λ + 6 * μ], [2 * μ, μ]]) @ [[1, 2], [0, 1]]
     return np.array([[1, 1], [1, 0]]) @ c - np.outer([1, 1], [0.6, 0.2] @ c)
 
 
 def excess(ratio: float, poisson: float) -> tuple[float, float]:
-    """Compliances of a free ball beyond those of a half-space, under a pressure and under a shear over the disc of
-    radius ``ratio`` that are distributed as Hertz's pressure: the work of both over the squares of their resultants.
-    The distance of the centre of mass counts, and for the shear the turning of the ball."""
+    """Compliances of a free ball beyond those of a half-space, under a pressure and under a
+    shear over the disc of radius ``ratio`` that are distributed as Hertz's pressure: the
+    work of both over the squares of their resultants. The distance of the centre of mass
+    counts, and for the shear the turning of the ball."""
     _, μ = lame(poisson)
     x, weight = np.polynomial.legendre.leggauss(200)
     turn = 0.25 * np.pi * (x + 1)
@@ -71,21 +74,18 @@ def excess(ratio: float, poisson: float) -> tuple[float, float]:
 
 
 def strike(angle: float, poisson: float, ratio: float = 0.0, springs: int = 1000) -> dict[str, Any]:
-    """Two equal balls at ψ₁ = ``angle`` that come so fast that by Hertz the radius of contact reaches ``ratio``; 0:
-    half-spaces. Tangential impulse over μ times the normal one, and duration and largest force over those of Hertz. A
-    bed of independent springs is exact for half-spaces: a sphere of radius 1 with E* = m = 1 that comes 1 deep, and 2/7
-    of whose mass resists a motion of its surface. What the balls yield beyond half-spaces is in series with it."""
+    """Two equal balls at ψ₁ = ``angle`` that come so fast that by Hertz the radius of contact
+    reaches ``ratio``; 0: half-spaces. Tangential impulse over μ times the normal one, and
+    duration and largest force over those of Hertz. A bed of independent springs is exact
+    for half-spaces: a sphere of radius 1 with E* = m = 1 that comes 1 deep, and 2/7 of
+    whose mass resists a motion of its surface. What the balls yield beyond half-spaces is
+    in series with it."""
     steps, κ = 4000, 2 * (1 - poisson) / (2 - poisson)
     more = ratio * np.array(excess(ratio, poisson)[::-1] if ratio else (0.0, 0.0))
     speed = math.sqrt(16 / 15)
     dt = 2.9432 / speed / steps
-    along, deep, impulse, force, last = (
-        angle * speed / κ,
-        0.0,
-        np.zeros(2),
-        np.zeros(2),
-        np.zeros(2),
-    )
+    along, deep, impulse = angle * speed / κ, 0.0, np.zeros(2)
+    force, last = np.zeros(2), np.zeros(2)
     x = (np.arange(springs) + 0.5) / springs
     shift, top, count = np.zeros(springs), 0.0, 0
     while True:
