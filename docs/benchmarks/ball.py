@@ -10,6 +10,12 @@ import math
 from typing import Any
 
 import numpy as np
+from defaults import DURATION
+
+
+def stiffness_ratio(poisson: float) -> float:
+    """κ, of the tangential stiffness of a contact over its normal one."""
+    return 2 * (1 - poisson) / (2 - poisson)
 
 
 def lame(poisson: float) -> tuple[float, float]:
@@ -69,7 +75,7 @@ def excess(ratio: float, poisson: float) -> tuple[float, float]:
             sums = (t * [1, both]) @ of @ t + both * toroidal * spin**2
             work[1] += np.pi * sums / (norm * both)
         last, p = p, ((2 * n + 1) * c * p - n * last) / (n + 1)
-    half_space, κ = 0.6 / ratio, 2 * (1 - poisson) / (2 - poisson)
+    half_space, κ = 0.6 / ratio, stiffness_ratio(poisson)
     return work[0] - half_space, work[1] - half_space / κ
 
 
@@ -80,10 +86,10 @@ def strike(angle: float, poisson: float, ratio: float = 0.0, springs: int = 1000
     for half-spaces: a sphere of radius 1 with E* = m = 1 that comes 1 deep, and 2/7 of
     whose mass resists a motion of its surface. What the balls yield beyond half-spaces is
     in series with it."""
-    steps, κ = 4000, 2 * (1 - poisson) / (2 - poisson)
+    steps, κ = 4000, stiffness_ratio(poisson)
     more = ratio * np.array(excess(ratio, poisson)[::-1] if ratio else (0.0, 0.0))
     speed = math.sqrt(16 / 15)
-    dt = 2.9432 / speed / steps
+    dt = DURATION / speed / steps
     along, deep, impulse = angle * speed / κ, 0.0, np.zeros(2)
     force, last = np.zeros(2), np.zeros(2)
     x = (np.arange(springs) + 0.5) / springs

@@ -18,14 +18,14 @@ import numpy as np
 import libcontact as ct
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
-import ball  # noqa: E402 (theory of balls that strike each other)
-
 sys.path.insert(0, str(HERE.parents[1] / "bench"))
 import hertz  # noqa: E402 (a rigid sphere on a block)
 
 sys.path.insert(0, str(HERE.parents[1] / "accuracy"))
 import defaults  # noqa: E402 (an elastic ball on a plane)
+
+sys.path.insert(0, str(HERE))
+import ball  # noqa: E402 (theory of balls that strike each other)
 
 sys.path.insert(0, str(HERE.parent / "figures"))
 import rigid  # noqa: E402 (Euler's equations)
@@ -276,7 +276,7 @@ def hertz_small() -> Numbers:
 # -- Oblique impact --------------------------------------------------------------------------------
 
 OBLIQUE_FRICTION, OBLIQUE_POISSON = 0.3, 0.3
-KAPPA = 2 * (1 - OBLIQUE_POISSON) / (2 - OBLIQUE_POISSON)
+KAPPA = ball.stiffness_ratio(OBLIQUE_POISSON)
 
 
 def nested_octant(parts: int, core: float) -> Any:
