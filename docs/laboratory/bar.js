@@ -7,6 +7,11 @@ const INTEGRATOR_NAMES = {
   tchamwa_wielgosz: "Tchamwa–Wielgosz",
 };
 
+// The name of a law without its remark.
+function lawName({ law }) {
+  return LAW_NAMES[law].split(" (")[0];
+}
+
 LABORATORIES.bar = {
   title: "A wall and a bar",
   job: "bar",
@@ -24,32 +29,25 @@ LABORATORIES.bar = {
   },
 };
 
-class BarView {
+class BarView extends View {
   constructor(laboratory) {
+    super();
     const x = "time t [s]";
     this.pressure = new Plot({ x, y: "pressure [Pa]", label: "Pressure on the wall over time, with the exact step" });
     this.energy = new Plot({ x, y: "energy / start", label: "Energy of the bar over its start, over time" });
     this.gap = new Plot({ x, y: "gap / h", label: "Gap between bar and wall over time, in element sizes" });
     laboratory.pictures.append(this.pressure.canvas, this.energy.canvas, this.gap.canvas);
     this.before = null;
-    this.now = null;
   }
 
-  show(part, state) {
-    this.now = { part, state };
-    this.redraw();
-  }
-
-  redraw() {
-    if (!this.now) return;
-    const { part, state } = this.now;
+  draw(part, state) {
     const h = BAR.length / state.cells;
     const touch = (BAR.gap + state.phase * h) / BAR.speed;
     const leave = touch + (2 * BAR.length) / BAR.sound;
     const x = [0, BAR.end];
     const old = this.before?.part;
     const exact = { x: [0, touch, touch, leave, leave, BAR.end], y: [0, 0, 1, 1, 0, 0].map((on) => on * BAR.pressure) };
-    const name = LAW_NAMES[state.law].split(" (")[0];
+    const name = lawName(state);
     const lines = (key) => [
       ...(old ? [{ ...key(old, this.before.state), colour: "grey", name: "before", width: 1 }] : []),
       { ...key(part, state), colour: state.law === "penalty" ? "red" : "blue", name },
@@ -68,9 +66,8 @@ class BarView {
     const end = part.energy.total[part.energy.total.length - 1];
     const peak = Math.max(...part.pressure) / BAR.pressure;
     this.before = { part, state };
-    const name = LAW_NAMES[state.law].split(" (")[0];
     return (
-      `${name[0].toUpperCase()}${name.slice(1)}, β = ${state.beta}, step ${state.step} of the stable one: ` +
+      `${capital(lawName(state))}, β = ${state.beta}, step ${state.step} of the stable one: ` +
       `the energy at the end is ${end.toFixed(3)} times that of the start, ` +
       `the largest pressure ${peak.toFixed(2)} times the exact one.`
     );

@@ -230,9 +230,8 @@ class ClosestView {
     const answer = part.answers[WORDS.method.indexOf(state.method)];
     const certified = part.answers[CLOSEST.certified];
     const proof = certified.certified ? "proved to be the smallest" : "not proved";
-    const name = METHOD_WORDS[state.method];
     return (
-      `${name[0].toUpperCase()}${name.slice(1)} from (${state.start1}, ${state.start2}): ${answer.evaluations} evaluations, ` +
+      `${capital(METHOD_WORDS[state.method])} from (${state.start1}, ${state.start2}): ${answer.evaluations} evaluations, ` +
       `${STATUS[answer.status]}, ${WHERE[answer.where] ?? "nowhere"}. ` +
       `The distance is ${certified.distance.toFixed(6)}, ${proof}, at ξ = (${certified.xi1.toFixed(4)}, ${certified.xi2.toFixed(4)}).`
     );

@@ -11,6 +11,11 @@ function element(tag, attributes = {}, ...children) {
   return made;
 }
 
+// Text that begins a sentence.
+function capital(text) {
+  return text[0].toUpperCase() + text.slice(1);
+}
+
 // Text with the unit of a value.
 function shown(declared, value) {
   return declared.unit ? `${value} ${declared.unit}` : String(value);

@@ -27,12 +27,8 @@ class Field {
   // Fields of the left and right body, n by n; the largest value of the colours; lines of the right one, in its size.
   draw(fields, n, largest, lines) {
     this.shown = [fields, n, largest, lines];
-    const width = this.canvas.clientWidth;
+    const { pen, ratio, width } = cleared(this.canvas, this.height);
     if (width === 0) return;
-    const ratio = devicePixelRatio || 1;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(this.height * ratio);
-    const pen = this.canvas.getContext("2d");
     const size = this.canvas.width / 2;
     pen.imageSmoothingEnabled = false;
     fields.forEach((field, body) => pen.drawImage(this.image(field, n, largest), body * size, 0, size, size));

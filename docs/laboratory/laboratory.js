@@ -9,6 +9,18 @@ function reducedMotion() {
   return matchMedia("(prefers-reduced-motion: reduce)").matches;
 }
 
+// The pictures of a laboratory, drawn from the last part of a run: with draw(part, state) of each.
+class View {
+  show(part, state) {
+    this.now = { part, state };
+    this.redraw();
+  }
+
+  redraw() {
+    if (this.now) this.draw(this.now.part, this.now.state);
+  }
+}
+
 class Laboratory {
   constructor(box, name) {
     this.box = box;

@@ -21,8 +21,9 @@ LABORATORIES.plates = {
   },
 };
 
-class PlatesView {
+class PlatesView extends View {
   constructor(laboratory) {
+    super();
     this.field = new Field("The stress in both plates, with the exact wave fronts over it");
     this.field.canvas.classList.add("laboratory-wide");
     this.line = new Plot({ x: "place / d", y: "stress*", label: "The stress along the line, computed and exact", height: 220 });
@@ -32,17 +33,9 @@ class PlatesView {
     });
     laboratory.pictures.append(this.field.canvas, this.line.canvas, this.prices.canvas);
     this.runs = [];
-    this.now = null;
   }
 
-  show(part, state) {
-    this.now = { part, state };
-    this.redraw();
-  }
-
-  redraw() {
-    if (!this.now) return;
-    const { part, state } = this.now;
+  draw(part, state) {
     this.field.draw(part.fields, state.n, 1.5, exactFronts(part.t));
     const curves = [
       { ...part.exact, name: "exact", dash: [4, 3] },
@@ -70,9 +63,8 @@ class PlatesView {
     if (compared) this.runs.push({ line: state.line, updates: result.computed, error: result.error });
     if (this.runs.length > 100) this.runs.shift();
     this.redraw();
-    const name = LAW_NAMES[state.law].split(" (")[0];
     return (
-      `${name[0].toUpperCase()}${name.slice(1)}, β = ${state.beta}, Courant number ${result.courant.toPrecision(3)}, ` +
+      `${capital(lawName(state))}, β = ${state.beta}, Courant number ${result.courant.toPrecision(3)}, ` +
       `${state.n} elements along d: the mean error on the line is ${result.error.toFixed(4)} at c₁t/d = ${part.t.toFixed(2)}.`
     );
   }

@@ -35,6 +35,17 @@ function rangeOf(lists, must = []) {
   return [low - margin, high + margin];
 }
 
+// A canvas in the pixels of the screen, empty: its pen, the pixels of a unit, and its width, 0 if it is not seen.
+function cleared(canvas, height) {
+  const width = canvas.clientWidth;
+  const ratio = devicePixelRatio || 1;
+  if (width > 0) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
+  return { pen: canvas.getContext("2d"), ratio, width };
+}
+
 class Plot {
   constructor({ x, y, height = 180, label }) {
     this.names = { x, y };
@@ -48,12 +59,8 @@ class Plot {
   // Curves { x, y, colour, name, dash, points }, and limits [low, high] of the axes.
   draw(curves, limits) {
     this.shown = [curves, limits];
-    const width = this.canvas.clientWidth;
+    const { pen, ratio, width } = cleared(this.canvas, this.height);
     if (width === 0) return;
-    const ratio = devicePixelRatio || 1;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(this.height * ratio);
-    const pen = this.canvas.getContext("2d");
     pen.scale(ratio, ratio);
     pen.font = PLOT_FONT;
     const box = {

@@ -17,8 +17,9 @@ LABORATORIES.waves = {
   },
 };
 
-class WavesView {
+class WavesView extends View {
   constructor(laboratory) {
+    super();
     this.speeds = new Plot({
       x: "edges per wavelength h/ℓ", y: "speed / c₁", height: 240,
       label: "Phase and group velocity of the P wave over the edges per wavelength",
@@ -28,17 +29,9 @@ class WavesView {
       label: "The stress behind the front: exact, by the sum of all waves, and from a run",
     });
     laboratory.pictures.append(this.speeds.canvas, this.front.canvas);
-    this.now = null;
   }
 
-  show(part, state) {
-    this.now = { part, state };
-    this.redraw();
-  }
-
-  redraw() {
-    if (!this.now) return;
-    const { part, state } = this.now;
+  draw(part, state) {
     const { speeds, front, row } = part;
     this.speeds.draw([
       { x: [0, 0.5], y: [1, 1], dash: [4, 3], name: "exact" },
