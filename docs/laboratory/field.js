@@ -27,8 +27,10 @@ class Field {
   // Fields of the left and right body, n by n; the largest value of the colours; lines of the right one, in its size.
   draw(fields, n, largest, lines) {
     this.shown = [fields, n, largest, lines];
-    const { pen, ratio, width } = cleared(this.canvas, this.height);
-    if (width === 0) return;
+    const on = penOf(this.canvas, this.height);
+    if (!on) return;
+    const { pen, ratio } = on;
+    pen.resetTransform(); // to pixels of the screen
     const size = this.canvas.width / 2;
     pen.imageSmoothingEnabled = false;
     fields.forEach((field, body) => pen.drawImage(this.image(field, n, largest), body * size, 0, size, size));

@@ -35,15 +35,17 @@ function rangeOf(lists, must = []) {
   return [low - margin, high + margin];
 }
 
-// A canvas in the pixels of the screen, empty: its pen, the pixels of a unit, and its width, 0 if it is not seen.
-function cleared(canvas, height) {
+// A canvas of the width of its column and its pen in pixels of the page, of which each has `ratio` of the screen;
+// null while it is not shown.
+function penOf(canvas, height) {
   const width = canvas.clientWidth;
+  if (width === 0) return null;
   const ratio = devicePixelRatio || 1;
-  if (width > 0) {
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-  }
-  return { pen: canvas.getContext("2d"), ratio, width };
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const pen = canvas.getContext("2d");
+  pen.scale(ratio, ratio);
+  return { pen, width, height, ratio };
 }
 
 class Plot {
@@ -59,9 +61,9 @@ class Plot {
   // Curves { x, y, colour, name, dash, points }, and limits [low, high] of the axes.
   draw(curves, limits) {
     this.shown = [curves, limits];
-    const { pen, ratio, width } = cleared(this.canvas, this.height);
-    if (width === 0) return;
-    pen.scale(ratio, ratio);
+    const on = penOf(this.canvas, this.height);
+    if (!on) return;
+    const { pen, width } = on;
     pen.font = PLOT_FONT;
     const box = {
       left: PLOT_MARGIN.left, top: PLOT_MARGIN.top,

@@ -54,15 +54,3 @@ function followPointer(canvas, begin, move) {
   });
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => (last = null));
 }
-
-// A canvas of the width of its column and its pen in pixels of the page; null while it is not shown.
-function penOf(canvas, height) {
-  const width = canvas.clientWidth;
-  if (width === 0) return null;
-  const ratio = devicePixelRatio || 1;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  const pen = canvas.getContext("2d");
-  pen.scale(ratio, ratio);
-  return { pen, width, height };
-}
