@@ -8,22 +8,22 @@ from libcontact.pictures.plot import draw_faces
 from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import problems  # noqa: E402
+from problems import bending, runs  # noqa: E402
 
 
 def forces():
     """The ring of the scene at rest between its plates, and the force over the travel of a plate."""
     figure = Figure(figsize=(7.5, 3.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.2])
-    ring = problems.done(problems.load("crushed_ring")).state["ring"]
+    ring = runs.done(runs.load("crushed_ring")).state["ring"]
     draw_faces(left, ring, "z_min", np.zeros(len(ring.elements)), (-1, 1), linewidths=0.6)
     for y in (-0.65, 0.65):
         left.axhline(y, color="0.4", lw=2)
     left.set(xlim=(-1.5, 1.5), ylim=(-1.1, 1.1), xlabel="x", ylabel="y", aspect="equal")
     travel = np.linspace(0.005, 0.45, 80)
-    right.plot(travel, [problems.crushed_exact(2 - 2 * t) for t in travel], label="elastica")
+    right.plot(travel, [bending.crushed_exact(2 - 2 * t) for t in travel], label="elastica")
     some = np.array([0.1, 0.2, 0.3, 0.4])
-    forces = [problems.crushed(t, 40)[0] for t in some]
+    forces = [bending.crushed(t, 40)[0] for t in some]
     right.plot(some, forces, "o", label="40 bricks")
     right.plot(travel, 2 * travel / (np.pi / 4 - 2 / np.pi), ":", label="small displacements")
     right.set(xlabel="travel of each plate / r", ylabel="force F r² / B", ylim=(0, 5))

@@ -6,16 +6,16 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import problems  # noqa: E402
+from problems import runs  # noqa: E402
 
 
 def velocities():
     """Mean velocities of both discs over time, and those of plane waves."""
     figure = Figure(figsize=(6.0, 3.0), layout="constrained")
     axes = figure.subplots()
-    data = problems.load("discs")
+    data = runs.load("discs")
     data["output"]["every"] = 1
-    run = problems.done(data)
+    run = runs.done(data)
     mass = run.body_momentum("small")["p"][0, 2] / -100
     for name, own, after in (("small", mass, 0), ("large", mass / 0.9**2, -81)):
         rows = run.body_momentum(name)

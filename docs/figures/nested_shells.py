@@ -7,14 +7,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import problems  # noqa: E402
+from problems import rings, runs  # noqa: E402
 
 
 def displacements():
     """Radial displacement of the nodes over the radius, and Lamé's solution."""
     figure = Figure(figsize=(6.0, 3.0), layout="constrained")
     axes = figure.subplots()
-    run = problems.done(problems.load("nested_shells"))
+    run = runs.done(runs.load("nested_shells"))
     for name in run.bodies:
         shell = run.state[name]
         radius = np.linalg.norm(shell.nodes, axis=1)
@@ -22,7 +22,7 @@ def displacements():
         axes.plot(radius, 1e3 * moved, ".", ms=3, label=f"{name} shell, nodes")
     for inner in (True, False):
         r = np.linspace(*((0.6, 0.8) if inner else (0.8, 1.0)), 50)
-        exact = problems.shells_displacement(1.0, 0.25, 1e-3, r, inner)
+        exact = rings.shells_displacement(1.0, 0.25, 1e-3, r, inner)
         axes.plot(r, 1e3 * exact, "k-", lw=1, label="Lamé" if inner else None)
     axes.set(xlabel="radius", ylabel="radial displacement / 10⁻³")
     axes.legend()

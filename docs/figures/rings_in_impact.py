@@ -6,16 +6,16 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import problems  # noqa: E402
+from problems import rings  # noqa: E402
 
 
 def velocities():
     """Velocity of the left ring over time, by modes and by the scene."""
     figure = Figure(figsize=(6.5, 3.2), layout="constrained")
     axes = figure.subplots()
-    axes.plot(*problems.rings_exact(40, 0.02), label="modes")
-    time, speed, _ = problems.rings(*problems.RINGS["48"])
+    axes.plot(*rings.rings_exact(40, 0.02), label="modes")
+    time, speed, _ = rings.rings(*rings.RINGS["48"])
     axes.plot(time, speed, "--", label="48 bricks")
-    axes.set(xlabel="time", ylabel="velocity over that of the impact", xlim=(0, problems.RINGS_END))
+    axes.set(xlabel="time", ylabel="velocity over that of the impact", xlim=(0, rings.RINGS_END))
     axes.legend(loc="upper right")
     return figure

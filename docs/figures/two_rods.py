@@ -6,7 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-import problems  # noqa: E402
+from problems import rods, runs  # noqa: E402
 
 NAMES = {
     "rods_equal": "equal",
@@ -20,11 +20,11 @@ def pressures():
     figure = Figure(figsize=(7.5, 3.0), layout="constrained")
     axes = figure.subplots()
     for name, label in NAMES.items():
-        data = problems.load(name)
-        rows = problems.done(data).probes["contact"]
+        data = runs.load(name)
+        rows = runs.done(data).probes["contact"]
         area = data["body"][0]["box"]["size"][1] ** 2
         (line,) = axes.plot(rows["time"], rows["force"][:, 0] / area, lw=1, label=label)
-        exact = problems.RODS[name]["pressure"]
+        exact = rods.RODS[name]["pressure"]
         axes.plot([0, 0, 20, 20], [0, exact, exact, 0], color=line.get_color(), ls="--", lw=1)
     axes.set(xlabel="time", ylabel="pressure", xlim=(-0.5, 25))
     axes.legend(loc="lower left")

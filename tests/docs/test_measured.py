@@ -15,6 +15,7 @@ sys.path.insert(0, str(ROOT / "docs"))
 sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
 import measure  # noqa: E402
+from measures import penalty  # noqa: E402
 
 FILE = json.loads(measure.FILE.read_text())
 ROLE = re.compile(r":measured:`([\w.]+):([^`]+)`")
@@ -65,7 +66,7 @@ def test_closed_forms():
 def test_growth_depends_on_the_landing():
     """Two landings of the many that the slow measurements take lie within the range that the page gives, far from each
     other."""
-    found = sorted(one["most"] for one in measure.explicit_bar(10.0, landings=2))
+    found = sorted(one["most"] for one in penalty.explicit_bar(10.0, landings=2))
     assert (
         FILE["integrator"]["leapfrog_least"] <= found[0] < 1.5
         and 3 < found[1] <= FILE["integrator"]["leapfrog_most"]

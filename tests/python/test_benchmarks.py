@@ -28,7 +28,7 @@ LIMITS = {
         ("duration_100", 0, 0.015, FRONT),
         ("restitution_100", 0, 0.02, MODES),
     ]
-    for name in problems.RODS
+    for name in problems.rods.RODS
 }
 LIMITS |= {
     "rod_at_wall": [
@@ -76,7 +76,7 @@ LIMITS |= {
             0.01,
             "three elements over the radius",
         )
-        for name in problems.OBLIQUE_CASES
+        for name in problems.balls.OBLIQUE_CASES
     ],
     "tumbling_box": [
         (f"flip_{k}", FILE["tumbling_box"][f"euler_{k}"], 0.005, "half a step of 0.1")
@@ -160,40 +160,40 @@ def test_errors_fall_with_the_mesh():
 def test_a_ring_that_is_hardly_crushed_is_linear():
     """δ = (π/4 − 2/π) F r³/B by Castigliano's theorem. Of a ring that lies flat the force is (2 I/height)², where the
     integral I of the root of the sine over a quarter is half of the beta function B(3/4, 1/2)."""
-    small = problems.crushed_exact(2 - 1e-6)
+    small = problems.bending.crushed_exact(2 - 1e-6)
     assert 1e-6 / small == pytest.approx(math.pi / 4 - 2 / math.pi, rel=1e-5)
     root = math.gamma(0.75) * math.sqrt(math.pi) / math.gamma(1.25) / 2
-    assert problems.crushed_exact(1.2) == pytest.approx((2 * root / 1.2) ** 2, rel=1e-9)
+    assert problems.bending.crushed_exact(1.2) == pytest.approx((2 * root / 1.2) ** 2, rel=1e-9)
 
 
 def test_modes_of_a_ring():
     """Radial breathing ω = c/r; the bending of a thin ring, n² (n² − 1)²/(n² + 1) EI/(ρA r⁴), but for shear and the
     turning of sections, of the order n² h²/r²; a rigid motion of the whole mass. The plane only slows the ring."""
-    omega, a = problems.ring_modes(3, 5 / 6)
+    omega, a = problems.rings.ring_modes(3, 5 / 6)
     assert np.sort(omega)[0] == 0 and (omega == 0).sum() == 1
-    assert 1 / a[omega == 0][0] ** 2 == pytest.approx(2 * math.pi * problems.RING_THICKNESS)
+    assert 1 / a[omega == 0][0] ** 2 == pytest.approx(2 * math.pi * problems.rings.RING_THICKNESS)
     assert np.abs(omega - 1.0).min() < 1e-9
-    inertia = problems.RING_THICKNESS**2 / 12
+    inertia = problems.rings.RING_THICKNESS**2 / 12
     for n in (2, 3):
         thin = math.sqrt(n**2 * (n**2 - 1) ** 2 / (n**2 + 1) * inertia)
         assert np.abs(omega / thin - 1).min() < 3 * n**2 * inertia
-    time, speed = problems.rings_exact(40, 0.02)
+    time, speed = problems.rings.rings_exact(40, 0.02)
     assert speed[0] == pytest.approx(1.0) and np.diff(speed).max() < 1e-12
-    assert problems.rings_exact(20, 0.02)[1][-1] == pytest.approx(speed[-1], abs=0.02)
+    assert problems.rings.rings_exact(20, 0.02)[1][-1] == pytest.approx(speed[-1], abs=0.02)
 
 
 def test_shells_of_lame():
     """Of two equal materials without an initial stress of one of them only the misfit counts: a pressure on a full
     shell moves both sides of the interface alike, and at free faces the radial stress vanishes."""
     for inner, free in ((True, 0.6), (False, 1.0)):
-        u = lambda r, inner=inner: problems.shells_displacement(1.0, 0.25, 1e-3, r, inner)  # noqa: E731
+        u = lambda r, inner=inner: problems.rings.shells_displacement(1.0, 0.25, 1e-3, r, inner)  # noqa: E731
         h = 1e-5
         strain, hoop = (u(free + h) - u(free - h)) / (2 * h), u(free) / free
         stress = 1.2 * strain + 0.8 * hoop - (1e-3 if inner else 0.0)  # Λ = μ = 0.4 for ν = 1/4
         assert abs(stress) < 1e-9
         strain, hoop = (u(0.8 + h) - u(0.8 - h)) / (2 * h), u(0.8) / 0.8
         stress = 1.2 * strain + 0.8 * hoop - (1e-3 if inner else 0.0)
-        assert stress == pytest.approx(-problems.shells_exact(1.0, 0.25, 1e-3)[0], rel=1e-6)
+        assert stress == pytest.approx(-problems.rings.shells_exact(1.0, 0.25, 1e-3)[0], rel=1e-6)
 
 
 def test_modes_of_a_ball():
@@ -205,11 +205,13 @@ def test_modes_of_a_ball():
         (0, [1 / 3, 0], [(1 - 2 * poisson) / 3, 0]),
         (2, [2 / 3, 1 / 3], [2 / 3 * (1 + poisson), (1 + poisson) / 3]),
     ):
-        assert problems.ball.spheroidal(n, poisson) @ load == pytest.approx(np.array(u) / young)
-    modes = {n: problems.ball.spheroidal(n, poisson) for n in (2, 3, 10, 100)}
-    for n, of in (modes | {1: problems.ball.accelerated(poisson)}).items():
+        assert problems.balls.ball.spheroidal(n, poisson) @ load == pytest.approx(
+            np.array(u) / young
+        )
+    modes = {n: problems.balls.ball.spheroidal(n, poisson) for n in (2, 3, 10, 100)}
+    for n, of in (modes | {1: problems.balls.ball.accelerated(poisson)}).items():
         assert of[0, 1] == pytest.approx(n * (n + 1) * of[1, 0], rel=1e-9)
-    sizes = [np.abs(problems.ball.excess(ratio, poisson)) * ratio for ratio in (0.1, 0.01)]
+    sizes = [np.abs(problems.balls.ball.excess(ratio, poisson)) * ratio for ratio in (0.1, 0.01)]
     assert (sizes[1] < 0.02).all() and (sizes[1] < 0.25 * sizes[0]).all()
 
 
@@ -217,7 +219,9 @@ def test_elastica_has_the_limit_of_small_loads():
     """While the beam touches the cylinder at its top only, F L = B/r: there the angle begins, and the depth is that of
     a cantilever, F L³/3B, with small slopes."""
     bending, radius, length = 1.0, 100.0, 1.0
-    angle, depth = problems.elastica(1.0001 * bending / (radius * length), bending, radius, length)
+    angle, depth = problems.bending.elastica(
+        1.0001 * bending / (radius * length), bending, radius, length
+    )
     assert angle < 1e-3
     assert depth == pytest.approx(length**2 / (3 * radius), rel=1e-3)
 

@@ -1,0 +1,30 @@
+"""The tables of ``make stability`` and ``make zoo``."""
+
+from __future__ import annotations
+
+import defaults
+
+from .shared import DOCS, Numbers, measurement
+
+
+@measurement
+def laboratory() -> Numbers:
+    """From the tables of `make stability` and `make zoo`, the default law: growth and loss of linear bodies and of the
+    others, and how the runs of the zoo ended."""
+    rows = defaults.table.read(DOCS / "stability" / "summary.csv")
+    own = [row for row in rows if row["enforcement"] == "energy-controlled" and row["lost"] != ""]
+    large = ("folding strip", "rolled strip", "coil", "crushed ring", "pair of bodies")
+    found = {"linear_growth": max(r["energy grows by"] for r in own if r["case"] not in large)}
+    found["plates_lost"] = max(r["lost"] for r in own if r["case"] == "plates")
+    for name in large:
+        (row,) = (r for r in own if r["case"] == name)
+        key = name.split()[0]
+        found[f"{key}_growth"] = row["energy grows by"]
+        if key not in ("crushed", "pair"):
+            found[f"{key}_lost"] = row["lost"]
+    zoo = defaults.table.read(DOCS / "stability" / "zoo.csv")
+    found |= {
+        f"zoo_{name}": sum(r[name] for r in zoo) for name in ("runs", "ok", "refused", "fail")
+    }
+    found["zoo_growth"] = max(r["bodies' energy grows by"] for r in zoo)
+    return found
