@@ -18,9 +18,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-sys.path.append(str(DOCS.parent / "tools"))
+sys.path += [str(DOCS.parent / "tools"), str(DOCS / "_ext")]
 
 import count_book  # noqa: E402
+from exercises import without_answers  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
 RUN = 6
@@ -69,8 +70,11 @@ def telling(docs: Path = DOCS) -> Runs:
             found |= {run: one.label for part in parts(one.answer) for run in runs(part)}
     tops = [docs, *(docs.parent / name for name in SOURCES)]
     for file in (file for top in tops for file in top.rglob("*")):
-        if file.suffix in SUFFIXES and file.parent != folder:
+        if file.suffix in SUFFIXES and file.parent != folder and file.parent != docs / "tutorials":
             text = file.read_text(encoding="utf-8")
+            if file.parent == docs.parent / "tutorials":
+                found |= {run: file.stem for part in parts(text) for run in runs(part)}
+                text = without_answers(text)
             known.update(run for part in parts(text) for run in runs(part))
     return {run: label for run, label in found.items() if run not in known}
 

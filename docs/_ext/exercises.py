@@ -17,12 +17,15 @@ The kinds are ``hand``, ``program`` (with the library or a program of one's own)
 ``exercises/programs``, a file with the name of the exercise); the grades 1 to 3. A chapter includes its file of
 ``exercises`` at its end. The test of an answer stands beside that file and has the name of the exercise; see
 ``exercises/conftest.py``. Tutorials have answers, too, which are folded in their notebooks. With ``-D student=1``
-(``make docs STUDENT=1``) answers are not read at all, so they are in no file of the book.
+(``make docs STUDENT=1``) answers are not read at all, and the gallery reads a copy of the tutorials without them, so
+they are in no file of the book.
 """
 
 from __future__ import annotations
 
 import re
+import shutil
+from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import directives
@@ -88,11 +91,17 @@ def depart(translator, node: exercise) -> None:
     translator.body.append("</div>\n")
 
 
-def folded(text: str, student: bool = False) -> str:
-    """Text of a tutorial for a notebook: the answers folded, or left out."""
-    block = re.compile(r"^( *)\.\. answer::\n\n((?:\1 +\S.*\n?|[ \t]*\n)+)", re.M)
-    shown = r"\1<details><summary>Answer</summary>\n\n\2\n\1</details>\n\n"
-    return block.sub("" if student else shown, text)
+# An answer in the text of a tutorial, with or without the "#" of its program.
+ANSWER = re.compile(r"^(#?)( *)\.\. answer::\n\1\n((?:\1\2 +\S.*\n?|\1[ \t]*\n)+)", re.M)
+
+
+def folded(text: str) -> str:
+    """Text of a tutorial for a notebook, with its answers folded."""
+    return ANSWER.sub(r"\2<details><summary>Answer</summary>\n\n\3\n\2</details>\n\n", text)
+
+
+def without_answers(text: str) -> str:
+    return ANSWER.sub("", text)
 
 
 def fold_in_notebooks(app) -> None:
@@ -103,14 +112,28 @@ def fold_in_notebooks(app) -> None:
         convert = getattr(notebook.rst2md, "plain", notebook.rst2md)
 
         def rst2md(text, *options):
-            return convert(folded(text, app.config.student), *options)
+            return convert(folded(text), *options)
 
         rst2md.plain = convert  # type: ignore[attr-defined]
         notebook.rst2md = rst2md
 
 
+def copy_tutorials(app, config) -> None:
+    """For students the gallery takes pages, notebooks and downloads from tutorials without answers."""
+    if config.student and "sphinx_gallery.gen_gallery" in app.extensions:
+        plain = Path(app.outdir).with_name(f"{Path(app.outdir).name}-tutorials")
+        gallery = config.sphinx_gallery_conf
+        shutil.rmtree(plain, ignore_errors=True)
+        shutil.copytree(Path(app.srcdir, gallery["examples_dirs"]), plain)
+        for program in plain.rglob("*.py"):
+            text = program.read_text(encoding="utf-8")
+            program.write_text(without_answers(text), encoding="utf-8")
+        gallery["examples_dirs"] = str(plain)
+
+
 def setup(app):
     app.setup_extension("sphinx_design")
+    app.connect("config-inited", copy_tutorials, priority=1)
     app.connect("builder-inited", fold_in_notebooks, priority=100)
     app.add_config_value("student", False, "env", bool)
     app.add_enumerable_node(
