@@ -444,6 +444,14 @@ def test_a_report_has_the_largest_contact_pressure(tmp_path, monkeypatch, capsys
     assert json.loads(out)["contact_pressure"] is None and "pressure" not in err
 
 
+@pytest.mark.parametrize("until, touched", [("0.9", False), ("3", True)])
+def test_a_report_says_if_nothing_touched(until, touched, tmp_path, monkeypatch, capsys):
+    """A bar falls from 5 m at 10 m/s² on a wall: its contact lasts from 1 s to 1 + 2 L / c = 1.67 s."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", str(ct.example("bouncing_bar")), "--until", until]) == 0
+    assert ("nothing touched" not in capsys.readouterr().err) is touched
+
+
 def test_json_has_no_numbers_that_json_lacks():
     from libcontact.command import _json
 

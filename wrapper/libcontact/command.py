@@ -415,6 +415,9 @@ def _report(run: Run) -> None:
         _say(
             f"largest contact pressure at the end: {most['pressure']:.6g} {where}, recovered at the nodes"
         )
+    elif any(run.pressure.values()) and not stored:
+        if not any(run.momentum[f"{kind}_impulse"].any() for kind in run.pressure):
+            _say("nothing touched: no contact and no obstacle had a force at any time")
     if run.path is not None:
         _say(f'results in "{run.path}"')
 
