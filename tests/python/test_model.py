@@ -100,7 +100,8 @@ sets = { top = { faces = [[0, 5]] }, low = { nodes = [0, 1] }, all = { elements 
 [[body]]
 name = "d"
 material = "hard"
-box = { origin = [0, 0, 9], size = [1, 1, 1], cells = [1, 1, 1] }
+box = { origin = [0, 0, 0], size = [1, 1, 1], cells = [1, 1, 1] }
+place = { angle = 0.1, axis = [0, 1, 1], centre = [0, 0, 0], move = [0, 0, 9] }
 [[body]]
 name = "e"
 material = "hard"

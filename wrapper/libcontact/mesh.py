@@ -100,9 +100,13 @@ class Mesh:
         Named sets of nodes, faces and elements.
     """
 
-    def __init__(self, pointer: Any, owner: Any = None, sets: Sets = NO_SETS):
-        """Wrap a ``ct_mesh *`` that ``owner`` keeps alive; without an owner the mesh frees it."""
+    def __init__(
+        self, pointer: Any, owner: Any = None, sets: Sets = NO_SETS, sides: Mesh | None = None
+    ):
+        """Wrap a ``ct_mesh *`` that ``owner`` keeps alive; without an owner the mesh frees it. The mesh
+        ``sides`` has the same elements in another place, and names the sides."""
         self.sets = sets
+        self._sides = sides
         self.pointer = ffi.gc(pointer, lib.ct_mesh_free) if owner is None else pointer
         self._owner = owner
         self.element = list(KINDS)[pointer.kind]
@@ -236,6 +240,8 @@ class Mesh:
         """
         if face not in FACES:
             return self._set_faces(face)
+        if self._sides is not None:
+            return self._sides.faces(face)
         plane = () if face == "outer" else self._plane(face)
         function = lib.ct_mesh_plane_faces if plane else lib.ct_mesh_outer_faces
         count = function(self.pointer, *plane, ffi.NULL, ffi.NULL)
@@ -264,6 +270,8 @@ class Mesh:
             return self._set_nodes(face)
         if face == "outer":
             return np.unique(self.faces(face)[0])
+        if self._sides is not None:
+            return self._sides.face_nodes(face)
         # Capacity for all faces; the system provides memory only for what is written.
         room = np.empty(self.pointer.node_count, np.int32)
         count = lib.ct_mesh_plane_nodes(self.pointer, *self._plane(face), ints(room))

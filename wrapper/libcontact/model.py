@@ -333,10 +333,74 @@ class Spin(Table):
             yield "axis", "is 0; it must have a direction"
 
 
-class Initial(Table):
+class Turn(Table):
+    """
+    A rotation of a body by an angle.
+
+    Attributes
+    ----------
+    angle
+        Angle of rotation in radians.
+    axis
+        Axis of the rotation.
+    centre
+        A point that stays where it is.
+    """
+
+    angle: float = key(Number(), default=0.0)
+    axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
+    centre: Vector | None = key(
+        VECTOR, unit="length", default=None, says="the middle of its bounds"
+    )
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if not any(self.axis):
+            yield "axis", "is 0; it must have a direction"
+
+    def arms(self, nodes: NDArray[Any]) -> NDArray[Any]:
+        """The nodes (n, 3), seen from the centre."""
+        middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
+        arms: NDArray[Any] = nodes - (middle if self.centre is None else np.array(self.centre))
+        return arms
+
+    def change(self, arms: NDArray[Any]) -> NDArray[Any]:
+        """What the rotation adds to these vectors (n, 3)."""
+        e = np.array(self.axis) / np.linalg.norm(self.axis)
+        # 2 sin²(φ/2) in place of 1 - cos φ: small angles keep their digits.
+        across = np.cross(e, arms)
+        turned: NDArray[Any] = math.sin(self.angle) * across
+        turned += 2.0 * math.sin(0.5 * self.angle) ** 2 * np.cross(e, across)
+        return turned
+
+
+class Placement(Turn):
+    """
+    Where a body is built: its mesh is turned by ``angle`` about ``axis``, and moved. It is free of
+    stress there, whatever its law, and its sides keep the names that they had before.
+
+    Attributes
+    ----------
+    move
+        Displacement of the mesh, after the rotation.
+    """
+
+    move: Vector = key(VECTOR, unit="length", default=ORIGIN)
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        yield from super().refusals()
+        if not self.angle and not any(self.move):
+            yield "", "gives no angle and no move"
+
+    def of(self, nodes: NDArray[Any]) -> NDArray[Any]:
+        """The nodes (n, 3) of the mesh in this place."""
+        return np.ascontiguousarray(nodes + self.change(self.arms(nodes)) + np.array(self.move))
+
+
+class Initial(Turn):
     """
     The state of a body at the start: a point X begins at centre + R (1 + gradient) (X - centre) +
-    displacement, where R turns by ``angle`` about ``axis`` (:eq:`initial-displacement`).
+    displacement, where R turns by ``angle`` about ``axis`` (:eq:`initial-displacement`). The law ``"linear"``
+    does not allow an angle.
 
     Attributes
     ----------
@@ -344,13 +408,6 @@ class Initial(Table):
         Displacement of the whole body.
     gradient
         Displacement gradient: three rows with the derivatives of one component along x, y and z.
-    angle
-        Angle of rotation in radians, after the deformation by ``gradient``. The law ``"linear"`` does
-        not allow it.
-    axis
-        Axis of the rotation.
-    centre
-        Centre of deformation and rotation.
     displacements
         Instead of all these, the displacement of each node (n, 3); meant for Python.
     stress
@@ -360,11 +417,6 @@ class Initial(Table):
 
     displacement: Vector = key(VECTOR, unit="length", default=ORIGIN)
     gradient: Any = key(Each(VECTOR, VECTOR, VECTOR), default=None, says="0")
-    angle: float = key(Number(), default=0.0)
-    axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
-    centre: Vector | None = key(
-        VECTOR, unit="length", default=None, says="the middle of its bounds"
-    )
     displacements: Any = key(Rows(3), unit="length", default=None, says="none")
     stress: Any = key(Each(*[Number()] * 6), unit="stress", default=None, says="0")
 
@@ -379,8 +431,7 @@ class Initial(Table):
         return self.moves or self.displacements is not None
 
     def refusals(self) -> Iterator[tuple[str, str]]:
-        if not any(self.axis):
-            yield "axis", "is 0; it must have a direction"
+        yield from super().refusals()
         if self.displacements is not None and self.moves:
             yield "displacements", "cannot stand beside displacement, gradient or angle"
         if self.stress is None and not self.displaces:
@@ -390,15 +441,10 @@ class Initial(Table):
         """Displacements (n, 3) of the nodes (n, 3) of the body; None: there are none."""
         if self.displacements is not None or not self.moves:
             return self.displacements  # type: ignore[no-any-return]
-        middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
-        r = nodes - (middle if self.centre is None else np.array(self.centre))
+        r = self.arms(nodes)
         stretched = r if self.gradient is None else r @ np.array(self.gradient).T
         stretched = stretched if self.gradient is None else stretched + r
-        e = np.array(self.axis) / np.linalg.norm(self.axis)
-        # 2 sin²(φ/2) in place of 1 - cos φ: small angles keep their digits.
-        across = np.cross(e, stretched)
-        turned = math.sin(self.angle) * across
-        turned += 2.0 * math.sin(0.5 * self.angle) ** 2 * np.cross(e, across)
+        turned = self.change(stretched)
         return np.ascontiguousarray((stretched - r) + turned + np.array(self.displacement))
 
 
@@ -527,6 +573,8 @@ class Body(Table):
         Height and layers of a plane mesh of quadrilaterals and triangles.
     inertia
         Mass and moments of inertia of a rigid body that needs no mesh, because it carries an obstacle.
+    place
+        Rotation and displacement of the mesh before everything else: where the body stands.
     nodes
         Coordinates (n, 3); meant for Python.
     elements
@@ -575,6 +623,7 @@ class Body(Table):
     part: str | None = key(Name(), default=None, says="all elements")
     scale: float = key(POSITIVE, default=1.0)
     extrude: Any = key(Nested(Extrude), default=None, says="none")
+    place: Any = key(Nested(Placement), default=None, says="as its mesh is given")
     nodes: Any = key(Rows(3), unit="length", default=None, says=ONE)
     elements: Any = key(Rows(*WIDTH.values(), whole=True), default=None, says="with ``nodes``")
     sets: Any = key(ByName(Nested(MeshSet)), default=None, says="none")

@@ -267,6 +267,7 @@ class Problem:
         return (
             "congruent" in self.parts.run.savings
             and body.box is not None
+            and body.place is None
             and body.box.equal
             and self.parts.materials_of(body)[0].law == "linear"
             and FACTS[str(body.bricks)].trilinear
@@ -296,16 +297,29 @@ class Problem:
         """The mesh members of a ``ct_scene_body``, and the object that keeps them alive. The scene itself
         meshes a box without spin."""
         if body.shape is None:
-            arrays = self._arrays(body, key)
+            arrays = self._placed(body, self._arrays(body, key))
             return {"mesh": c_mesh(*arrays)}, arrays
         kind = KINDS[str(body.bricks)]
         if body.box is None:
             mesh = mesh_of(body.shape, body.lattice, str(body.bricks))
-            return {"mesh": mesh.pointer}, mesh
-        box = c_box(body.box, self.layers(body))
-        needed = body.spin or (body.initial and body.initial.displaces)
-        made = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box)) if needed else None
-        return {"kind": kind, "box": box[0]}, made
+            members: dict[str, Any] = {"mesh": mesh.pointer}
+        else:
+            box = c_box(body.box, self.layers(body))
+            members = {"kind": kind, "box": box[0]}
+            if not (body.spin or body.place or (body.initial and body.initial.displaces)):
+                return members, None
+            mesh = Mesh(ask("ct_mesh **", lib.ct_mesh_create_box, kind, box))
+        if body.place is None:
+            return members, mesh
+        arrays = self._placed(body, mesh)
+        return {"mesh": c_mesh(*arrays)}, arrays
+
+    def _placed(self, body: Body, mesh: Any) -> Any:
+        """A mesh with its nodes where the body stands; the one that was given keeps the names of the sides."""
+        if body.place is None:
+            return mesh
+        self._unplaced[body.name] = Mesh.copy(mesh.nodes, mesh.elements)
+        return Arrays(body.place.of(mesh.nodes), mesh.elements)
 
     def _from_file(self, body: Body, key: str) -> tuple[Body, Sets]:
         """A body with the arrays of its mesh file, checked against the other keys, and the sets of the file."""
@@ -316,7 +330,7 @@ class Problem:
         file = self._files.setdefault(path, MeshFile(path))
         found = file.bricks(body.part, body.scale, plane)
         if body.initial is None or not body.initial.displaces:
-            file.take(body.name, found.cells, body.scale)
+            file.take(body.name, found.cells, (body.scale, body.place))
         body = replace(body, mesh=None, nodes=found.nodes, elements=found.elements)
         for name, reason in body.refusals():
             raise self._error(f'{reason}, in "{path}"', f"{key.rpartition('.')[0]}.{name}")
@@ -341,6 +355,8 @@ class Problem:
         """Add all bodies and join them. From then on the C scene holds their meshes."""
         self._sets: dict[str, Sets] = dict.fromkeys(self.parts.bodies, NO_SETS)
         self._files: dict[Path, MeshFile] = {}
+        # The meshes of bodies with a place, before they were put there.
+        self._unplaced: dict[str, Mesh] = {}
         # The number of each element's material, of bodies with several.
         self._material_at: dict[str, Ints] = {}
         for i, body in enumerate(self.parts.bodies.values()):
@@ -355,7 +371,7 @@ class Problem:
         self._call("", lib.ct_scene_join, self._scene, joined)
         self.joined = joined[0]
         self._meshes = {
-            name: Mesh(self.joined.bodies[i].mesh, self._scene, sets)
+            name: Mesh(self.joined.bodies[i].mesh, self._scene, sets, self._unplaced.get(name))
             for i, (name, sets) in enumerate(self._sets.items())
         }
 

@@ -79,11 +79,11 @@ class MeshFile:
     def __init__(self, path: str | Path):
         self.path, self.reading = Path(path), Reading(path)
         self._raw: Raw | None = None
-        self._taken: list[tuple[str, float, Numbers]] = []
+        self._taken: list[tuple[str, object, Numbers]] = []
 
-    def take(self, body: str, cells: Numbers, scale: float) -> None:
+    def take(self, body: str, cells: Numbers, where: object) -> None:
         """
-        Refuse a body with an element of another body of the same scale, which would be in the same place.
+        Refuse a body with an element of another body in the same place.
 
         Parameters
         ----------
@@ -91,8 +91,8 @@ class MeshFile:
             Name of the body.
         cells
             Its cells of the file.
-        scale
-            Its coordinates over those of the file.
+        where
+            What makes its coordinates of those of the file.
 
         Raises
         ------
@@ -101,11 +101,11 @@ class MeshFile:
         """
         for other, its, theirs in self._taken:
             common = np.intersect1d(cells, theirs)
-            if its == scale and common.size and self._raw is not None:
+            if its == where and common.size and self._raw is not None:
                 text = f'{self._raw.who(int(common[0]))} is in the bodies "{other}" and "{body}"'
                 cure = "give each body a part that has no elements of the others"
                 raise self.reading.wrong(f"{text}, {common.size} in all; {cure}")
-        self._taken.append((body, scale, cells))
+        self._taken.append((body, where, cells))
 
     def bricks(self, part: str | None, scale: float, extrude: tuple[float, int] | None) -> MeshData:
         """

@@ -87,7 +87,8 @@ def plates(problem: Problem) -> Plates | None:
         for each in parts.support
     )
     other = any(effect.name not in NUMERICAL for effect in parts.effects) or problem.own
-    if other or not pure or not all(body.box and body.spin is None for body in bodies):
+    plain = all(body.box and not body.spin and not body.place for body in bodies)
+    if other or not pure or not plain:
         return None
     made = [parts.materials[body.material] for body in bodies]
     if len({(each.young, each.poisson, each.density, each.law) for each in made}) > 1:

@@ -188,6 +188,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     facts |= {"kernel": body.kernel, "kernel_why": _why(given.kernel, body)}
     facts |= {"lumping": given.lumping or ("row_sum" if FACTS[mesh.element].row_sum else "hrz")}
     facts |= {"layers": problem.layers(given) if given.box else None}
+    facts |= {"place": [each.tolist() for each in mesh.bounds] if given.place else None}
     facts |= {"c1": c1, "c2": c2, "c1_si": c1 * problem.parts.units.factor("velocity")}
     facts |= {"shortest_edge": mesh.shortest_edge}
     masses = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * problem.pointer.node_count))
@@ -313,6 +314,9 @@ def _text(data: dict[str, Any], units: Units) -> str:
     for body in data["bodies"]:
         layers = f", numbered layer by layer along {body['layers']}" if body["layers"] else ""
         text = BODY.format(**labels, **body, numbered=layers)
+        if body["place"]:
+            low, high = (", ".join(f"{x:.6g}" for x in corner) for corner in body["place"])
+            text += f"\n    placed between ({low}) and ({high}) {labels['length']}"
         if body["inertia"]:
             ratios = ", ".join(f"{ratio:.4g}" for ratio in body["inertia"])
             text += f"\n    inertia of these masses over that of the body: {ratios}"
