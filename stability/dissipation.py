@@ -34,38 +34,14 @@ def thrown(
     ``landing`` is the position of the impact between two steps; ``step`` are entries of [time]. The energy
     limit is raised, because some of these runs are expected to exceed it.
     """
-    scene = ct.Scene(title="bar", units={"length": "m", "mass": "kg", "time": "s"})
-    scene.add_material("bar", young=YOUNG, poisson=0.0, density=1.0)
-    gap = 5.0 + landing * 0.9 * H / C * SPEED
-    scene.add_body(
-        "bar",
-        material="bar",
-        velocity=[-SPEED, 0, 0],
-        box={"origin": [gap, 0, 0], "size": [LENGTH, H, H], "cells": [ELEMENTS, 1, 1]},
-    )
-    share = {} if dissipation is None else {"dissipation": dissipation}
-    share |= {} if enforcement == "penalty" else {"restitution": 0.0}
-    scene.add(
-        "obstacle",
-        surface="bar.x_min",
-        plane={"point": [0, 0, 0], "normal": [1, 0, 0]},
-        beta=beta,
-        enforcement=enforcement,
-        **share,
-    )
-    scene.set_time(end=end, energy_limit=100, **step)
-    return scene.set_output(every=1, fields=[]).run(progress=False)
-
-
-def wall_pressure(run: ct.Run) -> np.ndarray:
-    """Pressure of the wall at each step, from the momentum of the half steps: between them the force of t_n
-    acts, and the table has the mean of the two around t_n."""
-    p = run.momentum["p"][:, 0]
-    half = np.empty(len(p) + 1)
-    half[0] = p[0]
-    for n, mean in enumerate(p):
-        half[n + 1] = 2 * mean - half[n]
-    return np.diff(half) / (run.time[1] - run.time[0]) / H**2
+    data = ct.Scene.load(ct.example("bar_on_a_wall")).data
+    data["body"][0]["box"]["origin"][0] += landing * 0.9 * H / C * SPEED
+    data["obstacle"][0] |= {"enforcement": enforcement, "beta": beta}
+    data["obstacle"][0] |= {} if dissipation is None else {"dissipation": dissipation}
+    data["obstacle"][0] |= {} if enforcement == "penalty" else {"restitution": 0.0}
+    data["time"] = {"end": end, "energy_limit": 100, **step}
+    scene = ct.Scene(data | {"output": {"every": 1, "fields": []}})
+    return scene.add_probe("wall", resultant="obstacle").run(progress=False)
 
 
 def bar(
@@ -75,7 +51,7 @@ def bar(
     the release in steps, energy lost."""
     step = {"fraction": fraction} if enforcement == "penalty" else {"dt": fraction * H / C}
     run = thrown(enforcement, beta, landing, dissipation, **step)
-    time, p, force = run.time, run.momentum["p"][:, 0], wall_pressure(run)
+    time, p, force = run.time, run.momentum["p"][:, 0], run.probes["wall"]["force"][:, 0] / H**2
     begin = 0.5 + landing * 0.9 * H / C
     held = (time >= begin + 0.1) & (time <= begin + 0.6)
     pushed = time[np.abs(force) > 1e-9 * PRESSURE]
