@@ -4,9 +4,6 @@
 #include "../tests/c/hosts.h"
 #include "../tests/c/meeting.h"
 
-/* Cost of an element with a face in contact, in elements. */
-static const double FACE = 13.0;
-
 typedef struct job {
   pthread_t thread;
   seat at;
@@ -33,20 +30,6 @@ static void *work(void *user)
   return NULL;
 }
 
-/* The piece of each element; those at the surfaces in contact cost more. */
-static int32_t *owners_of(const ct_problem *problem, int n, int pieces, int contact)
-{
-  const int64_t half = (int64_t)n * n * n;
-  int32_t *owners = integers(2 * half);
-  double *cost = numbers(2 * half);
-  ct_error e;
-  for (int64_t i = 0; i < 2 * half; i++)
-    cost[i] = contact && i % half / ((int64_t)n * n) == (i < half ? n - 1 : 0) ? FACE : 1.0;
-  need(ct_piece_bisect(problem, pieces, cost, owners, &e), &e);
-  free(cost);
-  return owners;
-}
-
 int main(int argc, char **argv)
 {
   if (argc < 6) return 1;
@@ -63,7 +46,9 @@ int main(int argc, char **argv)
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8}, NULL, NULL);
   ct_state *start = new_state(problem);
-  int32_t *owners = owners_of(problem, n, pieces, contact);
+  int32_t *owners = integers(2 * n * n * n);
+  ct_error e;
+  need(ct_piece_bisect(problem, pieces, NULL, owners, &e), &e);
   meeting with = MEETING(pieces);
   job of[MOST_SEATS];
   for (int k = 0; k < pieces; k++)

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .bridge import Ints, Rows, ask, call, copied, ints
@@ -23,8 +22,6 @@ from .errors import Error, NotBuiltIn, SceneWarning, held, install
 from .mesh import side_nodes
 from .problem import Problem
 
-# Cost of the contact points of a face in element forces, from the price list of contact.
-FACE_WEIGHT = 12
 # Fewest elements per piece for METIS.
 FEW_ELEMENTS = 8
 # Where launchers of MPI say how many processes there are, and which one this is.
@@ -52,30 +49,20 @@ def world() -> Any:
     return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
 
 
-def weights(problem: Problem) -> NDArray[np.float64]:
-    """The cost of each element of all bodies, one body after another: that of its force, and of the points of
-    its faces in contacts and obstacles."""
-    cost = [np.ones(len(body.mesh.elements)) for body in problem.bodies.values()]
-    number = {name: i for i, name in enumerate(problem.bodies)}
-    surfaces = [surface for contact in problem.parts.contact for surface in contact.surfaces]
-    surfaces += [each.surface for each in problem.parts.obstacle]
-    for body, face in surfaces:
-        behind = problem.bodies[body].mesh.faces(face)[1]
-        np.add.at(cost[number[body]], behind, float(FACE_WEIGHT))
-    return np.concatenate(cost)
+def elements_of(problem: Problem) -> int:
+    """The number of elements of all bodies."""
+    return sum(len(body.mesh.elements) for body in problem.bodies.values())
 
 
 def bisect(problem: Problem, count: int) -> Ints:
     """The piece of each element, cut by coordinates."""
-    cost = weights(problem)
-    owners = np.empty(len(cost), np.int32)
-    given = ffi.from_buffer("double[]", cost)
-    call(lib.ct_piece_bisect, problem.pointer, count, given, ints(owners))
+    owners = np.empty(elements_of(problem), np.int32)
+    call(lib.ct_piece_bisect, problem.pointer, count, ffi.NULL, ints(owners))
     return owners
 
 
 def metis(problem: Problem, count: int) -> Ints:
-    """The piece of each element by METIS: few shared sides, and equal costs."""
+    """The piece of each element by METIS: few shared sides, and equal numbers."""
     import pymetis
 
     pairs, first = [], 0
@@ -91,8 +78,7 @@ def metis(problem: Problem, count: int) -> Ints:
     begin, end = np.concatenate([one, other]), np.concatenate([other, one])
     order = np.lexsort((end, begin))
     starts = np.searchsorted(begin[order], np.arange(first + 1))
-    cost = weights(problem).astype(int).tolist()
-    graph = {"xadj": starts.tolist(), "adjncy": end[order].tolist(), "vweights": cost}
+    graph = {"xadj": starts.tolist(), "adjncy": end[order].tolist()}
     return np.array(pymetis.part_graph(count, **graph)[1], np.int32)
 
 
@@ -101,7 +87,7 @@ def owners_of(problem: Problem, count: int, partition: Any) -> Ints:
     "coordinates", an array, or None for the best that is installed. METIS does not cut a small mesh, which is cut
     by coordinates."""
     has_metis = importlib.util.find_spec("pymetis") is not None
-    wanted = sum(len(body.mesh.elements) for body in problem.bodies.values())
+    wanted = elements_of(problem)
     if partition is None:
         partition = "metis" if has_metis else "coordinates"
     if isinstance(partition, str):

@@ -29,14 +29,15 @@ void ct_admission_shift(ct_side *sides, int count, int counted)
   for (int s = 0; s < count; s++) {
     const ct_side *side = &sides[s];
     if (counted && !side->shifted) continue;
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      if (!counted) p->shift = 0.0;
-      if (p->admitted == 0.0) continue;
-      p->admitted = p->other < 0 ? 0.0 : later(side, p);
-      p->shift += p->admitted;
-      p->row.gap -= p->admitted;
-      if (fabs(p->row.gap) <= ct_side_unsure(side)) p->row.gap = 0.0;
-    }
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+        if (!counted) p->shift = 0.0;
+        if (p->admitted == 0.0) continue;
+        p->admitted = p->other < 0 ? 0.0 : later(side, p);
+        p->shift += p->admitted;
+        p->row.gap -= p->admitted;
+        if (fabs(p->row.gap) <= ct_side_unsure(side)) p->row.gap = 0.0;
+      }
   }
 }
 
@@ -174,10 +175,11 @@ void ct_admission_limit(ct_contact *contact)
   const double reach = reach_of(contact), late = admission->late;
   int64_t some = 0;
   for (int s = 0; s < count; s++)
-    for (int64_t i = 0, points = sides[s].fixed->point_count; i < points; i += CLAIMS) {
-      const int64_t next = points - i < CLAIMS ? points - i : CLAIMS;
-      some += list_claims(contact, s, &sides[s].points[i], next, reach, &contact->terms[some]);
-    }
+    for (ct_span run = {0}; ct_side_next(&sides[s], &run);)
+      for (int64_t i = run.first; i < run.end; i += CLAIMS) {
+        const int64_t next = run.end - i < CLAIMS ? run.end - i : CLAIMS;
+        some += list_claims(contact, s, &sides[s].points[i], next, reach, &contact->terms[some]);
+      }
   // -- All points together store at most what the bodies have given (eq:admitted-store)
   double both[2] = {(double)some, admission->late - late};
   ct_pieces_sum(sides[0].pieces, both, 2);
@@ -189,31 +191,33 @@ void ct_admission_limit(ct_contact *contact)
         admission->received + SLACK * admission->most))
     return;
   for (ct_side *side = sides; side < sides + count; side++)
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      if (may_store(p, reach)) admit(side, p);
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
+        if (may_store(p, reach)) admit(side, p);
 }
 
 /* The energy that the points of a side store with an explicit penalty. */
 static void store_claims(const ct_side *side)
 {
-  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-    p->row.impact.stored = p->other >= 0 ? ct_law_claim(&p->row) : 0.0;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
+      p->row.impact.stored = p->other >= 0 ? ct_law_claim(&p->row) : 0.0;
 }
 
 /* The energy that the bodies give to the points of a side, as terms of a sum; returns their number.
  * A row that is not listed has no force. */
 static int64_t list_works(const ct_side *side, int starting, double *terms)
 {
-  const ct_point *end = side->points + side->fixed->point_count;
   int64_t some = 0;
-  for (const ct_point *p = side->points; p < end; p++) {
-    const ct_constraint *row = &p->row;
-    // -- Minus the work of the row (eq:admitted-account)
-    double term = -0.5 * row->force * (row->after - row->before);
-    if (starting && p->listed) term += ct_law_claim(row);
-    terms[some] = term;
-    some += term != 0.0;
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (const ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+      const ct_constraint *row = &p->row;
+      // -- Minus the work of the row (eq:admitted-account)
+      double term = -0.5 * row->force * (row->after - row->before);
+      if (starting && p->listed) term += ct_law_claim(row);
+      terms[some] = term;
+      some += term != 0.0;
+    }
   return some;
 }
 

@@ -32,11 +32,12 @@ static int is_no_partner(void *user, int32_t face)
 enum { PLACE = 3 };
 static void list_places(const ct_side *side, double *places)
 {
-  for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    const ct_point *point = &side->points[i];
-    const double place[PLACE] = {(double)point->other + 1.0, point->xi[0], point->xi[1]};
-    if (ct_side_owns(side, i)) memcpy(&places[PLACE * i], place, sizeof place);
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++) {
+      const ct_point *point = &side->points[i];
+      const double place[PLACE] = {(double)point->other + 1.0, point->xi[0], point->xi[1]};
+      memcpy(&places[PLACE * i], place, sizeof place);
+    }
   ct_pieces_sum(side->pieces, places, PLACE * side->fixed->point_count);
 }
 

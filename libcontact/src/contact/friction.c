@@ -45,14 +45,15 @@ enum { LEAST_POINTS = 1024 };
 /* List the points that have rows in this step. */
 static void list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
-  int64_t j = 0;
+  int64_t first = 0;
   s->listed_count = 0;
-  for (int k = 0; k < s->data->sides; k++) {
-    for (int64_t i = 0; i < s->data->side[k]->point_count; i++, j++) {
-      ct_point *point = &now->side[k]->points[i];
-      if (point->listed) s->listed[s->listed_count++] = j;
-      else point->row.slip = NULL;
-    }
+  for (int k = 0; k < s->data->sides; first += s->data->side[k++]->point_count) {
+    for (ct_span run = {0}; ct_side_next(now->side[k], &run);)
+      for (int64_t i = run.first; i < run.end; i++) {
+        ct_point *point = &now->side[k]->points[i];
+        if (point->listed) s->listed[s->listed_count++] = first + i;
+        else point->row.slip = NULL;
+      }
     s->listed_end[k] = s->listed_count;
   }
 }

@@ -27,31 +27,36 @@ int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
   return load_whole(fixed, memory).begun != 0.0;
 }
 
+/* Restore a point from its record. */
+static void load_point(const double *memory, int32_t face_count, ct_point *point)
+{
+  ct_point_record record;
+  memcpy(&record, memory, sizeof record);
+  int buried = record.status == (double)CT_POINT_BURIED,
+      met = !buried && record.other >= 1.0 && record.other <= (double)face_count;
+  point->other = met ? (int32_t)record.other - 1 : -1;
+  point->status = buried                                     ? CT_POINT_BURIED
+                  : !met                                     ? CT_POINT_NEW
+                  : record.status == (double)CT_POINT_INSIDE ? CT_POINT_INSIDE
+                                                             : CT_POINT_OUTSIDE;
+  memcpy(point->xi, record.xi, sizeof point->xi);
+  point->known = record.known;
+  point->row.force = record.force;
+  point->start = record.start;
+  point->force_size = record.force_size;
+  point->admitted = record.admitted;
+  point->row.impact = record.impact;
+}
+
 /* Restore the points of a side from their records, whose partners are `face_count` faces; return
  * the place behind the records. */
 static const double *load_points(ct_side *side, int32_t face_count, const double *memory)
 {
   side->shifted = 1;
-  for (int64_t i = 0; i < side->fixed->point_count; i++, memory += CT_RECORD) {
-    ct_point *point = &side->points[i];
-    ct_point_record record;
-    memcpy(&record, memory, sizeof record);
-    int buried = record.status == (double)CT_POINT_BURIED,
-        met = !buried && record.other >= 1.0 && record.other <= (double)face_count;
-    point->other = met ? (int32_t)record.other - 1 : -1;
-    point->status = buried                                     ? CT_POINT_BURIED
-                    : !met                                     ? CT_POINT_NEW
-                    : record.status == (double)CT_POINT_INSIDE ? CT_POINT_INSIDE
-                                                               : CT_POINT_OUTSIDE;
-    memcpy(point->xi, record.xi, sizeof point->xi);
-    point->known = record.known;
-    point->row.force = record.force;
-    point->start = record.start;
-    point->force_size = record.force_size;
-    point->admitted = record.admitted;
-    point->row.impact = record.impact;
-  }
-  return memory;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++)
+      load_point(&memory[CT_RECORD * i], face_count, &side->points[i]);
+  return memory + CT_RECORD * side->fixed->point_count;
 }
 
 /* Number of faces of what the points of a side meet: 1 for an obstacle. */
@@ -107,8 +112,9 @@ ct_largest_row ct_contact_store_points(const ct_contact *contact, double *memory
   ct_largest_row largest = {0.0, 0.0};
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    largest = store_points(side->fixed->point_count, side->points,
-                           (ct_point_record *)(void *)memory, largest);
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      largest = store_points(run.end - run.first, &side->points[run.first],
+                             (ct_point_record *)(void *)&memory[CT_RECORD * run.first], largest);
     memory += CT_RECORD * side->fixed->point_count;
   }
   return largest;
@@ -139,9 +145,10 @@ void ct_contact_divide(const ct_contact *contact, double part, double *memory)
   ct_point_record *record = (ct_point_record *)(void *)memory;
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    const ct_point *end = side->points + side->fixed->point_count;
-    for (const ct_point *p = side->points; p < end; p++, record++)
-      if (contact->solved && p->listed) ct_law_divide(&p->row, part, &record->impact);
+    for (ct_span run = {0}; contact->solved && ct_side_next(side, &run);)
+      for (int64_t i = run.first; i < run.end; i++)
+        if (side->points[i].listed) ct_law_divide(&side->points[i].row, part, &record[i].impact);
+    record += side->fixed->point_count;
   }
   if (contact->fixed->moves) divide_motion(contact, part, (ct_contact_record *)(void *)record);
 }

@@ -214,19 +214,19 @@ static void meet_plane(const ct_contact *contact, const double *height, int firs
   // The vectors are for start gaps and the explicit penalty.
   const double *wanted = first || contact->fixed->is.explicit ? contact->axis : NULL;
   const double nothing = ct_contact_rounds(contact) ? ct_side_unsure(side) : -1.0;
-  ct_point *point = side->points;
-  for (int32_t f = 0; f < search->face_count; f++, point += points) {
-    const int32_t *node = &search->faces[(int64_t)f * per];
-    double gap[32];
-    if (side->owned != NULL && !side->owned[f]) continue;
-    if (four) {
-      meet_face(4, 4, side->fixed, node, height, gap);
-      for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], nothing, wanted);
-    } else {
-      meet_face(per, points, side->fixed, node, height, gap);
-      for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], nothing, wanted);
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int64_t f = run.first; f < run.end; f++) {
+      const int32_t *node = &search->faces[f * per];
+      ct_point *point = &side->points[f * points];
+      double gap[32];
+      if (four) {
+        meet_face(4, 4, side->fixed, node, height, gap);
+        for (int q = 0; q < 4; q++) keep_gap(&point[q], gap[q], nothing, wanted);
+      } else {
+        meet_face(per, points, side->fixed, node, height, gap);
+        for (int q = 0; q < points; q++) keep_gap(&point[q], gap[q], nothing, wanted);
+      }
     }
-  }
 }
 
 /* Heights of all nodes over a plane. */
@@ -252,10 +252,11 @@ static ct_status measure(ct_contact *contact, const ct_surface_motion *now, ct_e
     meet_plane(contact, contact->terms, now->first);
     return CT_OK;
   }
-  for (int64_t i = 0; i < surface->fixed->point_count; i++)
-    if (ct_side_owns(surface, i) && !meet(contact, i, now->first))
-      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                     "obstacle: a point of the surface is at its centre");
+  for (ct_span run = {0}; ct_side_next(surface, &run);)
+    for (int64_t i = run.first; i < run.end; i++)
+      if (!meet(contact, i, now->first))
+        return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
+                       "obstacle: a point of the surface is at its centre");
   if (contact->gaps.fixed->sides == 1) return CT_OK;
   const double moved = ct_side_motion(surface) + sqrt(ct_vector_dot(contact->came, contact->came));
   ct_stations_meet(contact, 3.0 * moved + CT_CLOSEST_POINT_ERROR * surface->search->size,

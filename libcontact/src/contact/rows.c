@@ -76,7 +76,6 @@ CT_INLINE void row_at(const ct_contact *contact, along m, ct_point *p)
 CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, const ct_side *other,
                             double dt, ct_constraint **rows)
 {
-  const ct_point *end = side->points + side->fixed->point_count;
   const int32_t *faces = other == NULL ? NULL : ct_side_row_nodes(other->fixed, 0);
   const int32_t per = other == NULL ? 0 : other->search->per;
   const double *axis = contact->axis, reach = contact->reach;
@@ -85,19 +84,20 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
   const double part = contact->part;
   const int carried = contact->fixed->carrier != NULL, alike = axis != NULL && !side->shifted;
   int64_t count = 0;
-  for (ct_point *p = side->points; p < end; p++) {
-    p->stored_before = stored_of(p);
-    p->listed = is_listed(other != NULL, axis != NULL, reach, p);
-    if (!p->listed) {
-      ct_law_leave(&p->row, dt);
-      continue;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+      p->stored_before = stored_of(p);
+      p->listed = is_listed(other != NULL, axis != NULL, reach, p);
+      if (!p->listed) {
+        ct_law_leave(&p->row, dt);
+        continue;
+      }
+      if (other != NULL) row_over(contact, faces, per, p);
+      else if (carried) row_on_carrier(contact, side, p);
+      else if (alike) p->row.came = -part * m.came, p->row.moved = -m.coming; // no start gaps
+      else row_at(contact, m, p);
+      rows[count++] = &p->row;
     }
-    if (other != NULL) row_over(contact, faces, per, p);
-    else if (carried) row_on_carrier(contact, side, p);
-    else if (alike) p->row.came = -part * m.came, p->row.moved = -m.coming; // no start gaps
-    else row_at(contact, m, p);
-    rows[count++] = &p->row;
-  }
   return count;
 }
 
@@ -121,13 +121,13 @@ CT_INLINE double larger(double top, const double force[3])
 
 double ct_side_take_rows(ct_side *side)
 {
-  const ct_point *end = side->points + side->fixed->point_count;
   double top = 0.0;
-  for (ct_point *p = side->points; p < end; p++) {
-    // -- F = λ n, 0 if the row is not listed (eq:constraint-force)
-    for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
-    top = larger(top, p->force);
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+      // -- F = λ n, 0 if the row is not listed (eq:constraint-force)
+      for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
+      top = larger(top, p->force);
+    }
   return top;
 }
 
@@ -148,10 +148,11 @@ static void penalize(ct_point *p)
 double ct_side_apply_penalty(ct_side *side)
 {
   double top = 0.0;
-  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    penalize(p);
-    top = larger(top, p->force);
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+      penalize(p);
+      top = larger(top, p->force);
+    }
   return top;
 }
 
@@ -169,11 +170,11 @@ double ct_side_potential(const ct_side *sides, int count)
   ct_stream sum = {.pieces = sides[0].pieces};
   while (ct_stream_again(&sum, 1))
     for (int s = 0; s < count; s++)
-      for (const ct_point *p = sides[s].points; p < sides[s].points + sides[s].fixed->point_count;
-           p++) {
-        const double term = potential_of(p);
-        ct_stream_add(&sum, &term, 1);
-      }
+      for (ct_span run = {0}; ct_side_next(&sides[s], &run);)
+        for (int64_t i = run.first; i < run.end; i++) {
+          const double term = potential_of(&sides[s].points[i]);
+          ct_stream_add(&sum, &term, 1);
+        }
   return ct_stream_sum(&sum);
 }
 
@@ -183,10 +184,11 @@ static double sum_energy(ct_contact *contact, double (*part)(const ct_point *poi
   int64_t some = 0;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    for (const ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      contact->terms[some] = part(p);
-      some += contact->terms[some] != 0.0;
-    }
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (const ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+        contact->terms[some] = part(p);
+        some += contact->terms[some] != 0.0;
+      }
   }
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, some);
 }
@@ -203,8 +205,9 @@ int ct_contact_pay_debts(ct_contact *contact, double largest)
   const double paid = fmin(debt, held), keep = 1.0 - paid / held, owe = 1.0 - paid / debt;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      p->row.impact.reserve *= p->row.impact.reserve > 0.0 ? keep : owe;
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
+        p->row.impact.reserve *= p->row.impact.reserve > 0.0 ? keep : owe;
   }
   return 1;
 }
@@ -232,8 +235,9 @@ static double sum_against(const ct_contact *contact, int sizes, int c)
   int64_t count = 0;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    for (const ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
-      contact->terms[count++] = sizes ? -p->row.force : -p->force[c];
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (const ct_point *p = side->points + run.first; p < side->points + run.end; p++)
+        contact->terms[count++] = sizes ? -p->row.force : -p->force[c];
   }
   return ct_sum_over(contact->gaps.side[0].pieces, contact->terms, count);
 }
@@ -326,10 +330,11 @@ CT_INLINE void spread_faces(int stride, const ct_grid *grid, int solved, ct_side
 {
   const ct_grid at = *grid; // which need not be read again after each number that is written
   ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
-  for (int32_t face = 0; face < side->search->face_count; face++)
-    if (are_four(side, solved, &side->points[(int64_t)face * side->fixed->rule.count]))
-      spread_four(stride, &at, solved, side, face, other, &own, &theirs);
-    else spread_points(stride, &at, solved, side, face, other, &own, &theirs);
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int32_t face = (int32_t)run.first; face < run.end; face++)
+      if (are_four(side, solved, &side->points[(int64_t)face * side->fixed->rule.count]))
+        spread_four(stride, &at, solved, side, face, other, &own, &theirs);
+      else spread_points(stride, &at, solved, side, face, other, &own, &theirs);
   ct_heap_bring(stride, &own, NULL);
   ct_heap_bring(stride, &theirs, NULL);
 }
@@ -350,13 +355,14 @@ static void spread_stations(const ct_grid *grid, int solved, const ct_side *stat
                             ct_side *surface)
 {
   ct_heap heap = heap_of(surface);
-  for (int64_t i = 0; i < stations->fixed->point_count; i++) {
-    const ct_point *point = &stations->points[i];
-    double force[4];
-    if (!has_force(point, solved)) continue;
-    force_of(point, solved, force);
-    ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, force, &heap);
-  }
+  for (ct_span run = {0}; ct_side_next(stations, &run);)
+    for (int64_t i = run.first; i < run.end; i++) {
+      const ct_point *point = &stations->points[i];
+      double force[4];
+      if (!has_force(point, solved)) continue;
+      force_of(point, solved, force);
+      ct_heap_add(8, grid, nodes_of(surface->search, point->other), point->N, force, &heap);
+    }
   ct_heap_bring(8, &heap, NULL);
 }
 
@@ -413,9 +419,10 @@ static void push_plane(const ct_grid *grid, ct_side *side, const double axis[3])
   const int per = side->search->per;
   const ct_grid at = *grid; // as above
   double *coarse = side->force, *fine = side->force_fine;
-  for (int32_t face = 0; face < side->search->face_count; face++)
-    if (per == 4) push_face(4, 4, &at, side, face);
-    else push_face(8, per, &at, side, face);
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int32_t face = (int32_t)run.first; face < run.end; face++)
+      if (per == 4) push_face(4, 4, &at, side, face);
+      else push_face(8, per, &at, side, face);
   ct_pieces_sum(side->pieces, coarse, count);
   ct_pieces_sum(side->pieces, fine, count);
   // The sizes are in the first third of the array; from the last node on, none is overwritten

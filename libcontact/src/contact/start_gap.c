@@ -112,10 +112,11 @@ void ct_start_gap_begin(const ct_start_rule *rule, ct_side *sides, int count)
   double rounding = ct_side_rounding(sides, count);
   for (int s = 0; s < count; s++) {
     sides[s].shifted = 1;
-    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
-      ct_point *point = &sides[s].points[i];
-      point->start = point->other < 0 ? 0.0 : first_gap(rule, rounding, &sides[s], i);
-    }
+    for (ct_span run = {0}; ct_side_next(&sides[s], &run);)
+      for (int64_t i = run.first; i < run.end; i++) {
+        ct_point *point = &sides[s].points[i];
+        point->start = point->other < 0 ? 0.0 : first_gap(rule, rounding, &sides[s], i);
+      }
   }
 }
 
@@ -139,20 +140,21 @@ void ct_start_gap_shift(const ct_start_rule *rule, ct_side *sides, int count,
   double share = left(rule, now->time), last_share = left(rule, now->first ? now->time : last),
          next_share = left(rule, now->time + now->dt);
   for (ct_side *side = sides; side < sides + count; side++) {
-    const ct_point *end = side->points + side->fixed->point_count;
     const double nothing = ct_side_unsure(side);
     const int shifted = side->shifted;
     if (shifted) side->shifted = 0;
-    for (ct_point *p = side->points; p < end; p++) {
-      if (shifted) {
-        side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
-        p->last_start = p->start;
-        // Most points have none, and keep none.
-        if (p->start != 0.0) shift_point(rule, side, now->first, share, last_share, next_share, p);
-        else p->shift = p->closed = p->closing = 0.0;
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+        if (shifted) {
+          side->shifted |= p->start != 0.0 || p->shift != 0.0 || p->admitted != 0.0;
+          p->last_start = p->start;
+          // Most points have none, and keep none.
+          if (p->start != 0.0)
+            shift_point(rule, side, now->first, share, last_share, next_share, p);
+          else p->shift = p->closed = p->closing = 0.0;
+        }
+        if (fabs(p->row.gap) <= nothing) p->row.gap = 0.0;
       }
-      if (fabs(p->row.gap) <= nothing) p->row.gap = 0.0;
-    }
   }
 }
 
@@ -162,12 +164,13 @@ double ct_start_gap_work(const ct_start_rule *rule, ct_side *sides, int count, d
   double change = left(rule, time) - left(rule, last);
   int64_t some = 0;
   for (int s = 0; s < count; s++)
-    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
-      ct_point *p = &sides[s].points[i];
-      double force_size = sqrt(ct_vector_dot(p->force, p->force));
-      // -- Work of the start gap that fades (eq:initial-work)
-      terms[some++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
-      p->force_size = force_size;
-    }
+    for (ct_span run = {0}; ct_side_next(&sides[s], &run);)
+      for (int64_t i = run.first; i < run.end; i++) {
+        ct_point *p = &sides[s].points[i];
+        double force_size = sqrt(ct_vector_dot(p->force, p->force));
+        // -- Work of the start gap that fades (eq:initial-work)
+        terms[some++] = 0.5 * (p->force_size + force_size) * (p->last_start * change);
+        p->force_size = force_size;
+      }
   return ct_sum_over(sides[0].pieces, terms, some);
 }

@@ -193,7 +193,9 @@ void ct_stations_meet(ct_contact *contact, double motion, int first)
   const int64_t count = own->fixed->point_count;
   const double middle = data->station_spacing > 0.0 ? middle_of(contact) : 0.0;
   ct_bounds box;
+  ct_span run = {0};
   int fitted = 0;
+  if (!ct_side_next(own, &run)) return;
   ct_tunnelling_box(search, NULL, search->x, &box);
   for (int64_t i = 0; i < count; i++) {
     ct_point *p = &own->points[i];
@@ -201,9 +203,7 @@ void ct_stations_meet(ct_contact *contact, double motion, int first)
     const double along = middle + ((double)i - 0.5 * (double)(count - 1)) * data->station_spacing;
     for (int c = 0; c < 3; c++) now.c[c] = contact->place[c] + along * contact->direction[c];
     p->jumped = 0;
-    // In pieces, the stations are those of the piece with the first face.
-    if (!ct_side_owns(&contact->gaps.side[0], 0) ||
-        ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
+    if (ct_bounds_distance(&box, now.c) > data->given.radius + search->size + contact->reach) {
       lose(p, CT_POINT_NEW);
       continue;
     }

@@ -193,7 +193,7 @@ static void add_friction(const ct_side *side, const ct_side *from, int own, fric
     const ct_point *point = &from->points[i];
     const ct_slip *slip = friction_of(point);
     const int points = from->fixed->rule.count;
-    if (slip == NULL || !ct_side_owns(from, i)) continue;
+    if (slip == NULL) continue;
     const int32_t face = own ? (int32_t)(i / points) : point->other,
                   *node = &search->faces[(int64_t)face * search->per];
     const double *N = own ? from->fixed->N[i % points] : point->N;

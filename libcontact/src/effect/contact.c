@@ -188,17 +188,21 @@ static ct_status touch_cut(const ct_effect *effect, const struct ct_piece *piece
   ct_touch_scratch *s = scratch;
   const ct_interaction *is = interaction_of(effect);
   ct_contact *contact = s->state;
+  ct_status status = CT_OK;
   s->piece = piece;
-  for (int k = 0; is->on == NULL && k < contact->gaps.fixed->sides; k++) {
+  if (is->on != NULL) return CT_OK;
+  const ct_gaps_fixed *gaps = contact->gaps.fixed;
+  for (int k = 0; status == CT_OK && k < gaps->sides; k++) {
     ct_side *side = &contact->gaps.side[k];
     side->pieces = &piece->join;
-    if (ct_gaps_surface(contact->gaps.fixed, k) != k) continue;
-    uint8_t *owned = ct_pool_take(&s->pool, (size_t)side->search->face_count, sizeof *owned);
-    for (int32_t f = 0; owned != NULL && f < side->search->face_count; f++)
-      owned[f] = piece_of(is, k, f, piece) == piece->def.number;
-    side->owned = owned;
+    const int32_t count = ct_gaps_surface(gaps, k) == k ? side->search->face_count : 1;
+    uint8_t *owned = ct_allocate((size_t)count, sizeof *owned);
+    for (int32_t f = 0; owned != NULL && f < count; f++)
+      owned[f] = piece_of(is, ct_gaps_surface(gaps, k), f, piece) == piece->def.number;
+    status = owned == NULL ? CT_ERROR_MEMORY : ct_side_divide(side, owned);
+    ct_release(owned);
   }
-  return s->pool.failed ? CT_NO_MEMORY(error, "a piece") : CT_OK;
+  return status == CT_OK ? CT_OK : CT_NO_MEMORY(error, "a piece");
 }
 
 /* Each point has its record in the piece of its face, stations in that of the first face; the rest

@@ -93,35 +93,44 @@ static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, do
   }
 }
 
+/* The faces of `other` whose boxes overlap one are listed behind the first `count` candidates;
+ * returns their number, or -1 if there is no memory. */
+static int32_t list_overlaps(ct_side *side, const ct_side *other, const ct_bounds *box,
+                             int32_t count)
+{
+  for (;;) {
+    const int32_t left = side->candidate_capacity - count,
+                  found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, box,
+                                               side->candidates + count, left);
+    if (found <= left) return found;
+    // Once more, with more memory.
+    const int32_t capacity = 2 * (count + found) + 8 * side->search->face_count;
+    int32_t *larger = ct_allocate((size_t)capacity, sizeof *larger);
+    if (larger == NULL) return -1;
+    if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
+    ct_release(side->candidates);
+    side->candidates = larger;
+    side->candidate_capacity = capacity;
+  }
+}
+
 /* List for each face of `side` the faces of `other` within the distance to which its list must be
- * complete, and the skin. */
+ * complete, and the skin; in pieces, for each face with points of this one. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
 {
   int32_t count = 0;
-  for (int32_t f = 0; f < side->search->face_count; f++) {
-    ct_bounds box = ct_bounds_grown(&side->search->boxes[f], side->listed[f] + skin);
-    side->candidate_first[f] = count;
-    int32_t found =
-        ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box,
-                             side->candidates + count, side->candidate_capacity - count);
-    if (found > side->candidate_capacity - count) {
-      int32_t capacity = 2 * (count + found) + 8 * side->search->face_count;
-      int32_t *larger = ct_allocate((size_t)capacity, sizeof *larger);
-      if (larger == NULL) return CT_NO_MEMORY(error, "contact candidates");
-      if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
-      ct_release(side->candidates);
-      side->candidates = larger;
-      side->candidate_capacity = capacity;
-      f--; // once more, with more memory
-      continue;
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int32_t f = (int32_t)run.first; f < run.end; f++) {
+      ct_bounds box = ct_bounds_grown(&side->search->boxes[f], side->listed[f] + skin);
+      int32_t found = list_overlaps(side, other, &box, count), *list = side->candidates + count;
+      if (found < 0) return CT_NO_MEMORY(error, "contact candidates");
+      if (side == other) found = drop_adjacent(side, f, list, found);
+      box = ct_bounds_grown(&side->search->boxes[f], skin);
+      side->candidate_first[f] = count;
+      side->near_end[f] = count + put_first(other->search, &box, list, found);
+      measure_rivals(side, other, f, skin);
+      side->candidate_first[f + 1] = count += found;
     }
-    int32_t *list = side->candidates + count;
-    if (side == other) found = drop_adjacent(side, f, list, found);
-    box = ct_bounds_grown(&side->search->boxes[f], skin);
-    side->near_end[f] = count + put_first(other->search, &box, list, found);
-    measure_rivals(side, other, f, skin);
-    count += found;
-  }
   side->candidate_first[side->search->face_count] = count;
   return CT_OK;
 }
@@ -160,8 +169,9 @@ static void measure_clear(ct_gaps *gaps)
 /* Whether a point was in contact in the last update: it is searched for at any depth (eq:held). */
 static int holds(const ct_side *side)
 {
-  for (int64_t i = 0; i < side->fixed->point_count; i++)
-    if (side->points[i].status == CT_POINT_INSIDE) return 1;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++)
+      if (side->points[i].status == CT_POINT_INSIDE) return 1;
   return 0;
 }
 
@@ -190,13 +200,14 @@ static double depth_of(const ct_point *point)
 static int reaches_deepest(const ct_side *side, double near)
 {
   const int points = side->fixed->rule.count;
-  const ct_point *p = side->points;
-  for (int32_t f = 0; f < side->search->face_count; f++, p += points) {
-    double deepest = 0.0;
-    for (int q = 0; q < points; q++)
-      deepest = depth_of(&p[q]) > deepest ? depth_of(&p[q]) : deepest;
-    if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
-  }
+  for (ct_span run = {0}; ct_side_next_faces(side, &run);)
+    for (int64_t f = run.first; f < run.end; f++) {
+      const ct_point *p = &side->points[f * points];
+      double deepest = 0.0;
+      for (int q = 0; q < points; q++)
+        deepest = depth_of(&p[q]) > deepest ? depth_of(&p[q]) : deepest;
+      if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
+    }
   return 1;
 }
 
@@ -206,10 +217,12 @@ static int reaches_deepest(const ct_side *side, double near)
 static void set_reach(ct_side *side, double depth, double near)
 {
   for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = 1.1 * depth;
-  for (int64_t i = 0; i < side->fixed->point_count; i++) {
-    double *listed = &side->listed[i / side->fixed->rule.count], deep = depth_of(&side->points[i]);
-    if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++) {
+      double *listed = &side->listed[i / side->fixed->rule.count],
+             deep = depth_of(&side->points[i]);
+      if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
+    }
 }
 
 double ct_gaps_reach(const ct_gaps *gaps)

@@ -6,13 +6,14 @@
 /* Forget the faces of the last update; a host may have called it for another state. */
 static void forget_faces(ct_side *side)
 {
-  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    p->other = -1;
-    p->xi[0] = p->xi[1] = 0.0;
-    p->last_known = p->known;
-    p->known = NAN;
-    if (p->status != CT_POINT_BURIED) p->status = CT_POINT_NEW;
-  }
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+      p->other = -1;
+      p->xi[0] = p->xi[1] = 0.0;
+      p->last_known = p->known;
+      p->known = NAN;
+      if (p->status != CT_POINT_BURIED) p->status = CT_POINT_NEW;
+    }
 }
 
 ct_status ct_gaps_place(ct_gaps *gaps, ct_error *error)

@@ -420,7 +420,7 @@ static void search_point(const ct_pass *p, int64_t i)
   ct_point *point = &p->side->points[i];
   nearest best;
   double y[3];
-  if (!ct_side_owns(p->side, i) || is_alone(p, i)) {
+  if (is_alone(p, i)) {
     point->jumped = 0;
     close_point(p, point, point->status == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
     return;
@@ -462,11 +462,13 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
   int lanes = !p.self && p.project.method == CT_ROBUST &&
               p.side->search->kind == p.other->search->kind &&
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
-  int64_t count = p.side->fixed->point_count;
+  for (ct_span run = {0}; ct_side_next(p.side, &run);) {
+    const int64_t first = run.first, end = run.end;
 #ifdef _OPENMP
-  int threads = ct_threads_for(wanted, count, LEAST_POINTS);
+    int threads = ct_threads_for(wanted, end - first, LEAST_POINTS);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int64_t i = 0; i < count; i += CT_WARM)
-    search_block(&p, lanes, i, count - i < CT_WARM ? (int)(count - i) : CT_WARM);
+    for (int64_t i = first; i < end; i += CT_WARM)
+      search_block(&p, lanes, i, end - i < CT_WARM ? (int)(end - i) : CT_WARM);
+  }
 }

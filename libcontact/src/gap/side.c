@@ -64,9 +64,9 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->listed,          side->x_built,    side->moved,  side->points,
-                    side->candidate_first, side->candidates, side->force,  side->force_fine,
-                    side->near_end,        side->met,        side->distant};
+  void *blocks[] = {side->listed,          side->x_built,    side->moved,   side->points,
+                    side->candidate_first, side->candidates, side->force,   side->force_fine,
+                    side->near_end,        side->met,        side->distant, side->runs};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   if (side->fixed != NULL && side->fixed->kind == CT_SIDE_SURFACE) ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -119,6 +119,36 @@ ct_status ct_side_equip(ct_side *side)
   int whole = side->listed && side->candidate_first && side->candidates && side->near_end &&
               side->met && side->distant && side->x_built;
   return whole ? ct_search_equip(side->search) : CT_ERROR_MEMORY;
+}
+
+/* The runs of the faces or stations of this piece, as points; returns their number. Null: only
+ * counted. */
+static int32_t list_runs(int64_t count, int per, const uint8_t *owned, ct_span *runs)
+{
+  int32_t some = 0;
+  for (int64_t i = 0, end; i < count; i = end + 1) {
+    while (i < count && !owned[i]) i++;
+    for (end = i; end < count && owned[end]; end++) {
+    }
+    if (i < end && runs != NULL) runs[some] = (ct_span){i * per, end * per, some + 1};
+    some += i < end;
+  }
+  return some;
+}
+
+ct_status ct_side_divide(ct_side *side, const uint8_t *owned)
+{
+  const int stations = side->fixed->kind == CT_SIDE_STATIONS;
+  const int64_t count = stations ? 1 : side->search->face_count;
+  const int per = stations ? (int)side->fixed->point_count : side->fixed->rule.count;
+  const int32_t some = list_runs(count, per, owned, NULL);
+  ct_span *runs = ct_allocate((size_t)some + 1, sizeof *runs);
+  if (runs == NULL) return CT_ERROR_MEMORY;
+  list_runs(count, per, owned, runs);
+  ct_release(side->runs);
+  side->runs = runs;
+  side->run_count = some;
+  return CT_OK;
 }
 
 /* Σ_a w_a (x_a - origin) over `per` nodes, written to be inlined with a known `per`. */

@@ -82,16 +82,22 @@ typedef struct ct_side_fixed {
                          surface's own numbers */
 } ct_side_fixed;
 
+/* Consecutive points first ... end - 1, the `number`-th such run. */
+typedef struct ct_span {
+  int64_t first, end;
+  int32_t number;
+} ct_span;
+
 /* State of one side of a contact: its shape and tree, its points and forces. Stations have only
  * points, and the search of their surface. */
 typedef struct ct_side {
   const ct_side_fixed *fixed;
   const ct_pieces *pieces; /* null: this side has all points */
-  const uint8_t *owned;    /* of a surface in pieces: whether the points of a face are this piece's,
-                              shape (face_count); else null */
-  ct_search *search;       /* shares the topology of the fixed one */
-  ct_point *points;        /* shape (face_count, rule.count) */
-  int shifted; /* whether a point may have a start gap now, or had one in the last step */
+  ct_span *runs;           /* of a side in pieces: the points of this piece; null: all are */
+  int32_t run_count;
+  ct_search *search; /* shares the topology of the fixed one */
+  ct_point *points;  /* shape (face_count, rule.count) */
+  int shifted;       /* whether a point may have a start gap now, or had one in the last step */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3), and one
                                  number more, 0 */
   double *moved; /* coordinates of the nodes before they are set, and afterwards their displacements
@@ -132,11 +138,24 @@ static inline int32_t ct_side_face(const ct_side *side, int64_t i)
                                                : (int32_t)(i / side->fixed->rule.count);
 }
 
-/* Whether point `i` of a surface is one of this piece; the others find nothing and have no force.
- */
-static inline int ct_side_owns(const ct_side *side, int64_t i)
+/* Give a side only some points, which no other piece has: those of the faces of a surface, shape
+ * (face_count), or all stations or none. It has all others in name only. */
+ct_status ct_side_divide(ct_side *side, const uint8_t *owned);
+
+/* The next run of points that a side has, beginning with {0}; returns 0 after the last one. */
+static inline int ct_side_next(const ct_side *side, ct_span *run)
 {
-  return side->owned == NULL || side->owned[i / side->fixed->rule.count];
+  if (run->number == (side->runs == NULL ? 1 : side->run_count)) return 0;
+  *run = side->runs == NULL ? (ct_span){0, side->fixed->point_count, 1} : side->runs[run->number];
+  return 1;
+}
+
+/* The same as faces of a surface, whose runs end with them. */
+static inline int ct_side_next_faces(const ct_side *side, ct_span *run)
+{
+  if (!ct_side_next(side, run)) return 0;
+  run->first /= side->fixed->rule.count, run->end /= side->fixed->rule.count;
+  return 1;
 }
 
 /* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum);

@@ -223,8 +223,9 @@ static double deepest(const ct_gaps *gaps)
 {
   double depth = 0.0;
   for (int s = 0; s < gaps->fixed->sides; s++)
-    for (int64_t i = 0; i < gaps->fixed->side[s].point_count; i++)
-      depth = fmax(depth, -gaps->side[s].points[i].last_known);
+    for (ct_span run = {0}; ct_side_next(&gaps->side[s], &run);)
+      for (int64_t i = run.first; i < run.end; i++)
+        depth = fmax(depth, -gaps->side[s].points[i].last_known);
   ct_pieces_largest(gaps->side[0].pieces, &depth, 1);
   return depth;
 }

@@ -133,7 +133,8 @@ static void open_parts(ct_host *h)
     h->memory_count += part->is->memory_count;
     for (int i = 0; i < (part->on != NULL ? 1 : 3); i++)
       *arrays[i] = ct_pool_take(&h->pool, (size_t)part->is->node_count, 3 * sizeof(double));
-    if (part != &h->contact && part->on == NULL) ct_host_cut(h, part->surface, part->state);
+    if (part != &h->contact && part->on == NULL)
+      h->pool.failed |= ct_host_cut(h, part->surface, part->state, NULL) != CT_OK;
   }
 }
 

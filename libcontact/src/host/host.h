@@ -81,7 +81,7 @@ ct_status ct_host_check_current(const ct_contact *contact, ct_error *error);
 ct_status ct_host_check_new(const ct_contact *contact, ct_error *error);
 
 /* Give a contact of the host, itself or an obstacle at surface `s`, to the pieces. */
-void ct_host_cut(const ct_host *host, int s, ct_contact *of);
+ct_status ct_host_cut(const ct_host *host, int s, ct_contact *of, ct_error *error);
 
 /* The same status in all pieces: CT_OK if all have it; `*rows` becomes the largest of all. */
 ct_status ct_host_agree(const ct_contact *contact, ct_status own, int64_t *rows, ct_error *error);

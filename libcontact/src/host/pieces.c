@@ -55,16 +55,18 @@ ct_status ct_contact_set_pieces(ct_contact *contact, const uint8_t *owned_a, con
   if (status != CT_OK) return status;
   h->given_pieces = *pieces;
   h->pieces = &h->given_pieces;
-  ct_host_cut(h, 0, contact);
-  return CT_OK;
+  return ct_host_cut(h, 0, contact, error);
 }
 
-void ct_host_cut(const ct_host *h, int s, ct_contact *of)
+ct_status ct_host_cut(const ct_host *h, int s, ct_contact *of, ct_error *error)
 {
-  for (int k = 0; k < of->gaps.fixed->sides; k++) {
+  ct_status status = CT_OK;
+  for (int k = 0; h->pieces != NULL && status == CT_OK && k < of->gaps.fixed->sides; k++) {
     of->gaps.side[k].pieces = h->pieces;
-    of->gaps.side[k].owned = ct_gaps_surface(of->gaps.fixed, k) == k ? h->owned[s + k] : NULL;
+    // The stations are those of the piece with the first face.
+    status = ct_side_divide(&of->gaps.side[k], h->owned[s + ct_gaps_surface(of->gaps.fixed, k)]);
   }
+  return status == CT_OK ? status : CT_NO_MEMORY(error, "the pieces of a contact");
 }
 
 ct_status ct_host_agree(const ct_contact *contact, ct_status own, int64_t *rows, ct_error *error)

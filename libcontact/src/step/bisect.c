@@ -1,8 +1,7 @@
 /* A cut into pieces by coordinates. */
-#include <libcontact/piece.h>
+#include "piece.h"
 
 #include "../base/error.h"
-#include "../base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,23 +37,29 @@ static int longest(const item *items, int64_t count)
   return axis;
 }
 
-/* Give some elements to the pieces first ... first + count - 1. */
-static void bisect(item *items, int64_t item_count, int32_t first, int32_t count, int32_t *owners)
+/* Give some items to the pieces first ... first + count - 1. Unless they are null, write their
+ * owners, and the planes behind all pieces but the last one. */
+static void bisect(item *items, int64_t item_count, int32_t first, int32_t count, int32_t *owners,
+                   ct_piece_plane *planes)
 {
   static int (*const ALONG[3])(const void *, const void *) = {along_x, along_y, along_z};
   while (count > 1) {
     const int32_t lower = count / 2;
+    const int axis = longest(items, item_count);
     double all = 0.0, some = 0.0;
     int64_t end = 0;
-    qsort(items, (size_t)item_count, sizeof *items, ALONG[longest(items, item_count)]);
+    qsort(items, (size_t)item_count, sizeof *items, ALONG[axis]);
     for (int64_t i = 0; i < item_count; i++) all += items[i].weight;
     // -- The lower pieces get their part of the weight (eq:piece-bisection)
     while (end < item_count && some + 0.5 * items[end].weight < all * lower / count)
       some += items[end++].weight;
-    bisect(items, end, first, lower, owners);
+    if (planes != NULL)
+      planes[first + lower - 1] =
+          (ct_piece_plane){end < item_count ? items[end].x[axis] : INFINITY, axis};
+    bisect(items, end, first, lower, owners, planes);
     items += end, item_count -= end, first += lower, count -= lower;
   }
-  for (int64_t i = 0; i < item_count; i++) owners[items[i].element] = first;
+  for (int64_t i = 0; owners != NULL && i < item_count; i++) owners[items[i].element] = first;
 }
 
 /* The centres of the elements of a body, the first of which has the number `first`. */
@@ -90,7 +95,38 @@ ct_status ct_piece_bisect(const ct_problem *problem, int32_t count, const double
     enter(problem->bodies[b].mesh, all, weights, items);
     all += problem->bodies[b].mesh->element_count;
   }
-  bisect(items, all, 0, count, owners);
+  bisect(items, all, 0, count, owners, NULL);
   ct_release(items);
   return CT_OK;
+}
+
+ct_status ct_piece_divide(int64_t count, const double *places, int32_t pieces,
+                          ct_piece_plane *planes)
+{
+  item *items = ct_allocate((size_t)count, sizeof *items);
+  if (items == NULL) return CT_ERROR_MEMORY;
+  for (int64_t i = 0; i < count; i++) {
+    items[i].element = i, items[i].weight = 1.0;
+    for (int c = 0; c < 3; c++) items[i].x[c] = places[3 * i + c];
+  }
+  bisect(items, count, 0, pieces, NULL, planes);
+  ct_release(items);
+  return CT_OK;
+}
+
+int32_t ct_piece_of_face(const ct_piece *piece, int32_t count, const int32_t *nodes)
+{
+  double middle[3] = {0.0};
+  for (int32_t a = 0; a < count; a++)
+    for (int c = 0; c < 3; c++)
+      middle[c] += piece->problem->reference[3 * (int64_t)nodes[a] + c] / count;
+  int32_t first = 0;
+  for (int32_t left = piece->def.count, lower; left > 1;) {
+    lower = left / 2;
+    const ct_piece_plane *plane = &piece->planes[first + lower - 1];
+    const int below = middle[plane->axis] < plane->at;
+    first += below ? 0 : lower;
+    left = below ? lower : left - lower;
+  }
+  return first;
 }

@@ -6,6 +6,12 @@
 #include "../base/memory.h"
 #include "../base/pieces.h"
 
+/* A plane between pieces: those below it have places with x[axis] < at. */
+typedef struct ct_piece_plane {
+  double at;
+  int axis;
+} ct_piece_plane;
+
 /* The piece of a state. Nodes and elements have the numbers of the problem. */
 typedef struct ct_piece {
   ct_pool pool;
@@ -20,6 +26,7 @@ typedef struct ct_piece {
   int32_t *send_count, *receive_count; /* numbers to and from each piece, three for a node */
   int32_t *sent, *received;            /* the nodes, by pieces */
   double *send, *receive;
+  ct_piece_plane *planes; /* between the places of the pieces, shape (pieces - 1) */
   ct_piece_counts counts;
 } ct_piece;
 
@@ -29,14 +36,14 @@ static inline int ct_piece_owns(const ct_piece *piece, int32_t node)
   return piece->owner[node] == piece->def.number;
 }
 
-/* The piece of a face, the highest of those of its nodes: mostly that of its element. */
-static inline int32_t ct_piece_of_face(const ct_piece *piece, int32_t count, const int32_t *nodes)
-{
-  int32_t owner = 0;
-  for (int32_t a = 0; a < count; a++)
-    owner = piece->owner[nodes[a]] > owner ? piece->owner[nodes[a]] : owner;
-  return owner;
-}
+/* The piece that computes the points of a face of a contact, by its place at the reference shape.
+ */
+int32_t ct_piece_of_face(const ct_piece *piece, int32_t count, const int32_t *nodes);
+
+/* Halve some places, shape (count, 3), as ct_piece_bisect does the elements; the `pieces` - 1
+ * planes between the pieces in the order of their numbers. */
+ct_status ct_piece_divide(int64_t count, const double *places, int32_t pieces,
+                          ct_piece_plane *planes);
 
 /* Refuse a definition without what the pieces need to tell each other anything. */
 ct_status ct_piece_check(const ct_piece_def *def, ct_error *error);
