@@ -16,7 +16,10 @@ prefix ?= /usr/local
 includedir ?= $(prefix)/include
 libdir ?= $(prefix)/lib
 mandir ?= $(prefix)/share/man
-OPT ?= -O3
+# clang packs pairs of numbers into vectors whose shuffles take longer than what they save, in contact's searches most.
+NO_PAIRS := -fno-slp-vectorize
+IS_CLANG := $(shell $(CC) --version 2>/dev/null | grep clang)
+OPT ?= -O3 $(if $(IS_CLANG),$(NO_PAIRS))
 BUILD := build
 empty :=
 VERSION := $(subst $(empty) $(empty),.,$(shell sed -n 's/^ *CT_VERSION_[A-Z]* = \([0-9]\).*/\1/p' libcontact/include/libcontact/base.h))
@@ -267,7 +270,7 @@ WHEELS ?= linux-x86_64 linux-aarch64 musl-x86_64 musl-aarch64 windows-x86_64 mac
 CROSS ?= linux-x86_64 musl-x86_64 musl-aarch64 windows-x86_64 wasm32 wasm32-simd
 # What unwinds a stack for C++ is of no use in a wheel. What runs once a run or for output is compiled for size, and of contact's loops
 # only the products gain if they are unrolled.
-CROSS_OPT = -O3 -g0 -fno-asynchronous-unwind-tables -fno-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
+CROSS_OPT = -O3 $(NO_PAIRS) -g0 -fno-asynchronous-unwind-tables -fno-unwind-tables $(if $(filter %-simd,$(1)),-msimd128)
 FOR_SIZE := $(addsuffix /%,mesh exact dispersion scene host shape hdf5 gsl) $(addprefix solid/,below blocks bound element stress) \
   $(addprefix projection/,nelder_mead simplex simplex_newton bfgs broyden steepest_descent sphere torus certified least_squares) step/probe step/piece
 NOT_UNROLLED := contact/% gap/% constraint/matrix constraint/tangent_matrix
