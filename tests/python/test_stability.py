@@ -113,6 +113,14 @@ def test_the_laboratory_sees_what_an_impact_loses():
         assert ("is lost" in row.verdict) == (lost > 0) and row.held < 1e-12
 
 
+def test_a_plate_passes_its_impact_on_to_a_third_one():
+    """A plate hits two that touch: what the first contact holds comes back while the force of the second one lasts,
+    so the speeds are in the range of explicit penalties at a tiny step (:eq:`release-together`)."""
+    case = next(case for case in impacts.unlike() if case.name == "cradle of 2")
+    row = impacts.measured(replace(case, phases=(0.0, 0.3, 0.7)), 0.9, case.reference())
+    assert row["short"] == "" and row["held"] < 1e-12, row
+
+
 def test_the_table_of_impacts_sees_what_is_short(monkeypatch):
     """A law that loses, speeds beside the range of explicit penalties, and what bodies that touch still hold."""
     case = impacts.Case("plates of 1, short", impacts.equal(1), 0.02, 0.12, 0.12, (0.3,))
@@ -228,13 +236,12 @@ def test_oracle_agrees(scene, oracle):
 @pytest.mark.parametrize("integrator", animals.INTEGRATORS)
 @pytest.mark.parametrize("scene", ["ball_in_a_cup", "thin_plates"])
 def test_bodies_gain_nothing_with_any_integrator(scene, integrator):
-    """With the method of Noh and Bathe bodies would gain by what contacts hold: its default is 0."""
+    """Also if contacts give back what they hold, although the default is 0 with these integrators."""
     options = animals.Options(integrator=integrator)
     animal = getattr(animals, scene)(options)
-    assert zoo.growth(options, animal, zoo.play(animal.stage, scene).run) < 1e-9
-    given = zoo.replace(animal.stage, law=animal.stage.law | {"restitution": 1.0})
-    gained = zoo.growth(options, animal, zoo.play(given, scene).run) > zoo.GROWTH
-    assert gained == (integrator == "noh_bathe")
+    for law in (animal.stage.law, animal.stage.law | {"restitution": 1.0}):
+        given = zoo.replace(animal.stage, law=law)
+        assert zoo.growth(options, animal, zoo.play(given, scene).run) < 1e-9
 
 
 def judged(stage, options=animals.Options(), **more):

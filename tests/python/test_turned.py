@@ -7,17 +7,20 @@ from scenes import METRES, box_of
 
 import libcontact as ct
 
+# Place of the upper block and its width: within the lower one, or over two of its edges.
+PLACES = {"within": ([0.1, 0.107, 1.05], 0.8137), "overhanging": ([0.3, 0.2, 1.05], 1.0)}
 
-def oblique(rotation, swapped=False):
-    """Two blocks with unlike meshes that collide off their centres, all of it turned. No edge of one crosses an edge of
-    the other, where the partner may change with the last bit."""
+
+def oblique(rotation, swapped=False, place="within"):
+    """Two blocks with unlike meshes that collide off their centres, all of it turned."""
+    origin, side = PLACES[place]
     made = ct.Scene(units=METRES)
     made.add_material("m", young=100.0, poisson=0.3, density=1.0, law="st_venant_kirchhoff")
-    for name, origin, wide, n, speed in (
+    for name, corner, wide, n, speed in (
         ("low", [0, 0, 0], 1.0, [3, 3, 2], [0, 0, 0.4]),
-        ("high", [0.1, 0.107, 1.05], 0.8137, [2, 2, 2], [0.1, 0, -0.4]),
+        ("high", origin, side, [2, 2, 2], [0.1, 0, -0.4]),
     ):
-        mesh = Mesh.box("hex8", *box_of(origin, [wide, wide, 1], n).values())
+        mesh = Mesh.box("hex8", *box_of(corner, [wide, wide, 1], n).values())
         made.add_body(
             name,
             material="m",
@@ -35,14 +38,16 @@ def oblique(rotation, swapped=False):
     return np.concatenate([run.state[b].displacement for b in ("low", "high")]), run
 
 
+@pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("seed", range(3))
-def test_a_turned_scene(seed):
-    """Turned by any angle about any axis, the displacements turn with it, to 1e-12 of the largest."""
+def test_a_turned_scene(seed, place):
+    """Turned by any angle about any axis, the displacements turn with it, to 1e-12 of the largest. Where blocks
+    overhang, points with round-off in their reserve come near again, which must not act (:eq:`release-time`)."""
     q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     q *= np.sign(np.diag(r))
     q[:, 0] *= np.linalg.det(q)
-    here, run = oblique(np.eye(3))
-    there, _ = oblique(q)
+    here, run = oblique(np.eye(3), place=place)
+    there, _ = oblique(q, place=place)
     assert run.energy["strain"].max() > 0.05 * run.energy["kinetic"][0]
     assert np.abs(there - here @ q.T).max() < 1e-12 * np.abs(here).max()
 

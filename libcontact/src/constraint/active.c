@@ -235,13 +235,40 @@ static void find_alone(int64_t count, const double *free, const double *b, const
   for (int64_t r = 0; r < count; r++) alone[r] = -(free[r] + b[r]) / (C[r] + bound[r]);
 }
 
+/* Clear `opens` in the sets whose forces do not fall together (eq:release-together). */
+static void keep_falling(ct_solver *s, const double *alone, double *opens)
+{
+  ct_law_find_falls(&s->laws, alone, s->force, s->gradient);
+  for (int32_t k = 0; k < s->set_count; k++) {
+    const int64_t first = s->first_point[k], count = s->first_point[k + 1] - first;
+    // -- Σ (⟨λ_u⟩ - 0.7 λ_{n-1}) < 0 (eq:release-together)
+    if (!(ct_sum_over(s->pieces, &s->gradient[first], count) < 0.0))
+      ct_clear(&opens[first], (size_t)count);
+  }
+}
+
+/* The points that open in this step, into `terms`: alone, or together with their contact
+ * (eq:release-time). Returns whether there are any in this piece. */
+static int find_releases(ct_solver *s)
+{
+  double *opens = s->terms, *more = s->guide, *alone = s->image;
+  find_alone(s->count, s->free, s->b, s->C, s->scale, alone);
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 1, opens);
+  double some = !ct_is_zero(opens, s->count);
+  ct_pieces_largest(s->pieces, &some, 1);
+  if (some == 0.0) return 0;
+  ct_law_take_debts(&s->laws);
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 1, opens);
+  keep_falling(s, alone, opens);
+  ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 0, more);
+  for (int64_t r = 0; r < s->count; r++) opens[r] = fmax(opens[r], more[r]);
+  return !ct_is_zero(opens, s->count);
+}
+
 /* A second row for each point that opens in this step. */
 static void list_releases(ct_solver *s)
 {
-  if (s->starts) return;
-  find_alone(s->count, s->free, s->b, s->C, s->scale, s->image);
-  ct_law_find_releases(&s->laws, s->scale, s->dt, s->image, s->terms);
-  if (ct_is_zero(s->terms, s->count)) return;
+  if (s->starts || !find_releases(s)) return;
   const int64_t groups = s->group_count;
   for (int64_t k = 0, r = 0; k < groups; k++)
     for (int32_t i = 0; i < s->groups[k].rows; i++, r++)

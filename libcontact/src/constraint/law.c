@@ -278,27 +278,40 @@ CT_INLINE int may_release(const ct_constraint *c)
 
 int ct_law_may_release(const ct_constraint *c) { return may_release(c); }
 
-CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force)
+/* Parts of the last force below which a point opens alone, and together with its contact. */
+static const double ALONE = 1.0 / 3.0, TOGETHER = 0.7;
+
+/* Whether the spring of a point can stop its node while a wave crosses the element. */
+CT_INLINE int is_stiff(const ct_constraint *c, double bound, double dt)
 {
-  const double last = c->force - c->impact.release, T = c->travel_time / dt;
-  // -- The step that is nearest to the zero of the extrapolated force, if the spring can stop its
-  // node while a wave crosses the element, k W (T / Δt)² > 1/100 (eq:release-time)
-  return may_release(c) & (force <= last / 3.0) & (100.0 * c->stiffness * bound * T * T > 1.0);
+  const double T = c->travel_time / dt;
+  // -- k W (T / Δt)² > 1/100 (eq:release-time)
+  return 100.0 * c->stiffness * bound * T * T > 1.0;
 }
 
-int ct_law_releases(const ct_constraint *c, double bound, double dt, double force)
+CT_INLINE int releases(const ct_constraint *c, double bound, double dt, double force, int together)
 {
-  return releases(c, bound, dt, force);
+  const double last = c->force - c->impact.release, x = c->after - c->before,
+               part = together & is_younger(c, LASTING) ? TOGETHER : ALONE;
+  // -- The step that is nearest to the zero of the extrapolated force, or in which the contact
+  // falls; a point that comes nearer holds more than its motion has (eq:release-time)
+  return may_release(c) & (force <= part * last) & is_stiff(c, bound, dt) &
+         ((x >= 0.0) | (8.0 * c->impact.reserve * bound > x * x));
+}
+
+int ct_law_releases(const ct_constraint *c, double bound, double dt, double force, int together)
+{
+  return releases(c, bound, dt, force, together);
 }
 
 CT_CLONES
 void ct_law_find_releases(const ct_law_rows *of, const double *bound, double dt,
-                          const double *force, double *opens)
+                          const double *force, int together, double *opens)
 {
 #pragma omp simd
   for (int64_t r = 0; r < of->count; r++) {
     const ct_constraint c = row_of(of, r);
-    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r]) ? 1.0 : 0.0;
+    opens[r] = (bound[r] > 0.0) & releases(&c, bound[r], dt, force[r], together) ? 1.0 : 0.0;
   }
 }
 
@@ -343,8 +356,12 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
   const int lasts = (own > 0.0) & (c->before < 0.0) & (is_younger(c, LASTING) == 0);
   const double closed = c->after - c->before,
                dash = lasts ? 0.25 * c->dashpot * c->stiffness * closed * closed : 0.0;
+  const double size = fabs(c->impact.reserve) + c->impact.stored + stored + fabs(0.5 * own * x);
   take(c, c->impact.stored - stored - 0.5 * own * x - dash);
   c->impact.reserve -= 0.5 * release * x;
+  // Rounding is nothing to give back; whether a point opens must not depend on it.
+  c->impact.reserve =
+      (c->impact.reserve > 0.0) & (c->impact.reserve <= 1e-12 * size) ? 0.0 : c->impact.reserve;
   c->impact.stored = stored;
   count_time(c, own > 0.0, enters, dt);
 }
@@ -433,6 +450,35 @@ double ct_law_loss(const ct_constraint *c, double force, double after)
 {
   return loss(c->before, after, force, stored_between(c, c->before, c->gap),
               stored_between(c, c->gap, after));
+}
+
+CT_CLONES
+void ct_law_find_falls(const ct_law_rows *of, const double *alone, const double *last,
+                       double *restrict falls)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++)
+    // -- ⟨λ_u⟩ - 0.7 λ_{n-1} (eq:release-together)
+    falls[r] = ct_larger(alone[r], 0.0) - TOGETHER * last[r];
+}
+
+CT_CLONES
+static void take_debts(const ct_law_rows *of)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < of->count; r++) {
+    // -- ⟨Ŝ_{n-1/2} - S_{n-1/2}⟩ (eq:release-debt)
+    const double debt =
+        of->restitution[r] > 0.0 ? ct_larger(of->last[r] - of->stored[r], 0.0) : 0.0;
+    of->reserve[r] -= debt;
+    of->stored[r] += debt;
+  }
+}
+
+void ct_law_take_debts(const ct_law_rows *of)
+{
+  find_stores(of, of->before, of->gap, of->last);
+  take_debts(of);
 }
 
 CT_CLONES
