@@ -28,3 +28,17 @@ def laboratory() -> Numbers:
     }
     found["zoo_growth"] = max(r["bodies' energy grows by"] for r in zoo)
     return found
+
+
+@measurement
+def impacts() -> Numbers:
+    """From the table of `stability/impacts.py`: the most that impacts of linear bodies and linear folds lose, and how
+    far the speeds of cradles of two and four layers are outside the range."""
+    rows = {row["case"]: row for row in defaults.table.read(DOCS / "theory" / "impacts.csv")}
+    large = ("discs", "ring", "fold")
+    lost = {case: row["lost, %"] / 100 for case, row in rows.items()}
+    return {
+        "linear_lost": max(v for case, v in lost.items() if not any(n in case for n in large)),
+        "fold_lost": lost["linear fold"],
+        "cradle": max(rows[f"cradle of {n}"]["speed off"] for n in (2, 4)),
+    }
