@@ -77,7 +77,7 @@ def mean_pressure(facets_a, facets_b, quadratic, **contact):
     force = 0.1 * share[:, None] * outward
     scene.add_effect("inside", "a", rows, lambda view: force)
     scene.add("damping", relaxation=True).set_time(
-        end=400, fraction=0.8, until_static=1e-6
+        end=10, fraction=0.8, until_static=1e-6
     ).set_output(every=1000, fields=[])
     run = scene.run(progress=False)
     points = run.contact[0]
