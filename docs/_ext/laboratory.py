@@ -12,8 +12,8 @@ from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import directives
-from drawn import call, svg
 from sphinx.util.docutils import SphinxDirective
+from svg import call, svg
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / "docs" / "laboratory" / "pictures.py"
