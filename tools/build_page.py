@@ -20,9 +20,15 @@ import page_tables
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
+sys.path += [str(ROOT / "docs" / "_ext"), str(SOURCES)]
+
+import pictures  # noqa: E402
+import svg  # noqa: E402
+
 # Loaded by the page and by its worker, in this order.
 COMPUTING = (
     "library.js",
+    "motion.js",
     "scene.js",
     "jobs.js",
     "bar.job.js",
@@ -54,12 +60,28 @@ SHORTEST = 16  # bytes of a part that is copied from the other module
 
 
 EXAMPLES = ("plates", "bar_on_a_wall", "bouncing_bar")
+# Titles, and what there is to do.
 PAGES = {
-    "bar": "A wall and a bar",
-    "plates": "Two plates",
-    "closest": "Closest point",
-    "waves": "Waves",
-    "own": "Your own scene",
+    "bar": (
+        "A wall and a bar",
+        "An elastic bar flies against a rigid wall. Choose the explicit penalty and make it stiffer: energy grows. "
+        "The energy-controlled penalty keeps it.",
+    ),
+    "plates": (
+        "Two plates",
+        "Two plates collide along their faces. The colours are the stress, the black lines the exact wave fronts. "
+        "Change mesh, step and law, and compare the error with its price.",
+    ),
+    "closest": (
+        "Closest point",
+        "Which point of a face is closest to a point in space? Drag the point and the nodes, choose a method, and let "
+        "it walk.",
+    ),
+    "waves": (
+        "Waves",
+        "How fast does each wave travel in a mesh, and what does the mesh make of a front?",
+    ),
+    "own": ("Your own scene", "Edit a scene, run it, turn the picture, and save the results."),
 }
 PAGE = """<!doctype html>
 <html lang="en">
@@ -83,14 +105,19 @@ def html(title: str, content: str) -> str:
 
 
 def page(name: str) -> str:
-    """The page of one laboratory."""
-    needs = "<noscript>This page computes, and needs JavaScript for it.</noscript>"
+    """The page of one laboratory, with its picture for readers without JavaScript and for paper."""
+    figure = svg.call(SOURCES / "pictures.py", name)
+    says = getattr(pictures, name).__doc__
     content = (
-        f'<div class="laboratory" data-laboratory="{name}">{needs}</div>\n'
+        f'<div class="laboratory" data-laboratory="{name}">\n'
+        f'<figure class="laboratory-fallback">{svg.svg(figure, f"laboratory-{name}", says)}\n'
+        f"<figcaption>{says}</figcaption></figure></div>\n"
+        "<noscript><p>With JavaScript the library computes in this page.</p></noscript>\n"
         '<p><a href="index.html">All laboratories</a></p>\n'
         '<script defer src="laboratory.js"></script>'
     )
-    return html(PAGES[name], content)
+    title, task = PAGES[name]
+    return html(title, f"<p>{task}</p>\n{content}")
 
 
 def joined(*names: str) -> str:
@@ -188,9 +215,10 @@ def main(simd: str, plain: str, target: str) -> None:
     for name in PAGES:
         (folder / f"{name}.html").write_text(page(name), encoding="utf-8")
     links = "".join(
-        f'<li><a href="{name}.html">{title}</a></li>\n' for name, title in PAGES.items()
+        f'<li><a href="{name}.html">{title}</a>: {task}</li>\n'
+        for name, (title, task) in PAGES.items()
     )
-    text = f"<p>The library computes in these pages.</p>\n<ul>\n{links}</ul>"
+    text = f"<p>In these pages the library computes, without a connection.</p>\n<ul>\n{links}</ul>"
     (folder / "index.html").write_text(html("Laboratories", text), encoding="utf-8")
 
 

@@ -9,18 +9,20 @@ from typing import Any
 
 from libcontact.parts import NO_TABLE, Parts
 
-from libcontact import schema
+from libcontact import schema, units
 
 KEPT: dict[str, str] = {
-    "Parts": "title units material body contact support obstacle gravity load time output probe run",
+    "Parts": "title units material body contact support obstacle gravity load damping time output probe run",
     "Units": "length mass time",
     "Material": "name young poisson density law",
-    "Body": "name material box ring cylinder ball shell element velocity integration",
-    "Box": "origin size cells layers",
+    "Body": "name material box ring cylinder ball shell element velocity spin initial integration",
+    "Box": "origin size cells layers grading symmetric",
     "Ring": "centre radius width cells",
     "Cylinder": "centre radius width cells",
     "Ball": "centre radius cells",
     "Shell": "centre radius cells",
+    "Spin": "axis rate centre",
+    "Initial": "displacement gradient angle axis centre stress",
     "Contact": "surfaces beta epsilon enforcement dissipation restitution friction tangent adjust "
     "initial_penetration points method",
     "Support": "set fix velocity",
@@ -31,6 +33,7 @@ KEPT: dict[str, str] = {
     "obstacle.Cylinder": "centre radius axis",
     "Gravity": "acceleration history",
     "Load": "surface traction pressure following history",
+    "Damping": "bodies rate stiffness",
     "History": "time value",
     "Time": "end end_c1t_over courant fraction dt integrator",
     "FrontTime": "length value",
@@ -99,4 +102,7 @@ def table_of(model: type[schema.Table], found: dict[str, Any]) -> str:
 def tables() -> dict[str, Any]:
     found: dict[str, Any] = {}
     table_of(Parts, found)
-    return {"tables": found, "faces": list(schema.FACES), "gone": NO_TABLE}
+    bases = {"length": units.LENGTH, "mass": units.MASS, "time": units.TIME}
+    names = {name: list(known.items()) for name, known in units.NAMES.items()}
+    labels = {"bases": bases, "exponents": units.EXPONENTS, "names": names}
+    return {"tables": found, "faces": list(schema.FACES), "gone": NO_TABLE, "units": labels}

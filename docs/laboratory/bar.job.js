@@ -78,5 +78,5 @@ JOBS.bar = async function (library, state, tell, pause) {
     send(fraction);
   }, pause);
   send(1);
-  return { ...counts, step: library.call.time_step(), touch: gap / BAR.speed };
+  return { ...counts, step: library.call.time_step(), unit: "s", touch: gap / BAR.speed };
 };

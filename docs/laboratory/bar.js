@@ -1,15 +1,15 @@
 // A wall and a bar: pressure, energy and gap of each law, penalty and step.
 "use strict";
 
-const LAW_NAMES = { energy_controlled: "energy-controlled penalty (the default)", penalty: "explicit penalty" };
+const LAW_NAMES = { energy_controlled: "energy-controlled", penalty: "explicit penalty" };
 const INTEGRATOR_NAMES = {
   central_difference: "central difference", chung_lee: "Chung–Lee", noh_bathe: "Noh–Bathe",
   tchamwa_wielgosz: "Tchamwa–Wielgosz",
 };
 
-// The name of a law without its remark.
+// The law in a caption.
 function lawName({ law }) {
-  return LAW_NAMES[law].split(" (")[0];
+  return law === "penalty" ? "Explicit penalty" : "Energy-controlled penalty (the default)";
 }
 
 LABORATORIES.bar = {
@@ -22,7 +22,7 @@ LABORATORIES.bar = {
     { name: "step", label: "Step over the stable step", values: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98], start: 0.9 },
     { name: "integrator", label: "Integrator", words: INTEGRATOR_NAMES, start: "central_difference" },
     { name: "cells", label: "Elements of the bar", values: [10, 20, 50, 100, 200, 400], start: 100 },
-    { name: "phase", label: "Landing phase", unit: "h", values: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9], start: 0 },
+    { name: "phase", label: "Landing phase, in elements", unit: "h", values: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9], start: 0 },
   ],
   build(laboratory) {
     return new BarView(laboratory);
@@ -36,7 +36,10 @@ class BarView extends View {
     this.pressure = new Plot({ x, y: "pressure [Pa]", label: "Pressure on the wall over time, with the exact step" });
     this.energy = new Plot({ x, y: "energy / start", label: "Energy of the bar over its start, over time" });
     this.gap = new Plot({ x, y: "gap / h", label: "Gap between bar and wall over time, in element sizes" });
-    laboratory.pictures.append(this.pressure.canvas, this.energy.canvas, this.gap.canvas);
+    // One below the other, over the same time.
+    const all = [this.pressure, this.energy, this.gap].map(({ canvas }) => canvas);
+    for (const canvas of all) canvas.classList.add("laboratory-wide");
+    laboratory.pictures.append(...all);
     this.before = null;
   }
 
@@ -47,7 +50,7 @@ class BarView extends View {
     const x = [0, BAR.end];
     const old = this.before?.part;
     const exact = { x: [0, touch, touch, leave, leave, BAR.end], y: [0, 0, 1, 1, 0, 0].map((on) => on * BAR.pressure) };
-    const name = lawName(state);
+    const name = LAW_NAMES[state.law];
     const lines = (key) => [
       ...(old ? [{ ...key(old, this.before.state), colour: "grey", name: "before", width: 1 }] : []),
       { ...key(part, state), colour: state.law === "penalty" ? "red" : "blue", name },
@@ -67,7 +70,7 @@ class BarView extends View {
     const peak = Math.max(...part.pressure) / BAR.pressure;
     this.before = { part, state };
     return (
-      `${capital(lawName(state))}, β = ${state.beta}, step ${state.step} of the stable one: ` +
+      `${lawName(state)}, β = ${state.beta}, step ${state.step} of the stable one: ` +
       `the energy at the end is ${end.toFixed(3)} times that of the start, ` +
       `the largest pressure ${peak.toFixed(2)} times the exact one.`
     );

@@ -101,7 +101,9 @@ JOBS.closest = async function (library, state, tell) {
     at(i % CLOSEST.cells), at(Math.floor(i / CLOSEST.cells)),
   ]);
   const values = Float32Array.from(squaredDistances(library, places, point), Math.sqrt);
-  const simplex = state.method === "simplex" ? rollSimplex(library, point, start) : null;
-  tell({ fraction: 1, answers, values, simplex, lines: faceLines(library) });
+  const rolled = state.method === "simplex" ? rollSimplex(library, point, start) : null;
+  const way = rolled ? rolled.map(({ corners, low }) => corners[low]) : answers[word("method", state.method)].path;
+  const triangles = rolled?.map(({ corners }) => corners);
+  tell({ fraction: 1, answers, values, way, triangles, walk: facePoints(library, way), lines: faceLines(library) });
   return {};
 };

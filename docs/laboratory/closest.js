@@ -4,7 +4,7 @@
 const CLOSEST_START = [
   -1, -1, 0, 1, -1, 0.2, 1, 1, 0, -1, 1, 0.4, 0, -1, 0.5, 1, 0, 0.3, 0, 1, 0.7, -1, 0, 0.3, 0.5, 0.3, 1.4,
 ];
-const WHERE = ["inside", "on an edge", "at a corner", "outside the face"];
+const WHERE = ["inside", "on an edge", "at a corner", "outside"];
 const STATUS = ["found", "not certified", "iteration limit", "no convergence", "invalid"];
 const METHOD_WORDS = Object.fromEntries(WORDS.method.map((name) => [name, name.replaceAll("_", " ")]));
 const STARTS = [-1, -0.8, -0.6, -0.4, -0.2, 0, 0.2, 0.4, 0.6, 0.8, 1];
@@ -16,18 +16,19 @@ LABORATORIES.closest = {
     "Keys: arrows turn, N chooses a node or the point, W A S D and Q E move it.",
   controls: [
     { name: "kind", label: "Face", words: { Q8: "Q8, eight nodes", Q4: "Q4, four nodes" }, start: "Q8" },
-    { name: "method", label: "Method on its way", words: METHOD_WORDS, start: "simplex" },
-    { name: "start1", label: "Start ξ₁", values: STARTS, start: -0.2 },
-    { name: "start2", label: "Start ξ₂", values: STARTS, start: 0.6 },
-    { name: "steps", label: "Steps shown", values: [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 100, 400], start: 400 },
+    { name: "method", label: "Method", words: METHOD_WORDS, start: "simplex" },
+    { name: "start1", label: "Start ξ₁", values: STARTS, start: -0.8 },
+    { name: "start2", label: "Start ξ₂", values: STARTS, start: -0.6 },
+    { name: "steps", label: "Step", counted: true, values: [...Array(CLOSEST.most + 1).keys()], start: CLOSEST.most },
     { name: "nodes", count: 27, least: -3, most: 3, start: CLOSEST_START },
   ],
   build(laboratory) {
     return new ClosestView(laboratory);
   },
-  // Fewer steps of the same way need no run.
+  // Another step of the same way needs no run.
   changed(laboratory, name) {
-    if (name === "steps") laboratory.view.show(laboratory.last, laboratory.state);
+    if (name === "steps" && laboratory.last) laboratory.view.show(laboratory.last, laboratory.state);
+    else laboratory.view.halt();
     return name === "steps" && laboratory.last !== null;
   },
 };
@@ -37,6 +38,8 @@ class ClosestView {
     this.laboratory = laboratory;
     this.turn = new Turn(-0.9, 0.5);
     this.held = 8;
+    this.pace = 400; // milliseconds of a step that is played
+    this.playing = null;
     const label = "The face with its nodes, the point, and the closest point. Arrows turn it, N chooses, W A S D Q E move.";
     this.space = element("canvas", { class: "laboratory-plot", role: "application", tabindex: "0", "aria-label": label });
     const about = "Map of the distance over the reference square, with the way of the method";
@@ -44,7 +47,7 @@ class ClosestView {
     this.table = element("table", { class: "laboratory-table" });
     this.fill(WORDS.method.map((name) => [METHOD_WORDS[name], "–", "–", "–", "–"]));
     const box = element("div", { class: "laboratory-wide" }, this.table);
-    laboratory.pictures.append(this.space, this.map, box);
+    laboratory.pictures.append(this.space, this.walker(), box);
     for (const canvas of [this.space, this.map]) {
       canvas.style.height = "320px";
       new ResizeObserver(() => this.redraw()).observe(canvas);
@@ -54,8 +57,57 @@ class ClosestView {
     this.space.addEventListener("keydown", (event) => this.key(event));
   }
 
+  // The map with what moves the method: a slider, and buttons.
+  walker() {
+    const button = (text, press) => {
+      const made = element("button", { type: "button" }, text);
+      made.addEventListener("click", press);
+      return made;
+    };
+    const by = (change) => () => {
+      this.halt();
+      this.walkTo(this.step + change);
+    };
+    this.playButton = button("Play", () => (this.playing ? this.halt() : this.play()));
+    const buttons = element("div", { class: "laboratory-buttons" }, button("Back", by(-1)), this.playButton, button("Forward", by(1)));
+    this.told = element("output", { class: "laboratory-verdict", "aria-live": "polite" });
+    return element("div", { class: "laboratory-walk" }, this.map, this.laboratory.controls.steps.box, buttons, this.told);
+  }
+
+  // Number of steps of the way, and the one that is shown.
+  get most() {
+    return this.now ? this.now.part.way.length - 1 : 0;
+  }
+
+  get step() {
+    return Math.min(this.laboratory.state.steps, this.most);
+  }
+
+  walkTo(step) {
+    this.laboratory.set({ steps: Math.max(0, Math.min(step, this.most)) });
+  }
+
+  play() {
+    if (this.step === this.most) this.walkTo(0);
+    this.playButton.textContent = "Pause";
+    this.playing = setInterval(() => {
+      this.walkTo(this.step + 1);
+      if (this.step === this.most) this.halt();
+    }, this.pace);
+  }
+
+  halt() {
+    clearInterval(this.playing);
+    this.playing = null;
+    this.playButton.textContent = "Play";
+  }
+
   show(part, state) {
     this.now = { part, state: { ...state } };
+    this.laboratory.controls.steps.limit(this.most, this.step);
+    const [xi, y] = [part.way[this.step], part.walk[this.step]];
+    const away = Math.hypot(...y.map((value, c) => value - this.placeOf(8)[c]));
+    this.told.textContent = `${capital(METHOD_WORDS[state.method])}, step ${this.step} of ${this.most}: ξ = (${xi.map((each) => each.toFixed(3)).join(", ")}), distance ${away.toFixed(4)}`;
     this.redraw();
   }
 
@@ -157,7 +209,10 @@ class ClosestView {
       pen.fill();
     };
     for (let i = 0; i < this.count; i++) dot(this.placeOf(i), 6, COLOURS.blue);
-    dot([certified.x, certified.y, certified.z], 4, COLOURS.green);
+    dot([certified.x, certified.y, certified.z], 5, COLOURS.green);
+    pen.strokeStyle = COLOURS.red;
+    stroke(pen, part.walk.slice(0, this.step + 1).map((x) => this.onScreen(x)));
+    dot(part.walk[this.step], 4, COLOURS.red);
     dot(point, 7, COLOURS.orange);
     pen.strokeStyle = text;
     pen.beginPath();
@@ -187,15 +242,18 @@ class ClosestView {
   }
 
   drawWay(pen, place, part, state) {
-    const steps = state.steps;
-    const answer = part.answers[WORDS.method.indexOf(state.method)];
-    pen.strokeStyle = COLOURS.orange;
+    const { step } = this;
+    pen.strokeStyle = pen.fillStyle = COLOURS.orange;
     pen.lineWidth = 1.2;
-    for (const { corners } of (part.simplex ?? []).slice(0, steps + 1)) stroke(pen, [...corners, corners[0]].map(place));
+    part.triangles?.slice(0, step + 1).forEach((corners, i) => {
+      stroke(pen, [...corners, corners[0]].map(place));
+      pen.globalAlpha = 0.4;
+      if (i === step) pen.fill();
+      pen.globalAlpha = 1;
+    });
     pen.strokeStyle = COLOURS.red;
     pen.lineWidth = 2;
-    const way = part.simplex ? part.simplex.map(({ corners, low }) => corners[low]) : answer.path;
-    stroke(pen, way.slice(0, steps + 1).map(place));
+    stroke(pen, part.way.slice(0, step + 1).map(place));
     const certified = part.answers[CLOSEST.certified];
     const mark = ([x, y], radius, colour, fill) => {
       pen.strokeStyle = pen.fillStyle = colour;
@@ -206,6 +264,7 @@ class ClosestView {
     };
     mark(place([state.start1, state.start2]), 5, "#101010", false);
     mark(place([certified.xi1, certified.xi2]), 5, COLOURS.green, true);
+    mark(place(part.way[step]), 4, COLOURS.red, true);
   }
 
   // One row per method.
@@ -219,7 +278,7 @@ class ClosestView {
     const best = part.answers[CLOSEST.certified].distance;
     return part.answers.map((answer, i) => {
       const same = answer.where < 3 && Math.abs(answer.distance - best) <= 1e-6 * (1 + best);
-      const verdict = answer.status > 1 ? STATUS[answer.status] : same ? "the closest point" : "another point";
+      const verdict = answer.status > 1 ? STATUS[answer.status] : same ? "closest" : "another point";
       const distance = Number.isFinite(answer.distance) ? answer.distance.toFixed(6) : "none";
       return [METHOD_WORDS[WORDS.method[i]], answer.evaluations, distance, WHERE[answer.where] ?? "", verdict];
     });

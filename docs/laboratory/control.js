@@ -16,32 +16,44 @@ function capital(text) {
   return text[0].toUpperCase() + text.slice(1);
 }
 
+// A number with three digits, and a power of ten where it is very small or large.
+function digits(value) {
+  const [part, power] = value.toExponential(2).split("e");
+  if (value === 0 || Math.abs(power) < 4) return String(Number(value.toPrecision(3)));
+  const raised = [...String(Number(power))].map((each) => (each === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[each]));
+  return `${Number(part)}·10${raised.join("")}`;
+}
+
 // Text with the unit of a value.
 function shown(declared, value) {
   return declared.unit ? `${value} ${declared.unit}` : String(value);
 }
 
-// One of some numbers, by a slider that moves over their places.
+// One of some numbers, by a slider that moves over their places; `limit` shows only the first ones of them.
 function slider(declared, value, changed) {
   const id = `laboratory-${controlCount++}`;
   const output = element("output", { for: id });
   const input = element("input", { id, type: "range", min: 0, max: declared.values.length - 1, step: 1 });
   const write = () => {
-    const text = shown(declared, declared.values[input.value]);
+    const text = shown(declared, declared.values[input.value]) + (declared.counted ? ` of ${input.max}` : "");
     output.textContent = text;
     input.setAttribute("aria-valuetext", text);
   };
   const set = (next) => {
-    input.value = declared.values.indexOf(next);
+    input.value = declared.values.indexOf(next); // or the last place
     write();
   };
   input.addEventListener("input", () => {
     write();
     changed(declared.values[input.value]);
   });
+  const limit = (most, next) => {
+    input.max = most;
+    set(next);
+  };
   set(value);
   const label = element("label", { for: id }, declared.label, " ", output);
-  return { box: element("div", { class: "laboratory-control" }, label, input), set };
+  return { box: element("div", { class: "laboratory-control" }, label, input), set, limit };
 }
 
 // One of some words.

@@ -19,14 +19,14 @@ class Field {
     }).observe(this.canvas);
   }
 
-  // Two squares, and below them the scale of colours.
+  // Two squares, and below them the scale of colours and its name.
   get height() {
-    return Math.round(this.canvas.clientWidth / 2) + 34;
+    return Math.round(this.canvas.clientWidth / 2) + 50;
   }
 
   // Fields of the left and right body, n by n; the largest value of the colours; lines of the right one, in its size.
-  draw(fields, n, largest, lines) {
-    this.shown = [fields, n, largest, lines];
+  draw(fields, n, largest, lines, name) {
+    this.shown = [fields, n, largest, lines, name];
     const on = penOf(this.canvas, this.height);
     if (!on) return;
     const { pen, ratio } = on;
@@ -39,7 +39,7 @@ class Field {
     for (const side of [-1, 1]) {
       for (const line of lines) stroke(pen, line.map(([x, z]) => [size * (1 + side * x), size * (1 - z)]));
     }
-    this.drawScale(pen, size, ratio, largest);
+    this.drawScale(pen, size, ratio, largest, name);
   }
 
   image(field, n, largest) {
@@ -55,7 +55,7 @@ class Field {
     return canvas;
   }
 
-  drawScale(pen, size, ratio, largest) {
+  drawScale(pen, size, ratio, largest, name) {
     const top = size + 8 * ratio;
     for (let i = 0; i < 100; i++) {
       pen.fillStyle = `rgb(${colourOf(i / 49.5 - 1)})`;
@@ -66,5 +66,7 @@ class Field {
     pen.textBaseline = "top";
     pen.textAlign = "center";
     [-largest, 0, largest].forEach((value, i) => pen.fillText(String(value), size * (0.5 + i / 2), top + 10 * ratio));
+    pen.fillText(name, size, top + 26 * ratio);
+    ["left plate", "right plate"].forEach((text, i) => pen.fillText(text, size * (0.2 + 1.6 * i), top));
   }
 }

@@ -120,7 +120,6 @@ class Laboratory {
     this.ready = false;
     const own = ++this.runs;
     const state = { ...this.state };
-    const began = performance.now();
     this.stopButton.disabled = false;
     this.live.setAttribute("aria-busy", "true");
     this.status.textContent = "running …";
@@ -130,9 +129,8 @@ class Laboratory {
       this.dropFrame();
       if (result) {
         this.draw(state);
-        const seconds = (performance.now() - began) / 1000;
         this.caption.textContent = this.view.finish(this.last, state, result);
-        this.status.textContent = this.own.price(result, seconds);
+        this.status.textContent = this.own.price(result);
       } else if (own === this.runs) {
         this.status.textContent = "stopped";
       }
@@ -187,10 +185,10 @@ class Laboratory {
   }
 }
 
-function price({ steps, elements, updates, step }, seconds) {
-  const speed = (updates / seconds / 1e6).toPrecision(2);
+// What a run has cost; `seconds` are those of the library.
+function price({ steps, elements, updates, step, unit, seconds }) {
   return (
-    `${steps} steps of ${step.toPrecision(3)}, ${elements} elements, ${updates.toPrecision(3)} element updates, ` +
-    `${seconds.toFixed(2)} s here (${speed} million updates per second)`
+    `${steps} steps of ${digits(step)} ${unit}, ${elements} elements, ${digits(updates)} element updates, ` +
+    `${digits(seconds)} s (${digits(updates / seconds)} updates per second)`
   );
 }

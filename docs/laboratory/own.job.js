@@ -55,7 +55,7 @@ JOBS.own = async function (library, scene, tell, pause) {
   }, pause);
   show(1);
   const probes = (scene.probe ?? []).map(({ name, point }, i) => ({ name, ...probeRows(library, i, point ? 7 : 4) }));
-  return { ...counts, step: call.time_step(), ledger, probes };
+  return { ...counts, step: call.time_step(), unit: scene.units.time, ledger, probes };
 };
 
 // The last state as a VTK file of unstructured cells, in digits that give back the same numbers.

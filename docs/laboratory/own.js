@@ -86,9 +86,10 @@ class OwnView {
     }
   }
 
-  begin({ skins, at, units: { length, mass, time } }) {
-    this.units = { time, stress: `${mass}/(${length} ${time}²)` };
-    this.energy.names = { x: `time [${time}]`, y: `energy [${mass} ${length}²/${time}²]` };
+  begin({ skins, at, units }) {
+    const { time } = units;
+    this.units = { time, stress: unitOf("stress", units) };
+    this.energy.names = { x: `time [${time}]`, y: `energy [${unitOf("energy", units)}]` };
     for (const button of this.files) button.disabled = true;
     this.skins = skins;
     this.fit(at);
@@ -101,13 +102,8 @@ class OwnView {
 
   // The middle and the size of what is seen.
   fit(at) {
-    const range = [0, 1, 2].map((c) => {
-      let [low, high] = [Infinity, -Infinity];
-      for (let i = c; i < at.length; i += 3) [low, high] = [Math.min(low, at[i]), Math.max(high, at[i])];
-      return [low, high];
-    });
-    this.middle = range.map(([low, high]) => (low + high) / 2);
-    this.size = Math.hypot(...range.map(([low, high]) => high - low));
+    this.middle = middleOf(at);
+    this.size = Math.hypot(...boundsOf(at).map(([low, high]) => high - low));
   }
 
   redraw() {
@@ -160,8 +156,8 @@ class OwnView {
     }
     pen.fillStyle = getComputedStyle(this.space).color;
     pen.font = PLOT_FONT;
-    pen.fillText(`t = ${this.part.time.toPrecision(4)} ${this.units.time}`, 4, height - 22);
-    pen.fillText(`von Mises: 0 (pale) to ${most.toPrecision(3)} ${this.units.stress} (red)`, 4, height - 6);
+    pen.fillText(`t = ${digits(this.part.time)} ${this.units.time}`, 4, height - 22);
+    pen.fillText(`von Mises: 0 (pale) to ${digits(most)} ${this.units.stress} (red)`, 4, height - 6);
   }
 
   finish(part, state, result) {
@@ -172,7 +168,7 @@ class OwnView {
     const rows = ENERGIES.map((name) => line("td", [name, first[name].toPrecision(6), last[name].toPrecision(6)]));
     this.table.replaceChildren(element("thead", {}, line("th", ["energy", "start", "end"])), element("tbody", {}, ...rows));
     const change = Math.abs(last.total - first.total) / Math.max(first.kinetic, last.kinetic, last.strain, 1e-300);
-    return `The run ended at t = ${part.time.toPrecision(4)} ${this.units.time}; the total energy has changed by ${(100 * change).toPrecision(2)} % of the largest part.`;
+    return `The run ended at t = ${digits(part.time)} ${this.units.time}; the total energy has changed by ${(100 * change).toPrecision(2)} % of the largest part.`;
   }
 
   async save(kind) {
@@ -183,6 +179,16 @@ class OwnView {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
+}
+
+// The unit of a stress or an energy, as Units.label of Python names it.
+function unitOf(quantity, given) {
+  const { bases, exponents, names } = LABORATORY_TABLES.units;
+  const power = (base, i) => bases[base][given[base]] ** exponents[quantity][i];
+  const factor = ["length", "mass", "time"].map(power).reduce((product, each) => product * each);
+  const named = names[quantity].find(([value]) => Math.abs(factor - value) <= 1e-12 * value);
+  const { length, mass, time } = given;
+  return named?.[1] ?? (quantity === "stress" ? `${mass}/(${length} ${time}²)` : `${mass} ${length}²/${time}²`);
 }
 
 function faultText({ line, message }) {

@@ -8,7 +8,8 @@ PLATE.c1 = speedOf(PLATE);
 PLATE.stress = (PLATE.lame * PLATE.speed) / PLATE.c1;
 const PLATE_COMPONENTS = { x: 0, z: 2, xz: 5 };
 
-function platesScene(state) {
+// The scene with a step { courant } or { fraction }.
+function platesScene(state, step) {
   const { n } = state;
   const body = (name, origin, speed) => ({
     name, material: "steel", velocity: [speed, 0, 0],
@@ -24,7 +25,7 @@ function platesScene(state) {
     support: [...held("left"), ...held("right")],
     time: {
       end_c1t_over: { length: PLATE.d, value: state.end },
-      [state.law === "penalty" ? "fraction" : "courant"]: state.courant,
+      ...step,
       integrator: state.integrator,
     },
   };
@@ -68,11 +69,23 @@ function computedLine(field, line, n) {
   );
 }
 
+// Build the scene; whether the step had to be that of the stable one, which a stiff penalty makes shorter.
+function buildPlates(library, state) {
+  try {
+    buildScene(library, platesScene(state, { courant: state.courant }));
+    return false;
+  } catch (error) {
+    if (!(error instanceof LibraryError)) throw error;
+    buildScene(library, platesScene(state, { fraction: 0.98 }));
+    return true;
+  }
+}
+
 JOBS.plates = async function (library, state, tell, pause) {
   const scene = platesScene(state);
   const component = PLATE_COMPONENTS[state.stress];
   const { n, line } = state;
-  buildScene(library, scene);
+  const limited = buildPlates(library, state);
   const frame = (fraction) => {
     const t = (library.call.time_now() * PLATE.c1) / PLATE.d;
     const filtered = state.filter === "on";
@@ -94,5 +107,6 @@ JOBS.plates = async function (library, state, tell, pause) {
   let error = 0;
   const counts = await advanceAll(library, every, (fraction) => (error = frame(fraction)), pause);
   const energy = energiesOf(library);
-  return { ...counts, error, step: library.call.time_step(), courant: library.call.time_step() / library.call.stable_step(2), energy };
+  const step = library.call.time_step();
+  return { ...counts, error, step, unit: "s", limited, courant: step / library.call.stable_step(2), energy };
 };

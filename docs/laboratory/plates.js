@@ -1,20 +1,22 @@
 // Two plates: the stress in both, the exact fronts over it, a line beside the closed form, the error among the prices.
 "use strict";
 
+const STRESS_NAMES = { z: "σz* (transversal)", x: "σx* (longitudinal)", xz: "τxz* (shear)" };
+
 LABORATORIES.plates = {
   title: "Two plates",
   job: "plates",
   price,
   controls: [
     { name: "n", label: "Elements along d", values: [10, 20, 30, 40, 50, 60, 80, 100], start: 40 },
-    { name: "courant", label: "Courant number (explicit penalty: step over the stable one)", values: [0.05, 0.125, 0.25, 0.5, 0.7, 0.8, 0.9], start: 0.5 },
+    { name: "courant", label: "Courant number", values: [0.05, 0.125, 0.25, 0.5, 0.7, 0.8, 0.9], start: 0.5 },
     { name: "law", label: "Law of the contact", words: LAW_NAMES, start: "energy_controlled" },
     { name: "beta", label: "Penalty factor β", values: [0.5, 1, 2, 4, 10, 20, 40, 100], start: 40 },
     { name: "integrator", label: "Integrator", words: INTEGRATOR_NAMES, start: "central_difference" },
-    { name: "filter", label: "Filter of the shown stress", words: { off: "off", on: "on" }, start: "off" },
+    { name: "filter", label: "Filter of stress", words: { off: "off", on: "on" }, start: "off" },
     { name: "end", label: "Time c₁t/d", values: [0.1, 0.2, 0.3, 0.4, 0.5, 0.56, 0.6, 0.7, 0.8, 0.9, 1, 1.1], start: 0.56 },
-    { name: "stress", label: "Stress", words: { z: "σz* (transversal)", x: "σx* (longitudinal)", xz: "τxz*" }, start: "z" },
-    { name: "line", label: "Line", words: { z: "along z at x = 0.4 d (the paper's Fig. 5)", x: "along x at z = 0 (Fig. 4)" }, start: "z" },
+    { name: "stress", label: "Stress", words: STRESS_NAMES, start: "z" },
+    { name: "line", label: "Line", words: { z: "along z, x = 0.4 d", x: "along x, z = 0" }, start: "z" },
   ],
   build(laboratory) {
     return new PlatesView(laboratory);
@@ -26,7 +28,7 @@ class PlatesView extends View {
     super();
     this.field = new Field("The stress in both plates, with the exact wave fronts over it");
     this.field.canvas.classList.add("laboratory-wide");
-    this.line = new Plot({ x: "place / d", y: "stress*", label: "The stress along the line, computed and exact", height: 220 });
+    this.line = new Plot({ x: "", y: "", label: "The stress along the line, computed and exact", height: 220 });
     this.prices = new Plot({
       x: "log₁₀ of the element updates", y: "log₁₀ of the error", height: 220,
       label: "Error on the line over element updates: all methods of the book, and your runs",
@@ -36,7 +38,9 @@ class PlatesView extends View {
   }
 
   draw(part, state) {
-    this.field.draw(part.fields, state.n, 1.5, exactFronts(part.t));
+    const stress = STRESS_NAMES[state.stress];
+    this.field.draw(part.fields, state.n, 1.5, exactFronts(part.t), `${stress}, in units of Λv₀/c₁`);
+    this.line.names = { x: `${state.line} / d`, y: stress };
     const curves = [
       { ...part.exact, name: "exact", dash: [4, 3] },
       { ...part.computed, name: "computed", colour: state.law === "penalty" ? "red" : "blue" },
@@ -64,7 +68,8 @@ class PlatesView extends View {
     if (this.runs.length > 100) this.runs.shift();
     this.redraw();
     return (
-      `${capital(lawName(state))}, β = ${state.beta}, Courant number ${result.courant.toPrecision(3)}, ` +
+      `${lawName(state)}, β = ${state.beta}, Courant number ${result.courant.toPrecision(3)}` +
+      `${result.limited ? " (the largest that this penalty allows)" : ""}, ` +
       `${state.n} elements along d: the mean error on the line is ${result.error.toFixed(4)} at c₁t/d = ${part.t.toFixed(2)}.`
     );
   }

@@ -17,7 +17,7 @@ function ticksOf(low, high, count) {
 
 function tickText(value) {
   const text = Number(value.toPrecision(6));
-  return Math.abs(text) >= 1e5 || (text !== 0 && Math.abs(text) < 1e-3) ? text.toExponential(0) : String(text);
+  return Math.abs(text) >= 1e5 || (text !== 0 && Math.abs(text) < 1e-3) ? digits(text) : String(text);
 }
 
 // Smallest and largest finite number of some lists, with a margin; `must` has to be inside.

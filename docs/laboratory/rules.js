@@ -33,7 +33,20 @@ function direction(name, vector) {
   return vector.some((each) => each !== 0) ? [] : [[name, NO_DIRECTION]];
 }
 
+function turning({ axis }) {
+  return axis && axis.every((each) => each === 0) ? [["axis", "is 0; it must have a direction"]] : [];
+}
+
 const RULES = {
+  Spin: turning,
+  Initial(value) {
+    const why = "gives no displacement, gradient, angle, displacements or stress";
+    return [...turning(value), ...(value.stress || displaces(value) ? [] : [["", why]])];
+  },
+  Damping: ({ rate, stiffness }) =>
+    rate === undefined && stiffness === undefined
+      ? [["", "gives none of rate, stiffness and relaxation; at least one is needed"]]
+      : [],
   Ring: radii,
   Shell: radii,
   Plane: ({ normal }) => direction("normal", normal),
@@ -90,15 +103,45 @@ function refusals(model, value) {
 
 // Tables that contradict each other.
 function conflicts(scene) {
-  return [...smallStrain(scene), ...samePair(scene), ...probing(scene)];
+  return [...smallStrain(scene), ...samePair(scene), ...probing(scene), ...largeStrain(scene)];
 }
 
+function materialOf(scene, { material }) {
+  return scene.material.find(({ name }) => name === material);
+}
+
+// Keys of bodies with large strain that are for small strain.
 function smallStrain(scene) {
   const out = [];
+  const { stiffness, bodies } = scene.damping ?? {};
   scene.body.forEach((body, i) => {
-    const { name, law = "linear" } = scene.material.find((each) => each.name === body.material);
-    if (law === "linear" || body.integration !== "reduced") return;
-    out.push([`body[${i}].integration`, `"reduced" is for small strain; material "${name}" has the law "${law}"`]);
+    const { name, law = "linear" } = materialOf(scene, body);
+    if (law === "linear") return;
+    const other = `material "${name}" has the law "${law}"`;
+    if (body.integration === "reduced") out.push([`body[${i}].integration`, `"reduced" is for small strain; ${other}`]);
+    if (body.initial?.stress) {
+      out.push([`body[${i}].initial.stress`, `is for small strain; ${other}, so give the gradient that causes the stress`]);
+    }
+    if (stiffness && bodies?.includes(body.name) !== false) {
+      const why = 'give a rate, or name other bodies in "bodies"';
+      out.push(["damping.stiffness", `is for the law "linear", and "${body.name}" has "${law}"; ${why}`]);
+    }
+  });
+  return out;
+}
+
+// Rotations of bodies whose strain is small.
+function largeStrain(scene) {
+  const out = [];
+  scene.body.forEach((body, i) => {
+    const { name, law = "linear" } = materialOf(scene, body);
+    if (law !== "linear") return;
+    const why = `turns the body, material "${name}" has the law "linear", with which a rotation causes false strain`;
+    const turns = { spin: body.spin, "initial.angle": body.initial?.angle };
+    for (const key of Object.keys(turns).filter((each) => turns[each])) {
+      const large = WORDS.law.slice(1).map((each) => `"${each}"`).join(" or ");
+      out.push([`body[${i}].${key}`, `${why}; give it the law ${large}, or make it [[rigid]]`]);
+    }
   });
   return out;
 }

@@ -25,6 +25,11 @@ function word(kind, name) {
   return name === undefined ? -1 : WORDS[kind].indexOf(name);
 }
 
+// Axes as the bits 1, 2, 4.
+function bitsOf(axes) {
+  return axes.reduce((sum, axis) => sum + (1 << "xyz".indexOf(axis)), 0);
+}
+
 // The face of a surface such as "left.x_max" and the number of its body.
 function surfaceOf(scene, name) {
   const dot = name.lastIndexOf(".");
@@ -46,6 +51,27 @@ function layersOf(scene, body) {
   return row >= SHORTEST_ROW ? axis : "z";
 }
 
+// The mesh of a body, made by the library.
+function meshBody(library, scene, body, kind) {
+  const call = library.call;
+  const shape = ["box", "ring", "cylinder", "ball", "shell"].find((name) => body[name]);
+  const given = body[shape];
+  const centre = given.centre ?? ZERO;
+  if (shape === "box") {
+    const layers = word("layers", layersOf(scene, body));
+    const origin = given.origin ?? ZERO;
+    call.set_grading(...(given.grading ?? ZERO), bitsOf(given.symmetric ?? []));
+    library.check(call.mesh_box(kind, ...origin, ...given.size, ...given.cells, layers));
+  } else if (shape === "ring") {
+    library.check(call.mesh_ring(kind, ...centre, ...given.radius, given.width, ...given.cells));
+  } else if (shape === "cylinder") {
+    library.check(call.mesh_cylinder(kind, ...centre, given.radius, given.width, ...given.cells));
+  } else {
+    const radius = shape === "ball" ? [0, given.radius] : given.radius;
+    library.check(call.mesh_ball(kind, ...centre, ...radius, ...given.cells));
+  }
+}
+
 function addBody(library, scene, body) {
   const call = library.call;
   const material = scene.material.find((each) => each.name === body.material);
@@ -53,22 +79,13 @@ function addBody(library, scene, body) {
   call.set_material(material.young, material.poisson, material.density, law);
   const reduced = body.integration === "reduced" ? 4 : 0;
   call.set_motion(...(body.velocity ?? ZERO), reduced);
-  const kind = Math.max(word("element", body.element), 0);
-  const shape = ["box", "ring", "cylinder", "ball", "shell"].find((name) => body[name]);
-  const given = body[shape];
-  const centre = given.centre ?? ZERO;
-  if (shape === "box") {
-    const layers = word("layers", layersOf(scene, body));
-    const origin = given.origin ?? ZERO;
-    library.check(call.add_box(kind, ...origin, ...given.size, ...given.cells, layers));
-  } else if (shape === "ring") {
-    library.check(call.add_ring(kind, ...centre, ...given.radius, given.width, ...given.cells));
-  } else if (shape === "cylinder") {
-    library.check(call.add_cylinder(kind, ...centre, given.radius, given.width, ...given.cells));
-  } else {
-    const radius = shape === "ball" ? [0, given.radius] : given.radius;
-    library.check(call.add_ball(kind, ...centre, ...radius, ...given.cells));
-  }
+  const damping = scene.damping?.bodies?.includes(body.name) === false ? 0 : (scene.damping?.stiffness ?? 0);
+  call.set_state(damping, ...(body.initial?.stress ?? [...ZERO, ...ZERO]));
+  meshBody(library, scene, body, Math.max(word("element", body.element), 0));
+  const moves = startOf(library.doubles(call.mesh_nodes(), 3 * call.mesh_node_count()), body);
+  const rows = [moves.displacements, moves.velocities].filter(Boolean);
+  if (rows.length) library.give(rows.flatMap((each) => [...each]));
+  library.check(call.add_body(Number(moves.displacements !== null), Number(moves.velocities !== null)));
 }
 
 // What a contact or an obstacle says of its law, with the defaults of the scene's integrator.
@@ -109,9 +126,8 @@ function addLoad(library, scene, given) {
 }
 
 function addSupport(library, scene, given) {
-  const bits = given.fix.reduce((sum, axis) => sum + (1 << "xyz".indexOf(axis)), 0);
   const on = surfaceOf(scene, given.set);
-  library.check(library.call.add_support(...on, bits, ...(given.velocity ?? ZERO)));
+  library.check(library.call.add_support(...on, bitsOf(given.fix), ...(given.velocity ?? ZERO)));
 }
 
 // The end of a run; a distance that the fastest wave of all bodies travels may give it.
@@ -152,6 +168,11 @@ function buildScene(library, scene) {
     library.check(call.add_gravity(...scene.gravity.acceleration));
   }
   for (const load of scene.load ?? []) addLoad(library, scene, load);
+  if (scene.damping?.rate !== undefined) {
+    const on = (scene.damping.bodies ?? []).map((name) => scene.body.findIndex((body) => body.name === name));
+    new Int32Array(call.memory.buffer, call.numbers(on.length), on.length).set(on);
+    library.check(call.add_damping(scene.damping.rate, on.length));
+  }
   const how = ["courant", "fraction", "dt"].findIndex((name) => time[name] !== undefined);
   const value = how < 0 ? 0.9 : time[["courant", "fraction", "dt"][how]];
   library.check(call.start(endOf(scene), how < 0 ? 1 : how, value, scheme, parameter));

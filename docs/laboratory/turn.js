@@ -29,10 +29,6 @@ class Turn {
   }
 }
 
-function dot(a, b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Follow a pointer that is pressed on a canvas: `begin(place)`, then `move(place, change)`; places in pixels of the page.
 function followPointer(canvas, begin, move) {
   let last = null;

@@ -196,7 +196,9 @@ EXPORT(stress) const double *stress(int body)
   double *out = numbers(6 * of->mesh->element_count);
   if (out == NULL) return NULL;
   const double *u = page.state->displacement + 3 * (size_t)of->first_node;
-  return ct_solid_stress(of->mesh, &of->material, u, out, &page_error) ? NULL : out;
+  if (ct_solid_stress(of->mesh, &of->material, u, out, &page_error)) return NULL;
+  for (int32_t i = 0; i < 6 * of->mesh->element_count; i++) out[i] += of->initial_stress[i % 6];
+  return out;
 }
 
 /* Corners of the outer faces of a body, shape (4, count), in the numbers of the body; and how many.

@@ -3,6 +3,7 @@
 #include "module.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,8 @@
 enum { OUTER = 7 };
 
 static ct_scene_body body;
+/* The mesh of that body, until it is added. */
+static ct_mesh *made;
 static ct_contact_options options;
 static double beta, friction, tangent;
 /* A factor in time for loads, obstacles and gravity. */
@@ -28,6 +31,8 @@ static void clear(void)
   ct_probes_free(page.probes);
   ct_state_free(page.state);
   ct_scene_free(page.scene);
+  ct_mesh_free(made);
+  made = NULL;
   memset(&page, 0, sizeof page);
 }
 
@@ -61,52 +66,74 @@ EXPORT(set_history) ct_status set_history(int count)
   return CT_OK;
 }
 
-/* A mesh is copied by the scene. */
-static ct_status add(ct_status made, ct_mesh *mesh)
+/* Damping in proportion to stiffness, and the stress without displacement. */
+EXPORT(set_state)
+void set_state(double damping, double xx, double yy, double zz, double xy, double yz, double zx)
 {
-  if (made != CT_OK) return made;
-  body.mesh = mesh;
-  ct_status status = ct_scene_add_body(page.scene, &body, NULL, &page_error);
-  ct_mesh_free(mesh);
-  body.mesh = NULL;
-  return status;
+  const double stress[6] = {xx, yy, zz, xy, yz, zx};
+  body.stiffness_damping = damping;
+  memcpy(body.initial_stress, stress, sizeof stress);
 }
 
-EXPORT(add_box)
-ct_status add_box(int kind, double x, double y, double z, double width, double depth, double height,
-                  int nx, int ny, int nz, int layers)
+/* Bit k of `symmetric`: graded to both ends of axis k. */
+EXPORT(set_grading) void set_grading(double x, double y, double z, int symmetric)
 {
+  const double grading[3] = {x, y, z};
+  memcpy(body.box.grading, grading, sizeof grading);
+  for (int k = 0; k < 3; k++) body.box.symmetric[k] = symmetric >> k & 1;
+}
+
+EXPORT(mesh_box)
+ct_status mesh_box(int kind, double x, double y, double z, double width, double depth,
+                   double height, int nx, int ny, int nz, int layers)
+{
+  const ct_box box = {{x, y, z}, {width, depth, height}, {nx, ny, nz}, (ct_layers)layers, {0}, {0}};
+  memcpy(&body.box, &box, offsetof(ct_box, grading));
   body.kind = (ct_brick_kind)kind;
-  body.box = (ct_box){{x, y, z}, {width, depth, height}, {nx, ny, nz}, (ct_layers)layers, {0}, {0}};
-  return ct_scene_add_body(page.scene, &body, NULL, &page_error);
+  return ct_mesh_create_box(body.kind, &body.box, &made, &page_error);
 }
 
-EXPORT(add_ring)
-ct_status add_ring(int kind, double x, double y, double z, double inner, double outer, double width,
-                   int through, int around, int across)
+EXPORT(mesh_ring)
+ct_status mesh_ring(int kind, double x, double y, double z, double inner, double outer,
+                    double width, int through, int around, int across)
 {
   ct_ring ring = {{x, y, z}, {inner, outer}, width, {through, around, across}};
-  ct_mesh *mesh = NULL;
-  return add(ct_mesh_create_ring((ct_brick_kind)kind, &ring, &mesh, &page_error), mesh);
+  return ct_mesh_create_ring((ct_brick_kind)kind, &ring, &made, &page_error);
 }
 
-EXPORT(add_cylinder)
-ct_status add_cylinder(int kind, double x, double y, double z, double radius, double width,
-                       int through, int around, int across)
+EXPORT(mesh_cylinder)
+ct_status mesh_cylinder(int kind, double x, double y, double z, double radius, double width,
+                        int through, int around, int across)
 {
   ct_cylinder cylinder = {{x, y, z}, radius, width, {through, around, across}};
-  ct_mesh *mesh = NULL;
-  return add(ct_mesh_create_cylinder((ct_brick_kind)kind, &cylinder, &mesh, &page_error), mesh);
+  return ct_mesh_create_cylinder((ct_brick_kind)kind, &cylinder, &made, &page_error);
 }
 
 /* A ball, or with an inner radius above 0 a shell. */
-EXPORT(add_ball)
-ct_status add_ball(int kind, double x, double y, double z, double inner, double outer, int through,
-                   int around)
+EXPORT(mesh_ball)
+ct_status mesh_ball(int kind, double x, double y, double z, double inner, double outer, int through,
+                    int around)
 {
   ct_ball ball = {{x, y, z}, {inner, outer}, {through, around}};
-  ct_mesh *mesh = NULL;
-  return add(ct_mesh_create_ball((ct_brick_kind)kind, &ball, &mesh, &page_error), mesh);
+  return ct_mesh_create_ball((ct_brick_kind)kind, &ball, &made, &page_error);
+}
+
+EXPORT(mesh_node_count) int mesh_node_count(void) { return made->node_count; }
+
+EXPORT(mesh_nodes) const double *mesh_nodes(void) { return made->nodes; }
+
+/* Add the body of this mesh. Where it is `displaced` and `turns`, displacements and then velocities
+ * of all nodes, each of shape (node_count, 3), are in `numbers`. */
+EXPORT(add_body) ct_status add_body(int displaced, int turns)
+{
+  const double *rows = numbers(0);
+  body.mesh = body.box.cells[0] > 0 ? NULL : made;
+  body.displacements = displaced ? rows : NULL;
+  body.velocities = turns ? rows + (displaced ? 3 * (size_t)made->node_count : 0) : NULL;
+  ct_status status = ct_scene_add_body(page.scene, &body, NULL, &page_error);
+  ct_mesh_free(made);
+  made = NULL;
+  return status;
 }
 
 EXPORT(join) ct_status join(void) { return ct_scene_join(page.scene, &page.problem, &page_error); }
@@ -228,9 +255,9 @@ ct_status add_support(int number, int side, int fixed, double vx, double vy, dou
   return status;
 }
 
-static ct_status take(ct_status made, ct_effect *effect)
+static ct_status take(ct_status status, ct_effect *effect)
 {
-  if (made != CT_OK) return made;
+  if (status != CT_OK) return status;
   return ct_scene_add_effect(page.scene, effect, &page_error);
 }
 
@@ -321,6 +348,17 @@ EXPORT(add_gravity) ct_status add_gravity(double x, double y, double z)
   def.acceleration[0] = x, def.acceleration[1] = y, def.acceleration[2] = z;
   def.amplitude = amplitude();
   return take(ct_gravity_create_effect(&def, page.problem, &effect, &page_error), effect);
+}
+
+/* The numbers of `count` bodies are in `numbers`, as integers; 0: all bodies. */
+EXPORT(add_damping) ct_status add_damping(double rate, int count)
+{
+  ct_damping_def def = ct_damping_def_default();
+  ct_effect *effect = NULL;
+  def.rate = rate;
+  def.bodies = count > 0 ? (const int32_t *)numbers(0) : NULL;
+  def.body_count = count;
+  return take(ct_damping_create_effect(&def, page.problem, &effect, &page_error), effect);
 }
 
 /* `how` the step is given: 0 courant, 1 fraction of the stable one, 2 itself. A parameter that is
