@@ -102,7 +102,7 @@ help:
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
 	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi; make install-mpi prefix= installs it, too"
 	@echo "make test-hosts       the contact in scikit-fem, NGSolve and Akantu, and beside that of CalculiX; installs them"
-	@echo "make test-page        the laboratories in Node and in Chromium, moved by pointer and keys"
+	@echo "make test-page        the laboratories in Node, Chromium and Firefox, moved by pointer and keys"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
+FIREFOX = ("firefox-esr", "firefox")
 TIMEOUT = 300_000.0  # milliseconds for a page with all its formulas, on a busy machine
 
 
@@ -27,6 +28,11 @@ def find() -> str | None:
     with sync_playwright() as driver:
         own = Path(driver.chromium.executable_path)
     return str(own) if own.exists() else None
+
+
+def find_firefox() -> str | None:
+    """Firefox of this machine, or None. Its playwright needs none of its own: it drives a released one."""
+    return next(filter(None, map(shutil.which, FIREFOX)), None)
 
 
 class Silent(SimpleHTTPRequestHandler):

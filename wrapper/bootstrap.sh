@@ -11,6 +11,11 @@ wants() { # wants PART: not left out by WITHOUT
   case " ${WITHOUT:-} " in *" $1 "*) return 1 ;; esac
 }
 
+found() { # found NAME ...: one of these programs
+  for name in "$@"; do command -v "$name" >/dev/null 2>&1 && return; done
+  return 1
+}
+
 look() { # what is missing now
   needed=""
   wanted=""
@@ -25,9 +30,10 @@ look() { # what is missing now
   case "$commands" in *" memory "* | *" bench "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
   case "$commands" in *" test-hosts "*) command -v ccx >/dev/null 2>&1 || wanted="$wanted calculix-ccx" ;; esac
   # The names that docs/browser.py looks for.
-  case "$commands" in *" pdf "*)
-    for browser in chromium chromium-browser google-chrome chrome ""; do command -v "$browser" >/dev/null 2>&1 && break; done
-    [ -n "$browser" ] || wanted="$wanted chromium"
+  case "$commands" in *" pdf "* | *" test-page "*) found chromium chromium-browser google-chrome chrome || wanted="$wanted chromium" ;; esac
+  case "$commands" in *" test-page "*)
+    found firefox-esr firefox || wanted="$wanted firefox-esr"
+    found node || wanted="$wanted nodejs"
     ;;
   esac
   missing="$needed$wanted"

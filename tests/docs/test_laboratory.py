@@ -1,9 +1,10 @@
-"""The laboratories in a browser, from files, moved by pointer and keys. Skipped without a browser or ``make page``;
-``make test-page`` runs them all. No test depends on how long a run takes: it waits for the caption."""
+"""The laboratories in Chromium and Firefox, from files, moved by pointer and keys. Skipped without a browser or ``make
+page``; ``make test-page`` runs them all. No test depends on how long a run takes: it waits for the caption."""
 
 import os
 import random
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -14,25 +15,55 @@ import libcontact as ct
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs"))
+sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "page")]
 
 import browser  # noqa: E402
+import native  # noqa: E402
 
 FOLDER = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "page" / "html"
-FOUND = browser.find()
+FOUND = {"chromium": browser.find(), "firefox": browser.find_firefox()}
 NAMES = sorted(path.stem for path in FOLDER.glob("*.html") if path.stem != "index")
 ACTIONS = int(os.environ.get("LIBCONTACT_PAGE_ACTIONS", "0"))  # of random input, by make test-page
-pytestmark = pytest.mark.skipif(FOUND is None or not NAMES, reason="no browser, or no make page")
+pytestmark = pytest.mark.skipif(not NAMES, reason="no make page")
 whole = pytest.mark.skipif(not ACTIONS, reason="part of make test-page")
 FAST = {"bar": "cells=20", "plates": "n=20", "own": "example=bar_on_a_wall"}
+
+
+class Engine:
+    """A browser. Firefox has the colours and the motion that a reader prefers from its start on."""
+
+    def __init__(self, driver, name, downloads):
+        self.driver, self.name, self.downloads, self.started = driver, name, downloads, {}
+
+    def context(self, width, scheme, motion, **more):
+        """A window of a reader."""
+        size = {"width": width, "height": 900}
+        if self.name == "firefox":
+            preferences = {
+                "layout.css.prefers-color-scheme.content-override": int(scheme == "light"),
+                "ui.prefersReducedMotion": int(motion == "reduce"),
+            }
+            own = self._start(scheme, motion, channel="moz-firefox", firefox_user_prefs=preferences)
+            return own.new_context(
+                viewport=size, color_scheme="null", reduced_motion="null", **more
+            )
+        own = self._start(args=["--no-sandbox"])
+        return own.new_context(viewport=size, color_scheme=scheme, reduced_motion=motion, **more)
+
+    def _start(self, *kind, **options):
+        if kind not in self.started:
+            start = getattr(self.driver, self.name).launch
+            options |= {"executable_path": FOUND[self.name], "downloads_path": self.downloads}
+            self.started[kind] = start(**options)
+        return self.started[kind]
 
 
 class Visit:
     """A page of its own context, what it asked for outside its files, and its errors."""
 
-    def __init__(self, chromium, width=1400, scheme="light", **more):
-        size = {"width": width, "height": 900}
-        self.context = chromium.new_context(viewport=size, color_scheme=scheme, **more)
+    def __init__(self, engine, width=1400, scheme="light", motion="no-preference", **more):
+        self.engine, self.touch = engine, "tap" if more.get("has_touch") else "click"
+        self.context = engine.context(width, scheme, motion, **more)
         self.page = self.context.new_page()
         self.page.set_default_timeout(120_000)
         self.outside, self.errors = [], []
@@ -69,24 +100,40 @@ class Visit:
         self.page.wait_for_function(rest)
         return self.page.locator(".laboratory-caption").inner_text()
 
+    def save(self, kind):
+        """The path of a file that a button saves. Playwright does not see what Firefox loads down."""
+        button = self.page.get_by_role("button", name=f"Save .{kind}")
+        if self.engine.name != "firefox":
+            with self.page.expect_download() as waiting:
+                button.click()
+            return waiting.value.path()
+        path = self.engine.downloads / f"scene.{kind}"
+        button.click()
+        while not path.exists() or not path.stat().st_size or list(path.parent.glob("*.part")):
+            self.page.wait_for_timeout(50)
+        return path
+
     def end(self):
         self.context.close()
         assert not self.outside and not self.errors
 
 
-@pytest.fixture(scope="module")
-def chromium():
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        own = driver.chromium.launch(executable_path=FOUND, args=["--no-sandbox"])
+@pytest.fixture(scope="module", params=FOUND)
+def engine(request, tmp_path_factory):
+    if FOUND[request.param] is None:
+        pytest.skip(f"no {request.param}")
+    if request.param == "firefox" and not ACTIONS:
+        pytest.skip("Firefox is part of make test-page")
+    with playwright.sync_playwright() as driver:
+        own = Engine(driver, request.param, tmp_path_factory.mktemp("downloads"))
         yield own
-        own.close()
+        for each in own.started.values():
+            each.close()
 
 
 @pytest.fixture
-def visit(chromium):
-    made = Visit(chromium)
+def visit(engine):
+    made = Visit(engine)
     yield made
     made.end()
 
@@ -95,8 +142,8 @@ def visit(chromium):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1400])
 @pytest.mark.parametrize("name", NAMES)
-def test_a_laboratory_runs_from_its_file(chromium, name, width, scheme):
-    visit = Visit(chromium, width, scheme)
+def test_a_laboratory_runs_from_its_file(engine, name, width, scheme):
+    visit = Visit(engine, width, scheme)
     assert visit.open(name)
     page = visit.page
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -130,10 +177,13 @@ def test_five_actions_show_the_growth_of_energy_and_then_the_default_s(visit):
     page.get_by_label("Law of the contact").select_option("penalty")
     page.get_by_label("Penalty factor").press("ArrowRight")
     grown = visit.finished()
-    assert grown.startswith("Explicit penalty, β = 10") and energy(grown) > 2.0
+    assert grown.startswith("Explicit penalty, β = 10,") and energy(grown) > 2.0
     page.get_by_label("Law of the contact").select_option("energy_controlled")
     kept = visit.finished()
-    assert kept.startswith("Energy-controlled penalty, β = 10") and 0.99 < energy(kept) <= 1.0
+    assert (
+        kept.startswith("Energy-controlled penalty (the default), β = 10,")
+        and 0.99 < energy(kept) <= 1.0
+    )
 
 
 def test_the_pointer_moves_a_slider_and_the_link_keeps_the_state(visit):
@@ -153,6 +203,48 @@ def test_the_pointer_moves_a_slider_and_the_link_keeps_the_state(visit):
     page.goto(address)
     assert visit.finished() == before
     assert page.get_by_label("Landing phase").get_attribute("aria-valuetext") == "0.9 h"
+
+
+def test_every_method_walks_step_by_step(engine):
+    """By a finger: forward, back, played to its end, and by keys on the slider. Triangles of the simplex share two
+    corners."""
+    visit = Visit(engine, 390, **({"has_touch": True} if engine.name == "chromium" else {}))
+    visit.open("closest", "steps=0")
+    page = visit.page
+    methods, steps = (
+        page.get_by_role("combobox", name="Method"),
+        page.get_by_role("slider", name="Step"),
+    )
+
+    def press(name):
+        getattr(page.get_by_role("button", name=name), visit.touch)()
+
+    def count():
+        told = page.locator(".laboratory-verdict").inner_text()
+        return tuple(map(int, re.search(r"step (\d+) of (\d+)", told).groups()))
+
+    view = "document.querySelector('.laboratory').laboratory.view"
+    page.evaluate(f"{view}.pace = 5")
+    for method in methods.locator("option").all():
+        methods.select_option(method.get_attribute("value"))
+        visit.finished()
+        steps.press("Home")
+        step, most = count()
+        assert step == 0 and most > 0, method.inner_text()
+        press("Forward")
+        assert count() == (1, most)
+        steps.press("ArrowRight")
+        assert count() == (min(2, most), most)
+        press("Back")
+        press("Play")
+        page.wait_for_function(f"() => {view}.playing === null")
+        assert count() == (most, most)
+    methods.select_option("simplex")
+    visit.finished()
+    triangles = page.evaluate(f"{view}.now.part.triangles")
+    shared = [sum(a == b for a in one for b in two) for one, two in zip(triangles, triangles[1:])]
+    assert shared[:3] == [2, 2, 2]  # until it becomes smaller
+    visit.end()
 
 
 def test_nodes_and_point_move_by_pointer_and_keys(visit):
@@ -206,13 +298,7 @@ def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     area.fill(text)
     page.get_by_role("button", name="Run").click()
     visit.finished()
-    saved = []
-    for kind in ("vtu", "csv"):
-        with page.expect_download() as waiting:
-            page.get_by_role("button", name=f"Save .{kind}").click()
-        waiting.value.save_as(tmp_path / f"scene.{kind}")
-        saved.append(tmp_path / f"scene.{kind}")
-    mesh = meshio.read(saved[0])
+    mesh = meshio.read(visit.save("vtu"), file_format="vtu")
     states = [expected.state[name] for name in ("left", "right")]
     for name in ("displacement", "velocity"):
         rows = np.concatenate([getattr(state, name) for state in states])
@@ -221,7 +307,7 @@ def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     assert np.array_equal(
         np.concatenate(mesh.cell_data["stress"]), np.concatenate([s.stress for s in states])
     )
-    ledger, probe = saved[1].read_text(encoding="utf-8").split("\n\n")
+    ledger, probe = visit.save("csv").read_text(encoding="utf-8").split("\n\n")
     last = dict(
         zip(*(line.split(",") for line in (ledger.splitlines()[0], ledger.splitlines()[-1])))
     )
@@ -274,27 +360,20 @@ def test_stop_ends_a_long_run_and_leaving_ends_the_worker(visit):
     assert visit.finished()
 
 
-@pytest.mark.parametrize("simd", [True, False])
-def test_the_browser_has_the_bits_of_this_machine(visit, tmp_path, simd):
-    text = small_plates(10)
-    (tmp_path / "plates.toml").write_text(text, encoding="utf-8")
-    state = ct.Scene.load(tmp_path / "plates.toml").run(progress=False, output=False).state
+@pytest.mark.parametrize("kind", ["simd", "plain"])
+def test_the_browser_has_the_bits_of_this_machine(visit, kind):
+    tasks, found = native.hashes()
+    task, exact = native.closed_form()
     visit.open("own")
-    found = visit.page.evaluate(
-        """async ([text, simd]) => {
-          const library = await Library.open(await moduleBytes(packedFile, simd));
-          buildScene(library, readScene(text));
-          library.check(library.call.advance(library.call.step_count()));
-          return [...library.doubles(library.call.displacement(), 3 * library.call.node_count(-1))];
-        }""",
-        [text, simd],
-    )
-    expected = np.concatenate([state[name].displacement for name in ("left", "right")])
-    assert np.array_equal(np.reshape(found, (-1, 3)), expected)
+    visit.page.add_script_tag(path=ROOT / "tests" / "page" / "tasks.js")
+    ask = "([kind, tasks]) => answersOf(kind, tasks)"
+    *hashes, form = visit.page.evaluate(ask, [kind, [*tasks, task]])
+    assert hashes == found
+    assert np.abs(np.reshape(form, (-1, 5)).T - exact).max() < 1e-12
 
 
-def test_without_motion_only_the_end_is_shown(chromium):
-    visit = Visit(chromium, reduced_motion="reduce")
+def test_without_motion_only_the_end_is_shown(engine):
+    visit = Visit(engine, motion="reduce")
     visit.open("plates", "n=10")
     page = visit.page
     page.evaluate(
@@ -305,6 +384,44 @@ def test_without_motion_only_the_end_is_shown(chromium):
     visit.finished()
     assert page.evaluate("shown") == [1]
     visit.end()
+
+
+def test_a_copied_folder_runs(visit, tmp_path):
+    """As on a memory stick: from the first page to each laboratory and back."""
+    folder = tmp_path / "a stick with blanks, é & #"
+    shutil.copytree(FOLDER, folder)
+    page = visit.page
+    visit.goto((folder / "index.html").as_uri())
+    links = page.locator("li a")
+    assert links.count() == len(NAMES)
+    for i in range(len(NAMES)):
+        links.nth(i).click()
+        page.wait_for_load_state()
+        assert visit.finished() and "failed" not in page.locator(".laboratory-status").inner_text()
+        page.get_by_role("link", name="All laboratories").click()
+        page.wait_for_load_state()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_without_javascript_and_on_paper_a_page_has_its_picture(engine, name):
+    """Firefox cannot be asked by playwright to be without JavaScript."""
+    if engine.name == "firefox":
+        pytest.skip("Chromium alone has the option")
+    for more in ({"java_script_enabled": False}, {}):
+        visit = Visit(engine, 390, **more)
+        visit.goto((FOLDER / f"{name}.html").as_uri())
+        drawing = (
+            visit.page.get_by_role("img").locator("visible=true").and_(visit.page.locator("svg"))
+        )
+        if not more:
+            visit.finished()
+            assert not drawing.count()
+            visit.page.emulate_media(media="print")
+        box = drawing.bounding_box()
+        assert box["width"] > 300 and box["height"] > 80 and box["x"] >= 0
+        assert box["x"] + box["width"] <= 390
+        assert visit.page.locator("figcaption").is_visible()
+        visit.end()
 
 
 @whole

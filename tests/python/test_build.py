@@ -541,9 +541,10 @@ def machine(tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no POSIX shell")
-@pytest.mark.parametrize("command", ["memory", "bench", "pdf"])
+@pytest.mark.parametrize("command", ["memory", "bench", "pdf", "test-page"])
 def test_the_set_up_step_installs_what_one_command_wants(machine, command):
-    packages = "chromium" if command == "pdf" else "valgrind libc6-dbg"
+    own = {"pdf": "chromium", "test-page": "chromium firefox-esr nodejs"}
+    packages = own.get(command, "valgrind libc6-dbg")
     assert re.search(rf"install {packages}$", machine(command)[1], re.M)
 
 
