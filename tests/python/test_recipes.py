@@ -16,7 +16,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 @pytest.mark.parametrize(
     "name, pattern",
     [
-        ("conda-forge/meta.yaml", r'set version = "(.*)"'),
+        ("conda-forge/recipe.yaml", r'  version: "(.*)"'),
         ("spack/package.py", r'version\("(.*?)"'),
         ("debian/changelog", r"libcontact \((.*)-1\)"),
         ("../meson.build", r"version: '(.*)'"),
@@ -33,8 +33,14 @@ def test_the_debian_package_has_the_name_of_the_shared_library():
 
 
 def test_the_conda_recipe_has_the_dependencies_of_the_package():
-    text = (RECIPES / "conda-forge/meta.yaml").read_text()
-    run = re.search(r"  run:\n((?:    - .*\n)+)", text)[1]
+    """As conda-forge's own tool reads it, for a Python with tomllib and one without."""
+    conda = pytest.importorskip("rattler_build")
+    linux = 'c_compiler: [gcc]\nc_stdlib: [sysroot]\npython: ["3.10.* *_cpython", "3.13.* *_cp313"]\n'
+    recipe = conda.Stage0Recipe.from_file(RECIPES / "conda-forge/recipe.yaml")
+    old, new = (
+        each.recipe.to_dict() for each in recipe.render(conda.VariantConfig.from_yaml(linux))
+    )
     wanted = [re.sub(r"\s*;.*", "", one).replace(">=", " >=") for one in PROJECT["dependencies"]]
-    assert re.findall(r"- (?!python\b)(.*?)(?:  #.*)?\n", run) == wanted
-    assert "license: MIT" in text and PROJECT["license"] == "MIT"
+    assert old["requirements"]["run"] == ["python", *wanted]
+    assert new["requirements"]["run"] == ["python", *wanted[:-1]] and "tomli >" in wanted[-1]
+    assert new["about"]["license"] == PROJECT["license"]
