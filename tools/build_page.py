@@ -20,7 +20,7 @@ import page_tables
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
-sys.path += [str(ROOT / "docs" / "_ext"), str(SOURCES)]
+sys.path += [str(ROOT / "docs" / part) for part in ("_ext", "figures", "laboratory")]
 
 import pictures  # noqa: E402
 import svg  # noqa: E402
