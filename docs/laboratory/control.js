@@ -52,7 +52,7 @@ function slider(declared, value, changed) {
     set(next);
   };
   set(value);
-  const label = element("label", { for: id }, declared.label, " ", output);
+  const label = element("label", { for: id }, element("span", {}, declared.label), output);
   return { box: element("div", { class: "laboratory-control" }, label, input), set, limit };
 }
 

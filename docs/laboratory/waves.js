@@ -7,7 +7,7 @@ LABORATORIES.waves = {
   price: ({ steps, elements }) => (steps ? `the run: ${steps} steps of ${elements} elements` : ""),
   controls: [
     { name: "element", label: "Elements", words: { hex8: "hex8", hex20: "hex20" }, start: "hex8" },
-    { name: "courant", label: "Courant number c₁Δt/h (0: continuous time)", values: [0, 0.1, 0.125, 0.2, 0.25, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1], start: 0.125 },
+    { name: "courant", label: "Courant number (0: no steps)", values: [0, 0.1, 0.125, 0.2, 0.25, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1], start: 0.125 },
     { name: "integrator", label: "Integrator", words: INTEGRATOR_NAMES, start: "central_difference" },
     { name: "direction", label: "Direction of the wave", words: { 100: "an axis", 110: "a diagonal of a face", 111: "a diagonal of the cube" }, start: "100" },
     { name: "distance", label: "Distance of the front", unit: "h", values: [5, 10, 20, 40, 56, 80, 120, 200], start: 56 },

@@ -159,6 +159,31 @@ def test_a_laboratory_runs_from_its_file(engine, name, width, scheme):
     visit.end()
 
 
+@whole
+@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("name", NAMES)
+def test_no_control_makes_the_layout_jump(engine, name, width):
+    """The height of a laboratory, observed while each control takes its first and last value."""
+    visit = Visit(engine, width)
+    visit.open(name)
+    page, laboratory = visit.page, "document.querySelector('.laboratory').laboratory"
+    page.evaluate(
+        "() => { window.heights = new Set(); const live = document.querySelector('.laboratory-live');"
+        " new ResizeObserver(() => heights.add(live.offsetHeight)).observe(live); }"
+    )
+    for control in page.locator(".laboratory-control :is(input, select)").all():
+        before = page.evaluate(
+            f"Object.fromEntries(Object.keys({laboratory}.controls).map((name) => [name, {laboratory}.state[name]]))"
+        )
+        for key in ("Home", "End"):
+            control.press(key)
+            visit.finished()
+        page.evaluate(f"before => {laboratory}.set(before)", before)
+        visit.finished()
+    assert len(page.evaluate("[...heights]")) == 1
+    visit.end()
+
+
 def small_plates(cells):
     """The text of a scene of two plates with the default law."""
     text = (
