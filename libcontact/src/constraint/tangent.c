@@ -40,18 +40,14 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   double **vectors[] = {&t->sums, &t->moved, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
-  for (int i = 0; i < CT_SLIP_GIVEN; i++) t->given[i] = ct_pool_take(pool, rows, sizeof(double));
-  ct_columns *points[] = {&t->normal, &t->e, &t->e0, &t->T};
-  static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE};
-  for (int i = 0; i < 4; i++) memcpy(points[i]->x, &t->given[FIRST[i]], sizeof points[i]->x);
-  t->k = t->given[CT_SLIP_K];
-  t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
+  for (int i = 0; i < CT_SLIP_GIVEN; i++) t->own[i] = ct_pool_take(pool, rows, sizeof(double));
   ct_columns *columns[] = {&t->last,  &t->q,   &t->image, &t->slip, &t->T0,
                            &t->slip0, &t->aim, &t->next,  &t->c,    &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
   double **numbers[] = {&t->limit, &t->most, &t->C,    &t->kappa, &t->scale,  &t->terms,
-                        &t->work,  &t->lag,  &t->loss, &t->mu,    &t->wanted, &t->zeta};
+                        &t->work,  &t->lag,  &t->loss, &t->mu,    &t->wanted, &t->zeta,
+                        &t->opened};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
@@ -125,24 +121,27 @@ static void compare(int64_t count, const double *from, const double *to, double 
   size[1] = top > size[1] ? top : size[1];
 }
 
-/* The limits of the present normal forces. Projects the forces on the sets. */
+/* The limits of the present normal forces. The last forces may lie outside the new sets. */
 static void fix_limits(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  double measures[2] = {0.0, 0.0}, size[2] = {0.0, 0.0}; // the largest limit, whether T has changed
+  t->top = 0.0;
   for (int64_t j = 0; j < t->count; j++) {
     t->limit[j] = t->mu[j] * t->rows[j].row->force;
-    measures[0] = t->limit[j] > measures[0] ? t->limit[j] : measures[0];
+    t->top = ct_larger(t->limit[j], t->top);
   }
+  ct_pieces_largest(s->pieces, &t->top, 1);
+}
+
+/* Whether all forces are in their sets. */
+static int are_allowed(const ct_solver *s)
+{
+  const ct_tangent *t = s->tangent;
+  double size[2] = {0.0, 0.0};
   project(t, &t->T, &t->next);
   for (int c = 0; c < 3; c++) compare(t->count, t->T.x[c], t->next.x[c], size);
-  measures[1] = size[0] != 0.0;
-  ct_pieces_largest(s->pieces, measures, 2);
-  t->top = measures[0];
-  t->most_force = fmin(t->most_force, t->top);
-  if (measures[1] == 0.0) return;
-  for (int c = 0; c < 3; c++) memcpy(t->T.x[c], t->next.x[c], (size_t)t->count * sizeof(double));
-  t->pushed = t->current = t->shifted = 0;
+  ct_pieces_largest(s->pieces, size, 1);
+  return size[0] == 0.0;
 }
 
 /* One component of q = D + e_n + κ e_{n-1} without friction (eq:slip-residual), from D. */
@@ -273,9 +272,9 @@ static void take_step(ct_solver *s, step by)
   t->pushed = t->current = t->shifted = 0;
 }
 
-/* Solve for the tangential forces with the present normal ones. Forces that already meet twice
- * the tolerance are not changed. Returns the number of rounds that changed them; -1 if they are not
- * finite. */
+/* Solve for the tangential forces with the present normal ones. Allowed forces that already meet
+ * twice the tolerance are not changed. Returns the number of rounds that changed them; -1 if they
+ * are not finite. */
 static int iterate(ct_solver *s, double least)
 {
   ct_tangent *t = s->tangent;
@@ -287,7 +286,8 @@ static int iterate(ct_solver *s, double least)
     ct_pieces_largest(s->pieces, size, 2);
     if (!isfinite(size[0])) return -1;
     t->size_of_force = size[1];
-    if (size[0] <= tolerance * size[1] || k == t->most_rounds) return k;
+    const int is_solved = size[0] <= tolerance * size[1] && (k > 0 || are_allowed(s));
+    if (is_solved || k == t->most_rounds) return k;
     take_step(s, step_of(t, k, &rho));
   }
 }
@@ -312,6 +312,23 @@ static void follow(const ct_solver *s, double *restrict shift, double *restrict 
   size[0] = most, size[1] = top;
 }
 
+/* The gaps of all active rows that the tangential forces open, into `terms`. Returns 0 if they are
+ * not finite. */
+static int find_opened(ct_solver *s)
+{
+  const ct_tangent *t = s->tangent;
+  if (!t->active) {
+    if (!ct_tangent_push(s)) return 0;
+    ct_matrix_times(s, s->count, t->moved, s->terms);
+    return 1;
+  }
+  if (!ct_tangent_apply(s)) return 0;
+  ct_copy(s->terms, t->opened, (size_t)s->point_count * sizeof *s->terms);
+  for (int64_t r = s->point_count; r < s->count; r++)
+    s->terms[r] = t->opened[s->opened[r - s->point_count]];
+  return 1;
+}
+
 /* Let the gaps of all active rows follow the tangential forces. Writes the largest change of a
  * normal force that this causes, as a fraction of the largest. Returns 0 if it is not finite. */
 static int shift_gaps(ct_solver *s, double *change)
@@ -320,9 +337,8 @@ static int shift_gaps(ct_solver *s, double *change)
   double most[2];
   *change = 0.0;
   if (t->shifted || !t->coupled) return 1;
-  if (!ct_tangent_push(s)) return 0;
+  if (!find_opened(s)) return 0;
   t->shifted = 1;
-  ct_matrix_times(s, s->count, t->moved, s->terms);
   follow(s, t->shift, s->free, s->gradient, most);
   ct_pieces_largest(s->pieces, most, 2);
   *change = most[0] > 0.0 ? most[0] / most[1] : 0.0;
@@ -361,6 +377,7 @@ static void shorten_forces(ct_solver *s)
       // -- (W + C) T + q (eq:slip-residual)
       t->slip.x[c][j] = (t->image.x[c][j] + t->C[j] * t->T.x[c][j]) + t->q.x[c][j];
     }
+  for (int64_t j = 0; j < t->count; j++) t->opened[j] *= theta;
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] *= theta;
   t->shifted = 0;
@@ -385,8 +402,8 @@ int ct_tangent_begin(ct_solver *s)
   t->pushed = t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
-  memset(t->shift, 0, (size_t)s->count * sizeof *t->shift);
-  memcpy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
+  ct_clear(t->shift, (size_t)s->count);
+  ct_copy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
   return ct_tangent_fix_laws(s) && shift_gaps(s, &change);
 }
 
@@ -428,6 +445,7 @@ int ct_tangent_drop(ct_solver *s)
   double change;
   if (!t->some) return 1;
   for (int c = 0; c < 3; c++) memset(t->T.x[c], 0, size), memset(t->image.x[c], 0, size);
+  memset(t->opened, 0, size);
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < 3; c++) t->moved[t->nodes[k] + c] = 0.0;
   t->shifted = 0;

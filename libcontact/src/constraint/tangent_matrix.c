@@ -30,7 +30,8 @@ CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
   for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
   ct_turn(from, other);
   const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
-  for (int i = 0; i < 15; i++, number += r->slip->of->stride)
+  const int64_t stride = r->slip->of->stride;
+  for (int i = 0; i < 15; i++, number += stride)
     for (int k = 0; k < PARTS; k++)
       ((ct_quad *)(to + LEVER + 4 * i))[k] = ((const ct_quad *)number)[k];
 }
@@ -47,9 +48,9 @@ static void fill_alone(const ct_tangent_row *r, double *to)
 }
 
 /* Whether four rows from one on have points that stand side by side. */
-CT_INLINE int stand_together(const ct_tangent_row *r)
+CT_INLINE int stand_together(const ct_tangent *t, const ct_tangent_row *r)
 {
-  for (int j = 1; j < 4; j++)
+  for (int j = 1; j < 4 && !t->one_run; j++)
     if (r[j].slip->of != r->slip->of || r[j].slip->at != r->slip->at + j) return 0;
   return 1;
 }
@@ -63,7 +64,7 @@ void ct_tangent_fill(ct_tangent *t)
     end = j + r->alike;
     for (; r < last; r += r->together) {
       double *to = &t->lanes[LANES * (r - t->rows)];
-      r->together = fits && r + 4 <= last && stand_together(r) ? 4 : 1;
+      r->together = fits && r + 4 <= last && stand_together(t, r) ? 4 : 1;
       if (r->together == 4) fill_four(r, to);
       else fill_alone(r, to);
     }
@@ -76,14 +77,14 @@ CT_INLINE void dot(const ct_quad a[3], const ct_quad b[3], ct_quad *out)
   *out = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-/* Motion of the points of four rows relative to their partners; `other` is 4 or 0. Part i of each
- * quad is computed. */
+/* Motion of the points of four rows relative to their partners, and without the couples along their
+ * normals; `other` is 4 or 0. Part i of each quad is computed. */
 CT_INLINE void relative_four(int32_t other, int i, const int32_t *place, const double *lanes,
-                             const ct_quad n[3], const double *x, ct_quad out[3])
+                             const ct_quad n[3], const double *x, ct_quad out[3], ct_quad *gap)
 {
   const ct_quad *N = (const ct_quad *)lanes + i, *O = N + PARTS * 4, *d = N + PARTS * 8,
                 *w = N + PARTS * 11;
-  ct_quad t[8], turn[4], theirs, couple, along;
+  ct_quad t[8], turn[4], theirs, couple[3], along;
   for (int c = 0; c < 3; c++) {
     for (int32_t a = 0; a < 4; a++) t[a] = N[PARTS * a] * x[place[a] + c];
     ct_sum_face(4, t, &out[c]);
@@ -96,23 +97,26 @@ CT_INLINE void relative_four(int32_t other, int i, const int32_t *place, const d
     for (int32_t b = 0; b < 4; b++) t[b] = O[PARTS * b] * x[place[4 + b] + c];
     ct_sum_face(4, t, &theirs);
     for (int32_t b = 0; b < 4; b++) t[b] = turn[b] * w[PARTS * (3 * b + c)];
-    ct_sum_face(4, t, &couple);
-    // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
-    out[c] -= theirs + couple;
+    ct_sum_face(4, t, &couple[c]);
+    out[c] -= theirs;
   }
+  dot(n, out, gap);
+  // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
+  for (int c = 0; c < 3 && other > 0; c++) out[c] -= couple[c];
   dot(n, out, &along);
   for (int c = 0; c < 3; c++) out[c] -= along * n[c];
 }
 
 /* The four rows from `j` on. */
 CT_INLINE void move_four(int32_t other, const ct_tangent *t, int64_t j, const double *x,
-                         const ct_columns *to)
+                         const ct_columns *to, double *gaps)
 {
   for (int i = 0; i < PARTS; i++) {
-    ct_quad n[3], out[3];
+    ct_quad n[3], out[3], gap;
     for (int c = 0; c < 3; c++) n[c] = ((const ct_quad *)&t->normal.x[c][j])[i];
-    relative_four(other, i, t->rows[j].place, &t->lanes[LANES * j], n, x, out);
+    relative_four(other, i, t->rows[j].place, &t->lanes[LANES * j], n, x, out, &gap);
     for (int c = 0; c < 3; c++) ((ct_quad *)&to->x[c][j])[i] = out[c];
+    if (gaps != NULL) ((ct_quad *)&gaps[j])[i] = gap;
   }
 }
 
@@ -127,52 +131,58 @@ CT_INLINE void sum_face(int32_t count, const double *N, const int32_t *place, co
   }
 }
 
-/* The same for one row with any faces; `couple`: its lever and weights. */
-CT_INLINE void relative(int32_t own, int32_t other, const ct_constraint *c, const double *couple,
-                        const int32_t *place, const double *x, double out[WIDE])
+/* The same for one row with any faces; `couple`: its lever and weights. Returns the motion along
+ * the normal. */
+CT_INLINE double relative(int32_t own, int32_t other, const ct_constraint *c, const double *couple,
+                          const int32_t *place, const double *x, double out[WIDE])
 {
   const double *weight = couple + ALONE_WEIGHT;
-  double theirs[WIDE], turn[8];
+  double theirs[WIDE] = {0.0}, turn[8];
   sum_face(own, c->own_shape, place, x, out);
   place += own;
+  if (other > 0) sum_face(other, c->other_shape, place, x, theirs);
+  for (int i = 0; i < WIDE; i++) out[i] -= theirs[i];
+  const double gap = ct_vector_dot(c->normal, out);
   if (other > 0) {
-    sum_face(other, c->other_shape, place, x, theirs);
     for (int32_t b = 0; b < other; b++) turn[b] = ct_vector_dot(couple, &x[place[b]]);
     for (int i = 0; i < PARTS; i++) {
       ct_quad t[8], sum;
       for (int32_t b = 0; b < other; b++) t[b] = turn[b] * ((const ct_quad *)&weight[4 * b])[i];
       ct_sum_face(other, t, &sum);
       // -- Σ N_a x_a - Σ N̄_b x_b - Σ w_b (d · x_b) (eq:slip-row)
-      ((ct_quad *)out)[i] -= ((const ct_quad *)theirs)[i] + sum;
+      ((ct_quad *)out)[i] -= sum;
     }
   }
   ct_vector_make_tangential(c->normal, out);
+  return gap;
 }
 
-CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const ct_columns *to)
+CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const ct_columns *to,
+                        double *gaps)
 {
   const ct_tangent_row *r = &t->rows[j];
   const double *couple = &t->lanes[LANES * j];
   const int32_t own = r->row->own_count, other = r->row->other_count;
-  double out[WIDE];
-  if (own == 4 && other == 4) relative(4, 4, r->row, couple, r->place, x, out);
-  else if (own == 4 && other == 0) relative(4, 0, r->row, couple, r->place, x, out);
-  else relative(own, other, r->row, couple, r->place, x, out);
+  double out[WIDE], gap;
+  if (own == 4 && other == 4) gap = relative(4, 4, r->row, couple, r->place, x, out);
+  else if (own == 4 && other == 0) gap = relative(4, 0, r->row, couple, r->place, x, out);
+  else gap = relative(own, other, r->row, couple, r->place, x, out);
   ct_columns_set(to, j, out);
+  if (gaps != NULL) gaps[j] = gap;
 }
 
 CT_CLONES
-static void move_rows(const ct_tangent *t, const double *x, const ct_columns *out)
+static void move_rows(const ct_tangent *t, const double *x, const ct_columns *out, double *gaps)
 {
   for (int64_t j = 0; j < t->count; j += t->rows[j].together)
-    if (t->rows[j].together == 1) move_row(t, j, x, out);
-    else if (t->rows[j].row->other_count == 4) move_four(4, t, j, x, out);
-    else move_four(0, t, j, x, out);
+    if (t->rows[j].together == 1) move_row(t, j, x, out, gaps);
+    else if (t->rows[j].row->other_count == 4) move_four(4, t, j, x, out, gaps);
+    else move_four(0, t, j, x, out, gaps);
 }
 
 void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *out)
 {
-  move_rows(t, x, out);
+  move_rows(t, x, out, NULL);
 }
 
 /* Add a row times a force to the sums at nodes, as multiples of the grid's spacing: these sums are
@@ -295,7 +305,7 @@ int ct_tangent_apply(ct_solver *s)
   ct_tangent *t = s->tangent;
   if (t->current) return 1;
   if (!ct_tangent_push(s)) return 0;
-  ct_tangent_motion(t, t->moved, &t->image);
+  move_rows(t, t->moved, &t->image, t->coupled ? t->opened : NULL);
   t->current = 1;
   return 1;
 }

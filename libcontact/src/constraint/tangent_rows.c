@@ -38,14 +38,13 @@ static void count_nodes(ct_solver *s)
   t->most_row_count = (int32_t)most;
 }
 
-/* List the nodes of the rows, and the largest number of rows at one. `active`: they are the active
- * rows, in all pieces. */
-static void list_nodes(ct_solver *s, int active)
+/* List the nodes of the rows, and the largest number of rows at one. */
+static void list_nodes(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   for (int32_t k = 0; k < t->node_count; k++)
     for (int c = 0; c < WIDE; c++) t->moved[t->nodes[k] + c] = 0.0;
-  if (!active) {
+  if (!t->active) {
     count_nodes(s);
     return;
   }
@@ -96,11 +95,28 @@ static ct_tangent_row *list_row(const ct_solver *s, ct_constraint *c, ct_tangent
 int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
 {
   const ct_slip *first = t->rows[j].slip;
-  int64_t count = 1;
+  int64_t count = t->one_run ? t->count - j : 1;
   while (j + count < t->count && t->rows[j + count].slip->of == first->of &&
          t->rows[j + count].slip->at == first->at + count)
     count++;
   return count;
+}
+
+/* Find where the numbers of the points are: the iteration changes T; the others are those of the
+ * points themselves if these stand side by side. */
+static void place_numbers(ct_tangent *t)
+{
+  t->one_run = 0;
+  t->one_run = t->count > 0 && ct_tangent_run(t, 0) == t->count;
+  for (int i = 0; i < CT_SLIP_GIVEN; i++) {
+    const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
+    t->given[i] = shared ? ct_slip_number(t->rows[0].slip, i) : t->own[i];
+  }
+  ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T};
+  static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE};
+  for (int v = 0; v < 4; v++) memcpy(vectors[v]->x, &t->given[FIRST[v]], sizeof vectors[v]->x);
+  t->k = t->given[CT_SLIP_K];
+  t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
 }
 
 /* Read the numbers of the points of all rows. */
@@ -112,7 +128,8 @@ static void read_points(const ct_tangent *t)
     count = ct_tangent_run(t, j);
     for (int i = 0; i < CT_SLIP_GIVEN; i++) {
       const double *from = ct_slip_number(first, i);
-      double *restrict to = &t->given[i][j];
+      double *to = &t->given[i][j];
+      if (to == from) continue;
 #pragma omp simd
       for (int64_t n = 0; n < count; n++) to[n] = from[n];
     }
@@ -179,13 +196,15 @@ void ct_tangent_list(ct_solver *s)
       head = list_row(s, c, head);
     else ct_slip_open(c->slip);
   }
+  place_numbers(t);
   read_points(t);
   double facts[] = {t->count > 0, are_coupled(s), make_tangential(t),
                     actives < t->count || actives < s->point_count};
   ct_pieces_largest(s->pieces, facts, 4);
   t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];
+  t->active = facts[3] == 0.0;
   if (!t->some) return;
   ct_tangent_fill(t);
-  list_nodes(s, facts[3] == 0.0);
+  list_nodes(s);
   find_last(s);
 }

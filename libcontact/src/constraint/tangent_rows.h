@@ -31,12 +31,15 @@ typedef struct ct_tangent {
   double *lanes;                /* the numbers of four rows side by side, for each of them
                                    CT_TANGENT_LANES */
   double *size;                 /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
-  double *given[CT_SLIP_GIVEN]; /* the numbers of the points; the next five refer to them */
+  double *own[CT_SLIP_GIVEN];   /* memory for the numbers of the points, ... */
+  double *given[CT_SLIP_GIVEN]; /* ... in use for T, and for others that do not stand side by side;
+                                   the next seven refer to them */
   ct_columns normal;            /* unit normal */
   ct_columns e, e0;             /* elastic slips e_n and e_{n-1} */
   ct_columns T;                 /* the forces */
   double *k, *reserve, *stuck;  /* stiffness; R of the last step; 1 where the point stuck in it */
   ct_columns image;             /* W times the forces */
+  double *opened;               /* the gaps that the forces open */
   ct_columns last;              /* motion D₋ of the last step */
   ct_columns end;               /* e_{n+1} */
   ct_columns q;                 /* D without friction + e_n + κ e_{n-1} */
@@ -54,7 +57,9 @@ typedef struct ct_tangent {
   double *terms;                /* a number per row */
   double *shift;                /* of the gaps of active rows by tangential forces */
   int some_move;                /* whether there are rows of obstacles that move */
+  int one_run;                  /* whether the points of all rows stand side by side */
   int some;                     /* whether any piece has rows */
+  int active;                   /* whether they are the active rows, in all pieces */
   int coupled;          /* whether normal and tangential forces change each other's motion */
   int pushed;           /* whether `moved` is that of T */
   int current;          /* whether `image` is that of T */

@@ -143,9 +143,8 @@ static void find_stored(const ct_tangent *t, double part)
   }
 }
 
-/* Write one number of the points of some rows, 0 where they do not act. */
-CT_INLINE void write_number(int64_t count, const double *acts, const double *from,
-                            double *restrict to)
+/* Write one number of the points of some rows, 0 where they do not act; in place, too. */
+CT_INLINE void write_number(int64_t count, const double *acts, const double *from, double *to)
 {
 #pragma omp simd
   for (int64_t n = 0; n < count; n++) {
@@ -164,7 +163,7 @@ CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count)
     for (int c = 0; c < 3; c++) from[3 * v + c] = vectors[v]->x[c];
   from[CT_SLIP_RESERVE - FIRST] = t->reserve, from[CT_SLIP_STUCK - FIRST] = t->stuck;
   from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
-  for (int i = 0; i < COUNT; i++)
+  for (int i = COUNT - 1; i >= 0; i--) // e_n, before e_{n+1} takes its place
     write_number(count, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j].slip, FIRST + i));
 }
 

@@ -137,12 +137,12 @@ ct_status ct_friction_gather(const ct_friction_call *now, ct_friction_memory *s,
                              double *force, ct_error *error)
 {
   const ct_friction *data = now->data;
-  const size_t size = 3 * (size_t)nodes * sizeof *force;
+  const size_t size = 3 * (size_t)nodes;
   double top = ct_largest(s->terms, s->listed_count);
   ct_grid grid;
   ct_pieces_largest(s->pieces, &top, 1);
-  memset(s->coarse, 0, size);
-  memset(s->fine, 0, size);
+  ct_clear(s->coarse, size);
+  ct_clear(s->fine, size);
   if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 24 * data->points))
     return ct_fail(
         error, CT_ERROR_BLOWUP, CT_NOWHERE,

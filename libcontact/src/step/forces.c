@@ -111,7 +111,7 @@ static void find_sleep(const ct_problem *problem, ct_state *state)
   } else {
     ct_sleep_examine(w->sleep, state->displacement, state->velocity,
                      ct_stage_last_acceleration(problem, state));
-    memset(w->total, 0, 3 * (size_t)problem->node_count * sizeof(double));
+    ct_clear(w->total, 3 * (size_t)problem->node_count);
   }
   if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
 }
