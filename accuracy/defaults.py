@@ -190,12 +190,9 @@ def bouncing_bar(keys: Keys) -> Answer:
     return Answer({"energy": (total[-1] - total[0]) / (5 * weight)}, run)
 
 
-# Corners of a brick, and of each of its sides.
+# Corners of a brick.
 CORNERS = np.array(
     [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-)
-SIDES = np.array(
-    [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)]
 )
 
 

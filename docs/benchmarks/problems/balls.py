@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import ball
 import defaults
 import hertz
 import numpy as np
+from libcontact.mesh import side_nodes
 
 import libcontact as ct
 
@@ -132,9 +134,10 @@ def half_ball(parts: int, core: float) -> tuple[Any, Any, Any]:
     nodes[np.abs(nodes) < 1e-9] = 0.0
     outside = np.abs(np.linalg.norm(nodes - [0, 0, 1], axis=1) - 1) < 1e-9
     near = outside & (np.linalg.norm(nodes, axis=1) < 1.25 * core)
-    return nodes, elements, np.argwhere(near[elements[:, defaults.SIDES]].all(axis=2))
+    return nodes, elements, np.argwhere(near[elements[:, side_nodes("hex8")]].all(axis=2))
 
 
+@cache
 def half_spaces(angle: float) -> dict[str, Any]:
     """Maw, Barber and Fawcett's theory."""
     return ball.strike(angle, OBLIQUE_POISSON)
