@@ -6,6 +6,7 @@ import io
 import re
 import runpy
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,18 @@ STYLE = FIGURES / "book.mplstyle"
 sys.path.append(str(FIGURES))  # for ``from shared.drawing import BLUE``
 
 
+@cache
+def program(path: Path) -> dict[str, Any]:
+    """The names of a program, which a build runs once for all of its pictures."""
+    return runpy.run_path(str(path))
+
+
 def call(path: Path, name: str) -> Any:
     """What the function of a program returns, drawn in the style of the book."""
     from matplotlib import style
 
     with style.context(STYLE):
-        return runpy.run_path(str(path))[name]()
+        return program(path)[name]()
 
 
 def svg(figure: Any, name: str, alt: str, tight: bool = True) -> str:

@@ -1,6 +1,7 @@
 """Pictures of "Contact in one week", from the programs of its chapters."""
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -124,16 +125,24 @@ def fronts():
     return figure
 
 
+CELLS = 100
+
+
+@cache
+def own_stress():
+    """Stresses of the elements by the program of the chapter, which two pictures show."""
+    return plates.centre_stress(plates.impact(CELLS)[1], CELLS)
+
+
 def beside():
     """Fig. 4 of the paper: the 90 lines of the chapter, the library, and the exact solution."""
     figure = Figure(figsize=(7.5, 3.4))
     ax = figure.subplots()
-    cells = 100
-    x = (np.arange(cells) + 0.5) / cells
-    own = plates.centre_stress(plates.impact(cells)[1], cells)[:, 0, 0]
+    x = (np.arange(CELLS) + 0.5) / CELLS
+    own = own_stress()[:, 0, 0]
     run = ct.Scene.load(ct.example("plates")).run(progress=False, output=False)
     place, stress = run.state["right"].centres, run.state["right"].stress
-    row = place[:, 2] < plates.D / cells
+    row = place[:, 2] < plates.D / CELLS
     order = np.argsort(place[row, 0])
     theirs = stress[row, 0][order] * plates.C1 / (plates.LAMBDA * plates.SPEED)
     ax.plot([0, 0.56, 0.56, 1], [-7 / 3, -7 / 3, 0, 0], color="black", lw=1, label="exact")
@@ -148,8 +157,7 @@ def field():
     """σz* in the right plate, with the fronts of the exact solution."""
     figure = Figure(figsize=(5.5, 4.2))
     ax = figure.subplots()
-    cells = 100
-    stress = plates.centre_stress(plates.impact(cells)[1], cells)[:, :, 1]
+    stress = own_stress()[:, :, 1]
     image = ax.imshow(stress.T, origin="lower", extent=(0, 1, 0, 1), vmin=-1.5, vmax=1.5)
     angle = np.linspace(0, np.pi / 2, 200)
     slow = np.sqrt((1 - 2 * plates.NU) / (2 - 2 * plates.NU))
