@@ -52,7 +52,8 @@ class ClosestView {
       canvas.style.height = "320px";
       new ResizeObserver(() => this.redraw()).observe(canvas);
     }
-    followPointer(this.space, (place) => (this.dragged = this.near(place)), (_, change) => this.drag(change));
+    const hold = (place) => (this.dragged = this.near(place)) !== null;
+    followPointer(this.space, hold, (_, change) => this.drag(change));
     this.map.addEventListener("click", (event) => this.startAt([event.offsetX, event.offsetY]));
     this.space.addEventListener("keydown", (event) => this.key(event));
   }

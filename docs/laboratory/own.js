@@ -37,13 +37,14 @@ class OwnView {
     this.turn = new Turn(-1.1, 0.45);
     this.area = element("textarea", { id: "laboratory-scene", rows: 22, spellcheck: "false", wrap: "off" });
     this.area.addEventListener("input", () => laboratory.change("text", this.area.value));
+    this.area.addEventListener("keydown", (event) => event.ctrlKey && event.key === "Enter" && laboratory.start());
     this.verdict = element("output", { class: "laboratory-verdict", "aria-live": "polite" });
-    const label = element("label", { for: "laboratory-scene" }, "Scene (TOML)");
+    const label = element("label", { for: "laboratory-scene" }, "Scene (TOML); Ctrl Enter runs it");
     const editor = element("div", { class: "laboratory-scene" }, label, this.area, this.verdict);
     const about = "The bodies, coloured by von Mises stress. Arrow keys turn the picture.";
     this.space = element("canvas", { class: "laboratory-plot", role: "application", tabindex: "0", "aria-label": about });
     this.space.style.height = "380px";
-    followPointer(this.space, () => {}, (_, [dx, dy]) => {
+    followPointer(this.space, () => false, (_, [dx, dy]) => {
       this.turn.by(dx / 150, dy / 150);
       this.draw();
     });
@@ -61,7 +62,7 @@ class OwnView {
       return button;
     });
     const side = element("div", {}, this.table, element("div", { class: "laboratory-buttons" }, ...this.files));
-    laboratory.pictures.append(editor, this.space, this.energy.canvas, side);
+    laboratory.pictures.append(this.space, editor, this.energy.canvas, side);
     this.take(laboratory.state.text);
   }
 

@@ -30,17 +30,20 @@ class Turn {
 }
 
 // Follow a pointer that is pressed on a canvas: `begin(place)`, then `move(place, change)`; places in pixels of the page.
+// A finger that moves up or down scrolls the page, unless `begin` says that it holds something.
 function followPointer(canvas, begin, move) {
   let last = null;
+  let held = false;
   const placeOf = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  canvas.style.touchAction = "none";
+  canvas.style.touchAction = "pan-y";
+  canvas.addEventListener("touchstart", (event) => held && event.preventDefault(), { passive: false });
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     last = placeOf(event);
-    begin(last);
+    held = begin(last);
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!last) return;

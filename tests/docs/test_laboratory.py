@@ -272,6 +272,42 @@ def test_every_method_walks_step_by_step(engine):
     visit.end()
 
 
+def test_a_finger_moves_a_node_or_scrolls_the_page(engine):
+    if engine.name == "firefox":
+        pytest.skip("Chromium alone takes the moves of a finger from playwright")
+    visit = Visit(engine, 390, has_touch=True)
+    visit.open("closest")
+    page, view = visit.page, "document.querySelector('.laboratory').laboratory.view"
+    finger = visit.context.new_cdp_session(page)
+
+    def swipe(x, y, dx, dy):
+        steps = [(x + dx * i / 10, y + dy * i / 10) for i in range(11)]
+        for i, (a, b) in enumerate(steps):
+            kind = "touchMove" if i else "touchStart"
+            finger.send(
+                "Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": a, "y": b}]}
+            )
+        finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        page.wait_for_timeout(200)  # the page scrolls on by itself
+
+    def now():
+        box = page.get_by_role("application").bounding_box()
+        point = page.evaluate(f"{view}.onScreen({view}.placeOf(8))")
+        azimuth = page.evaluate(f"{view}.turn.azimuth")
+        return page.evaluate("scrollY"), azimuth, point, (box["x"], box["y"])
+
+    _, _, point, at = now()
+    swipe(at[0] + point[0], at[1] + point[1], 0, 40)
+    scrolled, azimuth, moved, at = now()
+    assert scrolled == 0 and moved == pytest.approx([point[0], point[1] + 40], abs=0.5)
+    swipe(at[0] + 20, at[1] + 300, 60, 5)
+    scrolled, turned, _, at = now()
+    assert scrolled == 0 and turned < azimuth - 0.2
+    swipe(at[0] + 20, at[1] + 300, 5, -150)
+    assert now()[0] > 50
+    visit.end()
+
+
 def test_nodes_and_point_move_by_pointer_and_keys(visit):
     visit.open("closest", "kind=Q4")
     page = visit.page
@@ -321,7 +357,7 @@ def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     told = page.locator(".laboratory-verdict").inner_text()
     assert re.match(r'line 2\d: contact\[0\].betta: unknown key; did you mean "beta"\?', told)
     area.fill(text)
-    page.get_by_role("button", name="Run").click()
+    area.press("Control+Enter")
     visit.finished()
     mesh = meshio.read(visit.save("vtu"), file_format="vtu")
     states = [expected.state[name] for name in ("left", "right")]
