@@ -10,13 +10,21 @@ the SLOW ones.
 from __future__ import annotations
 
 import json
+import sys
 
 from measures import benchmarks
 from measures.shared import DOCS, MEASUREMENTS, Numbers
 
 FILE = DOCS / "measured.json"
 # Too long for the test: a hundred runs each, and balls of hex20. The benchmarks have a test of their own.
-SLOW = {"integrator", "explicit", "recovered_balls", *benchmarks.CASES}
+SLOW = {
+    "integrator",
+    "explicit",
+    "recovered_balls",
+    "pressed_sphere",
+    "thin_cradle",
+    *benchmarks.CASES,
+}
 
 
 def rounded(numbers: Numbers) -> Numbers:
@@ -25,13 +33,14 @@ def rounded(numbers: Numbers) -> Numbers:
     return {name: float(f"{round(float(value), 9):.5g}") for name, value in numbers.items()}
 
 
-def main() -> None:
-    found = {}
-    for name, function in MEASUREMENTS.items():
+def main(names: list[str]) -> None:
+    """Compute all numbers anew, or those of some functions."""
+    found = json.loads(FILE.read_text())
+    for name in names or MEASUREMENTS:
         print(f"  {name}", flush=True)
-        found[name] = rounded(function())
-    FILE.write_text(json.dumps(found, indent=1) + "\n")
+        found[name] = rounded(MEASUREMENTS[name]())
+    FILE.write_text(json.dumps({n: found[n] for n in MEASUREMENTS if n in found}, indent=1) + "\n")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

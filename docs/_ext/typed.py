@@ -1,4 +1,4 @@
-"""Numbers that are typed: percentages and ratios in sentences, decimals in tables, that no role computes.
+"""Numbers that are typed: percentages, ratios and decimals in sentences and tables, that no role computes.
 
 A *measured* number, the result of a run, comes from ``measured.json`` (``measured.py``). What a page may type is
 listed in ``typed.toml``: for each page the numbers that are ``given`` (data of a scene, a limit, a value of the
@@ -20,7 +20,8 @@ ROLE = re.compile(r":[\w:+.-]+:`[^`]*`|``[^`]*``|`[^`]*`_")
 NUMBER = re.compile(
     r"(?<![\w.^{/-])\d*\.?\d+(?: ?(?:…|to) ?\d*\.?\d+)?[ \N{NO-BREAK SPACE}]?(?:%|per cent|times(?= as| the| more| less| smaller| larger| its| wider| longer))"
 )
-DECIMAL = re.compile(r"(?<![\w.])[−-]?\d*\.\d+(?: ?%)?")
+DECIMAL = re.compile(r"(?<![\w.])[−-]?\d*\.\d+(?: ?%)?(?![\w.]*\.\d)")
+SENTENCE = re.compile(f"{NUMBER.pattern}|{DECIMAL.pattern}")
 UNREAD = "How we know that it is right"
 
 
@@ -47,7 +48,7 @@ def typed(text: str) -> list[str]:
     found: list[str] = []
     for block in blocks(text):
         words = ROLE.sub("`", block)
-        pattern = DECIMAL if TABLE.search(block) else NUMBER
+        pattern = DECIMAL if TABLE.search(block) else SENTENCE
         found += [re.sub(r"\s+", " ", one) for one in pattern.findall(" ".join(words.split()))]
     return found
 

@@ -16,5 +16,5 @@ import problems as benchmarks  # noqa: E402
 
 MEASUREMENTS |= benchmarks.CASES
 # In the order of measured.json.
-for name in "start laboratory effects penalty pressure multipliers waves plates meshfiles".split():
+for name in "start laboratory bricks effects surfaces penalty pressure multipliers waves plates meshfiles".split():
     importlib.import_module(f"{__name__}.{name}")

@@ -9,10 +9,11 @@ import defaults
 import drawings
 import face as free_face
 import numpy as np
+from libcontact.planning import answer
 
 import libcontact as ct
 
-from .shared import Numbers, measurement
+from .shared import ROOT, Numbers, measurement
 
 
 @measurement
@@ -80,3 +81,13 @@ def accuracy() -> Numbers:
             found[f"{name}_{column}_power"] = abs(np.polyfit(np.log(x), np.log(y), 1)[0])
         found[f"{name}_contact"] = rows[campaign.case("contact", 100, keys).name]["contact_l1"]
     return found
+
+
+@measurement
+def planned_plates() -> Numbers:
+    """The planner's error of the paper's setting: L1 on Fig. 4's line over the plateau."""
+    scene = ct.Scene.load(ROOT / "tutorials" / "scenes" / "plates.toml")
+    problem = scene._built(None)
+    plates = answer.plates(problem)
+    assert plates is not None
+    return {"paper": plates.error(problem, scene.run(progress=False, output=False))}

@@ -18,7 +18,7 @@ PAGES = {
     if not {"tutorials", "exercises", "_code"} & set(path.parts)
 }
 # Results of runs that pages still type. The number may only shrink.
-MOST_OPEN = 194
+MOST_OPEN = 0
 
 
 def test_pages_type_what_the_list_has():
@@ -37,7 +37,7 @@ Page
 ====
 
 A bar of 100 elements loses 3.5 % of its energy, :measured:`a.b:.1%` at half the step, and takes
-1.8 times as long. See ``Delta = 5 %``.
+1.8 times as long, and ends at .75 m, listing 1.2.3. See ``Delta = 5 %`` and v2.5.
 
 .. math::
 
@@ -69,7 +69,7 @@ Next
 
 It grew by 2 %.
 """
-FOUND = ["3.5 %", "1.8 times", "0.25", "1.25 %", "7 %", "2 %"]
+FOUND = ["3.5 %", "1.8 times", ".75", "0.25", "1.25 %", "7 %", "2 %"]
 
 
 def test_numbers_of_sentences_and_tables_are_found():
