@@ -14,3 +14,24 @@ addEventListener("keydown", event => {
 });
 
 addEventListener("click", event => event.target.closest(COVERED)?.parentElement.classList.add("told"));
+
+// On a wide screen a listing takes the largest letters with which its slide fits the window.
+const SIZES = ["1rem", "0.9rem", "0.8rem", "0.7rem"];
+
+const fit = () => {
+  for (const slide of document.querySelectorAll("main > section:has(pre)")) {
+    const listings = [...slide.querySelectorAll("pre")];
+    const set = size => listings.forEach(listing => { listing.style.fontSize = size; });
+    const fits = size => {
+      set(size);
+      return slide.scrollHeight <= innerHeight + 1 && listings.every(listing => listing.scrollWidth <= listing.clientWidth);
+    };
+    if (!matchMedia("(min-width: 63em)").matches || !SIZES.some(fits)) set("");
+  }
+};
+
+addEventListener("load", async () => {
+  await globalThis.MathJax?.startup?.promise;
+  fit();
+  addEventListener("resize", fit);
+});
