@@ -1,5 +1,6 @@
 """Maps of the parts of the book: its chapters, and which one needs which, as their own lists "You need" say."""
 
+import functools
 import itertools
 import re
 import sys
@@ -82,6 +83,24 @@ def places(before):
     return untangled(place, lines, before, downwards), downwards
 
 
+@functools.cache
+def half_size(page):
+    """Half the width and height of a box, in columns and rows."""
+    lines = title(page)
+    width = 4.9 * max(map(len, lines)) + 8.0  # points; a column has 108, a row 68
+    return width / 216, (10.2 * (len(lines) + 1) + 7.0) / 137
+
+
+def boxes_hit(start, end, pages, place, bend=0.0):
+    """Whether an arrow from each start to each end runs through each box; ``bend`` is its height over its length."""
+    along = np.linspace(0.0, 1.0, 25)[:, None, None]
+    way = end - start
+    aside = np.stack([-way[:, 1], way[:, 0]], axis=1)
+    points = start + along * way + 4 * along * (1 - along) * bend * aside
+    centre, half = (np.array([one(page) for page in pages]) for one in (place.get, half_size))
+    return (np.abs(points[:, :, None] - centre) < half + 0.03).all(axis=-1).any(axis=0)
+
+
 def tangle(place, before):
     """Length of all arrows, and a fine for each box that an arrow runs through."""
     pages = list(place)
@@ -90,12 +109,16 @@ def tangle(place, before):
     if not ends:
         return 0.0
     a, b = np.array(ends).T
-    along = np.linspace(0.0, 1.0, 15)[:, None, None]
-    points = centre[a] + along * (centre[b] - centre[a])
-    away = np.abs(points[:, :, None] - centre) / (0.45, 0.36)
-    hit = (away.max(axis=-1) < 1.0).any(axis=0)
+    hit = boxes_hit(centre[a], centre[b], pages, place)
     hit[np.arange(len(a)), a] = hit[np.arange(len(b)), b] = False
     return np.hypot(*(centre[b] - centre[a]).T).sum() + 20.0 * hit.sum()
+
+
+def bend_of(start, end, pages, place):
+    """The smallest bend with which an arrow runs through no box of other pages."""
+    bends = sorted(np.linspace(-0.4, 0.4, 81), key=abs)
+    hits = [boxes_hit(start[None], end[None], pages, place, bend).sum() for bend in bends]
+    return bends[int(np.argmin(hits))]
 
 
 def untangled(place, lines, before, downwards):
@@ -132,13 +155,18 @@ def chart(part):
     ax = figure.subplots()
     ax.set(xlim=(-0.5, COLUMNS - 0.5), ylim=(rows - 0.5, -0.5))
     ax.axis("off")
-    side, end = ((0, 0.36), (0, -0.36)) if downwards else ((0.38, 0), (-0.4, 0))
     for page, (x, y) in place.items():
         for need in before[page]:
-            a, b = place[need]
-            ends = {"xy": (x + end[0], y + end[1]), "xytext": (a + side[0], b + side[1])}
-            line = {"arrowstyle": "->", "color": GREY, "lw": 1.0}
-            ax.annotate("", **ends, arrowprops=line, zorder=1)
+            (a, b), axis = place[need], int(downwards)
+            start, end = np.array([a, b], float), np.array([x, y], float)
+            start[axis] += half_size(need)[axis]
+            end[axis] -= half_size(page)[axis] + 0.02
+            others = [one for one in place if one not in (page, need)]
+            # The control point of the arc is twice as far away as the arc.
+            arc = f"arc3,rad={2 * bend_of(start, end, others, place)}"
+            line = {"arrowstyle": "->", "color": GREY, "lw": 1.0, "connectionstyle": arc}
+            line |= {"shrinkA": 0, "shrinkB": 0}
+            ax.annotate("", xy=end, xytext=start, arrowprops=line, zorder=1)
         label = "\n".join([f"{numbers[page]}", *title(page)])
         box = {"boxstyle": "round,pad=0.3", "fc": "#fefefe", "ec": BLUE}
         text = ax.text(x, y, label, ha="center", va="center", fontsize=8.4, bbox=box, zorder=2)

@@ -126,3 +126,23 @@ def test_an_animation_is_small_and_moves(place, name):
 
 def test_two_pictures_move():
     assert len(MOVING) == 2
+
+
+@pytest.mark.parametrize("name", ["method", "laws", "fast"])
+def test_no_arrow_of_a_map_runs_through_a_box(name):
+    """In pixels, as they are drawn: an arrow may touch the boxes at its ends only."""
+    from drawn import call
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.text import Annotation
+
+    figure = call(FIGURES / "parts.py", name)
+    FigureCanvasAgg(figure).draw()
+    (ax,) = figure.axes
+    arrows = [text.arrow_patch for text in ax.texts if isinstance(text, Annotation)]
+    boxes = [patch.get_window_extent() for text in ax.texts if (patch := text.get_bbox_patch())]
+    assert len(boxes) > 2
+    for arrow in arrows:
+        line = arrow.get_path().interpolated(20).vertices
+        points = arrow.get_transform().transform(line)
+        for box in boxes:
+            assert not ((points > box.min + 2) & (points < box.max - 2)).all(axis=1).any()
