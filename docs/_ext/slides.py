@@ -213,6 +213,7 @@ def decks(app) -> Iterator[tuple[str, dict[str, str], str]]:
             titles = (escape(app.env.titles[chapter].astext()) for chapter in week["chapters"])
             first = (
                 f"<h1>{title}</h1><p>{course_title}</p><ul><li>{'</li><li>'.join(titles)}</li></ul>"
+                "<p>Commands are for the folder of a clone, after <code>make figures</code>.</p>"
             )
             slides = "".join(body(app, chapter) for chapter in week["chapters"])
             deck = f'<section class="opening">{first}</section>{slides}{sheet(app, week)}'
