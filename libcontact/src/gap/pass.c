@@ -332,9 +332,9 @@ static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int sam
   const ct_point *point = &side->points[i];
   const int32_t face = face_of(p, i);
   int held = point->status == CT_POINT_INSIDE && !p->self;
-  double most = held                               ? HUGE_VAL
-                : point->status == CT_POINT_INSIDE ? p->depth - point->known
-                                                   : p->depth;
+  double most = p->depth;
+  if (point->status == CT_POINT_INSIDE) most -= point->known;
+  if (held) most = HUGE_VAL;
   if (!begin(p, i, same_side, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)

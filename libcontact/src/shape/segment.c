@@ -3,9 +3,7 @@
 
 #include <math.h>
 
-/* Signs of the reference coordinates of the corners, and of the one coordinate that a mid-side has.
- */
-static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+/* Sign of the one reference coordinate that a mid-side has. */
 static const double SIDE[4] = {-1, 1, 1, -1};
 
 int ct_face_node_count(ct_face_kind kind)
@@ -60,7 +58,7 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
     ct_shape_gradient_q4(xi[0], xi[1], dN[0], 1);
   } else if (kind == CT_Q8) {
     for (int i = 0; i < 4; i++) {
-      const double *c = CORNER[i];
+      const double *c = CT_SHAPE_CORNER[i];
       double x = c[0] * xi[0], y = c[1] * xi[1];
       dN[i][0] = 0.25 * c[0] * (1 + y) * (2 * x + y);
       dN[i][1] = 0.25 * c[1] * (1 + x) * (x + 2 * y);
@@ -84,35 +82,34 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 }
 
 /* Weight times coordinate k of each node; inlined with a known number of nodes. */
-CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight, int stride,
-                     double v[8])
+CT_INLINE void weigh(int count, const ct_face *face, int k, const double weight[8], double v[8])
 {
   // (eq:segment-point, eq:segment-tangents)
-  for (int i = 0; i < count; i++) v[i] = weight[i * stride] * face->node[i][k];
+  for (int i = 0; i < count; i++) v[i] = weight[i] * face->node[i][k];
 }
 
 /* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of
  * quadrilaterals) and an exchange of xi_1 and xi_2 (of triangles) maps onto itself, so that a
  * mirrored face gives mirrored bits. */
-static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
+static void node_sum(const ct_face *face, const double weight[8], double sum[3])
 {
   double v[8];
   for (int k = 0; k < 3; k++) switch (face->kind) { // -- Pair the nodes
     case CT_Q4:
-      weigh(4, face, k, weight, stride, v);
+      weigh(4, face, k, weight, v);
       sum[k] = (v[0] + v[1]) + (v[2] + v[3]);
       break;
     case CT_Q8:
-      weigh(8, face, k, weight, stride, v);
+      weigh(8, face, k, weight, v);
       // (eq:segment-tree)
       sum[k] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7]));
       break;
     case CT_T3:
-      weigh(3, face, k, weight, stride, v);
+      weigh(3, face, k, weight, v);
       sum[k] = v[0] + (v[1] + v[2]);
       break;
     case CT_T6:
-      weigh(6, face, k, weight, stride, v);
+      weigh(6, face, k, weight, v);
       sum[k] = (v[0] + (v[1] + v[2])) + (v[4] + (v[3] + v[5]));
       break;
     default:
@@ -126,16 +123,17 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
   double N[8];
   ct_segment_shape(face->kind, xi, N);
   // -- Sum of weight times node
-  node_sum(face, N, 1, y);
+  node_sum(face, N, y);
 }
 
 void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3])
 {
-  double dN[8][2];
+  double dN[8][2], dN1[8], dN2[8];
   ct_segment_gradient(face->kind, xi, dN);
+  for (int i = 0; i < 8; i++) dN1[i] = dN[i][0], dN2[i] = dN[i][1];
   // -- Sums of derivative times node
-  node_sum(face, &dN[0][0], 2, t1);
-  node_sum(face, &dN[0][1], 2, t2);
+  node_sum(face, dN1, t1);
+  node_sum(face, dN2, t2);
 }
 
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3])

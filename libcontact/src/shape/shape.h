@@ -5,20 +5,32 @@
 
 #include <libcontact/shape.h>
 
-/* Shape functions of a quadrilateral of `per` (4 or 8) nodes, with the stride `stride` between
- * nodes; those beyond `per` are 0 (eq:segment-q4, eq:segment-q8). For a known `per` and lanes side
- * by side the compiler vectorises them. */
+static const double CT_SHAPE_CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+
+/* Shape function of corner i of a quadrilateral with `per` (4 or 8) nodes. */
+CT_INLINE double ct_shape_corner(int per, int i, double xi, double eta)
+{
+  double x = CT_SHAPE_CORNER[i][0] * xi, y = CT_SHAPE_CORNER[i][1] * eta;
+  double four = 0.25 * ((1 + x) * (1 + y)); // (eq:segment-q4)
+  if (per == 4) return four;
+  return four * ((x + y) - 1); // (eq:segment-q8)
+}
+
+/* Shape function of the mid-side that follows corner i: even ones run along ξ. */
+CT_INLINE double ct_shape_middle(int i, double xi, double eta)
+{
+  double along = i % 2 == 0 ? xi : eta;
+  double across = i % 2 == 0 ? CT_SHAPE_CORNER[i][1] * eta : CT_SHAPE_CORNER[i][0] * xi;
+  return 0.5 * (((1 - along) * (1 + along)) * (1 + across)); // (eq:segment-q8)
+}
+
+/* All of them, each `stride` behind the last; those beyond `per` are 0. For a known `per` and lanes
+ * side by side the compiler vectorises this. */
 CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N, int stride)
 {
-  static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   for (int i = 0; i < 4; i++) {
-    // -- Corners of the quadrilaterals (eq:segment-q4, eq:segment-q8)
-    double x = CORNER[i][0] * xi, y = CORNER[i][1] * eta, corner = 0.25 * ((1 + x) * (1 + y));
-    N[stride * i] = per == 8 ? corner * ((x + y) - 1) : corner;
-    // -- Mid-side that follows the corner: even ones run along ξ (eq:segment-q8)
-    double along = i % 2 == 0 ? xi : eta,
-           across = i % 2 == 0 ? CORNER[i][1] * eta : CORNER[i][0] * xi;
-    N[stride * (4 + i)] = per == 8 ? 0.5 * (((1 - along) * (1 + along)) * (1 + across)) : 0.0;
+    N[stride * i] = ct_shape_corner(per, i, xi, eta);
+    N[stride * (4 + i)] = per == 8 ? ct_shape_middle(i, xi, eta) : 0.0;
   }
 }
 
@@ -26,10 +38,10 @@ CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N,
  * behind the last. */
 static inline void ct_shape_gradient_q4(double xi, double eta, double *dN, int stride)
 {
-  static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   for (int i = 0; i < 4; i++) {
-    dN[stride * (2 * i)] = 0.25 * CORNER[i][0] * (1 + CORNER[i][1] * eta);
-    dN[stride * (2 * i + 1)] = 0.25 * CORNER[i][1] * (1 + CORNER[i][0] * xi);
+    const double *corner = CT_SHAPE_CORNER[i];
+    dN[stride * (2 * i)] = 0.25 * corner[0] * (1 + corner[1] * eta);
+    dN[stride * (2 * i + 1)] = 0.25 * corner[1] * (1 + corner[0] * xi);
   }
 }
 

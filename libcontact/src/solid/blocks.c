@@ -276,25 +276,31 @@ static ct_status element_omega2(const ct_solid_part *part, int32_t element, doub
   return ct_largest_eigenvalue(3 * per, spread, A, omega_squared, error);
 }
 
+/* Whether element e lies certainly below `reached`: `below` tells it of the elements of a batch. */
+static int surely_below(const ct_solid_part *part, const ct_mass_shapes *at, const int fixed[3],
+                        int32_t e, double reached, unsigned *below)
+{
+  if (part->kernel != CT_KERNEL_REDUCED && e % CT_LANES_COUNT == 0)
+    *below = ct_solid_below(part, at, e, fixed, (1.0 - 1e-9) * reached);
+  return *below >> e % CT_LANES_COUNT & 1;
+}
+
 /* The largest ω² of the elements first ... last - 1. Those that certainly lie below `reached` need
  * no eigenvalues; the margin is far above round-off, so the result is that of all elements. */
 static ct_status share_omega2_bound(const ct_solid_part *part, const ct_mass_shapes *at,
                                     const int fixed[3], int32_t first, int32_t last, double reached,
                                     double *omega_squared, ct_error *error)
 {
-  static const double SURELY = 1.0 - 1e-9;
   const ct_mesh *mesh = part->mesh;
-  int full = part->kernel != CT_KERNEL_REDUCED;
   double x[20][3], before[20][3] = {{0.0}}, w = 0.0;
   unsigned below = 0;
   ct_status status = CT_OK;
   for (int32_t e = first; status == CT_OK && e < last; e++) {
-    if (full && e % CT_LANES_COUNT == 0)
-      below = ct_solid_below(part, at, e, fixed, SURELY * reached);
+    int low = surely_below(part, at, fixed, e, reached, &below);
     ct_solid_load_element(mesh, e, mesh->nodes, x);
     if (e > first && same_shape(at->per, x, before) && same_material(part, e, e - 1)) continue;
     memcpy(before, x, sizeof before);
-    if (below >> e % CT_LANES_COUNT & 1) continue;
+    if (low) continue;
     status = element_omega2(part, e, x, fixed, &w, error);
     if (status != CT_OK && error != NULL) error->element = e;
     *omega_squared = fmax(*omega_squared, w); // (eq:element-bound)
