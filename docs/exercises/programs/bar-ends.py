@@ -37,4 +37,3 @@ if __name__ == "__main__":
     lowest, mass, v = impact()
     left, right = np.split(v, 2)
     print(f"lowest stress {lowest:.3f}, mean velocity of the right bar {right.mean():.4f}")
-    print(f"kinetic energy {0.5 * mass @ v**2:.3f}, at the start 1")
