@@ -43,8 +43,10 @@ TARGETS = {
 }
 
 
-def run(*command: str | Path) -> str:
-    done = subprocess.run([str(c) for c in command], cwd=ROOT, capture_output=True, text=True)
+def run(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = None) -> str:
+    """What a command prints; its failure ends the program."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=cwd, env=env, capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}")
     return done.stdout

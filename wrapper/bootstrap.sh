@@ -28,6 +28,11 @@ look() { # what is missing now
   case "$commands" in *" test "*) command -v "${CXX%% *}" >/dev/null 2>&1 || command -v g++ >/dev/null 2>&1 || wanted="$wanted g++" ;; esac
   # Callgrind counts instructions. libc6-dbg: valgrind replaces functions of libc by their names.
   case "$commands" in *" memory "* | *" bench "*) command -v valgrind >/dev/null 2>&1 || wanted="$wanted valgrind libc6-dbg" ;; esac
+  case "$commands" in *" wheels "* | *" check-cross "*)
+    command -v qemu-aarch64 >/dev/null 2>&1 || wanted="$wanted qemu-user"
+    command -v wine >/dev/null 2>&1 || wanted="$wanted wine"
+    ;;
+  esac
   case "$commands" in *" test-hosts "*) command -v ccx >/dev/null 2>&1 || wanted="$wanted calculix-ccx" ;; esac
   # The names that docs/browser.py looks for.
   case "$commands" in *" pdf "* | *" test-page "*) found chromium chromium-browser google-chrome chrome || wanted="$wanted chromium" ;; esac

@@ -1,4 +1,5 @@
-"""What a wheel has to do where it is installed: a run, also with two threads, its results file, a restart, a picture.
+"""What a wheel has to do where it is installed: a run, also with two threads, its results file, a restart, a picture,
+and the same by commands.
 
 The last line has the bits of the results, the same on every machine. A folder for the files is the argument; what needs
 a package that is not there (h5py, matplotlib) is named and left out.
@@ -6,6 +7,7 @@ a package that is not there (h5py, matplotlib) is named and left out.
 
 import hashlib
 import importlib.util
+import subprocess
 import sys
 from pathlib import Path
 
@@ -23,6 +25,24 @@ def run(name, until=END, **options):
     return hashlib.sha1(b"".join([*words, done.energy[-1].tobytes()])).hexdigest(), done
 
 
+def command(*words):
+    subprocess.run([sys.executable, "-m", "libcontact", *map(str, words)], check=True, cwd=folder)
+
+
+def command_line(last):
+    """``run --restart --plot`` and ``plot``; without files ``run --plot``. Returns what was done."""
+    run = ("run", ct.example("plates"), "--quiet", "--until")
+    if not ct.has("hdf5"):
+        command(*run, END, "--plot")
+        return ["run --plot"]
+    command(*run, HALF, "-o", "first.vtkhdf")
+    command(*run, END, "-o", "second.vtkhdf", "--restart", "first.vtkhdf", "--plot")
+    assert ct.Run.load(folder / "second.vtkhdf").energy[-1] == last, "run --restart"
+    command("plot", "first.vtkhdf")
+    assert all((folder / f"{name}.png").stat().st_size > 10_000 for name in ("first", "second"))
+    return ["run --plot", "plot"]
+
+
 QUANTITIES = ("displacement", "velocity")
 bits, whole = run("whole")
 assert run("threads", threads=2)[0] == bits, "two threads"
@@ -37,5 +57,6 @@ if importlib.util.find_spec("matplotlib"):
     whole.plot().savefig(folder / "plates.png")
     assert (folder / "plates.png").stat().st_size > 10_000
     done += ["picture"]
+    done += command_line(whole.energy[-1])
 print(", ".join(done))
 print(bits)

@@ -35,7 +35,9 @@ def test_the_debian_package_has_the_name_of_the_shared_library():
 def test_the_conda_recipe_has_the_dependencies_of_the_package():
     """As conda-forge's own tool reads it, for a Python with tomllib and one without."""
     conda = pytest.importorskip("rattler_build")
-    linux = 'c_compiler: [gcc]\nc_stdlib: [sysroot]\npython: ["3.10.* *_cpython", "3.13.* *_cp313"]\n'
+    linux = (
+        'c_compiler: [gcc]\nc_stdlib: [sysroot]\npython: ["3.10.* *_cpython", "3.13.* *_cp313"]\n'
+    )
     recipe = conda.Stage0Recipe.from_file(RECIPES / "conda-forge/recipe.yaml")
     old, new = (
         each.recipe.to_dict() for each in recipe.render(conda.VariantConfig.from_yaml(linux))

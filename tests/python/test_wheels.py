@@ -119,6 +119,17 @@ def test_the_index_would_take_a_wheel(wheel):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_a_row_is_made_again_when_its_files_change(tmp_path, monkeypatch):
+    """`make wheels` and `make check-cross` go on where they were stopped."""
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    from check_cross import kept
+
+    program, store = tmp_path / "program", tmp_path / "row.json"
+    for text, row, expected in ((b"a", "1", "1"), (b"a", "2", "1"), (b"b", "3", "3")):
+        program.write_bytes(text)
+        assert kept(store, [program], lambda row=row: ("equal", row)) == ("equal", expected)
+
+
 def test_the_recipe_tries_each_wheel():
     """packaging/ci: a real machine for each target, the oldest and the newest Python."""
     recipe = (ROOT / "packaging/ci/wheels.yml").read_text()

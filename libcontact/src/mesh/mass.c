@@ -74,7 +74,7 @@ CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, const ct_lan
   for (int a = 0; a < per; a++) mass[a] = diagonal[a] * (*total / trace);
 }
 
-CT_CLONES
+CT_CLONES_RARE
 void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, const ct_lanes *density, ct_lanes *mass,
                    ct_lanes *total)
 {
@@ -111,7 +111,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
 
 /* The masses of boxes along the axes, an eighth of the element's mass at each node for any lumping;
  * returns 0 if there are other elements. */
-CT_CLONES
+CT_CLONES_RARE
 static int box_masses(const ct_lanes *x, const double density[CT_LANES_COUNT],
                       double mass[20][CT_LANES_COUNT], double total[CT_LANES_COUNT])
 {
