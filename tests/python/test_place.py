@@ -2,16 +2,18 @@
 
 import numpy as np
 import pytest
+from libcontact.mesh import Mesh
 from scenes import METRES, box_of
 
 import libcontact as ct
-from libcontact.mesh import Mesh
 
 SIZE, CORNER = np.array([1.0, 1.0, 1.0]), np.arctan(np.sqrt(2.0))
 STANDS = {"angle": CORNER, "axis": [1, -1, 0], "centre": [0, 0, 0], "move": [0, 0, 0.01]}
 
 
-def cube(element="hex8", place=None, velocity=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0), side="outer"):
+def cube(
+    element="hex8", place=None, velocity=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0), side="outer"
+):
     """A cube that flies into a plane through the origin."""
     scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
@@ -52,7 +54,10 @@ def test_sides_keep_their_names():
     place = {"angle": 0.7, "axis": [1, 2, 3], "centre": [0, 0, 0], "move": -turn[:, 0]}
     there = cube(place=place, velocity=turn[:, 0], normal=-turn[:, 0], side="x_max")
     here = cube(place={"move": [-1, 0, 0]}, velocity=[1, 0, 0], normal=[-1, 0, 0], side="x_max")
-    impulses = [scene.run(progress=False, output=False).momentum["obstacle_impulse"] for scene in (here, there)]
+    impulses = [
+        scene.run(progress=False, output=False).momentum["obstacle_impulse"]
+        for scene in (here, there)
+    ]
     assert impulses[0][-1][0] < -1000
     np.testing.assert_allclose(impulses[1], impulses[0] @ turn.T, atol=1e-9)
 
@@ -66,7 +71,9 @@ def test_a_place_is_a_turned_scene():
     axis = np.array([both[2, 1] - both[1, 2], both[0, 2] - both[2, 0], both[1, 0] - both[0, 1]])
     angle = np.arctan2(np.linalg.norm(axis) / 2, (np.trace(both) - 1) / 2)
     place = {"angle": angle, "axis": axis, "centre": [0, 0, 0], "move": turn @ [0, 0, 0.01]}
-    there = cube(place=place, velocity=turn @ v, normal=turn[:, 2]).run(progress=False, output=False)
+    there = cube(place=place, velocity=turn @ v, normal=turn[:, 2]).run(
+        progress=False, output=False
+    )
     assert here.energy["strain"].max() > 10
     for name in ("kinetic", "strain", "obstacle"):
         np.testing.assert_allclose(there.energy[name], here.energy[name], atol=1e-9)
@@ -81,10 +88,14 @@ def test_two_bodies_of_one_mesh_file(tmp_path, monkeypatch):
     scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
     scene.add_body("left", material="soft", mesh="brick.vtu")
-    scene.add_body("right", material="soft", mesh="brick.vtu", place={"move": [2, 0, 0]}, velocity=[-1, 0, 0])
+    scene.add_body(
+        "right", material="soft", mesh="brick.vtu", place={"move": [2, 0, 0]}, velocity=[-1, 0, 0]
+    )
     scene.add_contact(surfaces=["left.x_max", "right.x_min"])
     run = scene.set_time(end=0.01, fraction=0.9).run(progress=False, output=False)
-    np.testing.assert_allclose(run.body_momentum("left")["p"][-1] + run.body_momentum("right")["p"][-1], [-2000, 0, 0])
+    np.testing.assert_allclose(
+        run.body_momentum("left")["p"][-1] + run.body_momentum("right")["p"][-1], [-2000, 0, 0]
+    )
     assert run.body_momentum("left")["contact_impulse"][-1][0] < -100
     assert "placed between (2, 0, 0) and (4, 1, 1) m" in str(scene.explain())
 

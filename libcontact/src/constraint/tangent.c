@@ -45,9 +45,8 @@ void ct_tangent_create(ct_solver *s, int64_t most)
                            &t->slip0, &t->aim, &t->next,  &t->c,    &t->end};
   for (size_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     for (int c = 0; c < 3; c++) columns[i]->x[c] = ct_pool_take(pool, rows, sizeof(double));
-  double **numbers[] = {&t->limit, &t->most, &t->C,    &t->kappa, &t->scale,  &t->terms,
-                        &t->work,  &t->lag,  &t->loss, &t->mu,    &t->wanted, &t->zeta,
-                        &t->opened};
+  double **numbers[] = {&t->limit, &t->most, &t->C,  &t->kappa,  &t->scale, &t->terms, &t->work,
+                        &t->lag,   &t->loss, &t->mu, &t->wanted, &t->zeta,  &t->opened};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
   t->lanes = ct_pool_take(pool, rows, CT_TANGENT_LANES * sizeof(double));
