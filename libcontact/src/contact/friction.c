@@ -51,7 +51,7 @@ static void list_points(ct_friction_memory *s, const ct_friction_call *now)
     for (ct_span run = {0}; ct_side_next(now->side[k], &run);)
       for (int64_t i = run.first; i < run.end; i++) {
         ct_point *point = &now->side[k]->points[i];
-        if (point->listed) s->listed[s->listed_count++] = first + i;
+        if (point->listed) s->listed[s->listed_count++] = (ct_friction_point){point, first + i, k};
         else point->row.slip = NULL;
       }
     s->listed_end[k] = s->listed_count;
@@ -76,7 +76,7 @@ static void clear_memory(const ct_friction_memory *s, const ct_surface_motion *a
 {
   static const ct_slip_record none = {.other = 0.0};
   for (int64_t j = 0, n = 0; s->listed_count < s->data->points && j < s->data->points; j++)
-    if (n < s->listed_count && s->listed[n] == j) n++;
+    if (n < s->listed_count && s->listed[n].j == j) n++;
     else memcpy(&at->next_memory[CT_FRICTION_RECORD * j], &none, sizeof none);
 }
 

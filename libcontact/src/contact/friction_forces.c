@@ -17,11 +17,11 @@ typedef struct heaps {
   ct_heap own, theirs;
 } heaps;
 
-/* Add the traction and the couple of the listed point number `n`, which is one of this place. */
-CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid *grid,
-                         ct_friction_place at, int64_t n, const ct_friction_memory *s, heaps *to)
+/* Add the traction and the couple of the listed point number `n`. */
+CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid *grid, int64_t n,
+                         const ct_friction_memory *s, heaps *to)
 {
-  const ct_point *point = &now->side[at.s]->points[at.i];
+  const ct_point *point = s->listed[n].point;
   double T[3], back[3], lever[3], turn[8];
   for (int c = 0; c < 3; c++) {
     T[c] = *ct_friction_numbers(s, CT_SLIP_FORCE + c, n);
@@ -40,15 +40,13 @@ CT_INLINE void add_point(int stride, const ct_friction_call *now, const ct_grid 
 }
 
 /* Whether four listed points from the given one on are those of one face and meet one face. */
-static int are_four(const ct_friction_call *now, const int64_t *listed, int64_t left)
+CT_INLINE int are_four(const ct_friction_call *now, const ct_friction_point *listed, int64_t left)
 {
-  const ct_friction_place first = ct_friction_place_of(now, *listed);
-  const ct_point *point = &now->side[first.s]->points[first.i];
-  if (left < 4 || listed[3] != *listed + 3 || now->data->side[first.s]->point_count <= first.i + 3)
-    return 0;
+  const ct_point *point = listed->point;
+  if (left < 4 || listed[3].point != point + 3) return 0;
   for (int q = 1; q < 4; q++)
     if (point[q].row.own != point->row.own || point[q].other != point->other) return 0;
-  return now->data->side[first.s]->rule.count == 4;
+  return now->data->side[listed->s]->rule.count == 4;
 }
 
 /* Vectors of four points side by side, each with a fourth component, 0. */
@@ -81,10 +79,10 @@ CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
 }
 
 /* As `add_point`, of four such points together. */
-CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, ct_friction_place at,
-                        int64_t n, const ct_friction_memory *s, const heaps *to)
+CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, int64_t n,
+                        const ct_friction_memory *s, const heaps *to)
 {
-  const ct_point *point = &now->side[at.s]->points[at.i];
+  const ct_point *point = s->listed[n].point;
   const int64_t stride = s->slips.stride;
   const double *N[4], *turn = &s->turn[n];
   double T[4][4], lever[4][4];
@@ -112,10 +110,9 @@ CT_INLINE void add_side(int stride, const ct_friction_call *now, int k, const ct
               {s->coarse, s->fine, other->search->per, NULL, {0}, {0}}};
   const int64_t end = s->listed_end[k];
   for (int64_t n = k == 0 ? 0 : s->listed_end[0]; n < end;) {
-    const ct_friction_place at = ct_friction_place_of(now, s->listed[n]);
     const int four = are_four(now, &s->listed[n], end - n);
-    if (four) add_four(now, grid, at, n, s, &to);
-    else add_point(stride, now, grid, at, n, s, &to);
+    if (four) add_four(now, grid, n, s, &to);
+    else add_point(stride, now, grid, n, s, &to);
     n += four ? 4 : 1;
   }
   ct_heap_bring(stride, &to.own, NULL);

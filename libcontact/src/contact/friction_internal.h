@@ -56,10 +56,10 @@ typedef struct ct_friction_memory {
   ct_slip *points; /* of all points; those of the listed ones are in use */
   ct_slips slips;  /* of the listed points, in this order */
   int64_t listed_count;
-  int64_t listed_end[2];   /* where those of each side end */
-  int64_t *listed;         /* the points whose rows are listed in this step */
-  ct_face_axes *axes;      /* of the listed points, from the list of rows to the forces */
-  int has_axes;            /* 0: those of space, at an obstacle that no body carries */
+  int64_t listed_end[2];            /* where those of each side end */
+  struct ct_friction_point *listed; /* the points whose rows are listed in this step */
+  ct_face_axes *axes;               /* of the listed points, from the list of rows to the forces */
+  int has_axes;                     /* 0: those of space, at an obstacle that no body carries */
   double *turn;            /* w_b · T of the listed points, for the nodes of the other face, as in
                               `slips` */
   const ct_pieces *pieces; /* those of the sides */
@@ -78,17 +78,12 @@ typedef struct ct_friction_call {
       most_face[2]; /* largest number of a partner of each side in a record; 0: none is recalled */
 } ct_friction_call;
 
-/* One listed point: point `i` of side `s`, the number `j` of all. */
-typedef struct ct_friction_place {
+/* One listed point, of side `s`, the number `j` of all. */
+typedef struct ct_friction_point {
+  ct_point *point;
+  int64_t j;
   int s;
-  int64_t i, j;
-} ct_friction_place;
-
-static inline ct_friction_place ct_friction_place_of(const ct_friction_call *now, int64_t j)
-{
-  const int64_t first = now->data->side[0]->point_count;
-  return j < first ? (ct_friction_place){0, j, j} : (ct_friction_place){1, j - first, j};
-}
+} ct_friction_point;
 
 static inline const ct_search *ct_friction_other(const ct_friction_call *now, int s)
 {

@@ -154,7 +154,9 @@ enum {
   RESERVE = offsetof(ct_slip_record, reserve) / sizeof(double),
   STUCK = offsetof(ct_slip_record, stuck) / sizeof(double),
   FORCE = offsetof(ct_slip_record, force) / sizeof(double),
-  QUADS = CT_FRICTION_RECORD / 4
+  QUADS = CT_FRICTION_RECORD / 4,
+  NORMAL = offsetof(ct_point, row.normal), /* of a point, in bytes, as the next one */
+  LEVER = offsetof(ct_point, d)
 };
 
 /* The stored slips of eight points along the present frames of their faces, or null: those of
@@ -182,43 +184,64 @@ CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH
 
 /* Eight points that are prepared together; the last of fewer fills all other lanes. */
 typedef struct batch {
-  ct_friction_place at[CT_BATCH];
-  ct_point *point[CT_BATCH];
+  int count; /* of these points */
+  ct_friction_point at[CT_BATCH];
   double other[CT_BATCH];                    /* faces of the partners, as in a record */
   double last[CT_FRICTION_RECORD][CT_BATCH]; /* records, with OTHER 0 where nothing is recalled */
-  double n[3][CT_BATCH];                     /* normals of the rows */
-  frames now, then;                          /* of the partners now; and where slips were stored */
+  double n[4][CT_BATCH], d[4][CT_BATCH]; /* normals of the rows, from the points to their partners,
+                                            and what stands behind these */
+  frames now, then;                      /* of the partners now; and where slips were stored */
 } batch;
 
 /* Forget what is not of a partner, lane by lane. */
 CT_INLINE void forget(const ct_friction_call *now, batch *b)
 {
-  const double *other = b->last[OTHER];
-  for (int l = 0; l < CT_BATCH; l++)
+  const double *other = b->last[OTHER],
+               least = fmin(now->most_face[b->at[0].s], now->most_face[b->at[CT_BATCH - 1].s]);
+  double all = 1.0;
+#pragma omp simd reduction(min : all)
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double own = other[l] >= 1.0 ? 1.0 : 0.0, met = other[l] <= least ? own : 0.0;
+    all = met < all ? met : all;
+  }
+  for (int l = 0; l < CT_BATCH && all == 0.0; l++)
     if (!(other[l] >= 1.0 && other[l] <= now->most_face[b->at[l].s]))
       for (int i = OTHER; i < FORCE; i++) b->last[i][l] = 0.0;
+}
+
+/* Four numbers of four lanes, side by side. */
+CT_INLINE void turn_lanes(const double *const from[4], int l, double (*to)[CT_BATCH])
+{
+  double *const lanes[4] = {&to[0][l], &to[1][l], &to[2][l], &to[3][l]};
+  ct_turn(from, lanes);
 }
 
 CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory *s, int64_t first,
                           batch *b)
 {
+  const int64_t left = s->listed_count - first;
   const int rigid = now->data->rigid;
-  const double *record[CT_BATCH];
+  b->count = left < CT_BATCH ? (int)left : CT_BATCH;
   for (int l = 0; l < CT_BATCH; l++) {
-    const int64_t n = first + l < s->listed_count ? first + l : s->listed_count - 1;
-    const ct_friction_place at = b->at[l] = ct_friction_place_of(now, s->listed[n]);
-    ct_point *point = b->point[l] = &now->side[at.s]->points[at.i];
-    record[l] = &now->at->memory[CT_FRICTION_RECORD * at.j];
-    for (int c = 0; c < 3; c++) b->n[c][l] = point->row.normal[c];
-    b->other[l] = rigid ? 1.0 : point->other + 1.0;
+    b->at[l] = s->listed[first + (l < b->count ? l : b->count - 1)];
+    b->other[l] = rigid ? 1.0 : b->at[l].point->other + 1.0;
   }
-  for (int l = 0; l < CT_BATCH; l += 4)
-    for (int i = 0; i < QUADS; i++) {
-      const double *from[4];
-      double *to[4];
-      for (int k = 0; k < 4; k++) from[k] = record[l + k] + 4 * i, to[k] = &b->last[4 * i + k][l];
-      ct_turn(from, to);
+  for (int l = 0; l < CT_BATCH; l += 4) {
+    const double *normal[4], *d[4], *record[4];
+    for (int k = 0; k < 4; k++) {
+      const ct_friction_point *at = &b->at[l + k];
+      normal[k] = (const double *)(const void *)((const char *)at->point + NORMAL);
+      d[k] = (const double *)(const void *)((const char *)at->point + LEVER);
+      record[k] = &now->at->memory[CT_FRICTION_RECORD * at->j];
     }
+    turn_lanes(normal, l, b->n);
+    if (!rigid) turn_lanes(d, l, b->d);
+    for (int i = 0; i < QUADS; i++) {
+      const double *const from[4] = {record[0] + 4 * i, record[1] + 4 * i, record[2] + 4 * i,
+                                     record[3] + 4 * i};
+      turn_lanes(from, l, &b->last[4 * i]);
+    }
+  }
   forget(now, b);
 }
 
@@ -233,9 +256,9 @@ CT_INLINE int meet_one_face(const batch *b, int l)
 /* The faces of the partners of four lanes with one face, which has four nodes. */
 CT_INLINE void load_four(const ct_search *search, const batch *b, int l, frames *f)
 {
-  load_edges(search, b->point[l]->other, l, 4, f);
+  load_edges(search, b->at[l].point->other, l, 4, f);
   for (int k = l; k < l + 4; k++)
-    for (int i = 0; i < 2; i++) f->xi[i][k] = b->point[k]->xi[i];
+    for (int i = 0; i < 2; i++) f->xi[i][k] = b->at[k].point->xi[i];
 }
 
 /* Whether points have met other faces than now, as eight lanes. */
@@ -265,7 +288,7 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
       load_four(other, b, l, &b->now);
       l += 3;
     } else {
-      load_face(other, b->point[l]->other, b->point[l]->xi, l, &b->now);
+      load_face(other, b->at[l].point->other, b->at[l].point->xi, l, &b->now);
     }
   }
   if (!have_changed(b)) return 0;
@@ -273,7 +296,7 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
   for (int l = 0; l < CT_BATCH; l++) {
     const int32_t face = (int32_t)b->last[OTHER][l] - 1;
     const double place[2] = {b->last[PLACE][l], b->last[PLACE + 1][l]};
-    if (face >= 0 && face != b->point[l]->other)
+    if (face >= 0 && face != b->at[l].point->other)
       load_face(ct_friction_other(now, b->at[l].s), face, place, l, &b->then);
   }
   return 1;
@@ -335,15 +358,19 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
   for (int c = 0; c < 3; c++) memcpy(normal + to * c, b->n[c], sizeof b->n[c]);
   memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
   memcpy(normal + to * CT_SLIP_STUCK, b->last[STUCK], sizeof b->last[STUCK]);
-  for (int l = 0; l < CT_BATCH; l++) {
-    ct_point *point = b->point[l];
-    normal[to * CT_SLIP_K + l] = data->rho * point->row.stiffness;
-    for (int c = 0; c < 3 && !data->rigid; c++) normal[to * (CT_SLIP_LEVER + c) + l] = point->d[c];
-    if (first + l >= s->listed_count) continue;
-    point->row.slip = &s->points[b->at[l].j];
-    point->row.slip->at = first + l;
-    // -- The force of the explicit penalty is known: k ⟨-g⟩
-    if (data->explicit) point->row.force = point->row.stiffness * fmax(-point->row.gap, 0.0);
+  for (int c = 0; c < 3 && !data->rigid; c++)
+    memcpy(normal + to * (CT_SLIP_LEVER + c), b->d[c], sizeof b->d[c]);
+  for (int l = 0; l < CT_BATCH; l++)
+    normal[to * CT_SLIP_K + l] = data->rho * b->at[l].point->row.stiffness;
+  for (int l = 0; l < b->count; l++) {
+    ct_slip *slip = &s->points[b->at[l].j];
+    slip->at = first + l;
+    b->at[l].point->row.slip = slip;
+  }
+  // -- The force of the explicit penalty is known: k ⟨-g⟩
+  for (int l = 0; l < b->count && data->explicit; l++) {
+    ct_constraint *row = &b->at[l].point->row;
+    row->force = row->stiffness * fmax(-row->gap, 0.0);
   }
 }
 
@@ -449,9 +476,8 @@ CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memo
 {
   const int rigid = now->data->rigid;
   for (int l = 0; l < count; l++) {
-    const ct_friction_place at = ct_friction_place_of(now, s->listed[first + l]);
-    const ct_point *point = &now->side[at.s]->points[at.i];
-    next[l] = &now->at->next_memory[CT_FRICTION_RECORD * at.j];
+    const ct_point *point = s->listed[first + l].point;
+    next[l] = &now->at->next_memory[CT_FRICTION_RECORD * s->listed[first + l].j];
     if (point->row.force > 0.0 && (rigid || has_axes(&s->axes[first / CT_BATCH], l))) {
       record[OTHER][l] = rigid ? 1.0 : (double)point->other + 1.0;
       for (int i = 0; i < 2; i++) record[PLACE + i][l] = rigid ? 0.0 : point->xi[i];
