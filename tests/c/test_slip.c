@@ -439,7 +439,16 @@ static void springs_pay(void)
          sum.large, sum.small, sum.wrong);
 }
 
-/* The size of the entry of node `i` of the scene in row `j`. */
+/* The size of the entry of node `i` of the scene in row `j` without its couple, and with it. */
+static double bare_entry(const linear *t, int j, int i)
+{
+  for (int a = 0; a < 4; a++) {
+    if (t->own[j][a] == i) return fabs(t->own_shape[j][a]);
+    if (t->row[j].other_count > 0 && t->other[j][a] == i) return fabs(t->other_shape[j][a]);
+  }
+  return 0.0;
+}
+
 static double entry(const linear *t, int j, int i)
 {
   const point *p = &t->slip[j];
@@ -504,6 +513,44 @@ static void solution(double spread)
          spread, slips, sticks, off);
   tap_ok(bound < 1e-12, "and the bound of each row is that of a dense matrix (%.1e)", bound);
   tap_ok(slope < 1e-3, "no slip is along its force (%.1e)", slope);
+}
+
+/* The widened bounds of the normal rows are at least those of the rows with their couples, and at
+ * most 1.21 times as large. (eq:slip-bound-couples) */
+static void small_couples(void)
+{
+  double below = 0.0, off = 0.0, most = 1.0;
+  int rows = 0;
+  for (int k = 0; k < 60; k++) {
+    linear t;
+    account sum = {.steps = 0};
+    new_linear(&t, 0.5, 0.5, 0.5, 0.3);
+    for (int j = 0; j < t.rows; j++)
+      for (int c = 0; c < 3; c++) t.slip[j].lever[c] *= 1e-3 * k;
+    run_linear(&t, 10 + k % 7, 0, 0, &sum);
+    const ct_tangent *of = t.s->tangent;
+    for (int64_t r = 0; r < of->count && of->some && of->widening > 1.0; r++) {
+      const int j = (int)(of->rows[r].row - t.row);
+      double D = 0.0, B = 0.0;
+      for (int i = 0; i < NODES; i++) {
+        double all = 0.0, bare = 0.0;
+        for (int64_t q = 0; q < of->count; q++) {
+          const int other = (int)(of->rows[q].row - t.row);
+          all += entry(&t, other, i), bare += bare_entry(&t, other, i);
+        }
+        D += entry(&t, j, i) * t.dt * t.dt / t.mass[i] * all;
+        B += bare_entry(&t, j, i) * t.dt * t.dt / t.mass[i] * bare;
+      }
+      below = fmax(below, D / (of->widening * B) - 1.0);
+      off = worst(off, (of->widening * B + of->C[r]) * of->scale[r] - 1.0);
+      most = fmax(most, of->widening);
+      rows++;
+    }
+    ct_pool_free(t.s);
+  }
+  tap_ok(rows > 50 && most > 1.1 && most <= 1.21 && below == 0.0 && off < 1e-12,
+         "couples widen the bounds of %d rows, by up to %.2f, and enough (%.1e, %.1e)", rows, most,
+         below, off);
 }
 
 /* Two warped faces turn together: no point slips. Without the couple it would. (eq:slip-row,
@@ -656,5 +703,6 @@ int main(void)
   scenes((setting){1000, 1.5, 0.0, CT_SOLVER_TIGHT, 0, 1, 1.0, "unlike masses"});
   scenes((setting){1000, 1.5, 0.5, 0.1, 0, 1, 1.0, "unlike masses"});
   scenes((setting){1000, 2.0, 1.0, 1e-3, 0, 1, 1.0, "unlike masses"});
+  small_couples();
   return tap_done();
 }

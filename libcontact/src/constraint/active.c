@@ -209,7 +209,7 @@ static int find_bound(ct_solver *s)
   if (s->kept) memcpy(s->bound_mobility, s->mobility, nodes);
   set_all(s->direction, 0, s->count, 1.0);
   if (!ct_matrix_bound(s, s->direction, s->scale)) return 0;
-  if (s->kept) ct_copy(s->bound, s->scale, rows);
+  ct_copy(s->bound, s->scale, rows);
   return 1;
 }
 

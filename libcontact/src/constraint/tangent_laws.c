@@ -10,8 +10,8 @@
 /* The springs of all rows with the dashpots `a`, and 1 / D with their compliances. Returns the
  * largest -D⁻¹ C. */
 CT_CLONES
-static double fix_springs(int64_t count, const double *k, const double *a, double *restrict C,
-                          double *restrict kappa, double *restrict scale)
+static double fix_springs(int64_t count, double widening, const double *k, const double *a,
+                          double *restrict C, double *restrict kappa, double *restrict scale)
 {
   double slowest = -1.0;
 #pragma omp simd reduction(max : slowest)
@@ -19,7 +19,8 @@ static double fix_springs(int64_t count, const double *k, const double *a, doubl
     // -- C = 2 / (k (1 + a)), κ = (1 - a) / (1 + a) (eq:slip-residual)
     C[j] = 2.0 / (k[j] * (1.0 + a[j]));
     kappa[j] = (1.0 - a[j]) / (1.0 + a[j]);
-    scale[j] = 1.0 / (scale[j] + C[j]);
+    // -- D = C + (1 + η)² B (eq:slip-bound-couples)
+    scale[j] = 1.0 / (widening * scale[j] + C[j]);
     const double ratio = -C[j] * scale[j];
     slowest = ratio > slowest ? ratio : slowest;
   }
@@ -31,7 +32,7 @@ int ct_tangent_fix_laws(ct_solver *s)
   ct_tangent *t = s->tangent;
   if (!ct_tangent_bound(s)) return 0;
   ct_law_dampings(t->count, t->zeta, t->k, t->scale, s->fraction, t->terms);
-  double slowest = fix_springs(t->count, t->k, t->terms, t->C, t->kappa, t->scale);
+  double slowest = fix_springs(t->count, t->widening, t->k, t->terms, t->C, t->kappa, t->scale);
   // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
   ct_pieces_largest(s->pieces, &slowest, 1);
   t->lowest = -slowest;

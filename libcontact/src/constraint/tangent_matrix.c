@@ -16,6 +16,10 @@ enum { WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS, LANES = CT_TANGENT_LANES };
  * vectors have a fourth component, 0, so that they fill a register. */
 enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4, ALONE_WEIGHT = 4 };
 
+/* Most nodes of a face; and the largest η with which couples are small (eq:slip-bound-couples). */
+enum { MOST_NODES = 8 };
+static const double SMALL_COUPLE = 0.1;
+
 /* The numbers of four rows. */
 CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
 {
@@ -434,10 +438,70 @@ static void bound_all(const ct_tangent *t)
   }
 }
 
+/* The largest |w_b|² |d|² of four rows. */
+CT_INLINE double couple_four(const double *lanes)
+{
+  const double *d = lanes + LEVER, *w = lanes + WEIGHT;
+  double most[4] = {0.0};
+  for (int32_t b = 0; b < 4; b++, w += 12)
+#pragma omp simd
+    for (int i = 0; i < 4; i++)
+      most[i] = ct_larger((w[i] * w[i] + w[4 + i] * w[4 + i]) + w[8 + i] * w[8 + i], most[i]);
+#pragma omp simd
+  for (int i = 0; i < 4; i++) most[i] *= (d[i] * d[i] + d[4 + i] * d[4 + i]) + d[8 + i] * d[8 + i];
+  return ct_larger(ct_larger(most[0], most[1]), ct_larger(most[2], most[3]));
+}
+
+/* The largest e² of all rows (eq:slip-bound-couples). */
+CT_CLONES
+static double largest_couple(const ct_tangent *t)
+{
+  double most = 0.0;
+  for (int64_t j = 0; j < t->count; j += t->rows[j].together) {
+    const double *lanes = &t->lanes[LANES * j], *w = lanes + ALONE_WEIGHT;
+    const int32_t other = t->rows[j].row->other_count;
+    if (other > 0 && t->rows[j].together == 4) most = ct_larger(couple_four(lanes), most);
+    for (int32_t b = 0; t->rows[j].together == 1 && b < other; b++, w += 4)
+      most = ct_larger(ct_vector_dot(w, w) * ct_vector_dot(lanes, lanes), most);
+  }
+  return most;
+}
+
+/* The largest mobility of the nodes with rows, and minus the smallest bound of these. */
+CT_CLONES
+static void find_extremes(const ct_solver *s, double m[2])
+{
+  double mobile = 0.0, least = HUGE_VAL;
+  for (int32_t k = 0; k < s->active_node_count; k++)
+    for (int c = 0; c < 3; c++) mobile = ct_larger(s->mobility[s->active_nodes[k] + c], mobile);
+#pragma omp simd reduction(min : least)
+  for (int64_t r = 0; r < s->point_count; r++) least = s->bound[r] < least ? s->bound[r] : least;
+  m[0] = mobile, m[1] = -least;
+}
+
+/* Take the bounds of the normal rows, if these are the same rows and their couples are small.
+ * Returns 0 if not. */
+static int widen_bound(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  if (!t->active || s->bodies != NULL) return 0;
+  double m[3] = {largest_couple(t)};
+  find_extremes(s, m + 1);
+  ct_pieces_largest(s->pieces, m, 3);
+  // -- η = √(8 r e² max A / min B) (eq:slip-bound-couples)
+  const double eta = sqrt(MOST_NODES * t->most_row_count * m[0] * m[1] / -m[2]);
+  if (!(eta <= SMALL_COUPLE)) return 0;
+  ct_copy(t->scale, s->bound, (size_t)t->count * sizeof *t->scale);
+  t->widening = (1.0 + eta) * (1.0 + eta);
+  return 1;
+}
+
 int ct_tangent_bound(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   ct_grid grid;
+  if (widen_bound(s)) return 1;
+  t->widening = 1.0;
   double top = size_rows(t);
   ct_pieces_largest(s->pieces, &top, 1);
   if (!ct_grid_init(&grid, top, t->most_row_count)) return 0;

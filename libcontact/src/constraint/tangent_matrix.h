@@ -24,7 +24,8 @@ int ct_tangent_push(ct_solver *solver);
 /* `image` = W times the forces T, if it is not current. Returns 0 if they are not finite. */
 int ct_tangent_apply(ct_solver *solver);
 
-/* The bound D of each row of W (eq:slip-bound) becomes `scale`. Returns 0 if it is not finite. */
+/* The bound of each row of W becomes `scale`, to be widened (eq:slip-bound, eq:slip-bound-couples).
+ * Returns 0 if it is not finite. */
 int ct_tangent_bound(ct_solver *solver);
 
 #endif

@@ -54,6 +54,7 @@ typedef struct ct_tangent {
   double *loss;                 /* S₋ - S₊ - W without the next reserve */
   double *wanted;               /* this reserve; -1 where the point sticks */
   double *scale;                /* 1 / D (eq:slip-bound) */
+  double widening;              /* factor of the bounds for the couples (eq:slip-bound-couples) */
   double *terms;                /* a number per row */
   double *shift;                /* of the gaps of active rows by tangential forces */
   int some_move;                /* whether there are rows of obstacles that move */
