@@ -20,24 +20,36 @@ enum { OTHER = 4 * 4, LEVER = 8 * 4, WEIGHT = 11 * 4, ALONE_WEIGHT = 4 };
 enum { MOST_NODES = 8 };
 static const double SMALL_COUPLE = 0.1;
 
+/* Four rows are those of a 2 x 2 rule. In the lanes the rows across the middle of the face stand
+ * side by side: 0, 3, 1, 2, so that they are summed in pairs (eq:tree-sum). */
+#if CT_ROWS
+#define ACROSS(rows) CT_PICK(rows, rows, 0, 3, 1, 2)
+#define BACK(lanes) CT_PICK(lanes, lanes, 0, 2, 3, 1)
+static const int ROW_OF[4] = {0, 3, 1, 2};
+#else
+#define ACROSS(rows) (rows)
+#define BACK(lanes) (lanes)
+static const int ROW_OF[4] = {0, 1, 2, 3};
+#endif
+
 /* The numbers of four rows. */
 CT_INLINE void fill_four(const ct_tangent_row *r, double *to)
 {
   const double *from[4];
   double *own[4], *other[4];
   for (int j = 0; j < 4; j++) {
-    from[j] = r[j].row->own_shape;
+    from[j] = r[ROW_OF[j]].row->own_shape;
     own[j] = to + 4 * j, other[j] = to + OTHER + 4 * j;
   }
   ct_turn(from, own);
   if (r->row->other_count == 0) return;
-  for (int j = 0; j < 4; j++) from[j] = r[j].row->other_shape;
+  for (int j = 0; j < 4; j++) from[j] = r[ROW_OF[j]].row->other_shape;
   ct_turn(from, other);
   const double *number = ct_slip_number(r->slip, CT_SLIP_LEVER);
   const int64_t stride = r->slip->of->stride;
   for (int i = 0; i < 15; i++, number += stride)
     for (int k = 0; k < PARTS; k++)
-      ((ct_quad *)(to + LEVER + 4 * i))[k] = ((const ct_quad *)number)[k];
+      ((ct_quad *)(to + LEVER + 4 * i))[k] = ACROSS(((const ct_quad *)number)[k]);
 }
 
 /* Lever and weights of a row alone. */
@@ -51,12 +63,14 @@ static void fill_alone(const ct_tangent_row *r, double *to)
   }
 }
 
-/* Whether four rows from one on have points that stand side by side. */
+/* Whether the rows with the nodes of one are those of a 2 x 2 rule, with points side by side. */
 CT_INLINE int stand_together(const ct_tangent *t, const ct_tangent_row *r)
 {
+  if (r->alike != 4 || r->row->own_count != 4 || (r->row->other_count & ~4) != 0) return 0;
   for (int j = 1; j < 4 && !t->one_run; j++)
     if (r[j].slip->of != r->slip->of || r[j].slip->at != r->slip->at + j) return 0;
-  return 1;
+  // Their weights follow on each other; those of other points do not.
+  return r[3].row->own_shape - r->row->own_shape == 24;
 }
 
 CT_CLONES
@@ -64,12 +78,12 @@ void ct_tangent_fill(ct_tangent *t)
 {
   for (int64_t j = 0, end; j < t->count; j = end) {
     ct_tangent_row *r = &t->rows[j], *last = r + r->alike;
-    const int fits = r->row->own_count == 4 && (r->row->other_count & ~4) == 0;
+    const int together = stand_together(t, r) ? 4 : 1;
     end = j + r->alike;
-    for (; r < last; r += r->together) {
+    for (; r < last; r += together) {
       double *to = &t->lanes[LANES * (r - t->rows)];
-      r->together = fits && r + 4 <= last && stand_together(t, r) ? 4 : 1;
-      if (r->together == 4) fill_four(r, to);
+      r->together = together;
+      if (together == 4) fill_four(r, to);
       else fill_alone(r, to);
     }
   }
@@ -117,10 +131,10 @@ CT_INLINE void move_four(int32_t other, const ct_tangent *t, int64_t j, const do
 {
   for (int i = 0; i < PARTS; i++) {
     ct_quad n[3], out[3], gap;
-    for (int c = 0; c < 3; c++) n[c] = ((const ct_quad *)&t->normal.x[c][j])[i];
+    for (int c = 0; c < 3; c++) n[c] = ACROSS(((const ct_quad *)&t->normal.x[c][j])[i]);
     relative_four(other, i, t->rows[j].place, &t->lanes[LANES * j], n, x, out, &gap);
-    for (int c = 0; c < 3; c++) ((ct_quad *)&to->x[c][j])[i] = out[c];
-    if (gaps != NULL) ((ct_quad *)&gaps[j])[i] = gap;
+    for (int c = 0; c < 3; c++) ((ct_quad *)&to->x[c][j])[i] = BACK(out[c]);
+    if (gaps != NULL) ((ct_quad *)&gaps[j])[i] = BACK(gap);
   }
 }
 
@@ -222,58 +236,69 @@ CT_INLINE void push_row(double coarse, const ct_tangent *t, int64_t j)
   else add_row(coarse, own, other, r, couple, T, t->sums);
 }
 
-#if CT_ROWS
-
-/* The sums over four rows of three numbers each: x, y, z and 0. They are multiples of a spacing, so
- * that their order does not matter. */
-CT_INLINE void sum_lanes(const ct_quad v[3], ct_quad *out)
+/* The sums over four rows of three numbers each, in pairs across the middle of their face
+ * (eq:tree-sum): x, y, z and 0. */
+CT_INLINE void sum_lanes(const ct_quad *v, ct_quad *out)
 {
+#if CT_ROWS
   const ct_quad none = {0.0};
   const ct_quad xy = CT_PICK(v[0], v[1], 0, 4, 2, 6) + CT_PICK(v[0], v[1], 1, 5, 3, 7),
                 z = CT_PICK(v[2], none, 0, 4, 2, 6) + CT_PICK(v[2], none, 1, 5, 3, 7);
   *out = CT_PICK(xy, z, 0, 1, 4, 5) + CT_PICK(xy, z, 2, 3, 6, 7);
+#else
+  double *sum = (double *)out;
+  for (int c = 0; c < 3; c++) {
+    const double *row = (const double *)&v[PARTS * c];
+    sum[c] = (row[0] + row[3]) + (row[1] + row[2]);
+  }
+  sum[3] = 0.0;
+#endif
+}
+
+/* Add the sums over four rows to those of their node, or subtract them, as multiples of the grid's
+ * spacing (eq:order-free-sum). */
+CT_INLINE void add_node(double coarse, int subtract, const ct_quad *v, double *sums)
+{
+  ct_quad sum[PARTS], *to = (ct_quad *)sums;
+  sum_lanes(v, sum);
+  for (int i = 0; i < PARTS; i++)
+    if (subtract) to[i] -= (sum[i] + coarse) - coarse;
+    else to[i] += (sum[i] + coarse) - coarse;
 }
 
 /* As `add_row`, of four rows. */
 CT_INLINE void add_four(double coarse, int32_t other, const int32_t *place, const double *lanes,
-                        const ct_quad T[3], double *sums)
+                        const ct_quad *T, double *sums)
 {
-  const ct_quad *N = (const ct_quad *)lanes, *O = N + 4, *d = N + 8, *w = N + 11;
+  const ct_quad *N = (const ct_quad *)lanes, *O = N + PARTS * 4, *d = N + PARTS * 8,
+                *w = N + PARTS * 11;
+  ct_quad v[3 * PARTS];
   for (int32_t a = 0; a < 4; a++) {
-    ct_quad v[3], sum;
     // -- N_a T on the own face (eq:slip-row)
-    for (int c = 0; c < 3; c++) v[c] = (N[a] * T[c] + coarse) - coarse;
-    sum_lanes(v, &sum);
-    *(ct_quad *)&sums[place[a]] += sum;
+    for (int k = 0; k < 3 * PARTS; k++) v[k] = N[PARTS * a + k % PARTS] * T[k];
+    add_node(coarse, 0, v, &sums[place[a]]);
   }
-  for (int32_t b = 0; b < other; b++) {
-    ct_quad v[3], turn, sum;
-    dot(&w[3 * b], T, &turn);
+  for (int32_t b = 0; b < other; b++, w += 3 * PARTS) {
+    ct_quad turn[PARTS];
+    for (int i = 0; i < PARTS; i++)
+      turn[i] = (w[i] * T[i] + w[PARTS + i] * T[PARTS + i]) + w[2 * PARTS + i] * T[2 * PARTS + i];
     // -- -(N̄_b T + (w_b · T) d) on the other
-    for (int c = 0; c < 3; c++) v[c] = ((O[b] * T[c] + turn * d[c]) + coarse) - coarse;
-    sum_lanes(v, &sum);
-    *(ct_quad *)&sums[place[4 + b]] -= sum;
+    for (int k = 0; k < 3 * PARTS; k++)
+      v[k] = O[PARTS * b + k % PARTS] * T[k] + turn[k % PARTS] * d[k];
+    add_node(coarse, 1, v, &sums[place[4 + b]]);
   }
 }
 
 CT_INLINE void push_four(double coarse, const ct_tangent *t, int64_t j)
 {
-  ct_quad T[3];
-  for (int c = 0; c < 3; c++) T[c] = *(const ct_quad *)&t->T.x[c][j];
+  ct_quad T[3 * PARTS];
+  for (int k = 0; k < 3 * PARTS; k++)
+    T[k] = ACROSS(((const ct_quad *)&t->T.x[k / PARTS][j])[k % PARTS]);
   const int32_t *place = t->rows[j].place;
   const double *lanes = &t->lanes[LANES * j];
   if (t->rows[j].row->other_count == 4) add_four(coarse, 4, place, lanes, T, t->sums);
   else add_four(coarse, 0, place, lanes, T, t->sums);
 }
-
-#else
-
-CT_INLINE void push_four(double coarse, const ct_tangent *t, int64_t j)
-{
-  for (int64_t k = j; k < j + 4; k++) push_row(coarse, t, k);
-}
-
-#endif
 
 CT_CLONES
 static void push_rows(double coarse, const ct_tangent *t)
@@ -420,9 +445,10 @@ CT_INLINE void bound_face(int rows, int32_t count, const double *size, const int
 CT_INLINE void bound_rows(int rows, int32_t own, int32_t other, const int32_t *place,
                           const double *size, const double *moved, double *out)
 {
-  for (int i = 0; i < rows; i++) out[i] = 0.0;
-  bound_face(rows, own, size, place, moved, out);
-  bound_face(rows, other, size + rows * own, place + own, moved, out);
+  double D[4] = {0.0};
+  bound_face(rows, own, size, place, moved, D);
+  bound_face(rows, other, size + rows * own, place + own, moved, D);
+  for (int i = 0; i < rows; i++) out[rows == 1 ? 0 : ROW_OF[i]] = D[i];
 }
 
 CT_CLONES
