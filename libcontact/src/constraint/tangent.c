@@ -120,15 +120,28 @@ static void compare(int64_t count, const double *from, const double *to, double 
   size[1] = top > size[1] ? top : size[1];
 }
 
+/* Limits of normal forces; returns the largest. */
+CT_CLONES
+static double find_limits(int64_t count, const double *mu, const double *force,
+                          double *restrict limit)
+{
+  double top = 0.0;
+#pragma omp simd reduction(max : top)
+  for (int64_t j = 0; j < count; j++) {
+    const double own = mu[j] * force[j];
+    limit[j] = own;
+    top = own > top ? own : top;
+  }
+  return top;
+}
+
 /* The limits of the present normal forces. The last forces may lie outside the new sets. */
 static void fix_limits(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  t->top = 0.0;
-  for (int64_t j = 0; j < t->count; j++) {
-    t->limit[j] = t->mu[j] * t->rows[j].row->force;
-    t->top = ct_larger(t->limit[j], t->top);
-  }
+  const int alone = t->active && s->count == s->point_count; // no point has a second force
+  for (int64_t j = 0; !alone && j < t->count; j++) t->terms[j] = t->rows[j].row->force;
+  t->top = find_limits(t->count, t->mu, alone ? s->force : t->terms, t->limit);
   ct_pieces_largest(s->pieces, &t->top, 1);
 }
 
@@ -344,11 +357,21 @@ static int shift_gaps(ct_solver *s, double *change)
   return 1;
 }
 
-/* Σ a · b of all rows, independent of the order. */
+/* a · b of all rows. */
+CT_CLONES
+static void find_products(int64_t count, const ct_columns *a, const ct_columns *b,
+                          double *restrict out)
+{
+  const ct_columns A = *a, B = *b;
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) out[j] = ct_columns_dot(&A, &B, j);
+}
+
+/* Their sum, independent of the order. */
 static double product(ct_solver *s, const ct_columns *a, const ct_columns *b)
 {
-  ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) t->terms[j] = ct_columns_dot(a, b, j);
+  const ct_tangent *t = s->tangent;
+  find_products(t->count, a, b, t->terms);
   return ct_sum_over(s->pieces, t->terms, t->count);
 }
 

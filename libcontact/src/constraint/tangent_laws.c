@@ -69,11 +69,20 @@ static void drop_chords(int64_t count, const double *stuck, const double *size,
   }
 }
 
+/* Twice the reserves (eq:slip-set). */
+CT_CLONES
+CT_CHOICES
+static void find_most(int64_t count, const double *reserve, double *restrict most)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) most[j] = 2.0 * ct_larger(reserve[j], 0.0);
+}
+
 void ct_tangent_fix_chords(const ct_tangent *t)
 {
   double *size = t->terms, *length = t->wanted;
   for (int c = 0; c < 3; c++)
     find_chords(t->count, c > 0, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
   for (int c = 0; c < 3; c++) drop_chords(t->count, t->stuck, size, length, t->c.x[c]);
-  for (int64_t j = 0; j < t->count; j++) t->most[j] = 2.0 * ct_larger(t->reserve[j], 0.0);
+  find_most(t->count, t->reserve, t->most);
 }

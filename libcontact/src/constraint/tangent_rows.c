@@ -86,7 +86,6 @@ static ct_tangent_row *list_row(const ct_solver *s, ct_constraint *c, ct_tangent
   ct_tangent *t = s->tangent;
   ct_tangent_row *r = &t->rows[t->count++];
   *r = (ct_tangent_row){c, c->slip, &s->entry_place[c->slip->place], 1, 1};
-  t->some_move |= c->slip->of->moves;
   if (head == NULL || head->place != r->place) return r;
   head->alike++;
   return head;
@@ -121,11 +120,12 @@ static void place_numbers(ct_tangent *t)
 
 /* Read the numbers of the points of all rows. */
 CT_CLONES
-static void read_points(const ct_tangent *t)
+static void read_points(ct_tangent *t)
 {
   for (int64_t j = 0, count; j < t->count; j += count) {
     const ct_slip *first = t->rows[j].slip;
     count = ct_tangent_run(t, j);
+    t->some_move |= first->of->moves;
     for (int i = 0; i < CT_SLIP_GIVEN; i++) {
       const double *from = ct_slip_number(first, i);
       double *to = &t->given[i][j];
@@ -133,11 +133,10 @@ static void read_points(const ct_tangent *t)
 #pragma omp simd
       for (int64_t n = 0; n < count; n++) to[n] = from[n];
     }
+    const double mu = first->of->mu;
+    for (int64_t n = 0; n < count; n++) t->mu[j + n] = mu;
   }
-  for (int64_t j = 0; j < t->count; j++) {
-    t->mu[j] = t->rows[j].slip->of->mu;
-    t->zeta[j] = t->rows[j].row->dissipation;
-  }
+  for (int64_t j = 0; j < t->count; j++) t->zeta[j] = t->rows[j].row->dissipation;
 }
 
 /* Remove the normal parts of the forces. Returns the largest component. */

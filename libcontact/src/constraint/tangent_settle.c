@@ -117,11 +117,19 @@ int ct_tangent_shorten_slips(ct_solver *s, double gain)
   return 1;
 }
 
+/* Numbers above 0. */
+CT_CLONES
+static void find_positive(int64_t count, const double *x, double *restrict out)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++) out[j] = ct_larger(x[j], 0.0);
+}
+
 /* The part of the wanted reserves that the losses of the step pay (eq:slip-stick). */
 static double part_of_reserves(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  for (int64_t j = 0; j < t->count; j++) t->terms[j] = t->wanted[j] > 0.0 ? t->wanted[j] : 0.0;
+  find_positive(t->count, t->wanted, t->terms);
   const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
                lost = ct_sum_over(s->pieces, t->loss, t->count);
   return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
@@ -129,6 +137,7 @@ static double part_of_reserves(ct_solver *s)
 
 /* What the points store of the rows: for those without a force nothing, as for new points. */
 CT_CLONES
+CT_CHOICES
 static void find_stored(const ct_tangent *t, double part)
 {
   const double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], *limit = t->limit,
@@ -137,7 +146,7 @@ static void find_stored(const ct_tangent *t, double part)
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
     const double size = (fabs(x[j]) + fabs(y[j])) + fabs(z[j]), R = wanted[j];
-    acts[j] = limit[j] > 0.0 || size != 0.0 ? 1.0 : 0.0;
+    acts[j] = limit[j] + size > 0.0 ? 1.0 : 0.0; // without a branch
     reserve[j] = R > 0.0 ? part * R : 0.0;
     stuck[j] = R < 0.0 ? 1.0 : 0.0;
   }
