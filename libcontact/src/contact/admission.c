@@ -1,5 +1,6 @@
 /* Points that are found inside after the start: they get a start gap, so that no energy appears. */
 #include "../base/lanes.h"
+#include "../base/stream.h"
 #include "../base/vector.h"
 #include "../constraint/law.h"
 #include "contact_internal.h"
@@ -141,13 +142,12 @@ CT_INLINE int may_store(const ct_point *p, double reach)
 enum { CLAIMS = 64 };
 
 /* The energy that `count` points of a side from one on claim to store, as terms of a sum; returns
- * their number. Points that jumped store no more than in the last step. */
+ * their number, 0 if all are 0. Points that jumped store no more than in the last step. */
 static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t count, double reach,
                            double *terms)
 {
   ct_side *side = &contact->gaps.side[s];
-  double k[CLAIMS], before[CLAIMS], gap[CLAIMS], claims[CLAIMS];
-  int64_t some = 0;
+  double k[CLAIMS], before[CLAIMS], gap[CLAIMS];
   if (count < 1) return 0;
   for (int64_t i = 0; i < count; i++, p++) {
     k[i] = p->row.stiffness;
@@ -162,9 +162,8 @@ static int64_t list_claims(ct_contact *contact, int s, ct_point *p, int64_t coun
     }
     before[i] = p->row.before, gap[i] = p->row.gap;
   }
-  ct_law_claims(contact->fixed->law.enforcement, count, k, before, gap, claims);
-  for (int64_t i = 0; i < count; i++) terms[some] = claims[i], some += claims[i] != 0.0;
-  return some;
+  ct_law_claims(contact->fixed->law.enforcement, count, k, before, gap, terms);
+  return ct_is_zero(terms, count) ? 0 : count;
 }
 
 void ct_admission_limit(ct_contact *contact)
