@@ -294,6 +294,21 @@ void ct_matrix_move(const ct_solver *s, int32_t count, const int32_t *place, dou
   if (s->bodies != NULL) ct_bodies_move(s->bodies, count, place, NULL, moved);
 }
 
+void ct_matrix_take(const ct_solver *s, double *total)
+{
+  for (int32_t k = 0; k < s->active_node_count; k++)
+    memcpy(&total[s->active_nodes[k]], &s->moved[s->active_nodes[k]], WIDE * sizeof *total);
+}
+
+CT_CLONES
+void ct_matrix_follow(const ct_solver *s, double share, double *total)
+{
+  for (int32_t k = 0; k < s->active_node_count; k++)
+    for (int i = 0; i < PARTS; i++)
+      ((ct_quad *)&total[s->active_nodes[k]])[i] +=
+          share * ((const ct_quad *)&s->moved[s->active_nodes[k]])[i];
+}
+
 int ct_matrix_push(ct_solver *s, const double *force)
 {
   if (!add_forces(s, ct_add_full, force, 0)) return 0;

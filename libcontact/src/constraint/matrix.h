@@ -35,6 +35,10 @@ int ct_matrix_apply(ct_solver *solver, const double *force, double *out);
 int ct_matrix_push(ct_solver *solver, const double *force);
 int ct_matrix_push_all(ct_solver *solver, const double *force);
 
+/* `total` = `moved` at the nodes of active rows, or plus this times a number. */
+void ct_matrix_take(const ct_solver *solver, double *total);
+void ct_matrix_follow(const ct_solver *solver, double share, double *total);
+
 /* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
 void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place, double *sums,
                     double *moved);

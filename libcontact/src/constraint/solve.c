@@ -149,10 +149,17 @@ static void add_free(int64_t count, const double *free, const double *b, double 
   for (int64_t r = 0; r < count; r++) gradient[r] += free[r] + b[r];
 }
 
+/* Whether friction needs the motion of the nodes by the forces, and cannot have it at once. */
+static int is_followed(const ct_solver *s)
+{
+  return s->tangent != NULL && s->tangent->coupled && !s->along;
+}
+
 /* The gradient at the present forces. */
 static int find_gradient(ct_solver *s)
 {
   if (!apply(s, s->force, s->gradient)) return 0;
+  if (is_followed(s)) ct_matrix_take(s, s->tangent->pressed);
   // -- r = (W + C) λ + g_free + b (eq:constraint-function)
   add_free(s->count, s->free, s->b, s->gradient);
   return 1;
@@ -271,8 +278,9 @@ static int improve(ct_solver *s, double slope)
   double curvature = product(s, s->direction, s->image), longest = longest_step(s),
          best = slope / curvature;
   if (slope > 0.0 && curvature > 0.0) { // else the numbers are too small to square
-    step_along(s->count, best < longest ? best : longest, s->direction, s->image, s->least,
-               s->force, s->gradient);
+    const double length = best < longest ? best : longest;
+    step_along(s->count, length, s->direction, s->image, s->least, s->force, s->gradient);
+    if (is_followed(s)) ct_matrix_follow(s, -length, s->tangent->pressed);
     if (best < longest) return 0;
   }
   // -- Beyond this length a force would be tensile

@@ -37,7 +37,7 @@ void ct_tangent_create(ct_solver *s, int64_t most)
   t->most_rounds = MOST_ROUNDS;
   t->rows = ct_pool_take(pool, rows, sizeof *t->rows);
   t->nodes = ct_pool_take(pool, nodes, sizeof *t->nodes);
-  double **vectors[] = {&t->sums, &t->moved, &t->drift};
+  double **vectors[] = {&t->sums, &t->moved, &t->pressed, &t->drift};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
   for (int i = 0; i < CT_SLIP_GIVEN; i++) t->own[i] = ct_pool_take(pool, rows, sizeof(double));
@@ -171,10 +171,11 @@ static int find_drift(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (t->coupled && (s->count > 0 || s->pieces != NULL)) {
-    if (!ct_matrix_push(s, s->force)) return 0;
+    const double *moved = s->along ? s->moved : t->pressed;
+    if (s->along && !ct_matrix_push(s, s->force)) return 0;
     for (int32_t k = 0; k < s->active_node_count; k++)
       for (int32_t c = 0, at = s->active_nodes[k]; c < 3; c++)
-        t->drift[at + c] = s->increment[at + c] + s->moved[at + c];
+        t->drift[at + c] = s->increment[at + c] + moved[at + c];
   }
   ct_tangent_motion(t, t->drift, &t->q);
   ct_tangent_take_off(t, 1, &t->q);

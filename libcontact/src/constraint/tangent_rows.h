@@ -27,6 +27,8 @@ typedef struct ct_tangent {
   int32_t node_count, *nodes;   /* places of the nodes on which these rows act */
   int32_t most_row_count;       /* largest number of rows at a node */
   double *sums, *moved;         /* as of the solver, of the tangential forces */
+  double *pressed;              /* motion of the nodes by the normal forces, if these have several
+                                   directions and it matters */
   double *drift;                /* displacement increment without friction */
   double *lanes;                /* the numbers of four rows side by side, for each of them
                                    CT_TANGENT_LANES */
