@@ -34,4 +34,10 @@ addEventListener("load", async () => {
   await globalThis.MathJax?.startup?.promise;
   fit();
   addEventListener("resize", fit);
+  addEventListener("afterprint", fit);
+});
+
+// A sheet of paper is a little smaller than the window may be.
+addEventListener("beforeprint", () => {
+  for (const listing of document.querySelectorAll("main > section pre")) listing.style.fontSize = "";
 });
