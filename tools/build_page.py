@@ -20,9 +20,8 @@ import page_tables
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "docs" / "laboratory"
-sys.path += [str(ROOT / "docs" / part) for part in ("_ext", "figures", "laboratory")]
+sys.path.append(str(ROOT / "docs" / "_ext"))
 
-import pictures  # noqa: E402
 import svg  # noqa: E402
 
 # Loaded by the page and by its worker, in this order.
@@ -106,8 +105,8 @@ def html(title: str, content: str) -> str:
 
 def page(name: str) -> str:
     """The page of one laboratory, with its picture for readers without JavaScript and for paper."""
-    figure = svg.call(SOURCES / "pictures.py", name)
-    says = getattr(pictures, name).__doc__
+    program = SOURCES / "pictures.py"
+    figure, says = svg.call(program, name), svg.program(program)[name].__doc__
     content = (
         f'<div class="laboratory" data-laboratory="{name}">\n'
         f'<figure class="laboratory-fallback">{svg.svg(figure, f"laboratory-{name}", says)}\n'
