@@ -35,6 +35,7 @@ extensions = [
     "weave",  # quotes C functions and fragments, checks equation labels
     "tracepage",  # the line and the test of each equation
     "codepages",  # each C file as a page, for the links from listings and from the API
+    "navigation",  # the titles of all pages, beside each page
     "floors",  # the rooms of the sources, drawn from their includes
     "methodtable",  # measures the methods of projection side by side
     "scenekeys",  # the tables of a scene's keys come from the package's model

@@ -89,9 +89,9 @@ def test_a_reference_ahead_is_found_and_a_box_hides_it():
     assert ahead("t/a", texts, ["t/b", "t/a"]) == []
 
 
-def test_numbers_go_on_from_part_to_part(tmp_path):
-    """A tiny book of two parts with two chapters each, and a third one with two groups: the chapters have the numbers 1
-    to 6, and so have their equations."""
+@pytest.fixture
+def tiny(tmp_path):
+    """A tiny book of two parts with two chapters each, and a third one with two groups."""
     pytest.importorskip("sphinx")
     from sphinx.application import Sphinx
 
@@ -102,7 +102,7 @@ def test_numbers_go_on_from_part_to_part(tmp_path):
         "q/index": "Q\n=\n\n" + tree.format("c", "d"),
         "r/index": "R\n=\n\n.. toctree::\n\n   one\n   two\n",
         "r/one": "One\n===\n\n.. toctree::\n   :numbered:\n\n   e\n",
-        "r/two": "Two\n===\n\n.. toctree::\n   :numbered:\n\n   f\n",
+        "r/two": "Two\n===\n\nGroup\n-----\n\n.. toctree::\n   :numbered:\n\n   f\n",
     }
     for name in ("p/a", "p/b", "q/c", "q/d", "r/e", "r/f"):
         label = name[2]
@@ -111,12 +111,37 @@ def test_numbers_go_on_from_part_to_part(tmp_path):
         path = tmp_path / f"{name}.rst"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
-    settings = {"extensions": ["parts"], "numfig": True, "math_numfig": True}
+    settings = {"extensions": ["parts", "navigation"], "numfig": True, "math_numfig": True}
     out = tmp_path / "out"
     app = Sphinx(tmp_path, None, out, out, "dummy", settings, None, None)
     app.build()
-    numbers = {name: app.env.titles[name]["secnumber"] for name in ("p/a", "p/b", "q/c", "q/d")}
+    return app
+
+
+def test_numbers_go_on_from_part_to_part(tiny):
+    """The chapters have the numbers 1 to 6, and so have their equations."""
+    env = tiny.env
+    numbers = {name: env.titles[name]["secnumber"] for name in ("p/a", "p/b", "q/c", "q/d")}
     assert list(numbers.values()) == [[1], [2], [3], [4]]
-    assert [app.env.titles[name]["secnumber"] for name in ("r/e", "r/f")] == [[5], [6]]
-    assert app.env.toc_secnumbers["q/d"]["#s"] == (4, 1)
-    assert app.env.toc_fignumbers["q/d"]["displaymath"]["equation-d"] == (4, 1)
+    assert [env.titles[name]["secnumber"] for name in ("r/e", "r/f")] == [[5], [6]]
+    assert env.toc_secnumbers["q/d"]["#s"] == (4, 1)
+    assert env.toc_fignumbers["q/d"]["displaymath"]["equation-d"] == (4, 1)
+
+
+@pytest.mark.parametrize("page", ("index", "p/index", "q/d", "r/two", "r/f"))
+def test_titles_beside_a_page_are_those_of_the_whole_contents(tiny, page):
+    import navigation
+    from sphinx.environment.adapters.toctree import global_toctree_for_doc
+
+    def whole(**options):
+        tree = global_toctree_for_doc(tiny.env, page, tiny.builder, tags=tiny.tags, **options)
+        return tree.pformat()
+
+    context, contents = {"toctree": whole}, tiny.env.tocs
+    navigation.cut(tiny, page, "", context, None)
+    for only in (True, False):
+        options = {"titles_only": only, "maxdepth": -1, "includehidden": True}
+        tree = whole(**options)
+        assert context["toctree"](**options) == tree and ("Group" in tree) != only
+    assert tiny.env.tocs is contents
+    assert "Group" not in navigation.titles_of(tiny.env)["r/two"].astext()
