@@ -58,9 +58,6 @@ def laboratory() -> Scenes:
     """The short cases of the laboratory that have the default law."""
     found: list[tuple[str, ct.Scene]] = []
 
-    class Found(Exception):
-        pass
-
     def keep(case: str, made: ct.Scene, *, enforcement: str, **_: Any) -> lab.Row:
         found.append((case, made))
         return lab.Row(case, enforcement, None, 1, 1, 1, 0, 0, 0, 0, 0, "passes")

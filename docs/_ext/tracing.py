@@ -21,6 +21,7 @@ import tokenize
 from collections import Counter
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
+from functools import cache
 from pathlib import Path
 
 from csource import LABEL, Source, Span, WeaveError
@@ -124,8 +125,13 @@ class PythonSource:
 
 
 def read_source(path: Path) -> Source | PythonSource:
-    text = path.read_text(encoding="utf-8")
-    return PythonSource(text) if path.suffix == ".py" else Source(text)
+    return parse(path.read_text(encoding="utf-8"), path.suffix == ".py")
+
+
+@cache
+def parse(text: str, python: bool) -> Source | PythonSource:
+    """A source, parsed once however many listings quote it."""
+    return PythonSource(text) if python else Source(text)
 
 
 def statement(source: Source | PythonSource, line: int, last: int) -> tuple[int, int] | None:
