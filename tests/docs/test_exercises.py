@@ -1,11 +1,12 @@
 """The exercises of the book: each has a test, and the students' book has no answer."""
 
 import re
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
+import books
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -96,8 +97,8 @@ EXERCISES = """
 ANSWER = "It is fortytwo, as each of n readers knows by now."
 
 
-def build(book: Path, page: str, *options: str) -> subprocess.CompletedProcess:
-    """The book of one page, built in a process of its own, as directives stay registered."""
+def build(book: Path, page: str, *options: str) -> SimpleNamespace:
+    """The book of one page."""
     pytest.importorskip("sphinx_design")
     (book / "exercises").mkdir(parents=True, exist_ok=True)
     (book / "exercises" / "x.rst").write_text(EXERCISES)
@@ -107,8 +108,7 @@ def build(book: Path, page: str, *options: str) -> subprocess.CompletedProcess:
         "extensions = ['exercises']\nhtml_copy_source = False\nnumfig = True\n"
         "numfig_format = {'exercise': 'Exercise %s'}\nexclude_patterns = ['exercises/*']\n"
     )
-    command = [sys.executable, "-m", "sphinx", "-q", "-b", "html", *options, book, book / "out"]
-    return subprocess.run(command, capture_output=True, text=True)
+    return books.build(book, "-q", *options)
 
 
 def test_students_get_no_answer(tmp_path):

@@ -1,9 +1,8 @@
 """The directive of a laboratory on a tiny book: with what ``make page`` builds, and with a picture in its place."""
 
-import subprocess
-import sys
 from pathlib import Path
 
+import books
 import pytest
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
@@ -31,8 +30,8 @@ def test_a_laboratory_is_a_picture_in_a_book_without_make_page(tmp_path, built):
     conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = ['drawn', 'laboratory']\n"
     (source / "conf.py").write_text(f"{conf}laboratory_folder = {str(folder)!r}\n")
     (source / "index.rst").write_text(PAGE)
-    command = [sys.executable, "-m", "sphinx", "-W", "-q", "-b", "html", source, tmp_path / "out"]
-    subprocess.run(command, check=True)
+    done = books.build(source, "-W", "-q", out=tmp_path / "out")
+    assert done.returncode == 0, done.stderr
     page = (tmp_path / "out" / "index.html").read_text()
     assert page.count("<svg") == 1 and 'data-laboratory="closest"' in page and "A caption." in page
     assert ("without the cross compiler" in page) != built

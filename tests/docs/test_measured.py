@@ -4,10 +4,10 @@ results of the library."""
 import json
 import math
 import re
-import subprocess
 import sys
 from pathlib import Path
 
+import books
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -86,12 +86,7 @@ def build(tmp_path, text, numbers='{"bar": {"length": 0.61803, "tiny": 1.2e-05, 
     (tmp_path / "index.rst").write_text(f"Page\n====\n\n{text}\n")
     (tmp_path / "measured.json").write_text(numbers)
     pytest.importorskip("sphinx")
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "text", ".", "out"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
+    done = books.build(tmp_path, "-W", "--keep-going", "-q", builder="text")
     return done, (tmp_path / "out" / "index.txt").read_text() if (
         tmp_path / "out" / "index.txt"
     ).exists() else ""

@@ -1,10 +1,11 @@
 """Slides: what they show comes from the chapters, and each chapter of the courses has its lecture."""
 
 import re
-import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
+import books
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -94,7 +95,7 @@ Predict: who?
 WEEKS = '[six]\ntitle = "Six"\nweeks = [{chapters = ["part/first"], exercises = ["one"]}]\n'
 
 
-def build(book: Path, slides: str) -> subprocess.CompletedProcess:
+def build(book: Path, slides: str) -> SimpleNamespace:
     """A book of one chapter with slides, built in a process of its own, as directives stay registered."""
     pytest.importorskip("sphinx_design")
     for name, text in {
@@ -112,8 +113,7 @@ def build(book: Path, slides: str) -> subprocess.CompletedProcess:
     }.items():
         (book / name).parent.mkdir(parents=True, exist_ok=True)
         (book / name).write_text(text)
-    command = [sys.executable, "-m", "sphinx", "-q", "-b", "html", book, book / "out"]
-    return subprocess.run(command, capture_output=True, text=True)
+    return books.build(book, "-q")
 
 
 def test_slides_show_what_the_chapter_has(tmp_path):

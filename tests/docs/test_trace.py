@@ -8,6 +8,7 @@ import sys
 from html import unescape
 from pathlib import Path
 
+import books
 import pytest
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
@@ -121,10 +122,8 @@ def build(tmp_path):
             if text is not None:
                 (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
                 (tmp_path / name).write_text(text, encoding="utf-8")
-        command = "-m sphinx -W --keep-going -n -q -b html docs html".split()
-        done = subprocess.run(
-            [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True
-        )
+        options = ("-W", "--keep-going", "-n", "-q")
+        done = books.build(tmp_path, *options, source="docs", out="html")
         page = tmp_path / "html/trace.html"
         html = page.read_text(encoding="utf-8") if page.exists() else ""
         return done.returncode, done.stderr, html

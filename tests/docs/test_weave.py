@@ -1,12 +1,12 @@
 """The book's own extensions, on tiny books: a good one builds, and each kind of broken link fails the build."""
 
 import re
-import subprocess
 import sys
 import textwrap
 from html import unescape
 from pathlib import Path
 
+import books
 import pytest
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
@@ -15,6 +15,8 @@ EXTENSIONS = Path(__file__).resolve().parents[2] / "docs" / "_ext"
 sys.path.insert(0, str(EXTENSIONS))
 
 from csource import Source, WeaveError  # noqa: E402
+
+OPTIONS = ("-W", "--keep-going")
 
 SPRING = r"""
 #include "spring.h"
@@ -113,22 +115,8 @@ def book(tmp_path):
             path.parent.mkdir(parents=True, exist_ok=True)
             if not path.exists() or path.read_text(encoding="utf-8") != text:
                 path.write_text(text, encoding="utf-8")
-        command = [
-            sys.executable,
-            "-m",
-            "sphinx",
-            "-W",
-            "--keep-going",
-            "-n",
-            "-b",
-            "html",
-            *options,
-            "docs",
-            "html",
-        ]
-        done = subprocess.run(
-            command + (["-E"] if clean else []), cwd=tmp_path, capture_output=True, text=True
-        )
+        options = (*OPTIONS, "-n", *options, *(["-E"] if clean else []))
+        done = books.build(tmp_path, *options, source="docs", out="html")
         html = tmp_path / "html" / "index.html"
         return (
             done.returncode,
@@ -320,8 +308,7 @@ def test_equation_that_leaves_its_page_fails_on_the_next_build(book, tmp_path):
         page.read_text(encoding="utf-8").replace(":label: energy", ":label: moved"),
         encoding="utf-8",
     )
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-b", "html", "docs", "html"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    done = books.build(tmp_path, *OPTIONS, source="docs", out="html")
     assert done.returncode != 0 and "no page defines the equation energy" in done.stderr
 
 
