@@ -59,6 +59,7 @@ class Volumes(Observer):
 
 def corner_volumes(mesh: Mesh, x: Any) -> Any:
     """The volume spanned by the three edges at each corner of the elements with nodes at x, shape (elements, 8)."""
-    corners = x[mesh.elements[:, :8]]
-    a, b, c = (corners[:, CORNER_ENDS[:, k]] - corners for k in range(3))
-    return (np.cross(a, b) * c).sum(axis=2)
+    corners = x.T[:, mesh.elements[:, :8]]
+    a, b, c = (corners[:, :, CORNER_ENDS[:, k]] - corners for k in range(3))
+    # For many elements this is much faster than np.cross.
+    return sum(c[i] * (a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2]) for i in range(3))
