@@ -111,7 +111,7 @@ static long long held;
 static long long bytes_held(void) { return ADD(&held, 0); }
 static void *counted_allocate(size_t size, void *context)
 {
-  size_t *block = size > (size_t)-1 - 16 ? NULL : malloc(size + 16);
+  size_t *block = size > (size_t)-1 - 16 ? NULL : calloc(size + 16, 1);
   (void)context;
   if (block == NULL) return NULL;
   *block = size + 16;
@@ -127,7 +127,7 @@ static void counted_release(void *memory, void *context)
 }
 static ct_status count_memory(void)
 {
-  ct_allocator counted = {counted_allocate, counted_release, NULL};
+  ct_allocator counted = {counted_allocate, counted_release, NULL, 1};
   return ct_set_allocator(&counted, NULL);
 }
 """

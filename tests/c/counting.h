@@ -41,6 +41,6 @@ static void counting_release(void *memory, void *context)
   free(raw);
 }
 
-static const ct_allocator COUNTING = {counting_allocate, counting_release, &counted};
+static const ct_allocator COUNTING = {counting_allocate, counting_release, &counted, 0};
 
 #endif

@@ -212,20 +212,31 @@ static void arguments(void)
   tap_ok(counted.calls > before && counted.blocks == 0, "and the previous one stays");
 }
 
+/* An allocator that gives zeros, and says so. */
+static void *clean_allocate(size_t size, void *context)
+{
+  void *memory = counting_allocate(size, context);
+  return memory == NULL ? NULL : memset(memory, 0, size);
+}
+
 int main(void)
 {
-  double moved[2];
+  double moved[3];
+  ct_allocator clean = COUNTING;
   world w = {0};
   ct_error error = {0};
   tap_ok(ct_set_allocator(&COUNTING, NULL) == CT_OK, "a host sets its allocator");
   long requests = all_given_back(&moved[0]);
   each_request_fails(requests);
   arguments();
+  clean.allocate = clean_allocate, clean.zeroes = 1;
+  tap_ok(ct_set_allocator(&clean, NULL) == CT_OK, "one that gives zeros");
+  all_given_back(&moved[2]);
   counted.calls = 0;
   tap_ok(ct_set_allocator(NULL, NULL) == CT_OK && make(&w, &error) == CT_OK && counted.calls == 0,
          "null: the C library's allocator again");
   moved[1] = w.copy->displacement[3 * w.problem->node_count - 1];
-  tap_ok(moved[0] == moved[1], "and the same bits");
+  tap_ok(moved[0] == moved[1] && moved[2] == moved[1], "and the same bits");
   end(&w);
   return tap_done();
 }

@@ -103,12 +103,16 @@ CT_API const char *ct_status_name(ct_status status);
  * the library from several threads.
  */
 typedef struct ct_allocator {
-  /** Return `size` > 0 bytes, aligned for any C type, with any content; null if out of memory. */
+  /** Return `size` > 0 bytes, aligned for any C type, with any content unless `zeroes` is set; null if
+   * out of memory. */
   void *(*allocate)(size_t size, void *context);
   /** Free memory that `allocate` returned; never called with null. */
   void (*release)(void *memory, void *context);
   /** Passed to both functions. */
   void *context;
+  /** Not zero: all bytes that `allocate` returns are 0, as those of ``calloc``. Then the library
+   * writes no zeros, and the system need not provide memory that is never used. */
+  int zeroes;
 } ct_allocator;
 
 /**

@@ -27,7 +27,7 @@ static void *zeroed(size_t bytes)
 {
   if (host.allocate == NULL) return calloc(bytes, 1);
   void *raw = host.allocate(bytes, host.context);
-  return raw == NULL ? NULL : memset(raw, 0, bytes);
+  return raw == NULL || host.zeroes ? raw : memset(raw, 0, bytes);
 }
 
 void *ct_allocate(size_t count, size_t size)
