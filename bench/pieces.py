@@ -1,7 +1,7 @@
 """Two blocks that hit each other, in pieces: strong and weak scaling by counts (chapter "Pieces"). ``python
 bench/pieces.py`` with valgrind counts the instructions of the piece that has most of them, and its messages, per step;
 pieces are threads there, and what stands for MPI is not counted. ``--memory`` instead measures the memory of the
-processes of MPI, each with the whole model, on Linux."""
+processes of MPI, on Linux."""
 
 from __future__ import annotations
 
@@ -112,27 +112,33 @@ from mpi4py import MPI
 def resident(key):
     found = [line for line in open("/proc/self/status") if line.startswith(key)]
     return int(found[0].split()[1]) / 1024
-comm, cells, start = MPI.COMM_WORLD, int(sys.argv[1]), resident("VmRSS")
-scene = ct.Scene({"units": {"length": "m", "mass": "kg", "time": "s"},
-    "material": [{"name": "soft", "young": 900, "poisson": 0.3, "density": 1}], "time": {"end": 1},
-    "body": [{"name": name, "material": "soft", "velocity": [0, 0, v],
-        "box": {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [cells] * 3}}
-        for name, z, v in (("low", -1, 0.5), ("high", 0, -0.5))],
-    "contact": [{"surfaces": ["low.z_max", "high.z_min"]}]})
-problem = scene._built(None)
-built = resident("VmRSS")
-scene.run(progress=False, output=False, until=8 * problem.dt, comm=comm, partition="coordinates")
-rows = comm.gather((built - start, resident("VmHWM") - start))
+def run(cells):
+    scene = ct.Scene({"units": {"length": "m", "mass": "kg", "time": "s"},
+        "material": [{"name": "soft", "young": 900, "poisson": 0.3, "density": 1}], "time": {"end": 1},
+        "body": [{"name": name, "material": "soft", "velocity": [0, 0, v],
+            "box": {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [cells] * 3}}
+            for name, z, v in (("low", -1, 0.5), ("high", 0, -0.5))],
+        "contact": [{"surfaces": ["low.z_max", "high.z_min"]}]})
+    until = 8 * scene._built(None).dt if comm.rank == 0 else None
+    scene.run(progress=False, output=False, until=until, comm=comm, partition="coordinates")
+comm = MPI.COMM_WORLD
+run(2)
+start = resident("VmRSS")
+run(int(sys.argv[1]))
+rows = comm.gather((resident("VmHWM") - start, resident("VmRSS") - start))
 if comm.rank == 0:
-    built, peak = (max(column) for column in zip(*rows))
-    print(f"{comm.size:9} {built:14.0f} {peak:14.0f} {comm.size * peak:12.0f}")
+    others = [f"{max(column):14.0f}" for column in zip(*rows[1:])] or 2 * [f"{'-':>14}"]
+    print(f"{comm.size:9} {rows[0][0]:14.0f}", *others, f"{sum(row[0] for row in rows):14.0f}")
 """
 
 
 def memory() -> None:
-    """Largest memory of a process above that of Python: of the built model, and in the run."""
+    """Memory of the processes above that of Python: of the first one, of the others, of all."""
     cells, launcher = 48, Path(sys.executable).with_name("mpiexec")
-    print(f"two blocks of {cells}^3\nprocesses   built, MB   run, MB   of all, MB", flush=True)
+    print(
+        f"two blocks of {cells}^3\nprocesses      first, MB     others, MB    at the end     of all, MB",
+        flush=True,
+    )
     for pieces in PIECES:
         command = [str(launcher), "-n", str(pieces), sys.executable, "-W", "ignore", "-m", "mpi4py"]
         subprocess.run([*command, "-c", PROGRAM, str(cells)], check=True)

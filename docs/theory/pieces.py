@@ -43,15 +43,20 @@ for parts in ((1, 1, 1), (2, 1, 1), (2, 2, 1), (2, 2, 2), (4, 4, 4)):
     )
 
 ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 100
-print("\n10^9 elements     compute  messages     sums  efficiency   GB a machine, now and in parts")
+# Two surfaces of 10^6 faces: at each node the force so far, its contact force in two parts, two counts of rows.
+SURFACE = 2e6 * 8 * (3 + 6 + 2) / BANDWIDTH
+# Bytes of the problem for a node and an element: ten numbers and the coordinates of the mesh; nodes of elements.
+PROBLEM = 8 * (10 + 3) + 4 * 8
+whole = memory_estimate(int(ELEMENTS), int(ELEMENTS), 8) / 1e9
+print("\n10^9 elements     compute  messages     sums   surface  efficiency   GB of the first, of another machine")
 for machines in (10, 100, 1000):
     edge = (ELEMENTS / machines) ** (1 / 3)
     elements, received = block([edge] * 3, (3, 3, 3))
     compute = elements / (CORES * SPEED)
     messages, sums = 24 * received / BANDWIDTH, SUMS * SUM
-    efficiency = ELEMENTS / machines / (CORES * SPEED) / (compute + messages + sums)
-    memory = [memory_estimate(n, n, 8) / 1e9 for n in (int(ELEMENTS), int(edge**3))]
+    efficiency = ELEMENTS / machines / (CORES * SPEED) / (compute + messages + sums + SURFACE)
+    part = (whole - PROBLEM) / machines
     print(
         f"{machines:5} machines {1e3 * compute:8.2f} ms {1e3 * messages:6.2f} ms {1e3 * sums:5.2f} ms"
-        f" {efficiency:9.0%} {memory[0]:10.0f} {memory[1]:8.1f}"
+        f" {1e3 * SURFACE:6.2f} ms {efficiency:9.0%} {whole + part:10.0f} {PROBLEM + part:8.0f}"
     )

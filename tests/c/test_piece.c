@@ -35,7 +35,10 @@ static void *run_member(void *user)
   def.join = (ct_pieces){&m->at, add, take_largest};
   def.exchange = hand_over;
   m->piece = NULL;
-  m->status = ct_state_cut(m->start, &def, &m->piece, &m->error);
+  // Every other piece has no whole state.
+  m->status = m->at.number % 2 == 0
+                  ? ct_state_cut(m->start, &def, &m->piece, &m->error)
+                  : ct_state_receive(m->start->problem, &def, &m->piece, &m->error);
   for (int half = 0; m->status == CT_OK && half < 2; half++) {
     m->status = ct_run(m->start->problem, m->piece, m->steps / 2, NULL, 0, &m->error);
     if (half == 0 && m->piece != NULL)
@@ -115,11 +118,11 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
                          .start = start,
                          .owners = owners,
                          .steps = steps,
-                         .whole = copy_of(start)};
+                         .whole = k == 2 ? NULL : copy_of(start)}; // the third one gets none
       run_members(of, pieces);
       for (int k = 0; k < pieces; k++, runs++) {
         if (of[k].status != CT_OK) printf("# %s\n", of[k].error.text);
-        int same = of[k].status == CT_OK && same_state(of[k].whole, end);
+        int same = of[k].status == CT_OK && (of[k].whole == NULL || same_state(of[k].whole, end));
         if (same && k == 0) {
           same &= same_ledger(problem, of[k].whole, end);
           advance(problem, of[k].whole, 20);
@@ -391,8 +394,10 @@ static void refusals(void)
   def.join = (ct_pieces){&at, add, take_largest};
   bad = def, bad.exchange = NULL;
   tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT &&
-             ct_state_cut(NULL, &def, &piece, &e) == CT_ERROR_ARGUMENT,
+             ct_state_cut(NULL, &def, &piece, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_receive(NULL, &def, &piece, &e) == CT_ERROR_ARGUMENT,
          "a missing function: %s", e.text);
+  tap_ok(ct_state_receive(problem, &def, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   bad = def, bad.number = 1;
   tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   owners[2] = 1;
@@ -412,6 +417,48 @@ static void refusals(void)
   free(owners);
   ct_scene_free(scene);
   free_pair(&p);
+}
+
+/* A force of a host on each node, which depends on this node alone. */
+static ct_status pull(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  (void)error;
+  for (int32_t d = 0; d < 3 * effect->node_count; d++) force[d] = -0.5 * view->displacement[d];
+  return CT_OK;
+}
+
+/* Effects of a host that do not say how they are computed in pieces are refused by name: without
+ * `cut`, or with memory and without `keep`. With `common` they have the bits of the whole. */
+static void host_effects(void)
+{
+  static const ct_effect_calls silent = {.force = pull},
+                               common = {.force = pull, .pieces = {.common = 1}};
+  for (int kind = 0; kind < 3; kind++) {
+    pair p = rods(0.05);
+    ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
+    add_effect(scene, &(ct_effect){.kind = CT_EFFECT_USER,
+                                   .label = "pull",
+                                   .calls = kind == 0 ? &silent : &common,
+                                   .node_count = p.mesh[0]->node_count + p.mesh[1]->node_count,
+                                   .memory_count = kind == 1});
+    const ct_problem *problem =
+        build(scene, (ct_scene_time){.end = 0.9, .fraction = 0.9}, NULL, NULL);
+    int32_t *owners = integers(all_elements(problem));
+    ct_state *start = new_state(problem), *piece = NULL;
+    ct_piece_def def = ct_piece_def_default();
+    ct_error e;
+    def.count = 1, def.owners = owners, def.exchange = send_none;
+    def.join = (ct_pieces){NULL, keep_all, keep_all};
+    if (kind == 2) same_bits("rods with a host's effect", problem, 40);
+    else
+      tap_ok(ct_state_cut(start, &def, &piece, &e) == CT_ERROR_UNSUPPORTED && piece == NULL &&
+                 strstr(e.text, "pull") != NULL,
+             "%s: %s", kind == 0 ? "no cut" : "memory without keep", e.text);
+    ct_state_free(start);
+    free(owners);
+    ct_scene_free(scene);
+    free_pair(&p);
+  }
 }
 
 /* Errors: the same status in all pieces. */
@@ -476,7 +523,7 @@ static void *run_short_of_memory(void *user)
 /* Wherever the memory of one piece ends while the state is cut, both end, and say why. */
 static void memory(void)
 {
-  const ct_allocator own = {allocate, release, NULL};
+  const ct_allocator own = {allocate, release, NULL, 0};
   ct_error e;
   need(ct_set_allocator(&own, &e), &e);
   pair p = blocks(CT_HEX8, CT_HEX8, 0.005, 0.3);
@@ -546,6 +593,7 @@ int main(void)
   tied(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), "tied blocks", 0.06);
   bisection();
   refusals();
+  host_effects();
   failures();
   memory();
   return tap_done();

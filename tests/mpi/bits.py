@@ -49,6 +49,7 @@ def compare(name, steps, every, folder):
     for how, partition in cuts(count, every).items():
         run = scene.run(**more, comm=COMM, partition=partition)
         alike = same(run, alone) and len(run.steps) == len(alone.steps)
+        alike &= (run.state is None) == (COMM.rank > 0)
         alike = COMM.allreduce(int(alike), MPI.MIN)
         if COMM.rank == 0:
             words = "same" if alike else "differs", "touches" if touches(alone) else "apart"

@@ -45,29 +45,11 @@ static ct_scene *scene_of(void)
   return scene;
 }
 
-int main(int argc, char **argv)
+/* The hash of a state and its energies. */
+static void print_hash(const ct_problem *problem, ct_state *whole)
 {
-  MPI_Init(&argc, &argv);
-  const int64_t steps = argc > 1 ? atoi(argv[1]) : 40;
-  ct_error e;
-  ct_scene *scene = scene_of();
-  const ct_problem *problem;
-  ct_scene_time time = {.end = 1.0, .fraction = 0.5};
-  int64_t count;
-  ct_state *whole, *piece;
-  need(ct_scene_start(scene, &time, &problem, &count, NULL, &whole, &e), &e);
-  ct_piece_def def = ct_piece_def_default();
-  ct_mpi *mpi;
-  need(ct_mpi_create(MPI_COMM_WORLD, &def, &mpi, &e), &e);
-  int64_t elements = 0;
-  for (int b = 0; b < problem->body_count; b++) elements += problem->bodies[b].mesh->element_count;
-  int32_t *owners = calloc((size_t)elements, sizeof *owners);
-  need(ct_piece_bisect(problem, def.count, NULL, owners, &e), &e);
-  def.owners = owners;
-  need(ct_state_cut(whole, &def, &piece, &e), &e);
-  need(ct_run(problem, piece, steps, NULL, 0, &e), &e);
-  need(ct_state_collect(piece, whole, &e), &e);
   ct_energy energy;
+  ct_error e;
   need(ct_energy_of(problem, whole, &energy, &e), &e);
   unsigned long long h = 1469598103934665603ull;
   const size_t bytes = 3 * (size_t)problem->node_count * sizeof(double);
@@ -75,7 +57,39 @@ int main(int argc, char **argv)
   h = hash(h, whole->velocity, bytes);
   h = hash(h, whole->memory, (size_t)whole->memory_count * sizeof(double));
   h = hash(h, &energy, sizeof energy);
-  if (def.number == 0) printf("%016llx contact %.6g\n", h, energy.contact);
+  printf("%016llx contact %.6g\n", h, energy.contact);
+}
+
+int main(int argc, char **argv)
+{
+  MPI_Init(&argc, &argv);
+  const int64_t steps = argc > 1 ? atoi(argv[1]) : 40;
+  ct_error e;
+  ct_scene *scene = scene_of();
+  const ct_problem *problem;
+  ct_scene_time time = {.end = 1.0, .fraction = 0.5, .keep_dt = 1};
+  int64_t count;
+  ct_state *whole = NULL, *piece;
+  ct_piece_def def = ct_piece_def_default();
+  ct_mpi *mpi;
+  need(ct_mpi_create(MPI_COMM_WORLD, &def, &mpi, &e), &e);
+  // The first process has a whole state; the others build the problem with its step.
+  if (def.number == 0) {
+    need(ct_scene_start(scene, &time, &problem, &count, NULL, &whole, &e), &e);
+    time.dt = problem->dt;
+  }
+  MPI_Bcast(&time.dt, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  if (whole == NULL) need(ct_scene_build(scene, &time, &problem, &count, NULL, &e), &e);
+  int64_t elements = 0;
+  for (int b = 0; b < problem->body_count; b++) elements += problem->bodies[b].mesh->element_count;
+  int32_t *owners = calloc((size_t)elements, sizeof *owners);
+  need(ct_piece_bisect(problem, def.count, NULL, owners, &e), &e);
+  def.owners = owners;
+  if (whole != NULL) need(ct_state_cut(whole, &def, &piece, &e), &e);
+  else need(ct_state_receive(problem, &def, &piece, &e), &e);
+  need(ct_run(problem, piece, steps, NULL, 0, &e), &e);
+  need(ct_state_collect(piece, whole, &e), &e);
+  if (whole != NULL) print_hash(problem, whole);
   ct_state_free(piece);
   ct_mpi_free(mpi);
   ct_state_free(whole);

@@ -137,7 +137,7 @@ class Loop:
         self.end_step, self.recorded = problem.step_count, -1
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
-        # On several processes, those, and the piece of the state that this one steps.
+        # On several processes, of which this is the first, those, and the piece that this one steps.
         self.pieces = pieces
         self.piece: Any = None
         self.probes = Histories(problem)
@@ -158,7 +158,6 @@ class Loop:
         # The first chunk is limited by the number of nodes, later ones by the time of earlier ones.
         self.interrupted, self.chunk = False, max(1, FEW_VALUES // problem.pointer.node_count)
         self.issued: set[str] = set()
-        self.asked: list[int] = []
         self.seconds = self.output_seconds = 0.0
 
     def __deepcopy__(self, memo: Any) -> Loop:
@@ -235,24 +234,14 @@ class Loop:
     def open(self, path: str | Path) -> None:
         """Create the results file. Without HDF5 the results stay in memory, and ``known`` has warned."""
         if has("hdf5"):
-            self._alone(lambda: self._begin_file(path))
+            self.output = self._input("output.file", self._create, path)
             self.path, self.is_open = Path(path).absolute(), True
-
-    def _begin_file(self, path: str | Path) -> None:
-        self.output = self._input("output.file", self._create, path)
-
-    def _alone(self, function: Callable[[], None]) -> None:
-        """Call a function that writes files: on the first process only. Its errors are those of all."""
-        if self.pieces is None:
-            function()
-        else:
-            self.pieces.first(function)
 
     def close(self) -> None:
         """Close the results file, if there is one."""
         if self.is_open:
             self.is_open = False
-            self._alone(self._end_file)
+            self._end_file()
 
     def _end_file(self) -> None:
         output, self.output, error = self.output, None, new_error()
@@ -335,7 +324,7 @@ class Loop:
         monitor."""
         problem, ledger = self.problem, lib.ct_monitor_ledger(self.monitor)
         if self.is_open:
-            self._alone(lambda: self._append(state, ledger))
+            self._call(files.ct_output_append_row, self.output, problem.pointer, state, ledger)
         row = ffi.addressof(ledger, "energy")
         # A column for the energy or the work of each further effect.
         done = copied("ct_effect_energy", ledger.effects, len(problem.effects))
@@ -345,10 +334,6 @@ class Loop:
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
         self.recorded = state.step
-
-    def _append(self, state: Any, ledger: Any) -> None:
-        given = self.output, self.problem.pointer, state, ledger
-        self._call(files.ct_output_append_row, *given)
 
     # Time loop.
 
@@ -375,8 +360,6 @@ class Loop:
 
     def _steps(self, progress: Any, stop: list[int]) -> None:
         last, state = self.last, self.state
-        # A Ctrl-C of one process counts when all know of it.
-        self.asked, stop = stop, stop if self.pieces is None else []
         if state.step > last:
             reason = f"the restart is at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
@@ -601,26 +584,25 @@ class Loop:
 
     def _advance_pieces(self, target: int, due: int, advanced: Any, stop: list[int]) -> None:
         """The same on several processes: each steps its piece up to the next check of the whole state, in chunks
-        of which the first process chooses the length; a Ctrl-C of one of them counts for all."""
+        whose length this one, the first, chooses; a Ctrl-C of one of them counts for all."""
         pieces, problem, looks = self.pieces, self.problem, self.time.look_every
         assert pieces is not None
         if self.piece is None:
+            pieces.tell("cut", problem.dt)
+            pieces.alike(lambda: None)  # the others build the problem
             self.piece = pieces.cut(problem, self.state)
-        probes = [lib.ct_probes_observer(self.probes.pointer)] if self.probes else []
-        observers, piece = ffi.new("ct_observer[]", probes), self.piece
-        while piece.step < target:
-            halt, chunk = pieces.largest(len(self.asked), self.chunk if pieces.rank == 0 else 0)
-            if halt:
-                stop.append(halt)
-                break
+        piece = self.piece
+        while piece.step < target and not stop:
             end = min(target, (piece.step // looks + 1) * looks)
-            count, begin = min(chunk, end - piece.step), clock.perf_counter()
-            given = problem.pointer, piece, count, observers, len(probes)
+            count, begin = min(self.chunk, end - piece.step), clock.perf_counter()
+            pieces.tell("run", count)
             try:
-                pieces.alike(lambda: self._call(lib.ct_run, *given))
+                _run_piece(pieces, problem, piece, count, self.probes, stop)
             except RunError:
                 self._collect()
                 raise
+            if pieces.interrupted and not stop:
+                stop.append(0)
             took = clock.perf_counter() - begin
             advanced(count / self.parts)
             self.chunk = max(CHUNK_STEPS, int(count * min(2.0, CHUNK_SECONDS / max(took, 1e-9))))
@@ -632,7 +614,9 @@ class Loop:
             self._collect()
 
     def _collect(self) -> None:
-        """Collect the whole state, which every process then has; not within a step that has failed."""
+        """Collect the whole state; not within a step that has failed."""
+        assert self.pieces is not None
+        self.pieces.tell("collect")
         with contextlib.suppress(ArgumentError):
             call(lib.ct_state_collect, self.piece, self.state)
 
@@ -650,17 +634,7 @@ class Loop:
         self._check(function(*arguments, error), error)
 
     def _check(self, status: int, error: Any) -> None:
-        """Raise the RunError of a status other than CT_OK."""
-        if status == lib.CT_OK:
-            return
-        text, names = text_of(status, error), list(self.problem.bodies)
-        name = names[error.body] if 0 <= error.body < len(names) else None
-        if name is not None and name not in text:
-            text = f'body "{name}": {text}'
-        at: dict[str, Any] = place(error)
-        fault = FAULTS.get(status, RunError)(text, code=status, **at)
-        fault.body_name = name
-        raise fault
+        _check(self.problem, status, error)
 
     # Results.
 
@@ -739,6 +713,59 @@ class Loop:
             stress, of = initial and initial.stress, body.by_material
             bodies[name] = BodyState(name, body.mesh, body.material, stress, of, **fields)
         return State(state.time, state.step, bodies)
+
+
+def _check(problem: Problem, status: int, error: Any) -> None:
+    """Raise the RunError of a status other than CT_OK."""
+    if status == lib.CT_OK:
+        return
+    text, names = text_of(status, error), list(problem.bodies)
+    name = names[error.body] if 0 <= error.body < len(names) else None
+    if name is not None and name not in text:
+        text = f'body "{name}": {text}'
+    at: dict[str, Any] = place(error)
+    fault = FAULTS.get(status, RunError)(text, code=status, **at)
+    fault.body_name = name
+    raise fault
+
+
+def _run_piece(
+    pieces: Pieces, problem: Problem, piece: Any, count: int, probes: Histories, stop: list[int]
+) -> None:
+    """Steps of a piece, the same number on all processes."""
+    observers = [lib.ct_probes_observer(probes.pointer)] if probes else []
+    given = problem.pointer, piece, count, ffi.new("ct_observer[]", observers), len(observers)
+    error = new_error()
+    pieces.alike(lambda: _check(problem, lib.ct_run(*given, error), error), stop)
+
+
+def follow(pieces: Pieces, built: Callable[[float], Problem]) -> Run:
+    """The part of a process other than the first one in a run: it steps its piece as that one tells, and has no
+    whole state. ``built`` returns the problem with a step. Returns the Run, without states."""
+    problem: Any = None
+    piece: Any = None
+    probes: Any = None
+    with _ctrl_c() as stop:
+        while True:
+            what, value = pieces.told()
+            if what == "end":
+                return pieces.ended(*value)
+            try:
+                if what == "cut":
+                    piece = probes = None  # whose memory is free for the next ones
+                    if problem is None or problem.dt != value:
+                        problem = None
+                        problem = pieces.alike(partial(built, value))
+                    else:
+                        pieces.alike(lambda: None)
+                    probes, piece = Histories(problem), pieces.cut(problem)
+                elif what == "run":
+                    _run_piece(pieces, problem, piece, value, probes, stop)
+                else:
+                    call(lib.ct_state_collect, piece, ffi.NULL)
+            except Exception as error:
+                if not pieces.is_common(error):
+                    raise  # the first process raises all others, too
 
 
 def _add_counts(of: Any, to: Any) -> None:

@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import importlib.util
 import os
 import pickle
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
-from typing import Any, TypeVar, cast
+from collections.abc import Callable, Iterator, Sized
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from .contact import exchanged
 from .errors import Error, NotBuiltIn, SceneWarning, held, install
 from .mesh import side_nodes
 from .problem import Problem
+
+if TYPE_CHECKING:
+    from .run import Run
 
 # Fewest elements per piece for METIS.
 FEW_ELEMENTS = 8
@@ -182,20 +186,37 @@ def _sendable(error: Exception | None) -> Exception | None:
     return error
 
 
+def _light(run: Run) -> Run:
+    """A Run without what only the first process has: states, and what belongs to the last one."""
+    run = copy.copy(run)
+    run.state, run.writer, run.contact, run.pressure = None, None, [], {}
+    run.states = run.states if run.path is not None else []
+    return run
+
+
+def _without_states(error: Exception) -> Exception:
+    """An error whose Run has none."""
+    if getattr(error, "run", None) is not None:
+        error = copy.copy(error)
+        error.run = _light(error.run)  # type: ignore[attr-defined]
+    return error
+
+
 class Pieces:
-    """The processes of one run. All of them make the same calls."""
+    """The processes of one run. The first one has the whole state and decides; the others do what it tells."""
 
     def __init__(self, comm: Any, partition: Any):
         self.comm, self.rank, self.size = comm, int(comm.rank), int(comm.size)
         self.partition = partition
         from mpi4py import MPI
 
-        self._in_place = MPI.IN_PLACE
         self._sum = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.SUM))
         self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
         self._exchange = _transfer(self._send)
-        self._max = MPI.MAX
         self._common: BaseException | None = None  # the last error that all processes raise
+        self.interrupted = (
+            False  # whether a process was asked to stop before the last call of `alike`
+        )
 
     def _send(self, send: Any, send_count: Any, receive: Any, receive_count: Any) -> None:
         there = [
@@ -208,12 +229,24 @@ class Pieces:
         ]
         self.comm.Alltoallv(*map(list, buffers))
 
-    def cut(self, problem: Problem, state: Any) -> Any:
-        """The piece of a state (``ct_state *``) that this process steps."""
+    def tell(self, what: str, value: Any = None) -> None:
+        """Let the other processes do something; the first one calls."""
+        self.comm.bcast((what, value))
+
+    def told(self) -> tuple[str, Any]:
+        """What the first process tells; the others call."""
+        what, value = self.comm.bcast(None)
+        return what, value
+
+    def cut(self, problem: Problem, state: Any = None) -> Any:
+        """The piece that this process steps of a state (``ct_state *``), which the first process has."""
         owners = self.first(lambda: owners_of(problem, self.size, self.partition))
         new, _kept = self.alike(lambda: _definition(problem, owners, self.rank, self.size))
         new.join.sum, new.join.largest, new.exchange = self._sum, self._largest, self._exchange
-        made = self.alike(lambda: ask("ct_state **", lib.ct_state_cut, state, new))
+        given = (
+            (lib.ct_state_receive, problem.pointer) if state is None else (lib.ct_state_cut, state)
+        )
+        made = self.alike(lambda: ask("ct_state **", *given, new))
         return ffi.gc(made, lambda piece, free=lib.ct_state_free, problem=problem: free(piece))
 
     def first(self, function: Callable[[], T]) -> T:
@@ -230,41 +263,59 @@ class Pieces:
             raise error
         return cast(T, result)
 
-    def alike(self, function: Callable[[], T]) -> T:
+    def alike(self, function: Callable[[], T], stop: Sized = ()) -> T:
         """What a function returns that all processes call; if it raises on one, the same is raised on all: the
-        error of the process that names a reason."""
+        error of the process that names a reason. ``stop`` is empty until this process is asked to end the run."""
         result, error = None, None
         try:
             result = function()
         except Exception as reason:
             error = reason
-        told = [each for each in self.comm.allgather(_sendable(error)) if each is not None]
+        both = self.comm.allgather((_sendable(error), len(stop)))
+        self.interrupted = any(count for _, count in both)
+        told = [each for each, _ in both if each is not None]
         if told:
             self._common = min(told, key=lambda each: "in another piece" in str(each))
             raise self._common
         return cast(T, result)
 
+    def is_common(self, error: BaseException) -> bool:
+        """Whether all processes raise an error: one that follows from the scene or from the whole state."""
+        return error is self._common or isinstance(error, (Error, SceneWarning))
+
+    def lead(self, function: Callable[[], Run]) -> Run:
+        """A run of the first process, and its end for the others."""
+        try:
+            run = function()
+        except Exception as error:
+            if self.is_common(error):
+                self.tell("end", (None, _sendable(_without_states(error))))
+            raise
+        self.tell("end", (_light(run), None))
+        return run
+
+    def ended(self, run: Run, error: BaseException | None) -> Run:
+        """The Run of the other processes; or they raise the error of the first one."""
+        if error is not None:
+            self._common = error
+            raise error
+        return run
+
     @contextlib.contextmanager
     def together(self) -> Iterator[None]:
-        """A run of all processes, of which the first one warns. All of them raise what follows from the scene or
-        from the whole state; another error of one process ends all of them with its message."""
+        """A run of all processes, of which the first one warns. An error that is not common to all ends all of
+        them with its message."""
         try:
             with warnings.catch_warnings():
                 if self.rank > 0:
                     warnings.simplefilter("ignore")
                 yield
         except BaseException as error:
-            if error is not self._common and not isinstance(error, (Error, SceneWarning)):
+            if not self.is_common(error):
                 print(f"process {self.rank} of {self.size} ends the run:", file=sys.__stderr__)
                 traceback.print_exception(error, file=sys.__stderr__)
                 self.comm.Abort(1)
             raise
-
-    def largest(self, *numbers: int) -> list[int]:
-        """The largest of all processes of each number."""
-        values = np.array(numbers, np.int64)
-        self.comm.Allreduce(self._in_place, values, self._max)
-        return [int(value) for value in values]
 
     def counts(self, piece: Any) -> Rows:
         """What each process computes and exchanges (``ct_piece_counts``), a row per process."""

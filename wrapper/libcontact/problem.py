@@ -154,17 +154,19 @@ class Problem:
         threads: int | None = None,
         own: Sequence[Any] = (),
         dt: float | None = None,
+        checked: bool = True,
     ):
-        """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says."""
+        """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says. If the
+        step is not to be ``checked`` there is no first state."""
         self.parts, self.file, self.own = parts, file, tuple(own)
         self.threads = parts.run.threads if threads is None else threads
         self._check_size()
         with Held() as held:
-            self._make(dt)
+            self._make(dt, checked)
         # Of the problem and its first state [bytes].
         self.held = held.bytes
 
-    def _make(self, dt: float | None) -> None:
+    def _make(self, dt: float | None, checked: bool) -> None:
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
@@ -181,7 +183,7 @@ class Problem:
                 self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects()
-        self._build(dt)
+        self._build(dt, checked)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(self.parts.bodies)}
         self.contacts = [self._built_contact(*each) for each in enumerate(self.parts.contact)]
         self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
@@ -526,7 +528,7 @@ class Problem:
             ffi.gc(effect, None)  # the scene owns it from here on, even if the call fails
             self._call(key, lib.ct_scene_add_effect, self._scene, effect)
 
-    def _build(self, dt: float | None) -> None:
+    def _build(self, dt: float | None, checked: bool) -> None:
         given, end = self.parts.time, self.end
         name, value = given.step if dt is None else ("dt", dt)
         if not (math.isfinite(end) and end > 0.0):
@@ -541,11 +543,14 @@ class Problem:
         }
         time, self.stable = ffi.new("ct_scene_time *", members), ffi.new("ct_stable_step *")
         problem, count = ffi.new("const ct_problem **"), ffi.new("int64_t *")
-        state, made = ffi.new("ct_state **"), (problem, count, self.stable)
+        state = ffi.new("ct_state **") if checked else ffi.NULL
+        made = problem, count, self.stable if checked else ffi.NULL
         self._call("", lib.ct_scene_start, self._scene, time, *made, state)
         # Freeing a state calls the effects, which these objects keep alive.
         needed = (self._scene, self.kept, self.own)
-        self._first = ffi.gc(state[0], lambda state, needed=needed: lib.ct_state_free(state))
+        self._first: Any = None
+        if checked:
+            self._first = ffi.gc(state[0], lambda state, needed=needed: lib.ct_state_free(state))
         if not 1 <= count[0] <= MOST_STEPS:
             reason = f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken"
             raise self._error(reason, f"time.{name}")

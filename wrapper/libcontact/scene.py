@@ -22,7 +22,7 @@ from .checks.warned import during, known
 from .effects.obstacle import Obstacle
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
-from .loop import Loop, record_count, schedule
+from .loop import Loop, follow, record_count, schedule
 from .model import SHAPES, Body, Contact, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .older import tomllib
@@ -540,7 +540,9 @@ class Scene:
             raises ends the run. A run that divides its step goes back and calls it again.
         comm
             A communicator of mpi4py whose processes all make this call: each computes a piece, and all return
-            the same Run, with the bits of one process (:doc:`/theory/pieces`). The first one writes the file.
+            the Run with the bits of one process (:doc:`/theory/pieces`). The first one has the whole model: it
+            calls ``watch`` and the observers and writes the file. The Runs of the others have all tables, but
+            ``state``, ``contact`` and ``pressure`` are empty, and ``states`` are those of the file.
         partition
             How the elements are given to the processes: ``"metis"`` (needs pymetis), ``"coordinates"``, or
             the number of a process for each element, those of all bodies one after another; by default METIS
@@ -556,11 +558,22 @@ class Scene:
         pieces = Pieces(comm, partition) if comm is not None and comm.size > 1 else None
         given = restart, until, output, threads, watch, observers, pieces
         if pieces is None:
-            loop, path = self._prepared(*given)
-            return loop.run(progress, path)
+            return self._led(progress, given)
         with pieces.together():
-            loop, path = pieces.alike(lambda: self._prepared(*given))
-            return loop.run(progress if pieces.rank == 0 else False, path)
+            if pieces.rank > 0:
+                return follow(pieces, partial(self._followed, threads))
+            return pieces.lead(lambda: self._led(progress, given))
+
+    def _led(self, progress: bool | str, given: tuple[Any, ...]) -> Run:
+        """The run of the first of several processes."""
+        loop, path = self._prepared(*given)
+        return loop.run(progress, path)
+
+    def _followed(self, threads: int | None, dt: float) -> Problem:
+        """The C problem of another process, with a step that the first one has checked."""
+        parts = self._whole()
+        wanted = parts.run.threads if threads is None else threads
+        return Problem(parts, self._file, wanted, self._own, dt, checked=False)
 
     def _prepared(
         self,

@@ -9,7 +9,8 @@ CT_BEGIN_DECLS
 
 /**
  * How a state is cut into pieces, and how these exchange numbers. All processes build the same
- * problem and give the same `owners` and `common`. Start from `ct_piece_def_default`.
+ * problem and give the same `owners` and `common`; only the first one needs a whole state. Start
+ * from `ct_piece_def_default`.
  */
 typedef struct ct_piece_def {
   /** Set by `ct_piece_def_default`. */
@@ -53,17 +54,22 @@ CT_API ct_status ct_piece_bisect(const ct_problem *problem, int32_t count, const
  * Create the piece of a state that this process steps, with `ct_step` or `ct_run`: it computes the
  * elements around its own nodes and the contact points of its own faces, and gets the forces on
  * other nodes from their owners, :eq:`piece-total`. Its own nodes have the bits of the whole state
- * at each step. Arrays keep the numbers of the problem; nodes that the piece does not need stand
- * still. For results call `ct_state_collect`: calls that need all nodes, such as `ct_ledger_of`,
- * refuse a piece. ``CT_ERROR_UNSUPPORTED``: an effect that can't be computed in pieces: rigid
- * bodies, a tie, one of a host without `cut`. ``CT_ERROR_ARGUMENT``: invalid definition, or not the
- * same in all pieces.
+ * at each step. All pieces get the state of piece 0. Arrays keep the numbers of the problem, but
+ * memory is used only at the nodes that the piece needs; the others are at rest at their reference
+ * positions. For results call `ct_state_collect`: calls that need all nodes, such as
+ * `ct_ledger_of`, refuse a piece. ``CT_ERROR_UNSUPPORTED``: an effect that can't be computed in
+ * pieces: one of a host without `cut`. ``CT_ERROR_ARGUMENT``: invalid definition, or not the same
+ * in all pieces.
  */
 CT_API ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state **piece,
                               ct_error *error);
 
+/** The same on a process that has no whole state; not the first one. */
+CT_API ct_status ct_state_receive(const ct_problem *problem, const ct_piece_def *def,
+                                  ct_state **piece, ct_error *error);
+
 /** Write the whole state, from all pieces, into `whole`, a state of the same problem that is not a
- * piece, on every process. */
+ * piece; null: not on this process. All pieces make the call. */
 CT_API ct_status ct_state_collect(const ct_state *piece, ct_state *whole, ct_error *error);
 
 /** What one piece computes and exchanges; `ct_piece_counts_of` writes all members. */

@@ -197,8 +197,9 @@ CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_erro
 /**
  * Build the problem: masses, effects, stable step, and the time step. Δt is the largest value not
  * above the requested one that reaches `end` in a whole number of steps, `*step_count`. `stable`
- * may be null. ``CT_ERROR_STEP``: the requested Δt exceeds the stable one. The scene owns the
- * problem until `ct_scene_free`.
+ * may be null. ``CT_ERROR_STEP``: the requested Δt exceeds the stable one. With `keep_dt` and
+ * without `stable` Δt is not checked, and no state is created for that: another process has built
+ * the problem with it. The scene owns the problem until `ct_scene_free`.
  */
 CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,

@@ -769,6 +769,8 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   p->assembled = time->assembled;
   p->force_tolerance = time->force_tolerance;
   p->dt = DBL_MIN; // unknown yet, and any value will do
+  *dt = time->dt;
+  if (begun == NULL) return status;
   if (status == CT_OK) status = ct_state_begin(p, begun, error);
   if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
   return status == CT_OK ? ct_blame(error, requested_step(time, stable, dt, error), CT_PART_TIME, 0)
@@ -786,9 +788,11 @@ ct_status ct_scene_start(ct_scene *scene, const ct_scene_time *time, const ct_pr
   int64_t count = 0;
   ct_state *begun = NULL;
   ct_stable_step own;
+  // A step of a run that began elsewhere needs no check, and so no state.
+  const int known = time->keep_dt && time->dt > 0.0 && stable == NULL && state == NULL;
   if (stable == NULL) stable = &own;
   unbuild(scene);
-  ct_status status = begin_problem(scene, time, stable, &dt, &begun, error);
+  ct_status status = begin_problem(scene, time, stable, &dt, known ? NULL : &begun, error);
   if (status == CT_OK) {
     // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
     count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));

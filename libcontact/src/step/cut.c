@@ -1,11 +1,125 @@
 /* From a whole state to a piece of it, and back. */
+#include "../base/bits.h"
 #include "../base/error.h"
 #include "constraints.h"
 #include "effect_internal.h"
 #include "piece.h"
 #include "workspace.h"
 
+#include <math.h>
 #include <string.h>
+
+/* The numbers of a state go from the whole one of piece 0 to all pieces, or from these to whole
+ * ones; null: this process has none, or gets none. */
+typedef struct passage {
+  const ct_piece *piece;
+  const ct_state *from;
+  ct_state *to;
+  int spread;
+} passage;
+
+/* Pass an array with three numbers at each node of an effect; null: of the problem. Each is known
+ * to the owner of its node, or to piece 0. */
+static ct_status pass_nodes(const passage *p, const ct_effect *effect, const double *from,
+                            double *to, ct_error *error)
+{
+  const ct_piece *piece = p->piece;
+  const int32_t count = effect == NULL ? piece->problem->node_count : effect->node_count;
+  double *part = piece->passed;
+  ct_status status = CT_OK;
+  for (int32_t first = 0, end; status == CT_OK && first < count; first = end) {
+    end = count - first < CT_COLLECTED / 3 ? count : first + CT_COLLECTED / 3;
+    for (int32_t i = first; i < end; i++) {
+      const int32_t node = effect == NULL ? i : ct_effect_node(effect, i);
+      const int known = p->spread ? piece->def.number == 0 : ct_piece_owns(piece, node);
+      double *x = &part[3 * (int64_t)(i - first)];
+      if (known) memcpy(x, &from[3 * (int64_t)i], 3 * sizeof *x);
+      else memset(x, 0, 3 * sizeof *x);
+    }
+    status = ct_piece_collect(piece, part, 3 * (int64_t)(end - first), error);
+    for (int32_t i = first; status == CT_OK && to != NULL && i < end; i++) {
+      const int32_t node = effect == NULL ? i : ct_effect_node(effect, i);
+      if (!p->spread || ct_bits_get(piece->held, node))
+        memcpy(&to[3 * (int64_t)i], &part[3 * (int64_t)(i - first)], 3 * sizeof *to);
+    }
+  }
+  return status;
+}
+
+/* Pass the memory of an effect, which is not in the order of its nodes. */
+static ct_status pass_memory(const passage *p, const ct_effect *effect, const double *from,
+                             double *to, ct_error *error)
+{
+  const ct_piece *piece = p->piece;
+  const int64_t count = effect->memory_count;
+  const int known = !p->spread || piece->def.number == 0;
+  double *all = ct_allocate((size_t)count, sizeof *all);
+  ct_status status = all == NULL ? CT_NO_MEMORY(error, "a state") : CT_OK;
+  status = ct_piece_agree(piece, status, error);
+  if (status == CT_OK && known) memcpy(all, from, (size_t)count * sizeof *all);
+  if (status == CT_OK && !p->spread)
+    effect->calls->pieces.keep(effect, piece, piece->def.number == 0, all);
+  if (status == CT_OK) status = ct_piece_collect(piece, all, count, error);
+  if (status == CT_OK && p->spread) effect->calls->pieces.keep(effect, piece, 1, all);
+  // What a piece does not keep is 0 already.
+  for (int64_t i = 0; status == CT_OK && to != NULL && i < count; i++)
+    if (!p->spread || all[i] != 0.0 || signbit(all[i])) to[i] = all[i];
+  ct_release(all);
+  return status;
+}
+
+/* The part of an array from a number on; null if there is no array. */
+static double *part_of(double *array, int64_t first)
+{
+  return array == NULL ? NULL : array + first;
+}
+
+/* Pass work, impulse and memory of an effect. */
+static ct_status pass_effect(const passage *p, const ct_state *from, const ct_state *to, int32_t k,
+                             ct_error *error)
+{
+  const ct_effect *effect = p->piece->problem->effects[k];
+  const ct_starts at = ct_state_starts(p->piece->problem, k),
+                  end = ct_state_starts(p->piece->problem, p->piece->problem->effect_count);
+  ct_status status = CT_OK;
+  if (effect->phase != CT_PHASE_REACTION)
+    status = pass_nodes(p, effect, part_of(from->work, at.work), part_of(to->work, at.work), error);
+  for (int64_t i = 0; k > 0 && status == CT_OK && i < 2; i++)
+    status = pass_nodes(p, effect, part_of(from->impulse, i * end.impulse + at.impulse),
+                        part_of(to->impulse, i * end.impulse + at.impulse), error);
+  if (status != CT_OK || effect->memory_count == 0) return status;
+  return pass_memory(p, effect, part_of(from->memory, at.memory), part_of(to->memory, at.memory),
+                     error);
+}
+
+static ct_status pass_state(const passage *p, ct_error *error)
+{
+  static const ct_state none = {.step = 0};
+  const ct_problem *problem = p->piece->problem;
+  const ct_state *from = p->from != NULL ? p->from : &none, *to = p->to != NULL ? p->to : &none;
+  const int64_t after = ct_state_starts(problem, problem->effect_count).memory;
+  ct_status status = pass_nodes(p, NULL, from->displacement, to->displacement, error);
+  if (status == CT_OK) status = pass_nodes(p, NULL, from->velocity, to->velocity, error);
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
+    status = pass_effect(p, from, to, k, error);
+  if (status == CT_OK && ct_scheme_of(problem)->stores)
+    status = pass_nodes(p, NULL, part_of(from->memory, after), part_of(to->memory, after), error);
+  return status;
+}
+
+/* Give the state of piece 0 to all pieces. */
+static ct_status spread(const ct_piece *piece, const ct_state *whole, ct_state *state,
+                        ct_error *error)
+{
+  double numbers[5] = {0.0};
+  if (piece->def.number == 0)
+    numbers[0] = (double)whole->step, numbers[1] = whole->time, numbers[2] = whole->kinetic_start,
+    numbers[3] = (double)whole->unconverged, numbers[4] = (double)whole->constraint_rounds;
+  ct_status status = ct_piece_collect(piece, numbers, 5, error);
+  state->step = (int64_t)numbers[0], state->time = numbers[1], state->kinetic_start = numbers[2];
+  state->unconverged = (int64_t)numbers[3], state->constraint_rounds = (int64_t)numbers[4];
+  return status == CT_OK ? pass_state(&(passage){piece, whole, state, 1}, error) : status;
+}
 
 /* Let all effects compute their piece only. */
 static ct_status cut_effects(ct_state *state, ct_error *error)
@@ -21,42 +135,41 @@ static ct_status cut_effects(ct_state *state, ct_error *error)
           ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                   "the effect %s can't be computed in pieces; step the whole state", effect->label);
     else if (calls->cut != NULL) status = calls->cut(effect, w->piece, w->scratch[k], error);
-    if (status == CT_OK && effect->memory_count > 0)
-      calls->keep(effect, w->piece, 1, state->memory + ct_state_starts(problem, k).memory);
   }
   w->sleep = NULL;
   if (w->constraints != NULL) w->constraints->solver->pieces = &w->piece->join;
   return status;
 }
 
-ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state **piece,
-                       ct_error *error)
+/* Cut the whole state of piece 0; on other pieces it may be null. */
+static ct_status cut(const ct_problem *problem, const ct_state *whole, const ct_piece_def *def,
+                     ct_state **piece, ct_error *error)
 {
   ct_piece *made = NULL;
   ct_state *state = NULL;
   int64_t none = 0;
-  if (whole == NULL || piece == NULL) return CT_REFUSE_NULL(error);
   ct_status status = ct_piece_check(def, error);
   if (status != CT_OK) return status;
   // From here on an error of one piece ends all of them.
-  status = ct_stage_check(whole, error);
-  if (status == CT_OK) status = ct_piece_refuse(whole, error);
-  if (status == CT_OK) status = ct_piece_create(whole->problem, def, &made, error);
+  if (whole == NULL && def->number == 0)
+    status = CT_REFUSE(error, "piece: the first piece needs a whole state; call ct_state_cut");
+  if (status == CT_OK && whole != NULL) status = ct_stage_check(whole, error);
+  if (status == CT_OK && whole != NULL) status = ct_piece_refuse(whole, error);
+  if (status == CT_OK) status = ct_piece_create(problem, def, &made, error);
   status = ct_pieces_agree(&def->join, status, &none, error);
   if (status == CT_OK) status = ct_piece_check_same(made, def, error);
   if (status != CT_OK) {
     ct_pool_free(made);
     return status;
   }
-  status = ct_state_allocate(whole->problem, &state, error);
+  status = ct_state_allocate(problem, &state, error);
   if (status == CT_OK) status = ct_state_equip(state, error);
-  if (status == CT_OK) status = ct_state_copy(whole->problem, whole, state, error);
   if (status == CT_OK) {
     state->workspace->piece = made;
-    state->unconverged = whole->unconverged;
     status = cut_effects(state, error);
   }
   status = ct_piece_agree(made, status, error);
+  if (status == CT_OK) status = spread(made, whole, state, error);
   if (status == CT_OK) {
     *piece = state;
     return CT_OK;
@@ -65,6 +178,20 @@ ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state 
     ct_pool_free(made);
   ct_state_free(state);
   return status;
+}
+
+ct_status ct_state_cut(const ct_state *whole, const ct_piece_def *def, ct_state **piece,
+                       ct_error *error)
+{
+  if (whole == NULL || piece == NULL) return CT_REFUSE_NULL(error);
+  return cut(whole->problem, whole, def, piece, error);
+}
+
+ct_status ct_state_receive(const ct_problem *problem, const ct_piece_def *def, ct_state **piece,
+                           ct_error *error)
+{
+  if (problem == NULL || piece == NULL) return CT_REFUSE_NULL(error);
+  return cut(problem, NULL, def, piece, error);
 }
 
 /* A state that is a piece. */
@@ -82,60 +209,21 @@ ct_status ct_piece_counts_of(const ct_state *piece, ct_piece_counts *out, ct_err
   return status;
 }
 
-/* Collect an array with three numbers at each node of an effect; null: of the problem. */
-static ct_status collect_nodes(const ct_piece *piece, const ct_effect *effect, const double *from,
-                               double *to, ct_error *error)
-{
-  const int32_t count = effect == NULL ? piece->problem->node_count : effect->node_count;
-  for (int32_t i = 0; i < count; i++) {
-    const int32_t node = effect == NULL ? i : ct_effect_node(effect, i);
-    if (ct_piece_owns(piece, node))
-      memcpy(&to[3 * (int64_t)i], &from[3 * (int64_t)i], 3 * sizeof *to);
-    else memset(&to[3 * (int64_t)i], 0, 3 * sizeof *to);
-  }
-  return ct_piece_collect(piece, to, 3 * (int64_t)count, error);
-}
-
-/* Collect work, impulse and memory of an effect. */
-static ct_status collect_effect(const ct_state *from, int32_t k, ct_state *to, ct_error *error)
-{
-  const ct_piece *piece = from->workspace->piece;
-  const ct_effect *effect = from->problem->effects[k];
-  const ct_starts at = ct_state_starts(from->problem, k);
-  const int64_t half = from->impulse_count / 2;
-  ct_status status = CT_OK;
-  if (effect->phase != CT_PHASE_REACTION)
-    status = collect_nodes(piece, effect, from->work + at.work, to->work + at.work, error);
-  for (int i = 0; k > 0 && status == CT_OK && i < 2; i++)
-    status = collect_nodes(piece, effect, from->impulse + i * half + at.impulse,
-                           to->impulse + i * half + at.impulse, error);
-  if (status != CT_OK || effect->memory_count == 0) return status;
-  double *memory = to->memory + at.memory;
-  memcpy(memory, from->memory + at.memory, (size_t)effect->memory_count * sizeof *memory);
-  effect->calls->pieces.keep(effect, piece, piece->def.number == 0, memory);
-  return ct_piece_collect(piece, memory, effect->memory_count, error);
-}
-
 ct_status ct_state_collect(const ct_state *from, ct_state *to, ct_error *error)
 {
   ct_status status = check_piece(from, error);
   if (status != CT_OK) return status;
-  if (to == NULL) return CT_REFUSE_NULL(error);
+  status = ct_stage_check(from, error);
+  if (status != CT_OK) return status;
+  const ct_piece *piece = from->workspace->piece;
+  if (to == NULL) return pass_state(&(passage){piece, from, NULL, 0}, error);
   status = ct_piece_refuse(to, error);
   if (status != CT_OK) return status;
-  if (to->problem != from->problem) return CT_REFUSE(error, "the states are of two problems");
   const ct_problem *problem = from->problem;
-  const ct_piece *piece = from->workspace->piece;
-  const int64_t after = ct_state_starts(problem, problem->effect_count).memory;
+  if (to->problem != problem) return CT_REFUSE(error, "the states are of two problems");
   // All of it is overwritten, and `to` becomes a state whose forces are not known.
   status = ct_state_copy(problem, from, to, error);
-  if (status == CT_OK)
-    status = collect_nodes(piece, NULL, from->displacement, to->displacement, error);
-  if (status == CT_OK) status = collect_nodes(piece, NULL, from->velocity, to->velocity, error);
-  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
-    status = collect_effect(from, k, to, error);
-  if (status == CT_OK && from->memory_count > after)
-    status = collect_nodes(piece, NULL, from->memory + after, to->memory + after, error);
+  if (status == CT_OK) status = pass_state(&(passage){piece, from, to, 0}, error);
   to->unconverged = from->unconverged;
   to->constraint_rounds = from->constraint_rounds;
   memcpy(to->element_updates, from->element_updates, sizeof to->element_updates);

@@ -311,6 +311,8 @@ static void fill(ct_piece *piece, const ct_piece_def *def)
   piece->held = ct_pool_take(pool, words, sizeof *piece->held);
   piece->send_count = ct_pool_take(pool, pieces, sizeof *piece->send_count);
   piece->receive_count = ct_pool_take(pool, pieces, sizeof *piece->receive_count);
+  piece->passed = ct_pool_take(pool, CT_COLLECTED, sizeof *piece->passed);
+  piece->halves = ct_pool_take(pool, CT_COLLECTED, 2 * sizeof *piece->halves);
   if (pool->failed) return;
   find_owners(piece, def->owners);
   find_elements(piece, def->owners, mine);
@@ -350,16 +352,12 @@ ct_status ct_piece_share(ct_piece *piece, double *values, ct_error *error)
   return CT_OK;
 }
 
-/* Numbers that are collected at once. */
-enum { COLLECTED = 32768 };
-
 ct_status ct_piece_collect(const ct_piece *piece, double *values, int64_t count, ct_error *error)
 {
-  double *half = ct_allocate(2 * (size_t)(count < COLLECTED ? count : COLLECTED), sizeof *half);
-  ct_status status = half == NULL ? CT_NO_MEMORY(error, "a state") : CT_OK;
-  status = ct_piece_agree(piece, status, error);
+  double *half = piece->halves;
+  ct_status status = CT_OK;
   for (int64_t first = 0, some; status == CT_OK && first < count; first += some) {
-    some = count - first < COLLECTED ? count - first : COLLECTED;
+    some = count - first < CT_COLLECTED ? count - first : CT_COLLECTED;
     // -- Bits as two whole numbers, 0 in all pieces but one
     for (int64_t i = 0; i < some; i++) {
       uint64_t bits;
@@ -374,6 +372,5 @@ ct_status ct_piece_collect(const ct_piece *piece, double *values, int64_t count,
       memcpy(&values[first + i], &bits, sizeof bits);
     }
   }
-  ct_release(half);
   return status;
 }

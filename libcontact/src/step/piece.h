@@ -26,7 +26,8 @@ typedef struct ct_piece {
   int32_t *send_count, *receive_count; /* numbers to and from each piece, three for a node */
   int32_t *sent, *received;            /* the nodes, by pieces */
   double *send, *receive;
-  ct_piece_plane *planes; /* between the places of the pieces, shape (pieces - 1) */
+  ct_piece_plane *planes;  /* between the places of the pieces, shape (pieces - 1) */
+  double *passed, *halves; /* numbers that are collected at once, and twice as many */
   ct_piece_counts counts;
 } ct_piece;
 
@@ -66,6 +67,9 @@ ct_status ct_pieces_agree(const ct_pieces *join, ct_status own, int64_t *count, 
 
 /* The same of a piece; null: one piece. */
 ct_status ct_piece_agree_on(const ct_piece *piece, ct_status own, int64_t *count, ct_error *error);
+
+/* Numbers that are collected at once. */
+enum { CT_COLLECTED = 3 * 8192 };
 
 /* Join numbers of which each is 0 in all pieces but one, to the last bit. */
 ct_status ct_piece_collect(const ct_piece *piece, double *values, int64_t count, ct_error *error);
