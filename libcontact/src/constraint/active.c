@@ -247,6 +247,29 @@ static void keep_falling(ct_solver *s, const double *alone, double *opens)
   }
 }
 
+/* Σ ⟨sign K⟩ over some rows. */
+static double sum_reserves(const ct_solver *s, int64_t first, int64_t count, double sign)
+{
+  for (int64_t r = 0; r < count; r++)
+    s->gradient[r] = ct_larger(sign * s->laws.reserve[first + r], 0.0);
+  return ct_sum_over(s->pieces, s->gradient, count);
+}
+
+/* What rows owe is paid by those of their set that hold, before any of them opens. */
+static void pay_debts(ct_solver *s)
+{
+  double *reserve = s->laws.reserve;
+  for (int32_t k = 0; k < s->set_count; k++) {
+    const int64_t first = s->first_point[k], end = s->first_point[k + 1];
+    const double held = sum_reserves(s, first, end - first, 1.0),
+                 debt = sum_reserves(s, first, end - first, -1.0), paid = fmin(held, debt);
+    if (!(paid > 0.0)) continue;
+    // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
+    for (int64_t r = first; r < end; r++)
+      reserve[r] *= 1.0 - paid / (reserve[r] > 0.0 ? held : debt);
+  }
+}
+
 /* The points that open in this step, into `terms`: alone, or together with their contact
  * (eq:release-time). Returns whether there are any in this piece. */
 static int find_releases(ct_solver *s)
@@ -258,6 +281,7 @@ static int find_releases(ct_solver *s)
   ct_pieces_largest(s->pieces, &some, 1);
   if (some == 0.0) return 0;
   ct_law_take_debts(&s->laws);
+  pay_debts(s);
   ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 1, opens);
   keep_falling(s, alone, opens);
   ct_law_find_releases(&s->laws, s->scale, s->dt, alone, 0, more);
