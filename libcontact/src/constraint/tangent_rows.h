@@ -54,6 +54,7 @@ typedef struct ct_tangent {
   double *mu, *zeta;            /* coefficients of friction; damping ratios of the laws' dashpots */
   double *work, *lag;           /* of the forces of this step, as of ct_slip */
   double *loss;                 /* S₋ - S₊ - W without the next reserve */
+  double lost;                  /* their sum */
   double *wanted;               /* this reserve; -1 where the point sticks */
   double *scale;                /* 1 / D (eq:slip-bound) */
   double widening;              /* factor of the bounds for the couples (eq:slip-bound-couples) */

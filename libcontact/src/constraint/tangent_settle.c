@@ -79,7 +79,7 @@ static void find_works(const ct_tangent *t)
 static double find_loss(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  const double loss = ct_sum_over(s->pieces, t->loss, t->count);
+  const double loss = t->lost = ct_sum_over(s->pieces, t->loss, t->count);
   if (loss >= 0.0) return loss;
   for (int64_t j = 0; j < t->count; j++)
     t->terms[j] =
@@ -130,9 +130,8 @@ static double part_of_reserves(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   find_positive(t->count, t->wanted, t->terms);
-  const double wanted = ct_sum_over(s->pieces, t->terms, t->count),
-               lost = ct_sum_over(s->pieces, t->loss, t->count);
-  return wanted > lost ? fmax(lost, 0.0) / wanted : 1.0;
+  const double wanted = ct_sum_over(s->pieces, t->terms, t->count);
+  return wanted > t->lost ? fmax(t->lost, 0.0) / wanted : 1.0;
 }
 
 /* What the points store of the rows: for those without a force nothing, as for new points. */
