@@ -105,8 +105,10 @@ int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
  * points themselves if these stand side by side. */
 static void place_numbers(ct_tangent *t)
 {
-  t->one_run = 0;
-  t->one_run = t->count > 0 && ct_tangent_run(t, 0) == t->count;
+  const int64_t last = t->count - 1;
+  // The rows of one ct_slips follow on each other, in the order of its points.
+  t->one_run = last >= 0 && t->rows[last].slip->of == t->rows[0].slip->of &&
+               t->rows[last].slip->at - t->rows[0].slip->at == last;
   for (int i = 0; i < CT_SLIP_GIVEN; i++) {
     const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
     t->given[i] = shared ? ct_slip_number(t->rows[0].slip, i) : t->own[i];
