@@ -238,7 +238,7 @@ class ClosestView {
     this.drawWay(pen, place, part, state);
     pen.restore();
     pen.fillStyle = getComputedStyle(this.map).color;
-    pen.font = PLOT_FONT;
+    pen.font = plotFont();
     pen.fillText("ξ₁ to the right, ξ₂ up; pale: near the point", 0, size + 16);
   }
 

@@ -62,7 +62,7 @@ class Field {
       pen.fillRect(size * (0.5 + i / 100), top, size / 100 + 1, 8 * ratio);
     }
     pen.fillStyle = getComputedStyle(this.canvas).color;
-    pen.font = `${12 * ratio}px system-ui, sans-serif`;
+    pen.font = plotFont(ratio);
     pen.textBaseline = "top";
     pen.textAlign = "center";
     [-largest, 0, largest].forEach((value, i) => pen.fillText(String(value), size * (0.5 + i / 2), top + 10 * ratio));

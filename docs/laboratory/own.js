@@ -156,7 +156,7 @@ class OwnView {
       pen.stroke();
     }
     pen.fillStyle = getComputedStyle(this.space).color;
-    pen.font = PLOT_FONT;
+    pen.font = plotFont();
     pen.fillText(`t = ${digits(this.part.time)} ${this.units.time}`, 4, height - 22);
     pen.fillText(`von Mises: 0 (pale) to ${digits(most)} ${this.units.stress} (red)`, 4, height - 6);
   }

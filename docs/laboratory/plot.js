@@ -2,8 +2,13 @@
 "use strict";
 
 const COLOURS = { blue: "#3b8bd4", orange: "#e8762b", green: "#3fa34d", red: "#d64550", violet: "#9b6fd0", grey: "#8a8a8a" };
-const PLOT_MARGIN = { left: 58, right: 18, top: 22, bottom: 40 };
-const PLOT_FONT = "12px system-ui, sans-serif";
+const PLOT_MARGIN = { left: 58, right: 24, top: 22, bottom: 40 };
+
+// The letters of a picture, three quarters of those of the page; `ratio` is that of its pixels.
+function plotFont(ratio = 1) {
+  const size = parseFloat(getComputedStyle(document.documentElement).fontSize);
+  return `${0.75 * size * ratio}px system-ui, sans-serif`;
+}
 
 // Round numbers between two limits, about `count` of them.
 function ticksOf(low, high, count) {
@@ -64,7 +69,7 @@ class Plot {
     const on = penOf(this.canvas, this.height);
     if (!on) return;
     const { pen, width } = on;
-    pen.font = PLOT_FONT;
+    pen.font = plotFont();
     const box = {
       left: PLOT_MARGIN.left, top: PLOT_MARGIN.top,
       width: width - PLOT_MARGIN.left - PLOT_MARGIN.right,
