@@ -7,6 +7,7 @@ where there is none, the page of the Python package is left out. Nothing in the 
 same without a network, opened from the disk.
 """
 
+import gc
 import importlib.util
 import os
 import shutil
@@ -15,6 +16,8 @@ from pathlib import Path
 
 from hawkmoth.util.compiler import get_include_args
 
+# A book is millions of objects that stay. By default Python searches all of them for garbage again and again.
+gc.set_threshold(100_000, 20, 20)
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 # What tutorials write goes beside the book, not into the sources.
