@@ -48,7 +48,9 @@ SURFACE = 2e6 * 8 * (3 + 6 + 2) / BANDWIDTH
 # Bytes of the problem for a node and an element: ten numbers and the coordinates of the mesh; nodes of elements.
 PROBLEM = 8 * (10 + 3) + 4 * 8
 whole = memory_estimate(int(ELEMENTS), int(ELEMENTS), 8) / 1e9
-print("\n10^9 elements     compute  messages     sums   surface  efficiency   GB of the first, of another machine")
+print(
+    "\n10^9 elements     compute  messages     sums   surface  efficiency   GB of the first, of another machine"
+)
 for machines in (10, 100, 1000):
     edge = (ELEMENTS / machines) ** (1 / 3)
     elements, received = block([edge] * 3, (3, 3, 3))

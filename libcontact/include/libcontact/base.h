@@ -98,13 +98,9 @@ typedef struct ct_error {
 /** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
 CT_API const char *ct_status_name(ct_status status);
 
-/**
- * Memory functions of the host. Both may be called from several threads at once if the host calls
- * the library from several threads.
- */
+/** Memory functions of the host, called from several threads at once if it calls the library so. */
 typedef struct ct_allocator {
-  /** Return `size` > 0 bytes, aligned for any C type, with any content unless `zeroes` is set; null if
-   * out of memory. */
+  /** Return `size` > 0 bytes, aligned for any C type; null if out of memory. */
   void *(*allocate)(size_t size, void *context);
   /** Free memory that `allocate` returned; never called with null. */
   void (*release)(void *memory, void *context);
