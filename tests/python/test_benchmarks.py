@@ -72,11 +72,12 @@ LIMITS |= {
     "balls_theory": [
         (
             f"impulse_{name}",
-            {**FILE["oblique_impact"], **FILE["oblique_small"]}[f"impulse_{name}"],
-            0.01,
-            "three elements over the radius",
+            {**FILE["oblique_impact"], **FILE["oblique_small"]}[f"impulse_{name}{fine}"],
+            0.01 if fine else 0.026,
+            "five elements over the radius" if fine else "three elements over the radius",
         )
         for name in problems.balls.OBLIQUE_CASES
+        for fine in (("", "_fine") if name == "100" else ("",))
     ],
     "tumbling_box": [
         (f"flip_{k}", FILE["tumbling_box"][f"euler_{k}"], 0.005, "half a step of 0.1")

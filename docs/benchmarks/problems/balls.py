@@ -212,4 +212,5 @@ def oblique_small() -> Numbers:
     """Smaller contacts, another angle, a finer mesh and the default spring, minutes."""
     sizes = {f"{1000 * ratio:.0f}": (ratio,) for ratio in (0.065, 0.04, 0.026, 0.013)}
     other = {"angle": (0.026, 2.5), "fine": (0.026, 1.0, 4), "soft": (0.026, 1.0, 3, None)}
+    other["100_fine"] = (0.1, 1.0, 5)
     return oblique_of(sizes | other)
