@@ -461,6 +461,33 @@ static void host_effects(void)
   }
 }
 
+/* A problem with the step of another process needs no state; its other limits are checked. */
+static void known_step(void)
+{
+  pair p = rods(0.05);
+  ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
+  ct_scene_time time = {.end = 1.0, .fraction = 0.9};
+  ct_stable_step stable;
+  int64_t steps, again;
+  const ct_problem *problem = build(scene, time, &steps, NULL);
+  const double dt = problem->dt, wrong[] = {INFINITY, 1e-300, NAN};
+  ct_error e;
+  time = (ct_scene_time){.end = 1.0, .dt = dt, .keep_dt = 1};
+  need(ct_scene_build(scene, &time, &problem, &again, NULL, &e), &e);
+  tap_ok(problem->dt == dt && again == steps, "a known step: %d steps", (int)again);
+  time.dt = 10.0 * dt;
+  tap_ok(ct_scene_build(scene, &time, &problem, &again, NULL, &e) == CT_OK &&
+             ct_scene_build(scene, &time, &problem, &again, &stable, &e) == CT_ERROR_STEP,
+         "a step that is too large is found with the stable one: %s", e.text);
+  for (int i = 0; i < 3; i++) {
+    time.dt = wrong[i];
+    tap_ok(ct_scene_build(scene, &time, &problem, &again, NULL, &e) == CT_ERROR_ARGUMENT, "%s",
+           e.text);
+  }
+  ct_scene_free(scene);
+  free_pair(&p);
+}
+
 /* Errors: the same status in all pieces. */
 static void failures(void)
 {
@@ -594,6 +621,7 @@ int main(void)
   bisection();
   refusals();
   host_effects();
+  known_step();
   failures();
   memory();
   return tap_done();

@@ -769,10 +769,9 @@ static ct_status begin_problem(ct_scene *scene, const ct_scene_time *time, ct_st
   p->assembled = time->assembled;
   p->force_tolerance = time->force_tolerance;
   p->dt = DBL_MIN; // unknown yet, and any value will do
-  *dt = time->dt;
-  if (begun == NULL) return status;
-  if (status == CT_OK) status = ct_state_begin(p, begun, error);
-  if (status == CT_OK) status = ct_stable(p, *begun, stable, error);
+  if (begun == NULL) stable->dt = stable->dt_courant = INFINITY;
+  else if (status == CT_OK) status = ct_state_begin(p, begun, error);
+  if (status == CT_OK && begun != NULL) status = ct_stable(p, *begun, stable, error);
   return status == CT_OK ? ct_blame(error, requested_step(time, stable, dt, error), CT_PART_TIME, 0)
                          : status;
 }
