@@ -211,7 +211,8 @@ static void short_travel_time(void)
 }
 
 /* A bar lands on a plate with an edge and turns over it: points lose their force while others still
- * press on their nodes, and are paid when these leave (eq:release-time). */
+ * press on their nodes, and are paid when these leave (eq:release-time). Without
+ * the debts that they pay first (eq:release-debt) it gains 2.9e-5. */
 static void tilted_bar(double angle)
 {
   const double c = cos(angle), s = sin(angle);
