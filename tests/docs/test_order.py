@@ -94,6 +94,7 @@ def tiny(tmp_path):
     """A tiny book of two parts with two chapters each, and a third one with two groups."""
     pytest.importorskip("sphinx")
     from sphinx.application import Sphinx
+    from sphinx.util.docutils import docutils_namespace
 
     tree = ".. toctree::\n   :numbered:\n\n   {}\n   {}\n"
     pages = {
@@ -113,9 +114,10 @@ def tiny(tmp_path):
         path.write_text(text)
     settings = {"extensions": ["parts", "navigation"], "numfig": True, "math_numfig": True}
     out = tmp_path / "out"
-    app = Sphinx(tmp_path, None, out, out, "dummy", settings, None, None)
-    app.build()
-    return app
+    with docutils_namespace():
+        app = Sphinx(tmp_path, None, out, out, "dummy", settings, None, None)
+        app.build()
+        yield app
 
 
 def test_numbers_go_on_from_part_to_part(tiny):
