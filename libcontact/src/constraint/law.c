@@ -348,6 +348,10 @@ CT_INLINE void take(ct_constraint *c, double gain)
   c->impact.reserve = e > 0.0 ? c->impact.reserve + kept : c->impact.reserve;
 }
 
+/* A force is one if its spring gives way by this part of the motion; a smaller one is rounding
+ * where surfaces just touch, and must not decide when a contact begins. */
+static const double SOME = 1e-9;
+
 /* Now the row stores the energy `stored`. */
 CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double stored)
 {
@@ -363,7 +367,7 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
   c->impact.reserve =
       (c->impact.reserve > 0.0) & (c->impact.reserve <= 1e-12 * size) ? 0.0 : c->impact.reserve;
   c->impact.stored = stored;
-  count_time(c, own > 0.0, enters, dt);
+  count_time(c, own > SOME * c->stiffness * fabs(closed), enters, dt);
 }
 
 void ct_law_settle(ct_constraint *c, double dt, double x, int enters)
