@@ -64,7 +64,7 @@ class Pull(SphinxDirective):
 def listing_names(node: nodes.Node) -> list[str]:
     """By which names a listing can be pulled: function and heading of a woven one, else the functions in it."""
     if isinstance(node, nodes.container) and "weave" in node["classes"]:
-        last = node[0].children[1].astext().strip()
+        last = node[0].children[1].astext().strip().replace("’", "'")
         return [last, last.removesuffix("()"), last.partition(": ")[2]]
     if isinstance(node, nodes.literal_block):
         first = re.match(r"(?:def |# )([^(\n]*)", node.astext())
