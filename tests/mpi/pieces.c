@@ -79,6 +79,7 @@ int main(int argc, char **argv)
     time.dt = problem->dt;
   }
   MPI_Bcast(&time.dt, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  time.fraction = 0.0;
   if (whole == NULL) need(ct_scene_build(scene, &time, &problem, &count, NULL, &e), &e);
   int64_t elements = 0;
   for (int b = 0; b < problem->body_count; b++) elements += problem->bodies[b].mesh->element_count;

@@ -172,14 +172,17 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
 
 
 def test_loose_contact_forces_add_no_energy_and_restart_with_the_same_bits(tmp_path):
-    """``force_tolerance`` (:eq:`energy-stop`): the motion changes, by less than 0.1 % in energy."""
+    """``force_tolerance`` (:eq:`energy-stop`): the motion changes, by less than 0.1 % in energy up to 3e-3. At 1e-2
+    points open in another step (:eq:`release-together`), which leaves 0.24 % more or less in the vibration."""
     tight, made = plates("central_difference"), plates("central_difference", force_tolerance=1e-2)
     assert made._built(None).pointer.force_tolerance == 1e-2
     tight, whole = run(tight, output=False), run(made, output=False)
     assert not np.array_equal(tight.state["left"].velocity, whole.state["left"].velocity)
     total, kinetic = whole.energy["total"], whole.energy["kinetic"]
     assert np.diff(total).max() < 1e-12 * total[0]
-    assert np.abs(kinetic - tight.energy["kinetic"]).max() < 1e-3 * kinetic[0]
+    assert np.abs(kinetic - tight.energy["kinetic"]).max() < 3e-3 * kinetic[0]
+    closer = run(plates("central_difference", force_tolerance=3e-3), output=False).energy["kinetic"]
+    assert np.abs(closer - tight.energy["kinetic"]).max() < 1e-3 * kinetic[0]
     made.set_output(file=str(tmp_path / "part.vtkhdf"), every=4)
     run(made, until=0.5 * whole.time[-1])
     rest = run(made, restart=tmp_path / "part.vtkhdf", output=tmp_path / "rest.vtkhdf")
