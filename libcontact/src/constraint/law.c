@@ -365,7 +365,7 @@ CT_INLINE void settle(ct_constraint *c, double dt, double x, int enters, double 
   c->impact.reserve -= 0.5 * release * x;
   // Rounding is nothing to give back; whether a point opens must not depend on it.
   c->impact.reserve =
-      (c->impact.reserve > 0.0) & (c->impact.reserve <= 1e-12 * size) ? 0.0 : c->impact.reserve;
+      ((c->impact.reserve > 0.0) & (c->impact.reserve <= 1e-12 * size)) ? 0.0 : c->impact.reserve;
   c->impact.stored = stored;
   count_time(c, own > SOME * c->stiffness * fabs(closed), enters, dt);
 }

@@ -282,7 +282,7 @@ static int surely_below(const ct_solid_part *part, const ct_mass_shapes *at, con
 {
   if (part->kernel != CT_KERNEL_REDUCED && e % CT_LANES_COUNT == 0)
     *below = ct_solid_below(part, at, e, fixed, (1.0 - 1e-9) * reached);
-  return *below >> e % CT_LANES_COUNT & 1;
+  return (int)(*below >> e % CT_LANES_COUNT & 1);
 }
 
 /* The largest ω² of the elements first ... last - 1. Those that certainly lie below `reached` need
