@@ -308,46 +308,18 @@ class Shell(Shape):
 SHAPES = {"box": Box, "ring": Ring, "cylinder": Cylinder, "ball": Ball, "shell": Shell}
 
 
-class Spin(Table):
+class Axis(Table):
     """
-    A rotation at the start.
+    An axis of rotation.
 
     Attributes
     ----------
     axis
         The axis of rotation.
-    rate
-        Angular velocity.
     centre
-        A point of the axis.
+        A point of the axis, which stays where it is.
     """
 
-    axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
-    rate: float = key(Number(), unit="1 / time")
-    centre: Vector | None = key(
-        VECTOR, unit="length", default=None, says="the middle of its bounds"
-    )
-
-    def refusals(self) -> Iterator[tuple[str, str]]:
-        if not any(self.axis):
-            yield "axis", "is 0; it must have a direction"
-
-
-class Turn(Table):
-    """
-    A rotation of a body by an angle.
-
-    Attributes
-    ----------
-    angle
-        Angle of rotation in radians.
-    axis
-        Axis of the rotation.
-    centre
-        A point that stays where it is.
-    """
-
-    angle: float = key(Number(), default=0.0)
     axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
     centre: Vector | None = key(
         VECTOR, unit="length", default=None, says="the middle of its bounds"
@@ -362,6 +334,32 @@ class Turn(Table):
         middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
         arms: NDArray[Any] = nodes - (middle if self.centre is None else np.array(self.centre))
         return arms
+
+
+class Spin(Axis):
+    """
+    A rotation at the start.
+
+    Attributes
+    ----------
+    rate
+        Angular velocity.
+    """
+
+    rate: float = key(Number(), unit="1 / time")
+
+
+class Turn(Axis):
+    """
+    A rotation of a body by an angle.
+
+    Attributes
+    ----------
+    angle
+        Angle of rotation in radians.
+    """
+
+    angle: float = key(Number(), default=0.0)
 
     def change(self, arms: NDArray[Any]) -> NDArray[Any]:
         """What the rotation adds to these vectors (n, 3)."""

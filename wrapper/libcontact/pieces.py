@@ -214,9 +214,8 @@ class Pieces:
         self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
         self._exchange = _transfer(self._send)
         self._common: BaseException | None = None  # the last error that all processes raise
-        self.interrupted = (
-            False  # whether a process was asked to stop before the last call of `alike`
-        )
+        # Whether a process was asked to stop before the last call of `alike`.
+        self.interrupted = False
 
     def _send(self, send: Any, send_count: Any, receive: Any, receive_count: Any) -> None:
         there = [

@@ -844,11 +844,6 @@ def new_state(problem: Problem) -> Any:
 def _spinning(body: Body, nodes: Floats) -> NDArray[Any]:
     """Velocity of each node of a body with translation and spin, v + ω × (x - centre), from the positions
     x at the start."""
-    centre = (
-        0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
-        if body.spin.centre is None
-        else np.array(body.spin.centre)
-    )
     axis = np.array(body.spin.axis)
     omega = body.spin.rate / math.hypot(*axis) * axis
-    return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, nodes - centre))
+    return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, body.spin.arms(nodes)))
