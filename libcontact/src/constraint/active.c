@@ -262,11 +262,9 @@ static void pay_debts(ct_solver *s)
   for (int32_t k = 0; k < s->set_count; k++) {
     const int64_t first = s->first_point[k], end = s->first_point[k + 1];
     const double held = sum_reserves(s, first, end - first, 1.0),
-                 debt = sum_reserves(s, first, end - first, -1.0), paid = fmin(held, debt);
-    if (!(paid > 0.0)) continue;
-    // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
-    for (int64_t r = first; r < end; r++)
-      reserve[r] *= 1.0 - paid / (reserve[r] > 0.0 ? held : debt);
+                 debt = sum_reserves(s, first, end - first, -1.0);
+    if (!(held > 0.0 && debt > 0.0)) continue;
+    for (int64_t r = first; r < end; r++) reserve[r] = ct_law_paid(reserve[r], held, debt);
   }
 }
 

@@ -456,6 +456,12 @@ double ct_law_loss(const ct_constraint *c, double force, double after)
               stored_between(c, c->gap, after));
 }
 
+double ct_law_paid(double K, double held, double debt)
+{
+  // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
+  return K * (1.0 - fmin(held, debt) / (K > 0.0 ? held : debt));
+}
+
 CT_CLONES
 void ct_law_find_falls(const ct_law_rows *of, const double *alone, const double *last,
                        double *restrict falls)

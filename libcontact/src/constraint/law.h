@@ -131,6 +131,10 @@ void ct_law_fix(const ct_law_rows *rows, const double *bound, double fraction, d
 void ct_law_find_releases(const ct_law_rows *rows, const double *bound, double dt,
                           const double *force, int together, double *opens);
 
+/* What is left of a reserve K, or of a debt, K < 0, when points that hold H pay for those that owe
+ * B, both positive, in the same proportion (eq:impact-debt). */
+double ct_law_paid(double K, double held, double debt);
+
 /* Let points that come to store more than they have stored pay for it, before they open
  * (eq:release-debt). */
 void ct_law_take_debts(const ct_law_rows *rows);

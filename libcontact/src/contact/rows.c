@@ -201,13 +201,11 @@ int ct_contact_pay_debts(ct_contact *contact, double largest)
   const double debt = largest > 0.0 ? sum_energy(contact, debt_of) : 0.0;
   const double held = debt > 0.0 ? sum_energy(contact, reserve_of) : 0.0;
   if (!(held > 0.0)) return 0;
-  // -- P = min(H, B), K ← K (1 - P / H) or K (1 - P / B) (eq:impact-debt)
-  const double paid = fmin(debt, held), keep = 1.0 - paid / held, owe = 1.0 - paid / debt;
   for (int s = 0; s < contact->fixed->gaps.sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
     for (ct_span run = {0}; ct_side_next(side, &run);)
       for (ct_point *p = side->points + run.first; p < side->points + run.end; p++)
-        p->row.impact.reserve *= p->row.impact.reserve > 0.0 ? keep : owe;
+        p->row.impact.reserve = ct_law_paid(p->row.impact.reserve, held, debt);
   }
   return 1;
 }
