@@ -25,15 +25,11 @@ typedef int64_t quad_bits;
 #define LANE(bits, l) (bits)
 #endif
 
-/* Places of the nodes of a face in vectors at nodes; the rows there are counted. */
-CT_INLINE void find_places(int32_t count, const int32_t *node, const int32_t *number, int32_t rows,
-                           int32_t *restrict counts, int32_t *restrict place)
+/* Places of the nodes of a face in vectors at nodes. */
+CT_INLINE void find_places(int32_t count, const int32_t *node, const int32_t *number,
+                           int32_t *restrict place)
 {
-  for (int32_t a = 0; a < count; a++) {
-    const int32_t own = number[node[a]];
-    place[a] = WIDE * own;
-    counts[own] += rows;
-  }
+  for (int32_t a = 0; a < count; a++) place[a] = WIDE * number[node[a]];
 }
 
 /* Numbers b_a of the nodes of one face; lanes without a node are 0. */
@@ -62,10 +58,16 @@ static void place_slips(ct_constraint *const *row, const ct_group *g)
     if (row[r]->slip != NULL) row[r]->slip->place = g->place;
 }
 
+/* What differs between the groups: a normal from that of the first row of all; and the nodes of a
+ * group, or where they begin, from those of the last step. */
+typedef struct changes {
+  int normal, nodes, begin;
+} changes;
+
 /* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes; and
- * begin the next one. Returns whether a normal is not that of the first row of all. */
-CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
-                         int64_t most, int32_t own, int32_t other, ct_group *g)
+ * begin the next one. */
+CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
+                          int64_t most, int32_t own, int32_t other, ct_group *g, changes *d)
 {
   const int64_t step = 4 * (1 + ct_quads_of(own) + ct_quads_of(other));
   const ct_quad *head = (const ct_quad *)s->G;
@@ -79,16 +81,21 @@ CT_INLINE int fill_group(const ct_solver *s, const int32_t *number, ct_constrain
     G += step, rows++;
   } while (rows < most && row[rows]->own == mine && row[rows]->other == theirs &&
            row[rows]->own_count == own && row[rows]->other_count == other);
-  g->nodes = mine;
-  find_places(own, mine, number, rows, s->row_counts, place);
-  find_places(other, theirs, number, rows, s->row_counts, place + own);
-  g->rows = rows;
+  d->normal |= (LANE(differ, 0) | LANE(differ, 1) | LANE(differ, 2)) != 0;
+  if (d->begin || g->nodes != mine || g->others != theirs || g->own != own || g->other != other ||
+      g->rows != rows) {
+    d->nodes = 1;
+    g->nodes = mine, g->others = theirs;
+    g->own = (int8_t)own, g->other = (int8_t)other, g->rows = rows;
+    find_places(own, mine, number, place);
+    find_places(other, theirs, number, place + own);
+  }
   // Their weights follow on each other; those of other points do not.
   g->face = (int16_t)(own == 4 && rows == 4 && row[3]->own_shape - row[0]->own_shape == 24);
   if (s->tangent != NULL) place_slips(row, g);
   g[1].first = g->first + rows * step;
+  d->begin |= g[1].place != g->place + own + other;
   g[1].place = g->place + own + other;
-  return (LANE(differ, 0) | LANE(differ, 1) | LANE(differ, 2)) != 0;
 }
 
 /* Whether all rows of all pieces have the normal of the first row, which is then stored. */
@@ -103,7 +110,7 @@ static int have_one_normal(ct_solver *s, int differ)
 
 /* Fill the groups of a set's rows from row `r` on, and so many that no group is cut; `to` is the
  * next group, which has its places already. Returns the row behind them. */
-CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group **to, int *differ)
+CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group **to, changes *d)
 {
   const int32_t *number = &s->place[s->first_node[set]];
   const int64_t end = s->first[set + 1], some = end - r < ROWS ? end : r + ROWS;
@@ -112,10 +119,9 @@ CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group
     const int32_t own = row[0]->own_count, other = row[0]->other_count;
     // The four points of a face are a group although a station follows them on its nodes.
     const int64_t most = own == 4 && end - r > 4 ? 4 : end - r;
-    g->own = (int8_t)own, g->other = (int8_t)other;
-    if (own == 4 && other == 4) *differ |= fill_group(s, number, row, most, 4, 4, g);
-    else if (own == 4 && other == 0) *differ |= fill_group(s, number, row, most, 4, 0, g);
-    else *differ |= fill_group(s, number, row, most, own, other, g);
+    if (own == 4 && other == 4) fill_group(s, number, row, most, 4, 4, g, d);
+    else if (own == 4 && other == 0) fill_group(s, number, row, most, 4, 0, g, d);
+    else fill_group(s, number, row, most, own, other, g, d);
     g++;
   }
   *to = g;
@@ -157,7 +163,7 @@ CT_INLINE int keep_rows(ct_solver *s)
 {
   const ct_group *g = s->groups, *end = g + s->group_count;
   const size_t firsts = ((size_t)s->set_count + 1) * sizeof *s->first;
-  if (!s->kept || memcmp(s->first, s->first_point, firsts) != 0) return 0;
+  if (!s->kept || g->other != 0 || memcmp(s->first, s->first_point, firsts) != 0) return 0;
   for (int64_t first = 0, r = 0; g < end; first = r) {
     difference d = {0};
     for (; g < end && r < first + ROWS; r += g->rows, g++) {
@@ -182,6 +188,16 @@ static double largest_weight(const ct_solver *s)
   return weight;
 }
 
+/* Count the rows at each node. */
+static void count_rows(ct_solver *s)
+{
+  memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
+  for (const ct_group *g = s->groups; g < s->groups + s->group_count; g++)
+    for (int32_t a = 0; a < g->own + g->other; a++)
+      s->row_counts[s->entry_place[g->place + a] / WIDE] += g->rows;
+  s->counted = 1;
+}
+
 CT_CLONES
 void ct_matrix_fill(ct_solver *s)
 {
@@ -191,19 +207,19 @@ void ct_matrix_fill(ct_solver *s)
     return;
   }
   ct_group *g = s->groups;
-  int differ = 0;
-  memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
+  changes d = {.begin = !s->kept};
   g->first = g->place = s->laws.count = 0;
   for (int32_t k = 0; k < of.set_count; k++)
     for (int64_t r = of.first[k], end; r < of.first[k + 1]; r = end) {
-      end = fill_rows(&of, k, r, &g, &differ);
+      end = fill_rows(&of, k, r, &g, &d);
       ct_law_rows_read(&s->laws, of.rows, r, end);
     }
+  d.nodes |= s->group_count != g - s->groups;
   s->group_count = g - s->groups;
-  s->counted = 1;
+  if (d.nodes) count_rows(s);
   s->weight = largest_weight(s);
-  s->kept = s->pieces == NULL && s->bodies == NULL && !s->foreign && s->groups->other == 0;
-  s->along = have_one_normal(s, differ);
+  s->kept = s->pieces == NULL && s->bodies == NULL && !s->foreign;
+  s->along = have_one_normal(s, d.normal);
 }
 
 void ct_matrix_add(ct_solver *s, const ct_group *of, int64_t row)
@@ -323,15 +339,6 @@ int ct_matrix_push_all(ct_solver *s, const double *force)
   return 1;
 }
 
-/* Count the rows at each node again. */
-static void count_rows(ct_solver *s)
-{
-  memset(s->row_counts, 0, (size_t)s->node_count * sizeof *s->row_counts);
-  for (const ct_group *g = s->groups; g < s->groups + s->group_count; g++)
-    for (int32_t a = 0; a < g->own + g->other; a++)
-      s->row_counts[s->entry_place[g->place + a] / WIDE] += g->rows;
-}
-
 /* List the nodes with rows. */
 static void list_active_nodes(ct_solver *s)
 {
@@ -437,10 +444,10 @@ int ct_matrix_apply(ct_solver *s, const double *force, double *out)
 
 void ct_matrix_choose(ct_solver *s)
 {
-  if (s->kept == 2 && s->counted) return;
+  if (s->counted == 2) return;
   if (!s->counted) count_rows(s), s->kept = 0;
   // In pieces the counts become those of all of them.
-  s->counted = s->pieces == NULL || s->bodies == NULL;
+  s->counted = s->pieces == NULL ? 2 : s->bodies == NULL;
   if (s->pieces != NULL) list_shared_nodes(s);
   list_active_nodes(s);
 }

@@ -42,7 +42,7 @@ static inline int ct_solver_accepts(double given)
  * other, each filled up to whole quads. */
 typedef struct ct_group {
   int64_t first, place; /* of its numbers and of its nodes */
-  const int32_t *nodes; /* of its own face, as a row has them */
+  const int32_t *nodes, *others; /* of both faces, as a row has them */
   int8_t own, other;    /* nodes; compared together with the next two numbers */
   int16_t face;         /* whether the rows are the four points of a 2 x 2 rule in their order */
   int32_t rows;
@@ -75,7 +75,8 @@ typedef struct ct_solver {
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
-  int counted;            /* whether they are those of the groups */
+  int counted;            /* 1 if they are those of the groups; 2 if, besides, the active nodes are
+                             listed */
   int foreign;            /* whether there is a set with foreign rows */
   int kept;               /* 1 if no listed row was dropped and none added; 2 if, besides, G, its
                              groups and nodes are those of the last step */
