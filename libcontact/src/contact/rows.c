@@ -11,7 +11,7 @@
 #include "../base/vector.h"
 
 #include <math.h>
-#include <string.h>
+#include <stddef.h>
 
 /* Parts of the energy of a point: of its row, if it is listed, and what it holds. */
 static double lag_of(const ct_point *p) { return p->listed ? ct_law_lag(&p->row) : 0.0; }
@@ -36,11 +36,9 @@ typedef struct along {
   double came, coming;
 } along;
 
-/* Complete the row of a point over another side: only start gaps change a gap besides the motion of
- * nodes. */
-CT_INLINE void row_over(const ct_contact *contact, const int32_t *faces, int32_t per, ct_point *p)
+/* The nodes of the face that a point meets. */
+CT_INLINE void row_over(const int32_t *faces, int32_t per, ct_point *p)
 {
-  p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
   p->row.other_count = per;
   p->row.other = &faces[(int64_t)p->other * per];
 }
@@ -56,19 +54,18 @@ static void row_on_carrier(const ct_contact *contact, const ct_side *side, ct_po
   ct_side_interpolate(surface->search, surface->search->x, ct_side_face(side, i), p->row.own_shape,
                       contact->carried.centre, r);
   ct_carrier_weigh(&contact->carried, r, weights);
-  p->row.came = -contact->part * p->closed, p->row.moved = -p->closing;
   // -- The nodes of the body, with the weights at the point itself (eq:carrier-row)
   p->row.other_count = CT_CARRIER_NODES;
   p->row.other = contact->fixed->carrier->place;
   p->row.other_shape = weights;
 }
 
-/* Complete the row of a point at an obstacle. */
-CT_INLINE void row_at(const ct_contact *contact, along m, ct_point *p)
+/* Changes of the gap of a point that are not due to nodes: motion of an obstacle along the normal,
+ * and growth of the start gap. */
+CT_INLINE void shift_row(const ct_contact *contact, along m, int rigid, ct_point *p)
 {
-  // -- Motion of the obstacle along the normal, and growth of the start gap
-  if (contact->axis == NULL) m.came = ct_vector_dot(p->row.normal, contact->came);
-  if (contact->axis == NULL) m.coming = ct_vector_dot(p->row.normal, contact->coming);
+  if (rigid && contact->axis == NULL) m.came = ct_vector_dot(p->row.normal, contact->came);
+  if (rigid && contact->axis == NULL) m.coming = ct_vector_dot(p->row.normal, contact->coming);
   p->row.came = contact->part * (-p->closed - m.came), p->row.moved = -p->closing - m.coming;
 }
 
@@ -79,26 +76,27 @@ CT_INLINE int64_t list_side(const ct_contact *contact, const ct_side *side, cons
   const int32_t *faces = other == NULL ? NULL : ct_side_row_nodes(other->fixed, 0);
   const int32_t per = other == NULL ? 0 : other->search->per;
   const double *axis = contact->axis, reach = contact->reach;
-  const along m = {axis == NULL ? 0.0 : ct_vector_dot(axis, contact->came),
-                   axis == NULL ? 0.0 : ct_vector_dot(axis, contact->coming)};
-  const double part = contact->part;
-  const int carried = contact->fixed->carrier != NULL, alike = axis != NULL && !side->shifted;
-  int64_t count = 0;
+  const int carried = contact->fixed->carrier != NULL, rigid = other == NULL && !carried,
+            alike = !side->shifted && (!rigid || axis != NULL); // no start gaps
+  const along m = {rigid && axis != NULL ? ct_vector_dot(axis, contact->came) : 0.0,
+                   rigid && axis != NULL ? ct_vector_dot(axis, contact->coming) : 0.0};
+  const double came = -contact->part * m.came, moved = -m.coming;
+  ct_constraint **to = rows;
   for (ct_span run = {0}; ct_side_next(side, &run);)
-    for (ct_point *p = side->points + run.first; p < side->points + run.end; p++) {
+    for (ct_point *p = side->points + run.first, *end = side->points + run.end; p < end; p++) {
       p->stored_before = stored_of(p);
       p->listed = is_listed(other != NULL, axis != NULL, reach, p);
       if (!p->listed) {
         ct_law_leave(&p->row, dt);
         continue;
       }
-      if (other != NULL) row_over(contact, faces, per, p);
+      if (alike) p->row.came = came, p->row.moved = moved;
+      else shift_row(contact, m, rigid, p);
+      if (other != NULL) row_over(faces, per, p);
       else if (carried) row_on_carrier(contact, side, p);
-      else if (alike) p->row.came = -part * m.came, p->row.moved = -m.coming; // no start gaps
-      else row_at(contact, m, p);
-      rows[count++] = &p->row;
+      *to++ = &p->row;
     }
-  return count;
+  return to - rows;
 }
 
 int64_t ct_contact_list_rows(ct_contact *contact, double dt, ct_constraint **rows)
@@ -270,6 +268,14 @@ static const int32_t *nodes_of(const ct_search *search, int32_t face)
 /* Force of a point, and a fourth component 0: of its row, or of the explicit penalty. */
 CT_INLINE void force_of(const ct_point *p, int solved, double force[4])
 {
+#if CT_ROWS
+  if (solved) {
+    const double *normal = (const double *)((const char *)p + offsetof(ct_point, row.normal));
+    const ct_quad none = {0.0}, F = *(const ct_quad *)normal * p->row.force;
+    *(ct_quad *)force = CT_PICK(F, none, 0, 1, 2, 4); // not the gap behind the normal
+    return;
+  }
+#endif
   // -- F = λ n (eq:constraint-force)
   for (int c = 0; c < 3; c++) force[c] = solved ? p->row.force * p->row.normal[c] : p->force[c];
   force[3] = 0.0;
