@@ -30,6 +30,8 @@ typedef struct block {
   int rival[CT_WARM];            /* whether another face may be as near */
   int inside[CT_WARM];           /* whether its last face is the nearest one */
   int enters[CT_WARM];           /* whether it comes into contact */
+  int sure;                      /* whether all lanes are inside, and none enters */
+  int touches;                   /* whether a point coincides with its closest point */
 } block;
 
 /* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
@@ -341,17 +343,23 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
  * face as near; and whether they come into contact. */
 CT_INLINE void settle(const ct_pass *p, block *b)
 {
-  const double inside = 1.0 - p->project.tolerance, depth = p->depth;
-#pragma omp simd
+  const double inside = 1.0 - p->project.tolerance, depth = p->depth,
+               coincident = ct_side_coincident(p->side);
+  int sure = 1, touches = 0;
+#pragma omp simd reduction(& : sure) reduction(| : touches)
   for (int l = 0; l < CT_WARM; l++) {
     const int32_t status = b->status[l];
     // -- Inside its face, and no other face is as near (eq:warm-lanes)
-    b->inside[l] =
+    const int in =
         (fabs(b->xi[l]) < inside) & (fabs(b->xi[8 + l]) < inside) & (b->distance[l] < depth) &
         !b->rival[l] &
         ((status == CT_OK) | (status == CT_NOT_CERTIFIED) | (status == CT_ITERATION_LIMIT));
-    b->enters[l] = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
+    const int enters = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
+    b->inside[l] = in, b->enters[l] = enters;
+    sure &= in & !enters;
+    touches |= !(fabs(b->gap[l]) > coincident);
   }
+  b->sure = sure, b->touches = touches;
 }
 
 CT_CLONES
@@ -408,7 +416,7 @@ CT_INLINE void write_lanes(const ct_pass *p, const block *b, int per, int count,
     point->last_known = point->known;
     point->known = gap[i];
     point->status = (ct_point_status)(CT_POINT_OUTSIDE + (gap[i] < 0.0)); // or inside, the next one
-    if (fabs(gap[i]) > ct_side_coincident(p->side)) continue;
+    if (!b->touches || fabs(gap[i]) > ct_side_coincident(p->side)) continue;
     for (int c = 0; c < 3; c++) point->outward[c] = b->normal[CT_WARM * c + l + i];
     ct_side_direct(p->side, point);
   }
@@ -420,8 +428,8 @@ CT_INLINE unsigned write_points(const ct_pass *p, const block *b, int per, int64
                                 unsigned warm)
 {
   ct_point *points = &p->side->points[first];
-  unsigned settled = 0;
-  for (int l = 0; l < CT_WARM; l++)
+  unsigned settled = b->sure ? warm : 0;
+  for (int l = 0; l < CT_WARM && !b->sure; l++)
     if ((warm >> l & 1) && b->inside[l] && !(b->enters[l] && is_strange(p, b, l, first + l)))
       settled |= 1u << l;
   for (int l = 0, next; l < CT_WARM; l = next) {
@@ -439,26 +447,13 @@ static unsigned write_block(const ct_pass *p, const block *b, int64_t first, uns
                                     : write_points(p, b, 8, first, warm);
 }
 
-/* Load the points into lanes. Returns one bit for each point with a face; the other lanes repeat
- * one of these. */
-static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
+/* The lanes without a face repeat one of the others; returns one bit for each of these. */
+static unsigned repeat_points(int count, block *b)
 {
-  const int points = p->side->fixed->rule.count;
-  const ct_point *point = &p->side->points[first];
-  int32_t face = (int32_t)(first / points);
-  int q = (int)(first % points), some = -1;
   unsigned warm = 0;
-  b->number = first, b->count = count;
-  for (int l = 0; l < count; l++, q++, point++) {
-    if (q == points) q = 0, face++;
-    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
-    b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
-    b->last[l] = point->status;
-    warm |= (unsigned)(point->other >= 0) << l;
-  }
-  if (warm == (1u << CT_WARM) - 1) return warm;
+  int some = -1;
   for (int l = 0; l < count; l++)
-    if (warm >> l & 1) some = l;
+    if (b->target[l] >= 0) warm |= 1u << l, some = l;
   for (int l = 0; l < CT_WARM && some >= 0; l++) {
     if (warm >> l & 1) continue;
     b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
@@ -466,6 +461,24 @@ static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b
     for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
   }
   return warm;
+}
+
+/* Load the points into lanes. Returns one bit for each point with a face. */
+static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
+{
+  const int points = p->side->fixed->rule.count;
+  const ct_point *point = &p->side->points[first];
+  int32_t face = (int32_t)(first / points), signs = 0;
+  int q = (int)(first % points);
+  b->number = first, b->count = count;
+  for (int l = 0; l < count; l++, q++, point++) {
+    if (q == points) q = 0, face++;
+    b->face[l] = face, b->q[l] = q, b->target[l] = point->other;
+    b->start[l] = point->xi[0], b->start[8 + l] = point->xi[1];
+    b->last[l] = point->status;
+    signs |= point->other;
+  }
+  return signs >= 0 && count == CT_WARM ? (1u << CT_WARM) - 1 : repeat_points(count, b);
 }
 
 /* Closest points of all lanes; returns 0 if there are none. Most are near their starts. */

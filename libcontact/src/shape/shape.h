@@ -24,13 +24,13 @@ CT_INLINE double ct_shape_middle(int i, double xi, double eta)
   return 0.5 * (((1 - along) * (1 + along)) * (1 + across)); // (eq:segment-q8)
 }
 
-/* All of them, each `stride` behind the last; those beyond `per` are 0. For a known `per` and lanes
- * side by side the compiler vectorises this. */
+/* All of them, each `stride` behind the last. For a known `per` and lanes side by side the compiler
+ * vectorises this. */
 CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N, int stride)
 {
   for (int i = 0; i < 4; i++) {
     N[stride * i] = ct_shape_corner(per, i, xi, eta);
-    N[stride * (4 + i)] = per == 8 ? ct_shape_middle(i, xi, eta) : 0.0;
+    if (per == 8) N[stride * (4 + i)] = ct_shape_middle(i, xi, eta);
   }
 }
 
