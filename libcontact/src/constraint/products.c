@@ -214,8 +214,8 @@ CT_INLINE void push(row_part part, const double *row, int32_t b, int c, double f
   *out = part == SIZES ? SIZE_OF(N) * force : part == ALONG ? N * force : N * (row[c] * force);
 }
 
-/* Add one row times its force, or four of them, to the sums of its nodes, as multiples of the
- * coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows are those
+/* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples of
+ * the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows are those
  * of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated face gives
  * the same bits (eq:tree-sum). */
 CT_INLINE void add_row(row_part part, int32_t quads, int four, double coarse, int32_t step,
@@ -227,8 +227,9 @@ CT_INLINE void add_row(row_part part, int32_t quads, int four, double coarse, in
         ct_quad t[4];
         for (int r = 0; r < (four ? 4 : 1); r++)
           push(part, row + r * step, 4 + 4 * q + i, c, f[r], &t[r]);
-        if (four) t[0] = (t[0] + t[3]) + (t[1] + t[2]);
-        sum[PARTS * (3 * q + c) + i] += (t[0] + coarse) - coarse;
+        ct_quad *to = &sum[PARTS * (3 * q + c) + i];
+        if (four) *to = (((t[0] + t[3]) + (t[1] + t[2])) + coarse) - coarse;
+        else *to += (t[0] + coarse) - coarse;
       }
 }
 
@@ -261,11 +262,11 @@ CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other
   const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
   const ct_quad none = {0.0};
   ct_quad sum[3 * PARTS * MOST_QUADS];
-  for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
-  if (face && rows == 4) add_row(part, quads, 1, coarse, step, G, force, sum);
-  else
-    for (int32_t r = 0; r < rows; r++)
-      add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+  const int four = face && rows == 4;
+  if (four) add_row(part, quads, 1, coarse, step, G, force, sum);
+  for (int32_t i = 0; !four && i < 3 * PARTS * quads; i++) sum[i] = none;
+  for (int32_t r = 0; !four && r < rows; r++)
+    add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
   add_nodes(part, own, other, place, sum, sums);
 }
 
