@@ -47,7 +47,6 @@ PART unsigned near_pairs(const double *nodes, const double *points, const double
   real v[8][3], p[3], n[3], from[2];
   patches patch;
   ends found;
-  unsigned bits = 0;
   load_pairs(4, nodes, points, first, v, p);
   quadrilateral((const real(*)[3])v, p, patch.c);
   patch.kind = CT_Q4;
@@ -58,8 +57,7 @@ PART unsigned near_pairs(const double *nodes, const double *points, const double
   store(closest->distance + first, root(found.f));
   for (int a = 0; a < 2; a++) store(closest->xi + 8 * a + first, found.xi[a]);
   for (int k = 0; k < 3; k++) store(closest->normal + 8 * k + first, n[k]);
-  for (int l = 0; l < WIDTH; l++) bits |= (whole(good, l) != 0 ? 1u : 0u) << (first + l);
-  return bits;
+  return (unsigned)any(good) << first;
 }
 
 #if WIDTH > 1

@@ -25,7 +25,7 @@ typedef int mask; /* 0 or 1 */
 #define CLONED static CT_CLONES
 
 PART mask not(mask m) { return !m; }
-PART int any(mask m) { return m; }
+PART int any(mask m) { return m; } /* one bit for each lane */
 PART mask masked(mask m, int n) { return m ? n : 0; }
 PART real pick(mask m, real a, real b) { return m ? a : b; }
 PART real absolute(real a) { return fabs(a); }
