@@ -63,13 +63,6 @@ CT_INLINE void put(int count, double x, double *row)
   for (int l = 0; l < count; l++) row[l] = x;
 }
 
-/* Write a number to four lanes. */
-CT_INLINE void put_four(double x, double *row)
-{
-  const ct_quad none = {0.0};
-  for (int l = 0; l < 4; l += 4 / CT_QUAD_PARTS) *(ct_quad *)&row[l] = x - none;
-}
-
 /* Numbers of the nodes of a face, to the first `count` lanes from `nodes` on. */
 CT_INLINE void load_face(const ct_search *search, int per, int count, int32_t face, double *nodes)
 {
@@ -101,39 +94,44 @@ CT_INLINE int are_four(const ct_pass *p, const block *b, int l)
          are_one(b->face, l) && are_one(b->target, l);
 }
 
-/* One component of the positions of such points from that of their nodes, relative to `middle`. */
-CT_INLINE void sum_four(const ct_side_fixed *side, const double *const x[4], int c, double middle,
-                        double *out)
+/* Middle of a box; a fourth number has no meaning. */
+CT_INLINE void middle_of(const ct_bounds *box, double middle[4])
 {
-  const double (*N)[32] = side->across, x0 = x[0][c] - middle, x1 = x[1][c] - middle,
-               x2 = x[2][c] - middle, x3 = x[3][c] - middle;
-  for (int k = 0; k < 4; k += 4 / CT_QUAD_PARTS)
-    *(ct_quad *)&out[k] = (*(const ct_quad *)&N[0][k] * x0 + *(const ct_quad *)&N[1][k] * x1) +
-                          (*(const ct_quad *)&N[2][k] * x2 + *(const ct_quad *)&N[3][k] * x3);
+#if CT_ROWS
+  const double *low = (const double *)(const void *)box;
+  const ct_quad last = *(const ct_quad *)(low + 2);
+  *(ct_quad *)middle = 0.5 * (*(const ct_quad *)low + CT_PICK(last, last, 1, 2, 3, 3));
+#else
+  for (int c = 0; c < 3; c++) middle[c] = 0.5 * (box->low[c] + box->high[c]);
+#endif
+}
+
+/* The four nodes of a face relative to a place, each with a number behind it. */
+CT_INLINE void take_nodes(const ct_search *search, int32_t face, const double middle[4],
+                          double x[4][4])
+{
+  const int32_t *node = &search->faces[4 * (int64_t)face];
+  for (int a = 0; a < 4; a++)
+#pragma omp simd
+    for (int c = 0; c < 4; c++) x[a][c] = search->x[3 * (int64_t)node[a] + c] - middle[c];
 }
 
 /* Positions of such points and of their last face, relative to the middle of its box. */
 CT_INLINE void load_four(const ct_pass *p, int l, block *b)
 {
-  const ct_search *other = p->other->search, *own = p->side->search;
-  const int32_t *theirs = &other->faces[4 * (int64_t)b->target[l]],
-                *mine = &own->faces[4 * (int64_t)b->face[l]];
-  const ct_bounds *box = &other->boxes[b->target[l]];
-  const double middle[3] = {0.5 * (box->low[0] + box->high[0]), 0.5 * (box->low[1] + box->high[1]),
-                            0.5 * (box->low[2] + box->high[2])};
-  const double *const y[4] = {&own->x[3 * (int64_t)mine[0]], &own->x[3 * (int64_t)mine[1]],
-                              &own->x[3 * (int64_t)mine[2]], &own->x[3 * (int64_t)mine[3]]};
-  for (int a = 0; a < 4; a++) {
-    const double *x = &other->x[3 * (int64_t)theirs[a]];
-    double *nodes = &b->nodes[3 * CT_WARM * a + l];
-    put_four(x[0] - middle[0], nodes);
-    put_four(x[1] - middle[1], nodes + CT_WARM);
-    put_four(x[2] - middle[2], nodes + 2 * CT_WARM);
+  const double (*N)[32] = p->side->fixed->across;
+  double middle[4] = {0.0}, theirs[4][4], own[4][4];
+  middle_of(&p->other->search->boxes[b->target[l]], middle);
+  take_nodes(p->other->search, b->target[l], middle, theirs);
+  take_nodes(p->side->search, b->face[l], middle, own);
+  for (int c = 0; c < 3; c++) {
+    put(4, middle[c], &b->origin[CT_WARM * c + l]);
+    for (int a = 0; a < 4; a++) put(4, theirs[a][c], &b->nodes[CT_WARM * (3 * a + c) + l]);
+#pragma omp simd
+    for (int k = 0; k < 4; k++)
+      b->points[CT_WARM * c + l + k] = (N[0][k] * own[0][c] + N[1][k] * own[1][c]) +
+                                       (N[2][k] * own[2][c] + N[3][k] * own[3][c]);
   }
-  for (int c = 0; c < 3; c++) put_four(middle[c], &b->origin[CT_WARM * c + l]);
-  sum_four(p->side->fixed, y, 0, middle[0], &b->points[l]);
-  sum_four(p->side->fixed, y, 1, middle[1], &b->points[CT_WARM + l]);
-  sum_four(p->side->fixed, y, 2, middle[2], &b->points[2 * CT_WARM + l]);
 }
 
 /* Positions of the points and of their last faces, both relative to the middle of the face's box.

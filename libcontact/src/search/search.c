@@ -2,6 +2,7 @@
 #include "search_internal.h"
 
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
@@ -50,7 +51,7 @@ static ct_status allocate(ct_search *search, const ct_surface *surface)
     return CT_ERROR_MEMORY;
   search->nodes = search->incidence.nodes;
   search->node_count = search->incidence.count;
-  search->x = ct_pool_take(pool, (size_t)search->node_count, 3 * sizeof *search->x);
+  search->x = ct_pool_take(pool, 3 * (size_t)search->node_count + 1, sizeof *search->x);
   return search->x == NULL ? CT_ERROR_MEMORY : CT_OK;
 }
 
@@ -133,23 +134,27 @@ void ct_search_place(ct_search *search, const double *host)
     memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
 }
 
-/* Boxes of quadrilaterals of four nodes. */
+/* Boxes of quadrilaterals of four nodes. The number behind a node has no meaning. */
+CT_CLONES
 static void box_corners(ct_search *search)
 {
   for (int32_t f = 0; f < search->face_count; f++) {
     const int32_t *node = &search->faces[4 * (int64_t)f];
     const double *x[4];
+    double low[4], high[4];
     for (int a = 0; a < 4; a++) x[a] = &search->x[3 * (int64_t)node[a]];
-    ct_bounds box;
-    for (int c = 0; c < 3; c++) {
+#pragma omp simd
+    for (int c = 0; c < 4; c++) {
       const double low0 = x[0][c] < x[1][c] ? x[0][c] : x[1][c],
                    low1 = x[2][c] < x[3][c] ? x[2][c] : x[3][c],
                    high0 = x[0][c] > x[1][c] ? x[0][c] : x[1][c],
                    high1 = x[2][c] > x[3][c] ? x[2][c] : x[3][c];
-      box.low[c] = low0 < low1 ? low0 : low1;
-      box.high[c] = high0 > high1 ? high0 : high1;
+      low[c] = low0 < low1 ? low0 : low1;
+      high[c] = high0 > high1 ? high0 : high1;
     }
-    search->boxes[f] = box;
+    ct_bounds *box = &search->boxes[f];
+    for (int c = 0; c < 3; c++) box->low[c] = low[c];
+    for (int c = 0; c < 3; c++) box->high[c] = high[c];
   }
 }
 
@@ -206,7 +211,7 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
   own->boxes = NULL;
   own->oriented = NULL;
   own->tree = NULL;
-  own->x = ct_pool_copy(&own->pool, search->x, 3 * (size_t)own->node_count * sizeof *own->x);
+  own->x = ct_pool_copy(&own->pool, search->x, (3 * (size_t)own->node_count + 1) * sizeof *own->x);
   if (own->pool.failed) {
     ct_search_free(own);
     return CT_ERROR_MEMORY;

@@ -24,7 +24,7 @@ struct ct_search {
   int32_t *neighbour;     /* face across each edge, -1 at the border, shape (face_count, edges) */
   ct_incidence incidence; /* of nodes in the list of faces: position / per is a face */
   double size;            /* largest diagonal of a face's reference box */
-  double *x;              /* current coordinates, shape (node_count, 3) */
+  double *x;              /* current coordinates, shape (node_count, 3), and one number more */
   ct_bounds *boxes;       /* current boxes of the faces */
   /* For a surface that is searched, else null: */
   ct_oriented *oriented; /* boxes along the faces, of the last refit; null for T3 */
