@@ -5,6 +5,8 @@
 #include "../base/lanes.h"
 #include "../constraint/law.h"
 
+#include <stddef.h>
+
 enum { WHOLE = sizeof(ct_contact_record) / sizeof(double) };
 
 int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed)
@@ -84,6 +86,22 @@ ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *e
   return CT_OK;
 }
 
+/* Copy four numbers. */
+CT_INLINE void copy_four(const double *from, double *to)
+{
+  for (int i = 0; i < CT_QUAD_PARTS; i++) ((ct_quad *)to)[i] = ((const ct_quad *)from)[i];
+}
+
+/* A member between these, in points or in records, does not compile. */
+#define FOLLOWS(type, member, first, count) \
+  (offsetof(type, member) == offsetof(type, first) + (count) * sizeof(double))
+typedef char members_follow_on_each_other
+    [FOLLOWS(ct_point, force_size, known, 3) && FOLLOWS(ct_point_record, force_size, known, 3) &&
+             FOLLOWS(ct_point, row.impact.idle, row.force, 3) &&
+             FOLLOWS(ct_point_record, impact.idle, force, 3)
+         ? 1
+         : -1];
+
 /* Store the points of a side; returns the largest of some rows and of theirs. */
 CT_CLONES
 static ct_largest_row store_points(int64_t count, const ct_point *restrict point,
@@ -95,14 +113,12 @@ static ct_largest_row store_points(int64_t count, const ct_point *restrict point
     record->status = (double)(int)point->status;
     record->xi[0] = point->xi[0];
     record->xi[1] = point->xi[1];
-    record->known = point->known;
-    record->start = point->start;
-    record->admitted = point->admitted;
-    record->force_size = point->force_size;
-    record->force = point->row.force;
-    record->impact = point->row.impact;
-    top = record->force > top ? record->force : top;
-    least = record->impact.reserve < least ? record->impact.reserve : least;
+    copy_four(&point->known, &record->known);     // and start, admitted, force_size
+    copy_four(&point->row.force, &record->force); // and reserve, pressed, idle
+    record->impact.stored = point->row.impact.stored;
+    record->impact.release = point->row.impact.release;
+    top = point->row.force > top ? point->row.force : top;
+    least = point->row.impact.reserve < least ? point->row.impact.reserve : least;
   }
   return (ct_largest_row){.force = top, .debt = -least};
 }

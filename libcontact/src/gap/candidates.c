@@ -205,7 +205,7 @@ static int reaches_deepest(const ct_side *side, double near)
       const ct_point *p = &side->points[f * points];
       double deepest = 0.0;
       for (int q = 0; q < points; q++)
-        deepest = depth_of(&p[q]) > deepest ? depth_of(&p[q]) : deepest;
+        if (-p[q].known > deepest && p[q].status == CT_POINT_INSIDE) deepest = -p[q].known;
       if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
     }
   return 1;

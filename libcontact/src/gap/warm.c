@@ -245,6 +245,14 @@ typedef struct lane_group {
   double most;
 } lane_group;
 
+/* The largest of some numbers. Inlined with a known `count`, as below. */
+CT_INLINE double largest_of(int count, const double *numbers)
+{
+  double top = numbers[0];
+  for (int i = 1; i < count; i++) top = numbers[i] > top ? numbers[i] : top;
+  return top;
+}
+
 /* The group that begins with a lane; four times the square of the distance to which each searches
  * is at most `most`. */
 CT_INLINE lane_group group_from(const block *b, int first, const double *most)
@@ -254,8 +262,8 @@ CT_INLINE lane_group group_from(const block *b, int first, const double *most)
   while (!four && g.end < CT_WARM && b->face[g.end] == b->face[first] &&
          b->target[g.end] == b->target[first])
     g.end++;
-  double reach = most[first];
-  for (int l = first + 1; l < g.end; l++) reach = most[l] > reach ? most[l] : reach;
+  const double reach =
+      four ? largest_of(4, &most[first]) : largest_of(g.end - first, &most[first]);
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
   g.most = (0.5 + 1e-12) * sqrt(reach);
   return g;
@@ -276,17 +284,26 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
   return ct_bounds_grown(&box, g->most);
 }
 
+/* Whether some lanes met a face when the faces were listed, and all others were beyond a distance. */
+CT_INLINE int met_alone(const ct_side *side, int64_t number, int count, int32_t face, double reach)
+{
+  const int32_t *met = &side->met[number];
+  const double *distant = &side->distant[number];
+  int alone = 1;
+  for (int l = 0; l < count; l++) alone &= (met[l] == face) & (reach < distant[l]);
+  return alone;
+}
+
 /* Whether no face but its target can be within the reach of a group, by the distances and the
- * motion since the faces were listed (eq:rival-distance). */
+ * motion since the faces were listed (eq:rival-distance). Lanes beyond `count` repeat others. */
 CT_INLINE int has_no_rival(const ct_pass *p, const block *b, const lane_group *g)
 {
   const double reach = (1.0 + 1e-9) * (g->most + p->since);
-  const int end = g->end < b->count ? g->end : b->count;
-  const int32_t *met = &p->side->met[b->number];
-  const double *distant = &p->side->distant[b->number];
-  int none = 1;
-  for (int l = g->first; l < end; l++) none &= (met[l] == b->target[l]) & (reach < distant[l]);
-  return none;
+  const int end = g->end < b->count ? g->end : b->count, count = end - g->first;
+  const int64_t number = b->number + g->first;
+  const int32_t face = b->target[g->first];
+  return count == 4 ? met_alone(p->side, number, 4, face, reach)
+                    : met_alone(p->side, number, count, face, reach);
 }
 
 /* Mark the lanes of a group that are as near to a box as to their closest point. */
