@@ -182,6 +182,7 @@ static double deepest(ct_solver *s)
 
 int ct_active_throws(ct_solver *s)
 {
+  if (s->pieces == NULL && s->dropped_count == 0) return 0;
   double most[2] = {(double)s->dropped_count, ct_largest(s->force, s->count)};
   ct_pieces_largest(s->pieces, most, 2);
   if (most[0] == 0.0 || most[1] == 0.0) return 0;
