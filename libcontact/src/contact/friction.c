@@ -42,7 +42,7 @@ static void count_motion(const ct_friction_call *now, const double *force, ct_fr
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
-/* List the points that have rows in this step. */
+/* List the points that have rows in this step; the last one also fills the rest of its batch. */
 static void list_points(ct_friction_memory *s, const ct_friction_call *now)
 {
   int64_t first = 0;
@@ -56,6 +56,8 @@ static void list_points(ct_friction_memory *s, const ct_friction_call *now)
       }
     s->listed_end[k] = s->listed_count;
   }
+  for (int64_t n = s->listed_count; n > 0 && n % CT_BATCH != 0; n++)
+    s->listed[n] = s->listed[n - 1];
 }
 
 /* Prepare the listed points for the solver, or afterwards store what it found. */
@@ -150,7 +152,7 @@ static ct_status open_state(const ct_interaction *interaction, void **state, ct_
   s->has_axes = !data->rigid || ((const ct_contact_fixed *)interaction->on)->carrier != NULL;
   const size_t points = (size_t)data->points, batches = points / CT_BATCH + 1;
   s->points = ct_pool_take(&s->pool, points, sizeof *s->points);
-  s->listed = ct_pool_take(&s->pool, points, sizeof *s->listed);
+  s->listed = ct_pool_take(&s->pool, CT_BATCH * batches, sizeof *s->listed);
   s->axes = ct_pool_take(&s->pool, batches, sizeof *s->axes);
   s->terms = ct_pool_take(&s->pool, CT_BATCH * batches + nodes, sizeof *s->terms);
   for (size_t j = 0; j < points && !s->pool.failed; j++) s->points[j].of = &s->slips;

@@ -13,7 +13,6 @@
  * ξ, and x₃ - x₀ and x₂ - x₁ along η; else their nodes, with the derivatives of their shape
  * functions. */
 typedef struct frames {
-  int quads;
   double xi[2][CT_BATCH], ends[2][2][CT_BATCH]; /* ¼ (1 - ξ) and ¼ (1 + ξ), the same for η */
   double x[8][3][CT_BATCH], dN[8][2][CT_BATCH], t[3][3][CT_BATCH];
 } frames;
@@ -34,12 +33,12 @@ CT_INLINE void load_edges(const ct_search *search, int32_t face, int lane, int l
 }
 
 /* The face of one lane. */
-CT_INLINE void load_face(const ct_search *search, int32_t face, const double xi[2], int lane,
-                         frames *f)
+CT_INLINE void load_face(int quads, const ct_search *search, int32_t face, const double xi[2],
+                         int lane, frames *f)
 {
   double dN[8][2];
   for (int i = 0; i < 2; i++) f->xi[i][lane] = xi[i];
-  if (f->quads) {
+  if (quads) {
     load_edges(search, face, lane, 1, f);
     return;
   }
@@ -55,18 +54,17 @@ CT_INLINE void load_face(const ct_search *search, int32_t face, const double xi[
  * η, and the reverse. Sets `ends`. */
 CT_INLINE void find_quad_tangents(frames *f)
 {
-  for (int i = 0; i < 2; i++)
 #pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++) {
-      f->ends[i][0][l] = 0.25 * (1.0 - f->xi[i][l]);
-      f->ends[i][1][l] = 0.25 * (1.0 + f->xi[i][l]);
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double xi = f->xi[0][l], eta = f->xi[1][l], left = 0.25 * (1.0 - xi),
+                 right = 0.25 * (1.0 + xi), low = 0.25 * (1.0 - eta), high = 0.25 * (1.0 + eta);
+    f->ends[0][0][l] = left, f->ends[0][1][l] = right;
+    f->ends[1][0][l] = low, f->ends[1][1][l] = high;
+    for (int c = 0; c < 3; c++) {
+      f->t[0][c][l] = low * f->x[0][c][l] + high * f->x[1][c][l];
+      f->t[1][c][l] = left * f->x[2][c][l] + right * f->x[3][c][l];
     }
-  for (int i = 0; i < 2; i++)
-    for (int c = 0; c < 3; c++)
-#pragma omp simd
-      for (int l = 0; l < CT_BATCH; l++)
-        f->t[i][c][l] =
-            f->ends[1 - i][0][l] * f->x[2 * i][c][l] + f->ends[1 - i][1][l] * f->x[2 * i + 1][c][l];
+  }
 }
 
 /* The same for other faces, paired so that a flipped face gives the same bits (eq:tree-sum). */
@@ -93,29 +91,39 @@ CT_INLINE double dot(double (*const a)[CT_BATCH], double (*const b)[CT_BATCH], i
 CT_INLINE void find_dual(frames *f, ct_face_axes *axes)
 {
   static const double PARALLEL = 1e-14;
-  double has[CT_BATCH], (*t0)[CT_BATCH] = f->t[0], (*t1)[CT_BATCH] = f->t[1],
-                        (*n)[CT_BATCH] = f->t[2], (*dual)[3][CT_BATCH] = axes->a;
-  for (int c = 0; c < 3; c++) {
-    const int d = (c + 1) % 3, e = (c + 2) % 3;
-#pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++) n[c][l] = t0[d][l] * t1[e][l] - t0[e][l] * t1[d][l];
-  }
-#pragma omp simd
+  double has[CT_BATCH], all = 1.0, (*t0)[CT_BATCH] = f->t[0], (*t1)[CT_BATCH] = f->t[1];
+#pragma omp simd reduction(min : all)
   for (int l = 0; l < CT_BATCH; l++) {
-    const double m11 = dot(t0, t0, l), m22 = dot(t1, t1, l), m12 = dot(t0, t1, l),
-                 det = m11 * m22 - m12 * m12, size = sqrt(dot(n, n, l));
-    has[l] = size > PARALLEL * sqrt(m11 * m22) && size < HUGE_VAL ? 1.0 : 0.0;
+    double n[3];
     for (int c = 0; c < 3; c++) {
-      n[c][l] = n[c][l] / size;
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      n[c] = t0[d][l] * t1[e][l] - t0[e][l] * t1[d][l];
+    }
+    const double m11 = dot(t0, t0, l), m22 = dot(t1, t1, l), m12 = dot(t0, t1, l),
+                 det = m11 * m22 - m12 * m12,
+                 size = sqrt((n[0] * n[0] + n[1] * n[1]) + n[2] * n[2]),
+                 finite = size < HUGE_VAL ? 1.0 : 0.0,
+                 own = size > PARALLEL * sqrt(m11 * m22) ? finite : 0.0;
+    has[l] = own;
+    all = own < all ? own : all;
+    for (int c = 0; c < 3; c++) {
       // -- a^i = m^{ij} t_j, with the inverse of a matrix of two rows (eq:friction-components)
-      dual[0][c][l] = (m22 * t0[c][l] - m12 * t1[c][l]) / det;
-      dual[1][c][l] = (m11 * t1[c][l] - m12 * t0[c][l]) / det;
+      axes->a[0][c][l] = (m22 * t0[c][l] - m12 * t1[c][l]) / det;
+      axes->a[1][c][l] = (m11 * t1[c][l] - m12 * t0[c][l]) / det;
+      axes->a[2][c][l] = f->t[2][c][l] = n[c] / size;
     }
   }
-  for (int l = 0; l < CT_BATCH; l++)
-    for (int c = 0; c < 3 && has[l] == 0.0; c++)
-      n[c][l] = t0[c][l] = t1[c][l] = dual[0][c][l] = dual[1][c][l] = 0.0;
-  memcpy(dual[2], n, sizeof dual[2]);
+  for (int l = 0; l < CT_BATCH && all == 0.0; l++)
+    for (int c = 0; c < 9 && has[l] == 0.0; c++)
+      f->t[c / 3][c % 3][l] = axes->a[c / 3][c % 3][l] = 0.0;
+}
+
+/* The frames of all lanes. */
+CT_INLINE void find_frames(int quads, frames *f, ct_face_axes *axes)
+{
+  if (quads) find_quad_tangents(f);
+  else find_tangents(f);
+  find_dual(f, axes);
 }
 
 /* The weights of the couple (eq:slip-row), `stride` numbers apart. */
@@ -133,15 +141,15 @@ CT_INLINE void weigh(const frames *f, const ct_face_axes *axes, int64_t stride, 
 /* The same for faces with four nodes. */
 CT_INLINE void weigh_quads(const frames *f, const ct_face_axes *axes, int64_t stride, double *w)
 {
-  for (int c = 0; c < 3; c++, w += stride)
 #pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++) {
+  for (int l = 0; l < CT_BATCH; l++)
+    for (int c = 0; c < 3; c++) {
       const double a = axes->a[0][c][l], b = axes->a[1][c][l], low = f->ends[1][0][l] * a,
                    high = f->ends[1][1][l] * a, left = f->ends[0][0][l] * b,
                    right = f->ends[0][1][l] * b;
       // -- w_b = Σ_i ∂_i N̄_b a^i (eq:slip-row)
-      w[l] = -(low + left), w[3 * stride + l] = low - right;
-      w[6 * stride + l] = high + right, w[9 * stride + l] = left - high;
+      w[stride * c + l] = -(low + left), w[stride * (3 + c) + l] = low - right;
+      w[stride * (6 + c) + l] = high + right, w[stride * (9 + c) + l] = left - high;
     }
 }
 
@@ -165,32 +173,31 @@ enum {
 CT_INLINE void recall(double (*const t)[3][CT_BATCH], double (*const n)[CT_BATCH],
                       double (*const of)[CT_BATCH], int64_t stride, double *slip)
 {
-  double e[3][CT_BATCH];
-  for (int c = 0; c < 3; c++)
-#pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++)
-      e[c][l] = t == NULL ? of[c][l]
-                          : (of[0][l] * t[0][c][l] + of[1][l] * t[1][c][l]) + of[2][l] * t[2][c][l];
 #pragma omp simd
   for (int l = 0; l < CT_BATCH; l++) {
-    const double along = dot(n, e, l);
-    for (int c = 0; c < 3; c++) e[c][l] -= along * n[c][l];
-    const double length = sqrt(dot(e, e, l)), some = length > 0.0 ? length : 1.0,
-                 part = of[3][l] / some;
+    double e[3];
+    for (int c = 0; c < 3; c++)
+      e[c] = t == NULL ? of[c][l]
+                       : (of[0][l] * t[0][c][l] + of[1][l] * t[1][c][l]) + of[2][l] * t[2][c][l];
+    const double along = (n[0][l] * e[0] + n[1][l] * e[1]) + n[2][l] * e[2];
+    for (int c = 0; c < 3; c++) e[c] -= along * n[c][l];
+    const double length = sqrt((e[0] * e[0] + e[1] * e[1]) + e[2] * e[2]),
+                 some = length > 0.0 ? length : 1.0, part = of[3][l] / some;
     // -- The length stays (eq:friction-turn)
-    for (int c = 0; c < 3; c++) slip[stride * c + l] = e[c][l] * part;
+    for (int c = 0; c < 3; c++) slip[stride * c + l] = e[c] * part;
   }
 }
 
-/* Eight points that are prepared together; the last of fewer fills all other lanes. */
+/* Eight points that are prepared together; the last of fewer fills all other lanes. Numbers first:
+ * so all of them are aligned. */
 typedef struct batch {
-  int count; /* of these points */
-  ct_friction_point at[CT_BATCH];
   double other[CT_BATCH];                    /* faces of the partners, as in a record */
   double last[CT_FRICTION_RECORD][CT_BATCH]; /* records, with OTHER 0 where nothing is recalled */
   double n[4][CT_BATCH], d[4][CT_BATCH]; /* normals of the rows, from the points to their partners,
                                             and what stands behind these */
   frames now, then;                      /* of the partners now; and where slips were stored */
+  const ct_friction_point *at;
+  int count; /* of these points */
 } batch;
 
 /* Forget what is not of a partner, lane by lane. */
@@ -222,10 +229,8 @@ CT_INLINE void load_batch(const ct_friction_call *now, const ct_friction_memory 
   const int64_t left = s->listed_count - first;
   const int rigid = now->data->rigid;
   b->count = left < CT_BATCH ? (int)left : CT_BATCH;
-  for (int l = 0; l < CT_BATCH; l++) {
-    b->at[l] = s->listed[first + (l < b->count ? l : b->count - 1)];
-    b->other[l] = rigid ? 1.0 : b->at[l].point->other + 1.0;
-  }
+  b->at = &s->listed[first];
+  for (int l = 0; l < CT_BATCH; l++) b->other[l] = rigid ? 1.0 : b->at[l].point->other + 1.0;
   for (int l = 0; l < CT_BATCH; l += 4) {
     const double *normal[4], *d[4], *record[4];
     for (int k = 0; k < 4; k++) {
@@ -279,16 +284,16 @@ CT_INLINE int have_changed(const batch *b)
  * whether there are such. */
 CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
 {
-  b->now.quads = now->data->quads;
+  const int quads = now->data->quads;
   // Other faces may have fewer nodes than there are places.
-  if (!b->now.quads) memset(&b->now, 0, sizeof b->now);
+  if (!quads) memset(&b->now, 0, sizeof b->now);
   for (int l = 0; l < CT_BATCH; l++) {
     const ct_search *other = ct_friction_other(now, b->at[l].s);
-    if (b->now.quads && l % 4 == 0 && meet_one_face(b, l)) {
+    if (quads && l % 4 == 0 && meet_one_face(b, l)) {
       load_four(other, b, l, &b->now);
       l += 3;
     } else {
-      load_face(other, b->at[l].point->other, b->at[l].point->xi, l, &b->now);
+      load_face(quads, other, b->at[l].point->other, b->at[l].point->xi, l, &b->now);
     }
   }
   if (!have_changed(b)) return 0;
@@ -297,31 +302,21 @@ CT_INLINE int load_frames(const ct_friction_call *now, batch *b)
     const int32_t face = (int32_t)b->last[OTHER][l] - 1;
     const double place[2] = {b->last[PLACE][l], b->last[PLACE + 1][l]};
     if (face >= 0 && face != b->at[l].point->other)
-      load_face(ct_friction_other(now, b->at[l].s), face, place, l, &b->then);
+      load_face(quads, ct_friction_other(now, b->at[l].s), face, place, l, &b->then);
   }
   return 1;
 }
 
-/* The frames of all lanes. */
-CT_INLINE void find_frames(int quads, frames *f, ct_face_axes *axes)
-{
-  if (quads) find_quad_tangents(f);
-  else find_tangents(f);
-  find_dual(f, axes);
-}
-
-/* Frames and weights of the couples of all lanes; returns the frames in which slips were stored. */
-CT_INLINE frames *find_all_frames(int quads, int changed, const ct_friction_memory *s,
-                                  int64_t first, batch *b)
+/* Frames of all lanes, now and where slips were stored, and weights of the couples. */
+CT_INLINE void find_all_frames(int quads, int changed, const ct_friction_memory *s, int64_t first,
+                               batch *b)
 {
   ct_face_axes *axes = &s->axes[first / CT_BATCH], unused;
   double *w = ct_friction_numbers(s, CT_SLIP_WEIGHT, first);
   find_frames(quads, &b->now, axes);
   if (quads) weigh_quads(&b->now, axes, s->slips.stride, w);
   else weigh(&b->now, axes, s->slips.stride, w);
-  if (!changed) return &b->now;
-  find_frames(quads, &b->then, &unused);
-  return &b->then;
+  if (changed) find_frames(quads, &b->then, &unused);
 }
 
 /* The axes of an obstacle that a body carries turn with it. */
@@ -383,39 +378,38 @@ void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int
   ct_face_axes *axes = &s->axes[first / CT_BATCH];
   if (now->data->rigid) {
     if (s->has_axes) turn_axes(now->at->on, axes);
-    find_slips(s->has_axes ? axes->a : NULL, s, first, &b);
+    if (s->has_axes) find_slips(axes->a, s, first, &b);
+    else find_slips(NULL, s, first, &b);
   } else {
     const int changed = load_frames(now, &b);
-    if (b.now.quads) find_slips(find_all_frames(1, changed, s, first, &b)->t, s, first, &b);
-    else find_slips(find_all_frames(0, changed, s, first, &b)->t, s, first, &b);
+    if (now->data->quads) find_all_frames(1, changed, s, first, &b);
+    else find_all_frames(0, changed, s, first, &b);
+    find_slips(changed ? b.then.t : b.now.t, s, first, &b);
   }
   for (int c = 0; c < 3 && !(now->at->before > 0.0); c++)
     memcpy(ct_friction_numbers(s, CT_SLIP_FORCE + c, first), b.last[FORCE + c],
            sizeof b.last[FORCE + c]);
 }
 
-/* Components of eight slips along the axes of their faces, or null: those of space; and their
- * lengths. */
-CT_INLINE void keep(const double *e, int64_t stride, const ct_face_axes *axes,
+/* Components of eight slips along the axes of their faces, or if `turned` is 0 those of space; and
+ * their lengths. */
+CT_INLINE void keep(int turned, const double *e, int64_t stride, const ct_face_axes *axes,
                     double (*restrict to)[CT_BATCH])
 {
-  const double *x = e, *y = e + stride, *z = e + 2 * stride;
-  for (int i = 0; i < 3 && axes == NULL; i++) memcpy(to[i], e + stride * i, sizeof to[i]);
-  for (int i = 0; i < 3 && axes != NULL; i++)
 #pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++)
-      to[i][l] = (x[l] * axes->a[i][0][l] + y[l] * axes->a[i][1][l]) + z[l] * axes->a[i][2][l];
-#pragma omp simd
-  for (int l = 0; l < CT_BATCH; l++) to[3][l] = sqrt((x[l] * x[l] + y[l] * y[l]) + z[l] * z[l]);
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double x = e[l], y = e[stride + l], z = e[2 * stride + l];
+    to[0][l] = turned ? (x * axes->a[0][0][l] + y * axes->a[0][1][l]) + z * axes->a[0][2][l] : x;
+    to[1][l] = turned ? (x * axes->a[1][0][l] + y * axes->a[1][1][l]) + z * axes->a[1][2][l] : y;
+    to[2][l] = turned ? (x * axes->a[2][0][l] + y * axes->a[2][1][l]) + z * axes->a[2][2][l] : z;
+    to[3][l] = sqrt((x * x + y * y) + z * z);
+  }
 }
 
-/* The largest components of eight vectors. */
-CT_INLINE void find_largest(const double *v, int64_t stride, double *restrict largest)
+/* The largest component of a vector in a lane. */
+CT_INLINE double largest(const double *v, int64_t stride, int l)
 {
-  const double *x = v, *y = v + stride, *z = v + 2 * stride;
-#pragma omp simd
-  for (int l = 0; l < CT_BATCH; l++)
-    largest[l] = ct_larger(ct_larger(fabs(x[l]), fabs(y[l])), fabs(z[l]));
+  return ct_larger(ct_larger(fabs(v[l]), fabs(v[stride + l])), fabs(v[2 * stride + l]));
 }
 
 /* The weights of the couples of eight points, for the nodes of the other face, and a bound of the
@@ -423,20 +417,21 @@ CT_INLINE void find_largest(const double *v, int64_t stride, double *restrict la
 CT_INLINE void find_turns(int nodes, const double *of, int64_t stride, double *restrict turn,
                           double *restrict most)
 {
-  const double *T = of + stride * CT_SLIP_FORCE, *w = of + stride * CT_SLIP_WEIGHT;
-  double top[CT_BATCH] = {0.0}, arm[CT_BATCH];
-  find_largest(T, stride, most);
-  if (nodes == 0) return;
-  find_largest(of + stride * CT_SLIP_LEVER, stride, arm);
-  for (int b = 0; b < nodes; b++, turn += stride, w += 3 * stride)
+  const double *T = of + stride * CT_SLIP_FORCE, *w = of + stride * CT_SLIP_WEIGHT,
+               *d = of + stride * CT_SLIP_LEVER;
 #pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++) {
-      turn[l] =
-          (w[l] * T[l] + w[stride + l] * T[stride + l]) + w[2 * stride + l] * T[2 * stride + l];
-      top[l] = ct_larger(fabs(turn[l]), top[l]);
+  for (int l = 0; l < CT_BATCH; l++) {
+    double top = 0.0;
+    for (int b = 0; b < nodes; b++) {
+      const double *v = w + 3 * stride * b;
+      const double own =
+          (v[l] * T[l] + v[stride + l] * T[stride + l]) + v[2 * stride + l] * T[2 * stride + l];
+      turn[stride * b + l] = own;
+      top = ct_larger(fabs(own), top);
     }
-#pragma omp simd
-  for (int l = 0; l < CT_BATCH; l++) most[l] = ct_larger(top[l] * arm[l], most[l]);
+    const double force = largest(T, stride, l);
+    most[l] = nodes == 0 ? force : ct_larger(top * largest(d, stride, l), force);
+  }
 }
 
 /* The records of eight points but for their partners. */
@@ -448,11 +443,11 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
   const ct_face_axes *axes = &s->axes[first / CT_BATCH];
   double *turn = &s->turn[first], *most = &s->terms[first];
   if (!s->has_axes) {
-    keep(of + stride * CT_SLIP_E, stride, NULL, &record[E]);
-    keep(of + stride * CT_SLIP_BEFORE, stride, NULL, &record[BEFORE]);
+    keep(0, of + stride * CT_SLIP_E, stride, axes, &record[E]);
+    keep(0, of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
   } else {
-    keep(of + stride * CT_SLIP_E, stride, axes, &record[E]);
-    keep(of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
+    keep(1, of + stride * CT_SLIP_E, stride, axes, &record[E]);
+    keep(1, of + stride * CT_SLIP_BEFORE, stride, axes, &record[BEFORE]);
   }
   if (nodes == 0) find_turns(0, of, stride, turn, most);
   else if (nodes == 4) find_turns(4, of, stride, turn, most);
@@ -463,28 +458,26 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
     memcpy(record[FORCE + c], of + stride * (CT_SLIP_FORCE + c), sizeof record[FORCE + c]);
 }
 
-/* Whether a face has axes in lane `l`. */
-static int has_axes(const ct_face_axes *axes, int l)
-{
-  return axes->a[2][0][l] != 0.0 || axes->a[2][1][l] != 0.0 || axes->a[2][2][l] != 0.0;
-}
-
 /* The partners of eight points in their records; a record without a partner is 0. */
-CT_INLINE void find_partners(const ct_friction_call *now, const ct_friction_memory *s,
-                             int64_t first, int count, double (*record)[CT_BATCH],
-                             double *next[CT_BATCH])
+CT_INLINE void find_partners(int rigid, const ct_friction_point *at, const ct_face_axes *axes,
+                             double (*record)[CT_BATCH])
 {
-  const int rigid = now->data->rigid;
-  for (int l = 0; l < count; l++) {
-    const ct_point *point = s->listed[first + l].point;
-    next[l] = &now->at->next_memory[CT_FRICTION_RECORD * s->listed[first + l].j];
-    if (point->row.force > 0.0 && (rigid || has_axes(&s->axes[first / CT_BATCH], l))) {
-      record[OTHER][l] = rigid ? 1.0 : (double)point->other + 1.0;
-      for (int i = 0; i < 2; i++) record[PLACE + i][l] = rigid ? 0.0 : point->xi[i];
-    } else {
-      for (int i = 0; i < CT_FRICTION_RECORD; i++) record[i][l] = 0.0;
-    }
+  double force[CT_BATCH], some[CT_BATCH], all = 1.0;
+  for (int l = 0; l < CT_BATCH; l++) {
+    const ct_point *point = at[l].point;
+    force[l] = point->row.force;
+    record[OTHER][l] = rigid ? 1.0 : (double)point->other + 1.0;
+    for (int i = 0; i < 2; i++) record[PLACE + i][l] = rigid ? 0.0 : point->xi[i];
   }
+#pragma omp simd reduction(min : all)
+  for (int l = 0; l < CT_BATCH; l++) {
+    const double size = (fabs(axes->a[2][0][l]) + fabs(axes->a[2][1][l])) + fabs(axes->a[2][2][l]),
+                 face = rigid || size > 0.0 ? 1.0 : 0.0, own = force[l] > 0.0 ? face : 0.0;
+    some[l] = own;
+    all = own < all ? own : all;
+  }
+  for (int l = 0; l < CT_BATCH && all == 0.0; l++)
+    for (int i = 0; i < CT_FRICTION_RECORD && some[l] == 0.0; i++) record[i][l] = 0.0;
 }
 
 /* Write four records, number after number. */
@@ -501,14 +494,18 @@ CT_INLINE void write_four(double (*const record)[CT_BATCH], int l, double *const
 CT_CLONES
 void ct_friction_store(const ct_friction_call *now, ct_friction_memory *s, int64_t first)
 {
-  double record[CT_FRICTION_RECORD][CT_BATCH], unused[CT_FRICTION_RECORD], *next[CT_BATCH];
-  const int64_t left = s->listed_count - first;
-  const int count = left < CT_BATCH ? (int)left : CT_BATCH;
-  for (int l = count; l < CT_BATCH; l++) {
-    next[l] = unused;
-    record[OTHER][l] = record[PLACE][l] = record[PLACE + 1][l] = 0.0;
-  }
+  double record[CT_FRICTION_RECORD][CT_BATCH], unused[CT_FRICTION_RECORD];
+  const ct_friction_point *at = &s->listed[first];
+  const ct_face_axes *axes = &s->axes[first / CT_BATCH];
   find_records(s, first, record);
-  find_partners(now, s, first, count, record, next);
-  for (int l = 0; l < CT_BATCH; l += 4) write_four(record, l, &next[l]);
+  if (now->data->rigid) find_partners(1, at, axes, record);
+  else find_partners(0, at, axes, record);
+  for (int l = 0; l < CT_BATCH; l += 4) {
+    double *next[4];
+    for (int k = 0; k < 4; k++)
+      next[k] = first + l + k < s->listed_count
+                    ? &now->at->next_memory[CT_FRICTION_RECORD * at[l + k].j]
+                    : unused;
+    write_four(record, l, next);
+  }
 }
