@@ -125,14 +125,15 @@ CT_INLINE void relative_four(int32_t other, int i, const int32_t *place, const d
   for (int c = 0; c < 3; c++) out[c] -= along * n[c];
 }
 
-/* The four rows from `j` on. */
-CT_INLINE void move_four(int32_t other, const ct_tangent *t, int64_t j, const double *x,
-                         const ct_columns *to, double *gaps)
+/* The four rows from `j` on, with the places of their nodes and their numbers. */
+CT_INLINE void move_four(int32_t other, const int32_t *place, const double *lanes,
+                         const ct_columns *normal, int64_t j, const double *x, const ct_columns *to,
+                         double *gaps)
 {
   for (int i = 0; i < PARTS; i++) {
     ct_quad n[3], out[3], gap;
-    for (int c = 0; c < 3; c++) n[c] = ACROSS(((const ct_quad *)&t->normal.x[c][j])[i]);
-    relative_four(other, i, t->rows[j].place, &t->lanes[LANES * j], n, x, out, &gap);
+    for (int c = 0; c < 3; c++) n[c] = ACROSS(((const ct_quad *)&normal->x[c][j])[i]);
+    relative_four(other, i, place, lanes, n, x, out, &gap);
     for (int c = 0; c < 3; c++) ((ct_quad *)&to->x[c][j])[i] = BACK(out[c]);
     if (gaps != NULL) ((ct_quad *)&gaps[j])[i] = BACK(gap);
   }
@@ -192,10 +193,16 @@ CT_INLINE void move_row(const ct_tangent *t, int64_t j, const double *x, const c
 CT_CLONES
 static void move_rows(const ct_tangent *t, const double *x, const ct_columns *out, double *gaps)
 {
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together)
-    if (t->rows[j].together == 1) move_row(t, j, x, out, gaps);
-    else if (t->rows[j].row->other_count == 4) move_four(4, t, j, x, out, gaps);
-    else move_four(0, t, j, x, out, gaps);
+  const ct_columns normal = t->normal,
+                   to = *out; // local: no number that is written is part of them
+  const ct_tangent_row *r = t->rows, *end = r + t->count;
+  const double *lanes = t->lanes;
+  for (int64_t j = 0, rows; r < end; j += rows, r += rows, lanes += LANES * rows) {
+    rows = r->together;
+    if (rows == 1) move_row(t, j, x, &to, gaps);
+    else if (r->row->other_count == 4) move_four(4, r->place, lanes, &normal, j, x, &to, gaps);
+    else move_four(0, r->place, lanes, &normal, j, x, &to, gaps);
+  }
 }
 
 void ct_tangent_motion(const ct_tangent *t, const double *x, const ct_columns *out)
@@ -289,23 +296,28 @@ CT_INLINE void add_four(double coarse, int32_t other, const int32_t *place, cons
   }
 }
 
-CT_INLINE void push_four(double coarse, const ct_tangent *t, int64_t j)
+CT_INLINE void push_four(double coarse, int32_t other, const int32_t *place, const double *lanes,
+                         const ct_columns *from, int64_t j, double *sums)
 {
   ct_quad T[3 * PARTS];
   for (int k = 0; k < 3 * PARTS; k++)
-    T[k] = ACROSS(((const ct_quad *)&t->T.x[k / PARTS][j])[k % PARTS]);
-  const int32_t *place = t->rows[j].place;
-  const double *lanes = &t->lanes[LANES * j];
-  if (t->rows[j].row->other_count == 4) add_four(coarse, 4, place, lanes, T, t->sums);
-  else add_four(coarse, 0, place, lanes, T, t->sums);
+    T[k] = ACROSS(((const ct_quad *)&from->x[k / PARTS][j])[k % PARTS]);
+  add_four(coarse, other, place, lanes, T, sums);
 }
 
 CT_CLONES
 static void push_rows(double coarse, const ct_tangent *t)
 {
-  for (int64_t j = 0; j < t->count; j += t->rows[j].together)
-    if (t->rows[j].together == 4) push_four(coarse, t, j);
-    else push_row(coarse, t, j);
+  const ct_columns T = t->T; // local, as in move_rows
+  const ct_tangent_row *r = t->rows, *end = r + t->count;
+  const double *lanes = t->lanes;
+  double *sums = t->sums;
+  for (int64_t j = 0, rows; r < end; j += rows, r += rows, lanes += LANES * rows) {
+    rows = r->together;
+    if (rows == 1) push_row(coarse, t, j);
+    else if (r->row->other_count == 4) push_four(coarse, 4, r->place, lanes, &T, j, sums);
+    else push_four(coarse, 0, r->place, lanes, &T, j, sums);
+  }
 }
 
 /* The sums of all pieces. */

@@ -64,17 +64,20 @@ CT_INLINE void add_theirs(int count, const ct_grid *grid, const int32_t *node,
                           const ct_point *point, double (*const T)[4], double (*const lever)[4],
                           const double *turn, int64_t stride, const ct_heap *heap)
 {
+  const ct_grid g = *grid;
   for (int b = 0; b < count; b++, turn += stride) {
     double *coarse = &heap->coarse_sum[3 * (int64_t)node[b]],
-           *fine = &heap->fine_sum[3 * (int64_t)node[b]], v[4][4];
-    for (int q = 0; q < 4; q++)
-#pragma omp simd
-      for (int c = 0; c < 4; c++)
-        // -- -N̄_b T - (w_b · T) d (eq:slip-row)
-        v[q][c] = -(point[q].N[b] * T[q][c]) - turn[q] * lever[q][c];
-#pragma omp simd
-    for (int c = 0; c < 4; c++)
-      ct_grid_add(grid, (v[0][c] + v[3][c]) + (v[1][c] + v[2][c]), &coarse[c], &fine[c]);
+           *fine = &heap->fine_sum[3 * (int64_t)node[b]];
+    for (int i = 0; i < CT_QUAD_PARTS; i++) {
+      ct_quad v[4];
+      for (int q = 0; q < 4; q++)
+        // -- N̄_b T + (w_b · T) d, taken off the other face (eq:slip-row)
+        v[q] =
+            point[q].N[b] * ((const ct_quad *)T[q])[i] + turn[q] * ((const ct_quad *)lever[q])[i];
+      const ct_quad x = (v[0] + v[3]) + (v[1] + v[2]), most = (x + g.coarse) - g.coarse;
+      ((ct_quad *)coarse)[i] -= most;
+      ((ct_quad *)fine)[i] -= ((x - most) + g.fine) - g.fine;
+    }
   }
 }
 
@@ -89,8 +92,8 @@ CT_INLINE void add_four(const ct_friction_call *now, const ct_grid *grid, int64_
   load_vectors(ct_friction_numbers(s, CT_SLIP_FORCE, n), stride, T);
   for (int q = 0; q < 4; q++) N[q] = point[q].row.own_shape;
   // -- N_a T on the own face (eq:slip-row)
-  const int own = to->own.count;
-  ct_heap_add_four(own == 4 ? 4 : own, grid, point->row.own, N, 1.0, T, &to->own);
+  if (to->own.count == 4) ct_heap_add_four(4, grid, point->row.own, N, 1.0, T, &to->own);
+  else ct_heap_add_four(to->own.count, grid, point->row.own, N, 1.0, T, &to->own);
   if (now->data->rigid) return;
   const int32_t *node = ct_side_row_nodes(to->other, point->other);
   const int count = to->theirs.count;
