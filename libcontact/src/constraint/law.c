@@ -429,7 +429,8 @@ void ct_law_leave(ct_constraint *c, double dt)
 
 void ct_law_divide(const ct_constraint *c, double part, ct_impact *memory)
 {
-  const double last = c->gap - c->before, bend = c->after - 2.0 * c->gap + c->before;
+  const double last = c->gap - c->before, obstacle = c->moved - c->came,
+               bend = c->after - 2.0 * c->gap + c->before - obstacle;
   // -- g'_{n-1}, one smaller step before (eq:divided-work)
   const double before = c->gap - part * (last + 0.5 * (1.0 - part) * bend);
   ct_constraint then = {.restitution = c->restitution, .impact = *memory};
