@@ -16,9 +16,8 @@ static const ct_run_settings TWO = {.threads = 2};
 static inline block open_body(ct_solid_body b)
 {
   block solid = {NULL, NULL};
-  ct_error e;
-  need(create_solid(&b, 1, &solid.effect, &e), &e);
-  need(solid.effect->calls->create_scratch(solid.effect, &solid.scratch, &e), &e);
+  must(create_solid, &b, 1, &solid.effect);
+  must(solid.effect->calls->create_scratch, solid.effect, &solid.scratch);
   return solid;
 }
 
@@ -39,9 +38,8 @@ static inline double block_force(const block *solid, const double *u, double *f)
 {
   ct_view view = {.displacement = u, .scratch = solid->scratch};
   double energy = NAN;
-  ct_error e;
-  need(solid->effect->calls->force(solid->effect, &view, f, &e), &e);
-  need(solid->effect->calls->energy(solid->effect, &view, &energy, &e), &e);
+  must(solid->effect->calls->force, solid->effect, &view, f);
+  must(solid->effect->calls->energy, solid->effect, &view, &energy);
   return energy;
 }
 
@@ -49,8 +47,7 @@ static inline double block_frequency(const block *solid)
 {
   ct_view view = {.scratch = solid->scratch};
   double omega_squared = NAN;
-  ct_error e;
-  need(solid->effect->calls->bounds.omega2(solid->effect, &view, &omega_squared, &e), &e);
+  must(solid->effect->calls->bounds.omega2, solid->effect, &view, &omega_squared);
   return omega_squared;
 }
 
@@ -67,13 +64,12 @@ static inline double reference_force(const ct_mesh *m, const ct_material *materi
 {
   int per = ct_brick_node_count(m->kind);
   double total = 0.0;
-  ct_error e;
   memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
   for (int el = 0; el < m->element_count; el++) {
     double x[60], v[60], g[60], energy;
     take_element(m, el, m->nodes, x);
     take_element(m, el, u, v);
-    need(ct_solid_element_force(m->kind, x, v, material, g, &energy, &e), &e);
+    must(ct_solid_element_force, m->kind, x, v, material, g, &energy);
     for (int a = 0; a < per; a++)
       for (int c = 0; c < 3; c++) f[3 * m->elements[el * per + a] + c] += g[3 * a + c];
     total += energy;

@@ -74,6 +74,13 @@ static inline void need(ct_status status, const ct_error *error)
   exit(1);
 }
 
+/* Such a call of the library: its name and all arguments but the last one, the error. */
+#define must(call, ...)                        \
+  do {                                         \
+    ct_error error_;                           \
+    need(call(__VA_ARGS__, &error_), &error_); \
+  } while (0)
+
 static inline void *room(int64_t count, size_t size)
 {
   void *memory = calloc((size_t)(count > 0 ? count : 1), size);
@@ -97,9 +104,8 @@ static inline int32_t *integers(int64_t count) { return room(count, sizeof(int32
 
 static inline ct_mesh *mesh_of(ct_brick_kind kind, ct_box box)
 {
-  ct_error error;
   ct_mesh *mesh = NULL;
-  need(ct_mesh_create_box(kind, &box, &mesh, &error), &error);
+  must(ct_mesh_create_box, kind, &box, &mesh);
   return mesh;
 }
 
@@ -212,9 +218,8 @@ static inline void turn_elements(ct_mesh *mesh)
 static inline ct_mesh *mirror_mesh(const ct_mesh *mesh, int axis)
 {
   ct_mesh *image = NULL;
-  ct_error error;
   int per = ct_brick_node_count(mesh->kind);
-  need(ct_mesh_create_copy(mesh, &image, &error), &error);
+  must(ct_mesh_create_copy, mesh, &image);
   for (int n = 0; n < mesh->node_count; n++)
     image->nodes[3 * n + axis] = -mesh->nodes[3 * n + axis];
   for (int e = 0; e < mesh->element_count; e++)
@@ -239,11 +244,10 @@ static inline int64_t mirror_faults(const double *v, const double *w, int64_t no
  */
 static inline ct_mesh *shuffle_mesh(const ct_mesh *m, int32_t *to)
 {
-  ct_error e;
   ct_mesh *out;
   int per = ct_brick_node_count(m->kind);
   int32_t *at = integers(m->element_count);
-  need(ct_mesh_create_copy(m, &out, &e), &e);
+  must(ct_mesh_create_copy, m, &out);
   for (int32_t n = 0; n < m->node_count; n++) {
     int32_t k = pick(n + 1);
     to[n] = to[k];
@@ -291,11 +295,10 @@ static inline probe probe_open(const ct_problem *problem)
   probe p = {problem, room(problem->effect_count, sizeof(void *)), NULL, NULL,
              numbers(3 * (int64_t)problem->node_count)};
   int64_t memory = 0;
-  ct_error error;
   for (int k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->calls->create_scratch != NULL)
-      need(effect->calls->create_scratch(effect, &p.scratch[k], &error), &error);
+      must(effect->calls->create_scratch, effect, &p.scratch[k]);
     memory += effect->memory_count;
   }
   p.memory = numbers(memory);
@@ -317,7 +320,6 @@ static inline void probe_close(probe *p)
 static inline void probe_force(probe *p, const double *u, double *sum)
 {
   int64_t memory = 0;
-  ct_error error;
   memset(sum, 0, 3 * (size_t)p->problem->node_count * sizeof *sum);
   for (int k = 0; k < p->problem->effect_count; k++) {
     const ct_effect *effect = p->problem->effects[k];
@@ -330,7 +332,7 @@ static inline void probe_force(probe *p, const double *u, double *sum)
                     .scratch = p->scratch[k]};
     for (int j = 0; j < k; j++)
       if (p->problem->effects[j] == effect->reads) view.read = p->scratch[j];
-    need(effect->calls->force(effect, &view, p->force, &error), &error);
+    must(effect->calls->force, effect, &view, p->force);
     for (int i = 0; i < effect->node_count; i++)
       for (int c = 0; c < 3; c++)
         sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
@@ -406,8 +408,7 @@ static inline double jacobi_largest(int n, double *A)
 static inline ct_scene *new_scene(void)
 {
   ct_scene *scene = NULL;
-  ct_error error;
-  need(ct_scene_create(&scene, &error), &error);
+  must(ct_scene_create, &scene);
   return scene;
 }
 
@@ -422,8 +423,7 @@ static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh 
                        .kernel = kernel,
                        .velocity = {vx, vy, vz}};
   int32_t body = -1;
-  ct_error error;
-  need(ct_scene_add_body(scene, &def, &body, &error), &error);
+  must(ct_scene_add_body, scene, &def, &body);
   return body;
 }
 
@@ -448,8 +448,7 @@ static inline int32_t add_moving_body(ct_scene *scene, const char *name, const c
                        .kernel = kernel,
                        .velocities = velocities};
   int32_t body = -1;
-  ct_error error;
-  need(ct_scene_add_body(scene, &def, &body, &error), &error);
+  must(ct_scene_add_body, scene, &def, &body);
   return body;
 }
 
@@ -466,8 +465,7 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
     support.fixed[c] = strchr(which, "xyz"[c]) != NULL;
     support.velocity[c] = support.fixed[c] ? velocity : 0.0;
   }
-  ct_error error;
-  need(ct_scene_add_support(scene, &support, &error), &error);
+  must(ct_scene_add_support, scene, &support);
   free(nodes);
 }
 
@@ -556,15 +554,21 @@ static inline ct_status weight_damping(const ct_effect *effect, const ct_view *v
   return CT_OK;
 }
 
+/* The bodies of a scene as a problem, on which effects are made. */
+static inline const ct_problem *join_scene(ct_scene *scene)
+{
+  const ct_problem *joined = NULL;
+  must(ct_scene_join, scene, &joined);
+  return joined;
+}
+
 /* Add a host's effect to a scene. */
 static inline void add_effect(ct_scene *scene, const ct_effect *filled)
 {
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
-  ct_error error;
-  need(ct_scene_join(scene, &joined, &error), &error);
-  need(ct_effect_create(filled, &effect, &error), &error);
-  need(ct_scene_add_effect(scene, effect, &error), &error);
+  join_scene(scene);
+  must(ct_effect_create, filled, &effect);
+  must(ct_scene_add_effect, scene, effect);
 }
 
 static inline void add_weight(ct_scene *scene, weight w)
@@ -572,9 +576,8 @@ static inline void add_weight(ct_scene *scene, weight w)
   static const ct_effect_calls calls = {
       .force = weight_force, .free_data = free, .bounds = {.rate = weight_damping}};
   weight *own = room(1, sizeof *own);
-  ct_error error;
   *own = w;
-  need(ct_scene_join(scene, &own->problem, &error), &error);
+  must(ct_scene_join, scene, &own->problem);
   add_effect(scene, &(ct_effect){.label = "weight",
                                  .calls = &calls,
                                  .data = own,
@@ -582,39 +585,38 @@ static inline void add_weight(ct_scene *scene, weight w)
 }
 
 /* Create an effect of the library from its definition with its factory, and add it to a scene. */
-#define add_made(scene, create, def)                             \
-  do {                                                           \
-    const ct_problem *joined_ = NULL;                            \
-    ct_effect *made_ = NULL;                                     \
-    ct_error error_;                                             \
-    need(ct_scene_join((scene), &joined_, &error_), &error_);    \
-    need(create((def), joined_, &made_, &error_), &error_);      \
-    need(ct_scene_add_effect((scene), made_, &error_), &error_); \
+#define add_made(scene, create, def)                \
+  do {                                              \
+    ct_effect *made_ = NULL;                        \
+    must(create, (def), join_scene(scene), &made_); \
+    must(ct_scene_add_effect, (scene), made_);      \
   } while (0)
 
-/* `steps` and `stable` may be null. */
 static inline void set_threads(ct_scene *scene, int threads)
 {
-  ct_error error;
-  need(ct_scene_set_run_settings(scene, &(ct_run_settings){.threads = threads}, &error), &error);
+  must(ct_scene_set_run_settings, scene, &(ct_run_settings){.threads = threads});
 }
 
+/* `steps` and `stable` may be null. */
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps,
                                       ct_stable_step *stable)
 {
   const ct_problem *problem = NULL;
   int64_t count;
-  ct_error error;
-  need(ct_scene_build(scene, &time, &problem, &count, stable, &error), &error);
+  must(ct_scene_build, scene, &time, &problem, &count, stable);
   if (steps != NULL) *steps = count;
   return problem;
+}
+
+static inline const ct_problem *build_until(ct_scene *scene, double end, double fraction)
+{
+  return build(scene, (ct_scene_time){.end = end, .fraction = fraction}, NULL, NULL);
 }
 
 static inline ct_state *new_state(const ct_problem *problem)
 {
   ct_state *state = NULL;
-  ct_error error;
-  need(ct_state_create(problem, &state, &error), &error);
+  must(ct_state_create, problem, &state);
   return state;
 }
 
@@ -627,8 +629,7 @@ static inline void close_run(ct_state *state, ct_scene *scene, ct_mesh *mesh)
 
 static inline void advance(const ct_problem *problem, ct_state *state, int64_t steps)
 {
-  ct_error error;
-  need(ct_run(problem, state, steps, NULL, 0, &error), &error);
+  must(ct_run, problem, state, steps, NULL, 0);
 }
 
 /* The arrays of a restart, bit for bit. */
@@ -646,16 +647,14 @@ static inline int same_state(const ct_state *x, const ct_state *y)
 static inline ct_energy energy_of(const ct_problem *problem, ct_state *state)
 {
   ct_energy energy = {0};
-  ct_error error;
-  need(ct_energy_of(problem, state, &energy, &error), &error);
+  must(ct_energy_of, problem, state, &energy);
   return energy;
 }
 
 static inline ct_momentum momentum_of(const ct_problem *problem, ct_state *state, int32_t body)
 {
   ct_momentum momentum = {0};
-  ct_error error;
-  need(ct_momentum_of(problem, state, body, &momentum, &error), &error);
+  must(ct_momentum_of, problem, state, body, &momentum);
   return momentum;
 }
 

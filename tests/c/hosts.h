@@ -218,7 +218,6 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
                                        const double *reference, int one_array)
 {
   ct_contact *contact = NULL;
-  ct_error e;
   const ct_face_kind kind[2] = {ct_brick_face_kind(p->mesh[0]->kind),
                                 ct_brick_face_kind(p->mesh[p->bodies - 1]->kind)};
   const int32_t first = p->mesh[0]->node_count,
@@ -230,16 +229,16 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
              b = {kind[1], one_array ? all : all - first, p->face_count[1], faces,
                   one_array ? reference : reference + 3 * first};
   const ct_surface *other = p->alone ? NULL : p->bodies == 1 ? &a : &b;
-  need(ct_contact_create(&a, other, options, &contact, &e), &e);
+  must(ct_contact_create, &a, other, options, &contact);
   free(faces);
   const double tangent = tangent_of(p, options);
-  if (p->friction > 0.0) need(ct_contact_add_friction(contact, -1, p->friction, tangent, &e), &e);
+  if (p->friction > 0.0) must(ct_contact_add_friction, contact, -1, p->friction, tangent);
   for (int k = 0; k < p->obstacles; k++) {
     ct_obstacle_def wall = p->wall[k];
     wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
     wall.travel_time = options->travel_time, wall.restitution = options->restitution;
-    need(ct_contact_add_obstacle(contact, p->side[k], &wall, &e), &e);
-    if (p->rub[k] > 0.0) need(ct_contact_add_friction(contact, k, p->rub[k], tangent, &e), &e);
+    must(ct_contact_add_obstacle, contact, p->side[k], &wall);
+    if (p->rub[k] > 0.0) must(ct_contact_add_friction, contact, k, p->rub[k], tangent);
   }
   return contact;
 }
@@ -263,7 +262,7 @@ static inline host open_host(const pair *p, const ct_contact_options *options, d
     const ct_mesh *m = p->mesh[i];
     double **arrays[] = {&h.x[i], &h.u[i], &h.v[i], &h.f[i], &h.inverse_mass[i], &h.mass[i]};
     for (int k = 0; k < 6; k++) *arrays[k] = numbers(3 * m->node_count);
-    need(ct_mass_lumped(m, p->material.density, CT_LUMP_HRZ, h.mass[i], &e), &e);
+    must(ct_mass_lumped, m, p->material.density, CT_LUMP_HRZ, h.mass[i]);
     for (int d = 3 * m->node_count - 1; d >= 0; d--) {
       h.mass[i][d] = h.mass[i][d / 3];
       h.inverse_mass[i][d] = 1.0 / h.mass[i][d];

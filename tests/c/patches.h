@@ -73,16 +73,14 @@ static inline void close_pair(ct_contact *contact, patch *a, patch *b)
 static inline ct_contact *open_contact(const patch *a, const patch *b, ct_contact_options options)
 {
   ct_contact *contact = NULL;
-  ct_error e;
   if (options.epsilon == 0.0) options.epsilon = EPSILON;
-  need(ct_contact_create(&a->surface, &b->surface, &options, &contact, &e), &e);
+  must(ct_contact_create, &a->surface, &b->surface, &options, &contact);
   return contact;
 }
 
 static inline void update(ct_contact *contact, const patch *a, const patch *b)
 {
-  ct_error e;
-  need(ct_contact_update(contact, a->x, b->x, &e), &e);
+  must(ct_contact_update, contact, a->x, b->x);
 }
 
 /* Forces on both surfaces, from zero. */

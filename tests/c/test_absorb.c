@@ -5,21 +5,19 @@ static const ct_material ROCK = {.young = 900.0, .poisson = 0.25, .density = 2.0
 
 static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_load_def *load)
 {
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
-  ct_error e = {0};
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_plane_faces(mesh, 0, x, faces, NULL);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   if (load != NULL) {
     ct_load_def own = *load;
     own.kind = ct_brick_face_kind(mesh->kind), own.faces = faces, own.face_count = count;
-    need(ct_load_create_effect(&own, joined, &effect, &e), &e);
+    must(ct_load_create_effect, &own, joined, &effect);
   } else {
     ct_absorb_def absorb = {COOKIE, ct_brick_face_kind(mesh->kind), count, faces};
-    need(ct_absorb_create_effect(&absorb, joined, &effect, &e), &e);
+    must(ct_absorb_create_effect, &absorb, joined, &effect);
   }
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  must(ct_scene_add_effect, scene, effect);
   free(faces);
 }
 
@@ -49,14 +47,13 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   advance(problem, state, steps - state->step);
   ct_energy after = energy_of(problem, state);
   double share = (after.kinetic + after.strain) / (before.kinetic + before.strain), work;
-  ct_error e = {0};
   tap_ok(share < 0.01 && share >= 0.0, "%s: %.2g of the energy is reflected", name, share);
-  need(ct_energy_work(problem, state, 2, &work, &e), &e);
+  must(ct_energy_work, problem, state, 2, &work);
   tap_close(work / -(before.kinetic + before.strain), 1.0, 0.01,
             "%s: the dashpots absorbed the rest", name);
   tap_close(after.balance / before.kinetic, 0.0, 1e-12, "%s: the work balance closes", name);
   double rate = 0.0, unused;
-  need(ct_stable_contribution(problem, state, 2, &unused, &rate, &e), &e);
+  must(ct_stable_contribution, problem, state, 2, &unused, &rate);
   // The end nodes of a linear column have half an element of mass: rho c A / (rho A h / 2).
   if (kind == CT_HEX8)
     tap_close(rate / (2 * c[0] / 0.1), 1.0, 1e-12, "%s: the rate is that of the end nodes", name);
@@ -71,13 +68,12 @@ static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
   static const int32_t both[8] = {0, 1, 3, 2, 8, 9, 11, 10};
   add_body(scene, "one", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "two", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   ct_absorb_def bad = {COOKIE, CT_Q4, 2, both};
   tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "faces of two bodies: %s", e.text);

@@ -28,13 +28,12 @@ static void open_slide(slide *s, const ct_contact_options *options, double depth
   *s = (slide){.held = new_patch(CT_Q4, 4, 3, 0.0, 0.0, 2.0, 1.5, 1),
                .moving = new_patch(CT_Q4, 3, 2, -1.6, 0.2, 1.5, 1.0, 0)};
   const int32_t count = s->moving.surface.node_count;
-  ct_error e;
   for (int32_t n = 0; n < count; n++) {
     s->moving.x[3 * n + 2] = -depth;
     s->v[n][0] = 1.0;
     for (int c = 0; c < 3; c++) s->free[n][c] = 1.0, s->x[n][c] = s->moving.x[3 * n + c];
   }
-  need(ct_contact_create(&s->moving.surface, &s->held.surface, options, &s->contact, &e), &e);
+  must(ct_contact_create, &s->moving.surface, &s->held.surface, options, &s->contact);
 }
 
 static void take_steps(slide *s, int first, int last)
@@ -53,7 +52,7 @@ static void take_steps(slide *s, int first, int last)
                                      .inverse_mass_b = s->none[0],
                                      .dt = dt,
                                      .force_time = kick};
-    need(ct_contact_step(s->contact, &p, &e), &e);
+    must(ct_contact_step, s->contact, &p);
     need(ct_contact_add_force(s->contact, force[0], other[0], NULL), &e);
     for (int32_t n = 0; n < s->moving.surface.node_count; n++)
       for (int c = 0; c < 3; c++) {

@@ -514,8 +514,7 @@ static void local_search(void)
 {
   ct_ring shape = {{0, 0, 0}, {40, 50}, 60, {2, 48, 2}};
   ct_mesh *m = NULL;
-  ct_error e;
-  need(ct_mesh_create_ring(CT_HEX8, &shape, &m, &e), &e);
+  must(ct_mesh_create_ring, CT_HEX8, &shape, &m);
   int count = ct_mesh_outer_faces(m, NULL, NULL);
   int32_t *faces = integers(4 * count);
   ct_mesh_outer_faces(m, faces, NULL);
@@ -523,9 +522,9 @@ static void local_search(void)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
-  need(ct_contact_create(&surface, &surface, &options, &contact, &e), &e);
-  need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
-  need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
+  must(ct_contact_create, &surface, &surface, &options, &contact);
+  must(ct_contact_update, contact, m->nodes, NULL);
+  must(ct_contact_update, contact, m->nodes, NULL);
   tap_ok(count == 384 && listed(contact) < 20.0,
          "a ring of %d faces: %.1f are candidates of a face", count, listed(contact));
   ct_contact_free(contact);
@@ -542,7 +541,6 @@ static void seen_before_it_comes_in(void)
   ct_mesh *mesh[2] = {below, above};
   ct_surface surface[2];
   int32_t *faces[2];
-  ct_error e;
   for (int s = 0; s < 2; s++) {
     int count = ct_mesh_outer_faces(mesh[s], NULL, NULL);
     faces[s] = integers(4 * count);
@@ -552,7 +550,7 @@ static void seen_before_it_comes_in(void)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
-  need(ct_contact_create(&surface[0], &surface[1], &options, &contact, &e), &e);
+  must(ct_contact_create, &surface[0], &surface[1], &options, &contact);
   double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->fixed->gaps.approach;
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *now = room(count, sizeof *now), *before = room(count, sizeof *before);
@@ -560,7 +558,7 @@ static void seen_before_it_comes_in(void)
   for (; height > -1.2; height -= contact->fixed->gaps.approach) {
     for (int n = 0; n < above->node_count; n++)
       for (int c = 0; c < 3; c++) x[3 * n + c] = above->nodes[3 * n + c] + (c == 2 ? height : 0.0);
-    need(ct_contact_update(contact, below->nodes, x, &e), &e);
+    must(ct_contact_update, contact, below->nodes, x);
     ct_contact_points(contact, now, NULL);
     for (int64_t i = 0; i < count; i++) {
       int facing = fabs(now[i].position[2] - (now[i].side == 1 ? height : 0.0)) < 1e-9 &&

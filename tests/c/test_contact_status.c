@@ -29,7 +29,6 @@ static hand new_hand(const patch *a, const patch *b, const ct_contact_options *o
 {
   hand h = {.nodes = a->surface.node_count + b->surface.node_count,
             .first_b = a->surface.node_count};
-  ct_error e;
   h.reference = numbers(3 * h.nodes);
   memcpy(h.reference, a->x, 3 * (size_t)h.first_b * sizeof(double));
   memcpy(h.reference + 3 * h.first_b, b->x, 3 * (size_t)b->surface.node_count * sizeof(double));
@@ -42,7 +41,7 @@ static hand new_hand(const patch *a, const patch *b, const ct_contact_options *o
   ct_contact_def def = ct_contact_def_default();
   def.a = &h.a.surface, def.b = &h.b.surface, def.options = *options;
   def.options.cookie = ct_contact_options_default().cookie; // some tests set all other members
-  need(ct_contact_create_effect(&def, &problem, &h.effect, &e), &e);
+  must(ct_contact_create_effect, &def, &problem, &h.effect);
   h.memory = numbers(h.effect->memory_count);
   h.next = numbers(h.effect->memory_count);
   return h;
@@ -63,9 +62,8 @@ static double take(hand *h, double z, double time, double *energy, double *exter
 {
   const ct_effect *effect = h->effect;
   void *scratch = NULL;
-  ct_error e;
   for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z - h->start;
-  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  must(effect->calls->create_scratch, effect, &scratch);
   ct_view view = {.time = time,
                   .dt = 0.25,
                   .reference = h->reference,
@@ -75,9 +73,9 @@ static double take(hand *h, double z, double time, double *energy, double *exter
                   .next_memory = h->next,
                   .scratch = scratch};
   double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
-  need(effect->calls->force(effect, &view, own, &e), &e);
-  need(effect->calls->energy(effect, &view, energy, &e), &e);
-  if (external != NULL) need(effect->calls->constraints.external(effect, &view, external, &e), &e);
+  must(effect->calls->force, effect, &view, own);
+  must(effect->calls->energy, effect, &view, energy);
+  if (external != NULL) must(effect->calls->constraints.external, effect, &view, external);
   memset(h->force, 0, 3 * (size_t)h->nodes * sizeof(double));
   for (int i = 0; i < effect->node_count; i++) {
     for (int c = 0; c < 3; c++) h->force[3 * effect->nodes[i] + c] = own[3 * i + c];
@@ -242,9 +240,8 @@ static double evaluate(hand *h, double *force)
 {
   const ct_effect *effect = h->effect;
   void *scratch = NULL;
-  ct_error e;
   double energy, *own = numbers(3 * effect->node_count);
-  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  must(effect->calls->create_scratch, effect, &scratch);
   ct_view view = {.time = 1.0,
                   .reference = h->reference,
                   .displacement = h->u,
@@ -252,8 +249,8 @@ static double evaluate(hand *h, double *force)
                   .memory = h->memory,
                   .next_memory = h->next,
                   .scratch = scratch};
-  need(effect->calls->force(effect, &view, own, &e), &e);
-  need(effect->calls->energy(effect, &view, &energy, &e), &e);
+  must(effect->calls->force, effect, &view, own);
+  must(effect->calls->energy, effect, &view, &energy);
   memset(force, 0, 3 * (size_t)h->nodes * sizeof *force);
   for (int i = 0; i < effect->node_count; i++)
     memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
@@ -440,7 +437,7 @@ static void states_share(void)
   hand h = two_flat_patches(ct_contact_options_default(), 0.02);
   void *scratch[2] = {NULL, NULL};
   ct_error e;
-  for (int k = 0; k < 2; k++) need(h.effect->calls->create_scratch(h.effect, &scratch[k], &e), &e);
+  for (int k = 0; k < 2; k++) must(h.effect->calls->create_scratch, h.effect, &scratch[k]);
   const ct_contact *a = ct_touch_state(scratch[0]), *b = ct_touch_state(scratch[1]);
   int shared = a->fixed == b->fixed, own = a->own == NULL && b->own == NULL;
   for (int s = 0; s < 2; s++) {
@@ -508,9 +505,8 @@ static void corner_turned_inside_out(void)
     ct_contact *contact = NULL;
     ct_contact_options options = ct_contact_options_default();
     ct_contact_point point[4 + 6 * 9];
-    ct_error e;
     options.epsilon = 1.0;
-    need(ct_contact_create(&square_patch, &brick, &options, &contact, &e), &e);
+    must(ct_contact_create, &square_patch, &brick, &options, &contact);
     for (int step = 0; step <= STEPS; step++) {
       memcpy(x, m->nodes, sizeof x);
       // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and
@@ -520,7 +516,7 @@ static void corner_turned_inside_out(void)
             m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 &&
             m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0)
           x[i] += 0.5 * step / STEPS;
-      need(ct_contact_update(contact, corners, x, &e), &e);
+      must(ct_contact_update, contact, corners, x);
       ct_contact_points(contact, point, NULL);
       for (int i = 0; i < 4; i++) lowest = fmin(lowest, point[i].gap);
       energy = fmax(energy, ct_contact_energy(contact));

@@ -10,14 +10,13 @@ typedef struct recovered {
 static recovered recover(const ct_contact *contact, const patch *a, const patch *b)
 {
   recovered r;
-  ct_error e;
   for (int s = 0; s < 2; s++) {
     int nodes = (s == 0 ? a : b)->surface.node_count;
     r.traction[s] = numbers(3 * nodes);
     r.area[s] = numbers(nodes);
     for (int i = 0; i < 4 * nodes; i++)
       *(i < nodes ? &r.area[s][i] : &r.traction[s][i - nodes]) = NAN;
-    need(ct_contact_traction(contact, s, r.traction[s], r.area[s], &e), &e);
+    must(ct_contact_traction, contact, s, r.traction[s], r.area[s]);
   }
   return r;
 }
@@ -303,10 +302,9 @@ static double *all_of(const patch *a, const patch *b)
   const int na = a->surface.node_count, nb = b->surface.node_count;
   double *out = numbers(4 * (na + nb));
   ct_contact *contact = open_contact(a, b, ct_contact_options_default());
-  ct_error e;
   update(contact, a, b);
-  need(ct_contact_traction(contact, 0, out, out + 3 * (na + nb), &e), &e);
-  need(ct_contact_traction(contact, 1, out + 3 * na, out + 3 * (na + nb) + na, &e), &e);
+  must(ct_contact_traction, contact, 0, out, out + 3 * (na + nb));
+  must(ct_contact_traction, contact, 1, out + 3 * na, out + 3 * (na + nb) + na);
   ct_contact_free(contact);
   return out;
 }

@@ -17,8 +17,7 @@ static int branches_of(ct_brick_kind kind) { return kind == CT_HEX20 ? 12 : 3; }
 
 static void branches_at(const ct_dispersion_def *def, const double k[3], ct_branch out[BRANCHES])
 {
-  ct_error error;
-  need(ct_dispersion(def, 1, k, out, &error), &error);
+  must(ct_dispersion, def, 1, k, out);
 }
 
 static double c_of(const ct_material *material, int wave)
@@ -132,12 +131,11 @@ static void wave_residual(const ct_dispersion_def *def, const double k[3], const
       if (fabs(fabs(x[d]) - 0.5 * h[d]) < 0.1 * h[d]) family = 1 + d;
     for (int c = 0; c < 3; c++) u[3 * a + c] = b->shape[3 * family + c] * cos(angle);
   }
-  ct_error error;
-  need(ct_mass_lumped(mesh, def->material.density, CT_LUMP_DEFAULT, mass, &error), &error);
+  must(ct_mass_lumped, mesh, def->material.density, CT_LUMP_DEFAULT, mass);
   for (int e = 0; e < mesh->element_count; e++) {
     double x[60], v[60], f[60];
     take_element(mesh, e, mesh->nodes, x), take_element(mesh, e, u, v);
-    need(ct_solid_element_force(def->kind, x, v, &def->material, f, NULL, &error), &error);
+    must(ct_solid_element_force, def->kind, x, v, &def->material, f, NULL);
     for (int i = 0; i < 3 * per; i++) force[3 * mesh->elements[e * per + i / 3] + i % 3] += f[i];
   }
   // Nodes in the middle have all their bricks: the one at 0 and the middles of the edges at it.
@@ -379,8 +377,7 @@ static int run_front(const run *r, double dt, double *distance, double *stress)
   ct_state *state = new_state(problem);
   advance(problem, state, r->steps);
   double *all = numbers(6 * (int64_t)mesh->element_count);
-  ct_error error;
-  need(ct_solid_stress(mesh, &STEEL, state->displacement, all, &error), &error);
+  must(ct_solid_stress, mesh, &STEEL, state->displacement, all);
   int count = 0;
   for (int i = half; i < cells; i++)
     for (int next = 0; next < (r->diagonal && i + 1 < cells ? 2 : 1); next++) {
@@ -416,9 +413,7 @@ static void front_of_a_run(const run *r)
   // The free sides of the layer disturb its diagonal later and farther out than this.
   const double reach = r->steps * r->courant + 6.0;
   while (near < count && s[near] < reach) near++;
-  ct_error error;
-  need(ct_dispersion_front(&def, normal, r->steps * def.step, (size_t)near, s, predicted, &error),
-       &error);
+  must(ct_dispersion_front, &def, normal, r->steps * def.step, (size_t)near, s, predicted);
   double at[2] = {half_height(near, s, computed, &top[0]),
                   half_height(near, s, predicted, &top[1])};
   tap_close(at[1], at[0], 1e-6,
@@ -465,9 +460,7 @@ static void front_by_airy(void)
     def.step = courant / c1;
     for (int k = 0; k < POINTS; k++)
       s[k] = (i ? 0.0 : 0.5) + L * (floor((travel - 40.0 * L) / L) + k);
-    ct_error error;
-    need(ct_dispersion_front(&def, (int32_t[3]){1, i, 0}, travel / c1, POINTS, s, stress, &error),
-         &error);
+    must(ct_dispersion_front, &def, (int32_t[3]){1, i, 0}, travel / c1, POINTS, s, stress);
     tap_close(half_height(POINTS, s, stress, &top), travel + HALF * width, 0.1,
               "after 1000 elements %s the half height is %.2f elements behind",
               i ? "at 45°" : "along the axis", -HALF * width);

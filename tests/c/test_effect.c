@@ -51,22 +51,20 @@ static void named(const char *name)
                       .nodes = nodes,
                       .node_count = 2},
             *effect = NULL, *friction = NULL;
-  const ct_problem *joined = NULL;
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_effect_create(&filled, &effect, &e), &e);
+  const ct_problem *joined = join_scene(scene);
+  must(ct_effect_create, &filled, &effect);
   ct_friction_def rub = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = 0.3};
   tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT &&
              friction == NULL,
          "a host's effect \"%s\" has no friction points: %s", name, e.text);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
-  ct_state *state =
-      new_state(build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL));
+  must(ct_scene_add_effect, scene, effect);
+  ct_state *state = new_state(build_until(scene, 1.0, 0.5));
   const ct_problem *problem = state->problem;
   advance(problem, state, 3);
   ct_energy energy = energy_of(problem, state);
   ct_momentum momentum = momentum_of(problem, state, 0);
-  need(ct_energy_stored(problem, state, 1, &stored, &e), &e);
+  must(ct_energy_stored, problem, state, 1, &stored);
   tap_ok(stored > 0.0 && energy.contact == 0.0 && momentum.contact_impulse[0] == 0.0 &&
              momentum.support_impulse[0] == 0.0,
          "\"%s\": its energy is in the total, not in the contacts'", name);
@@ -82,16 +80,14 @@ static void copied(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  const ct_problem *joined = NULL;
   ct_effect *gravity = NULL, *copy = NULL;
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_gravity_create_effect(&(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9.81}}, joined,
-                                &gravity, &e),
-       &e);
+  const ct_problem *joined = join_scene(scene);
+  must(ct_gravity_create_effect, &(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9.81}}, joined,
+       &gravity);
   tap_ok(ct_effect_create(gravity, &copy, &e) == CT_ERROR_ARGUMENT && copy == NULL,
          "a copy of an effect of the library is refused: %s", e.text);
-  need(ct_scene_add_effect(scene, gravity, &e), &e);
+  must(ct_scene_add_effect, scene, gravity);
   tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT,
          "an effect that the scene has already is refused: %s", e.text);
   ct_scene_free(scene);
@@ -252,7 +248,6 @@ int main(void)
   ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_effect filled = {
       .label = "spring", .calls = &SPRINGS, .data = &k, .nodes = nodes, .node_count = 8};
-  ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;
   ct_scene_time run = {.end = 3.0, .fraction = 0.5};
@@ -266,7 +261,7 @@ int main(void)
   while (state->step < steps) {
     advance(problem, state, 1);
     energy = energy_of(problem, state);
-    need(ct_energy_stored(problem, state, 1, &stored, &e), &e);
+    must(ct_energy_stored, problem, state, 1, &stored);
     double u = 0.15 * sin(2.0 * state->time);
     off = worst(off, state->displacement[3] - u);
     exchange = worst(exchange, stored - 4.0 * u * u);

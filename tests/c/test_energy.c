@@ -23,7 +23,6 @@ static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t
   ct_energy first = energy_of(p, state), now;
   ct_momentum start[2], m[2];
   double scale = 0.0, work;
-  ct_error e;
   for (int b = 0; b < p->body_count; b++) start[b] = momentum_of(p, state, b);
   for (int n = 0; n < p->node_count; n++) {
     const double *v = &p->initial_velocity[3 * n];
@@ -36,7 +35,7 @@ static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t
     worst_of.balance = worst(worst_of.balance, now.balance / first.kinetic);
     worst_of.contact = worst(worst_of.contact, now.contact / first.total);
     // For linear forces the work of the solid is minus its stored energy.
-    need(ct_energy_work(p, state, 0, &work, &e), &e);
+    must(ct_energy_work, p, state, 0, &work);
     worst_of.solid_work = worst(worst_of.solid_work, (work + now.strain) / first.total);
     double sum = 0.0, sum_start = 0.0;
     for (int b = 0; b < p->body_count; b++) {
@@ -160,7 +159,6 @@ static void first_row(void)
   for (int e = 0; e < ENFORCEMENTS; e++)
     for (int k = 0; k < 4; k++) {
       double kinetic = 0.0, total = 0.0, balance = 0.0, work = 0.0, own;
-      ct_error error;
       for (int scheme = 0; scheme < CT_SCHEME_COUNT; scheme++) {
         touching t = open_touching(k % 2 ? CT_HEX20 : CT_HEX8, k / 2, (ct_enforcement)e,
                                    (ct_scheme)scheme, 0.0);
@@ -169,7 +167,7 @@ static void first_row(void)
         kinetic = worst(kinetic, first.kinetic / t.moving - 1.0);
         total = worst(total, first.total / t.moving - 1.0);
         for (int i = 0; i < t.problem->effect_count; i++) {
-          need(ct_energy_work(t.problem, state, i, &own, &error), &error);
+          must(ct_energy_work, t.problem, state, i, &own);
           work = worst(work, own / t.moving);
         }
         for (int i = 0; i < 10; i++) {
@@ -201,11 +199,10 @@ static void refined_start(void)
 {
   touching t = open_touching(CT_HEX8, 1, CT_ENFORCE_ENERGY_CONTROLLED, CT_CENTRAL_DIFFERENCE, 0.0);
   ct_problem fine = *t.problem;
-  ct_error error;
   double balance = 0.0;
   fine.dt /= 3.0;
   ct_state *start = new_state(t.problem), *state = new_state(&fine);
-  need(ct_state_subdivide_step(&fine, start, state, &error), &error);
+  must(ct_state_subdivide_step, &fine, start, state);
   for (int i = 0; i < 10; i++) {
     balance = worst(balance, energy_of(&fine, state).balance / t.moving);
     advance(&fine, state, 1);
@@ -238,7 +235,7 @@ static void pressed_at_rest(void)
     add_made(scene, ct_obstacle_create_effect, &o);
     ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -9810}};
     add_made(scene, ct_gravity_create_effect, &gravity);
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
+    const ct_problem *p = build_until(scene, 1e-5, 0.9);
     ct_state *state = new_state(p);
     double before = energy_of(p, state).total, rise = 0.0, top = 0.0;
     for (int i = 0; i < 60; i++) {
@@ -314,12 +311,12 @@ static void flying_block(void)
 
   double *u = numbers(3 * p->node_count), stored = 1.0, work = 1.0;
   ct_error e = {0};
-  need(ct_state_velocity(p, state, u, &e), &e);
+  must(ct_state_velocity, p, state, u);
   off = 0.0;
   for (int i = 0; i < 3 * p->node_count; i++) off = worst(off, u[i] - v[i % 3]);
   tap_ok(off < 1e-14, "velocity at whole steps");
-  need(ct_energy_stored(p, state, 0, &stored, &e), &e);
-  need(ct_energy_work(p, state, 0, &work, &e), &e);
+  must(ct_energy_stored, p, state, 0, &stored);
+  must(ct_energy_work, p, state, 0, &work);
   tap_ok(stored < 1e-25 && fabs(work) < 1e-13, "no stored energy and no work");
   tap_ok(ct_momentum_of(p, state, 1, &now, &e) == CT_ERROR_ARGUMENT &&
              ct_momentum_of(p, state, -1, &now, &e) == CT_ERROR_ARGUMENT,
@@ -342,7 +339,7 @@ static void discrete_kinetic(void)
   ct_mesh *box = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 2, 1);
   ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);
   add_support(scene, 0, box, 0, 0.0, "xyz", 0.0);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *p = build_until(scene, 1.0, 0.9);
   ct_state *state = new_state(p);
   double off = 0.0, *before = numbers(3 * p->node_count);
   for (int k = 0; k < 50; k++) {
@@ -372,7 +369,6 @@ static void many_impulses(void)
   add_support(scene, 0, box, 2, 0.0, "xyz", 0.0);
   add_weight(scene, (weight){.g = {g[0], g[1], g[2]}});
   int64_t steps;
-  ct_error e;
   const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7}, &steps, NULL);
   ct_state *state = new_state(p), *copy = new_state(p);
   double weighed = 0.0, balance = 0.0, mass = 0.0, impulse[3];
@@ -383,13 +379,13 @@ static void many_impulses(void)
     advance(p, state, at[i] - state->step);
     double t = (double)state->step * p->dt, unit = mass * 9.81 * t;
     const ct_momentum now = momentum_of(p, state, 0);
-    need(ct_energy_impulse(p, state, own, impulse, &e), &e);
+    must(ct_energy_impulse, p, state, own, impulse);
     for (int c = 0; c < 3; c++) {
       weighed = worst(weighed, (impulse[c] - mass * g[c] * t) / unit);
       balance =
           worst(balance, (now.p[c] - start.p[c] - impulse[c] - now.support_impulse[c]) / unit);
     }
-    if (i == 0) need(ct_state_copy(p, state, copy, &e), &e);
+    if (i == 0) must(ct_state_copy, p, state, copy);
   }
   tap_ok(weighed < 4e-14 && balance < 4e-14,
          "200000 steps: the impulse of a weight is m g t (off by %.2g), the momentum that of "
@@ -407,11 +403,10 @@ static void many_impulses(void)
 static double strain_by_hand(const ct_body *body, const double *u)
 {
   double sum = 0.0, x[60], v[60], force[60], energy;
-  ct_error e;
   for (int el = 0; el < body->mesh->element_count; el++) {
     take_element(body->mesh, el, body->mesh->nodes, x);
     take_element(body->mesh, el, u + 3 * body->first_node, v);
-    need(ct_solid_element_force(body->mesh->kind, x, v, &body->material, force, &energy, &e), &e);
+    must(ct_solid_element_force, body->mesh->kind, x, v, &body->material, force, &energy);
     sum += energy;
   }
   return sum;
@@ -422,8 +417,7 @@ static void check_row(const ct_problem *p, ct_state *state, const ct_ledger *row
 {
   double *v = numbers(3 * p->node_count), strain = 0.0, work = 0.0, stored = 0.0, off = 0.0,
          scale = row->energy.strain + row->energy.kinetic, size = 0.0;
-  ct_error e;
-  need(ct_state_velocity(p, state, v, &e), &e);
+  must(ct_state_velocity, p, state, v);
   for (int b = 0; b < p->body_count; b++) {
     const ct_body *own = &p->bodies[b];
     double hand[6] = {0.0};
@@ -470,15 +464,14 @@ static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, cons
   add_body(scene, "b", b, &STEEL, kernel, -1900, 0, 30);
   plane_strain(scene, 1, b, 0.5);
   add_contact(scene, 0, a, 0.0, 1, b, 0.0, 0, 1.0);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 3e-7, .fraction = 0.6}, NULL, NULL);
+  const ct_problem *p = build_until(scene, 3e-7, 0.6);
   ct_state *state = new_state(p);
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor;
-  ct_error e;
-  need(ct_monitor_create(p, state, &options, &monitor, &e), &e);
+  must(ct_monitor_create, p, state, &options, &monitor);
   ct_observer at_end = ct_monitor_observer(monitor);
   at_end.last = 1;
-  need(ct_run(state->problem, state, 12, &at_end, 1, &e), &e);
+  must(ct_run, state->problem, state, 12, &at_end, 1);
   check_row(p, state, ct_monitor_ledger(monitor), what);
   ct_energy energy = energy_of(p, state);
   tap_ok(memcmp(&energy, &ct_monitor_ledger(monitor)->energy, sizeof energy) == 0,
@@ -495,19 +488,18 @@ static void sleep_over_checks(int push)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 60, 1, 1, 120, 2, 2);
   ct_scene *scene = new_scene_with("bar", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_optimisations sleeping = {.sleep = 1};
-  ct_error e;
-  need(ct_scene_set_optimisations(scene, &sleeping, &e), &e);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
+  must(ct_scene_set_optimisations, scene, &sleeping);
+  const ct_problem *p = build_until(scene, 1e-5, 0.9);
   ct_state *one = new_state(p), *other = new_state(p);
   one->velocity[0] = other->velocity[0] = 1000.0;
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor;
-  need(ct_monitor_create(p, one, &options, &monitor, &e), &e);
+  must(ct_monitor_create, p, one, &options, &monitor);
   ct_observer at_end = ct_monitor_observer(monitor);
   at_end.last = 1;
   for (int i = 0; i < 20; i++) {
     if (push && i == 10) one->velocity[3 * (p->node_count - 1)] = 1000.0;
-    need(ct_run(one->problem, one, 1, &at_end, 1, &e), &e);
+    must(ct_run, one->problem, one, 1, &at_end, 1);
   }
   advance(p, other, push ? 10 : 20);
   if (push) other->velocity[3 * (p->node_count - 1)] = 1000.0;

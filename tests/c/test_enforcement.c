@@ -160,12 +160,11 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
                     double place)
 {
   bar b = {.mesh = box_mesh(CT_HEX8, place, 0, 0, 10, 0.2, 0.2, 50, 1, 1), .scene = new_scene()};
-  ct_error error;
   ct_effect *effect = NULL;
   const ct_problem *joined;
   int32_t *faces = integers(400);
   add_body(b.scene, "bar", b.mesh, &SOFT, CT_KERNEL_AUTO, -10, 0, 0);
-  need(ct_scene_join(b.scene, &joined, &error), &error);
+  must(ct_scene_join, b.scene, &joined);
   ct_obstacle_def o = {COOKIE,
                        .shape = CT_OBSTACLE_PLANE,
                        .axis = {1, 0, 0},
@@ -175,8 +174,8 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
                        .kind = CT_Q4,
                        .face_count = ct_mesh_plane_faces(b.mesh, 0, place, faces, NULL),
                        .faces = faces};
-  need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-  need(ct_scene_add_effect(b.scene, effect, &error), &error);
+  must(ct_obstacle_create_effect, &o, joined, &effect);
+  must(ct_scene_add_effect, b.scene, effect);
   b.problem =
       build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction}, &b.steps, &b.stable);
   b.state = new_state(b.problem);
@@ -243,8 +242,7 @@ static void start_in_touch(void)
       bar b = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0),
           c = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0);
       double start = energy_of(b.problem, b.state).kinetic, balance = 0.0, left;
-      ct_error error;
-      need(ct_state_copy(b.problem, b.state, c.state, &error), &error);
+      must(ct_state_copy, b.problem, b.state, c.state);
       for (int i = 0; i < 20; i++) {
         advance(b.problem, b.state, 1);
         advance(c.problem, c.state, 1);
@@ -308,8 +306,7 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
                               .faces_b = faces[two],
                               .beta = beta,
                               .options = options_of(enforcement)};
-  ct_error error;
-  need(ct_scene_add_contact(p.scene, &contact, &error), &error);
+  must(ct_scene_add_contact, p.scene, &contact);
   set_threads(p.scene, threads);
   p.problem = build(p.scene, (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8},
                     &steps, &stable);
@@ -332,10 +329,9 @@ static void close_pair(pair *p)
  * (and moment). */
 static double imbalance(const pair *p)
 {
-  ct_error error;
   double *f = numbers(3 * (int64_t)p->problem->node_count), sum[3] = {0}, moment[3] = {0},
          top = 1e-300;
-  need(ct_state_force(p->problem, p->state, 1, f, &error), &error);
+  must(ct_state_force, p->problem, p->state, 1, f);
   for (int64_t n = 0; n < p->problem->node_count; n++)
     for (int c = 0; c < 3; c++) {
       int a = (c + 1) % 3, b = (c + 2) % 3;
@@ -470,15 +466,11 @@ static void shared_nodes(void)
   for (int e = 0; e < IMPLICITS; e++) {
     ct_scene *scene = new_scene();
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3);
-    ct_error error;
-    const ct_problem *joined;
     int64_t steps;
     ct_stable_step stable;
     int32_t *faces = integers(100);
     add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, -3, -4, -5);
-    need(ct_scene_join(scene, &joined, &error), &error);
     for (int wall = 0; wall < 3; wall++) {
-      ct_effect *effect = NULL;
       ct_obstacle_def o = ct_obstacle_def_default();
       for (int c = 0; c < 3; c++) o.axis[c] = c == wall ? 1.0 : 0.4, o.point[c] = 0.2;
       o.epsilon = 4000.0 + 1000.0 * wall, o.travel_time = 0.01;
@@ -486,8 +478,7 @@ static void shared_nodes(void)
       o.kind = CT_Q4;
       o.face_count = ct_mesh_plane_faces(m, wall, 0.0, faces, NULL);
       o.faces = faces;
-      need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-      need(ct_scene_add_effect(scene, effect, &error), &error);
+      add_made(scene, ct_obstacle_create_effect, &o);
     }
     const ct_problem *problem =
         build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .force_tolerance = 1e-10}, &steps,
@@ -566,10 +557,9 @@ static void bits(double restitution, double tolerance)
            again = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0),
            mirror = open_pair(IMPLICIT[e], brick, 1, 0, 1, 4.0),
            *all[] = {&p, &threads, &swapped, &again, &mirror};
-      ct_error error;
       for (int i = 0; i < 5; i++) loosen(all[i], tolerance);
       advance(p.problem, p.state, 15);
-      need(ct_state_copy(p.problem, p.state, again.state, &error), &error);
+      must(ct_state_copy, p.problem, p.state, again.state);
       advance(p.problem, p.state, 15);
       advance(again.problem, again.state, 15);
       advance(threads.problem, threads.state, 30);
@@ -633,7 +623,6 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   int32_t *faces = integers(4000);
   options.depth = 0.05;
   double *v = numbers(3 * (int64_t)m->node_count);
-  ct_error error;
   bend_to_hairpin(m, 0.11, v);
   add_moving_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, v);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
@@ -643,7 +632,7 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
                               .faces_b = faces,
                               .beta = 4.0,
                               .options = options};
-  need(ct_scene_add_contact(scene, &contact, &error), &error);
+  must(ct_scene_add_contact, scene, &contact);
   ct_mesh_free(m);
   free_all(faces, v);
   return scene;
@@ -665,7 +654,6 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   if (ground == EDGE)
     count[0] = ct_mesh_outer_faces(low, below, NULL),
     count[1] = ct_mesh_outer_faces(up, above, NULL);
-  ct_error error;
   for (int n = 0; ground == WAVES && n < low->node_count; n++)
     low->nodes[3 * n + 2] +=
         0.03 * (1.0 + low->nodes[3 * n + 2]) * (cos(5.0 * low->nodes[3 * n]) - 1.0);
@@ -682,11 +670,8 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
                                 .faces_b = below,
                                 .beta = 4.0,
                                 .options = options};
-    need(ct_scene_add_contact(scene, &contact, &error), &error);
+    must(ct_scene_add_contact, scene, &contact);
   } else {
-    const ct_problem *joined;
-    ct_effect *effect = NULL;
-    need(ct_scene_join(scene, &joined, &error), &error);
     ct_obstacle_def o = {COOKIE,
                          .shape = CT_OBSTACLE_SPHERE,
                          .point = {0.9, 0.5, -2.0},
@@ -697,8 +682,7 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
                          .kind = kind[1] == CT_HEX20 ? CT_Q8 : CT_Q4,
                          .face_count = count[1],
                          .faces = above};
-    need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-    need(ct_scene_add_effect(scene, effect, &error), &error);
+    add_made(scene, ct_obstacle_create_effect, &o);
   }
   ct_mesh *meshes[] = {flat, low, up};
   for (int i = 0; i < 3; i++) ct_mesh_free(meshes[i]);
@@ -728,13 +712,12 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
          last = before, off = 0.0, most = 0.0;
   double stored = stored_between_steps(s), half = before;
   int changed = changed_partners(s, partner), same_bits = 1;
-  ct_error error;
   for (int64_t i = 1; i <= steps; i++) {
     advance(p, state, 1);
-    need(ct_state_copy(p, state, copy, &error), &error);
+    must(ct_state_copy, p, state, copy);
     double total = energy_of(p, state).total, bodies = 0.0;
     same_bits &= energy_of(p, copy).total == total;
-    need(ct_state_force(p, state, 0, f, &error), &error);
+    must(ct_state_force, p, state, 0, f);
     // ½ v·Mv + ½ u_{n-1}·K u_n, with K u_n = -f_n
     for (int64_t d = 0; d < n; d++)
       bodies += 0.5 * p->mass[d / 3] * state->velocity[d] * state->velocity[d] - 0.5 * u[d] * f[d];
@@ -820,12 +803,10 @@ static void driven(void)
   ct_scene *scene = new_scene();
   int32_t faces[8], nodes[12];
   double off = 0.0, top = 0.0;
-  ct_error error;
   ct_effect *effect = NULL;
-  const ct_problem *joined;
   for (int i = 0; i < 12; i++) nodes[i] = i;
   add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0, 0, -0.1);
-  need(ct_scene_join(scene, &joined, &error), &error);
+  const ct_problem *joined = join_scene(scene);
   ct_obstacle_def o = {COOKIE,
                        .shape = CT_OBSTACLE_PLANE,
                        .axis = {0, 0, 1},
@@ -835,15 +816,15 @@ static void driven(void)
                        .kind = CT_Q4,
                        .face_count = ct_mesh_plane_faces(m, 2, 0.01, faces, NULL),
                        .faces = faces};
-  need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-  need(ct_scene_add_effect(scene, effect, &error), &error);
+  must(ct_obstacle_create_effect, &o, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   ct_motion motion = {.nodes = nodes,
                       .node_count = 12,
                       .fixed = {1, 1, 1},
                       .displacement = {0, 0, -0.1},
                       .amplitude = {2, time, value}};
-  need(create_motion(&motion, 1, joined, &effect, &error), &error);
-  need(ct_scene_add_effect(scene, effect, &error), &error);
+  must(create_motion, &motion, 1, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.9}, &steps, &stable);
@@ -851,7 +832,7 @@ static void driven(void)
   for (int64_t n = 0; n + 1 < steps; n++) {
     advance(p, state, 1);
     double force[3], work, next = 0.01 - 0.1 * (state->time + p->dt);
-    need(ct_obstacle_reaction(p, state, 1, force, &work, &error), &error);
+    must(ct_obstacle_reaction, p, state, 1, force, &work);
     double last = 0.01 - 0.1 * (state->time - p->dt),
            want = 1e4 * fmax(-0.5 * (next + fmin(last, 0.0)), 0.0);
     off = worst(off, force[2] + want);

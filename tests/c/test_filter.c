@@ -6,25 +6,20 @@ static const ct_material STEEL = {2.1, 0.3, 0.7, CT_LINEAR};
 static const ct_material RUBBER = {0.1, 0.45, 0.2, CT_LINEAR};
 static const double PI = 3.14159265358979323846;
 
-static const ct_problem *at_half(ct_scene *scene)
-{
-  return build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
-}
+static const ct_problem *at_half(ct_scene *scene) { return build_until(scene, 1.0, 0.5); }
 
 static ct_filter *new_filter(const ct_problem *p, int passes)
 {
   ct_filter *filter = NULL;
-  ct_error e;
-  need(ct_filter_create(p, passes, &filter, &e), &e);
+  must(ct_filter_create, p, passes, &filter);
   return filter;
 }
 
 /* Filter a displacement in place. */
 static void smooth(ct_filter *filter, ct_state *state, double *u)
 {
-  ct_error e;
   memcpy(state->displacement, u, 3 * (size_t)state->node_count * sizeof *u);
-  need(ct_filter_apply(filter, state, u, NULL, &e), &e);
+  must(ct_filter_apply, filter, state, u, NULL);
 }
 
 /* A wave of a bar between its free ends has the factor (1 - (c₁ / (ω h))² 4 sin²(kh / 2))^b, where
@@ -52,8 +47,7 @@ static void waves(void)
         state->displacement[3 * i] = wave;
         state->velocity[3 * i] = 2.0 * wave;
       }
-      ct_error e;
-      need(ct_filter_apply(filter, state, u, v, &e), &e);
+      must(ct_filter_apply, filter, state, u, v);
       for (int i = 0; i < n; i++) {
         double wave = cos(PI * mode / CELLS * m->nodes[3 * i] / 0.5);
         off = worst(off, u[3 * i] - factor * wave);
@@ -169,12 +163,11 @@ static void state_is_not_touched(void)
   ct_filter *filter = new_filter(p, 3);
   size_t bytes = 3 * (size_t)p->node_count * sizeof(double);
   double *u = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), moved = 0.0;
-  ct_error e;
   for (int i = 0; i < 40; i++) {
-    need(ct_filter_apply(filter, state, u, v, &e), &e);
+    must(ct_filter_apply, filter, state, u, v);
     moved = fmax(moved, largest_difference(u, state->displacement, 3 * p->node_count));
-    need(ct_step(p, state, &e), &e);
-    need(ct_step(p, plain, &e), &e);
+    must(ct_step, p, state);
+    must(ct_step, p, plain);
   }
   tap_ok(moved > 1e-5 && memcmp(state->displacement, plain->displacement, bytes) == 0 &&
              memcmp(state->velocity, plain->velocity, bytes) == 0,

@@ -47,9 +47,8 @@ static void free_incline(incline *t)
 /* Sum of one effect's force on the block. */
 static void force_on_block(incline *t, int32_t effect, double sum[3])
 {
-  ct_error error;
   double *f = numbers(3 * (int64_t)t->problem->node_count);
-  need(ct_state_force(t->problem, t->state, effect, f, &error), &error);
+  must(ct_state_force, t->problem, t->state, effect, f);
   sum[0] = sum[1] = sum[2] = 0.0;
   for (int32_t n = t->slab->node_count; n < t->problem->node_count; n++)
     for (int c = 0; c < 3; c++) sum[c] += f[3 * n + c];
@@ -77,10 +76,9 @@ static void sticks(ct_brick_kind kind, const char *name)
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
   incline t = new_incline(kind, g, 0.6, rho, beta, 0.0, 0.6, 3.0, 1);
   double slip = 0.0, overlap = 0.0, held, lost, most = 0.0;
-  ct_error error;
   while (t.state->time < 3.0) {
     advance(t.problem, t.state, 20);
-    need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
+    must(ct_friction_energy, t.problem, t.state, t.friction, &held, &lost);
     most = fmax(most, held);
     if (sole(&t, 0) > slip) slip = sole(&t, 0), overlap = -t.block->nodes[2] - sole(&t, 2);
   }
@@ -139,12 +137,11 @@ static void ledger(void)
   double start = energy_of(t.problem, t.state).kinetic, balance = 0.0, held, lost, work,
          share = 0.0, before = 0.0;
   int falls = 0;
-  ct_error error;
   for (int k = 0; k < 40; k++) {
     while (t.state->time < 0.025 * (k + 1)) advance(t.problem, t.state, 1);
     balance = worst(balance, energy_of(t.problem, t.state).balance / start);
-    need(ct_energy_work(t.problem, t.state, t.friction, &work, &error), &error);
-    need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
+    must(ct_energy_work, t.problem, t.state, t.friction, &work);
+    must(ct_friction_energy, t.problem, t.state, t.friction, &held, &lost);
     share = worst(share, (work + held + lost) / start);
     falls += lost < before;
     before = lost;
@@ -186,15 +183,14 @@ static void momentum(ct_brick_kind kind, const char *name)
                               .friction = 0.5};
   contact.options.enforcement = CT_ENFORCE_PENALTY;
   contact.options.initial_penetration = CT_INITIAL_FORCE;
-  ct_error error;
-  need(ct_scene_add_contact(scene, &contact, &error), &error);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3}, NULL, NULL);
+  must(ct_scene_add_contact, scene, &contact);
+  const ct_problem *p = build_until(scene, 1.0, 0.3);
   ct_state *state = new_state(p);
   double linear = 0.0, angular = 0.0, *f = numbers(3 * (int64_t)p->node_count);
   int met = 0;
   for (int k = 0; k < 20; k++) {
     advance(p, state, 1);
-    need(ct_state_force(p, state, 2, f, &error), &error);
+    must(ct_state_force, p, state, 2, f);
     double sum[3] = {0}, moment[3] = {0};
     double size = 0.0;
     for (int n = 0; n < p->node_count; n++) {
@@ -249,7 +245,7 @@ static pressed new_pressed(double mu, double skew, int axis, ct_enforcement law)
   options.enforcement = law;
   options.initial_penetration = CT_INITIAL_FORCE;
   add_contact_with(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, options, mu, 1.0);
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7}, NULL, NULL);
+  t.problem = build_until(t.scene, 1.0, 0.7);
   t.state = new_state(t.problem);
   return t;
 }
@@ -295,9 +291,8 @@ static void same_bits(void)
   incline t = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 1),
           two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
   ct_state *other = new_state(t.problem);
-  ct_error error;
   advance(t.problem, t.state, 150);
-  need(ct_state_copy(t.problem, t.state, other, &error), &error);
+  must(ct_state_copy, t.problem, t.state, other);
   advance(t.problem, t.state, 150);
   advance(t.problem, other, 150);
   advance(two.problem, two.state, 300);

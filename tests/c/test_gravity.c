@@ -6,7 +6,7 @@ static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}
 static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity, double end)
 {
   add_made(scene, ct_gravity_create_effect, gravity);
-  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5}, NULL, NULL);
+  return build_until(scene, end, 0.5);
 }
 
 /* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion
@@ -20,7 +20,6 @@ static void free_fall(void)
   ct_gravity_def gravity = {COOKIE, .acceleration = {1.0, 0.0, -10.0}, .bodies = &second,
                             .body_count = 1};
   const ct_problem *problem = falling(scene, &gravity, 1.0);
-  ct_error e = {0};
   ct_energy start, now;
   ct_state *state = new_state(problem);
   start = energy_of(problem, state);
@@ -45,7 +44,7 @@ static void free_fall(void)
   tap_close(balance / start.total, 0.0, 1e-13, "the work balance closes");
   double force[3 * 200], sum = 0.0, mass = 0.0;
   tap_ok(3 * problem->node_count <= 600, "memory for the forces");
-  need(ct_state_force(problem, state, 1, force, &e), &e);
+  must(ct_state_force, problem, state, 1, force);
   for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
   for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];
   tap_close(sum / (-10.0 * mass), 1.0, 1e-13, "the resultant is the weight");
@@ -71,13 +70,12 @@ static void rows_of_nodes(void)
   const ct_problem *p = falling(scene, &gravity, 1.0);
   const int32_t nodes = p->node_count / 3, dofs = 3 * p->node_count;
   ct_state *state = new_state(p);
-  ct_error error;
   double *force = numbers(dofs), *before = numbers(dofs), work[3] = {0.0}, impulse[3][3] = {{0.0}};
   int64_t faults = 0;
   for (int n = 0; n <= STEPS; n++) {
     memcpy(before, state->velocity, (size_t)dofs * sizeof *before);
     for (int k = 1; k < 3; k++) {
-      need(ct_state_force(p, state, k, force, &error), &error);
+      must(ct_state_force, p, state, k, force);
       for (int32_t d = 0; d < dofs; d++) {
         double m = d / 3 / nodes == 1 ? 0.0 : p->mass[d / 3], v = before[d],
                want = k == 1 ? -(rate * m) * v : m * g[d % 3];
@@ -99,8 +97,8 @@ static void rows_of_nodes(void)
          (int)p->node_count, (int)faults);
   for (int k = 1; k < 3; k++) {
     double found, got[3];
-    need(ct_energy_work(p, state, k, &found, &error), &error);
-    need(ct_energy_impulse(p, state, k, got, &error), &error);
+    must(ct_energy_work, p, state, k, &found);
+    must(ct_energy_impulse, p, state, k, got);
     double off = found / (0.5 * p->dt * work[k]) - 1.0, apart = 0.0;
     for (int c = 0; c < 3; c++) apart = worst(apart, got[c] / (p->dt * impulse[k][c]) - 1.0);
     tap_ok(fabs(off) < 1e-13 && fabs(apart) < 1e-13, "%s: work off by %.2g, impulse by %.2g",
@@ -128,8 +126,8 @@ static void growing(void)
   while (state->time < 0.999) {
     advance(p, state, 1);
     const double t = state->time, want = g * (t * t * t - p->dt * p->dt * t) / (6.0 * T);
-    need(ct_state_force(p, state, 1, force, &e), &e);
-    need(ct_energy_work(p, state, 1, &work, &e), &e);
+    must(ct_state_force, p, state, 1, force);
+    must(ct_energy_work, p, state, 1, &work);
     for (int32_t n = 0; n < p->node_count; n++) {
       off = worst(off, state->displacement[3 * n + 2] - want);
       apart = worst(apart, force[3 * n + 2] - p->mass[n] * g * t / T);
@@ -157,12 +155,11 @@ static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
   static const int32_t none = 3;
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   ct_gravity_def bad = {COOKIE, .acceleration = {0.0, NAN, 0.0}};
   tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "NaN: %s", e.text);
   bad = (ct_gravity_def){COOKIE, .acceleration = {0.0, 1.0, 0.0}, .bodies = &none, .body_count = 1};

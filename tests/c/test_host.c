@@ -13,9 +13,8 @@ static void give_effect(ct_scene *scene, ct_status made, ct_effect *effect, ct_e
 /* The obstacles of a scene, each with its friction after it. */
 static void add_walls(ct_scene *scene, const pair *p, const ct_contact_options *options)
 {
-  const ct_problem *joined = NULL;
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   for (int k = 0; k < p->obstacles; k++) {
     const int s = p->side[k];
     ct_obstacle_def wall = p->wall[k];
@@ -41,7 +40,6 @@ static void add_walls(ct_scene *scene, const pair *p, const ct_contact_options *
 static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
 {
   ct_scene *scene = new_scene();
-  ct_error e;
   for (int i = 0; i < p->bodies; i++)
     add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
                     p->velocity[i]);
@@ -55,7 +53,7 @@ static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
                               .options = *options,
                               .friction = p->friction,
                               .tangent = tangent_of(p, options)};
-  if (!p->alone) need(ct_scene_add_contact(scene, &contact, &e), &e);
+  if (!p->alone) must(ct_scene_add_contact, scene, &contact);
   if (p->obstacles > 0) add_walls(scene, p, options);
   return scene;
 }
@@ -89,7 +87,7 @@ static void compare_obstacle(const ct_problem *problem, ct_state *state, const c
   const int32_t count = problem->node_count;
   double force[3], work, got[3], done, *t = numbers(4 * count), *u = numbers(4 * count);
   ct_error e;
-  need(ct_obstacle_reaction(problem, state, effect, force, &work, &e), &e);
+  must(ct_obstacle_reaction, problem, state, effect, force, &work);
   need(ct_contact_reaction(contact, k, got, &done, NULL), &e);
   const int rubs = effect + 1 < problem->effect_count &&
                    problem->effects[effect + 1]->kind == CT_EFFECT_FRICTION;
@@ -100,7 +98,7 @@ static void compare_obstacle(const ct_problem *problem, ct_state *state, const c
     so->top = fmax(so->top, fabs(force[c]));
   }
   if (!rubs) so->work = worst(so->work, done - work);
-  need(ct_obstacle_traction(problem, state, effect, t, t + 3 * count, &e), &e);
+  must(ct_obstacle_traction, problem, state, effect, t, t + 3 * count);
   // Nodes of a second surface have numbers of their own; those of the first come first.
   if (ct_contact_traction(contact, 2 + k, u, u + 3 * count, &e) != CT_OK) so->traction = INFINITY;
   const int32_t first = problem->bodies[0].mesh->node_count;
@@ -121,9 +119,8 @@ static void compare(const ct_problem *problem, ct_state *state, const ct_contact
     double held = 0.0, gone = 0.0;
     const ct_effect_kind kind = problem->effects[k]->kind;
     if (!presses(problem->effects[k])) continue;
-    if (kind == CT_EFFECT_FRICTION)
-      need(ct_friction_energy(problem, state, k, &held, &gone, &e), &e);
-    else need(ct_energy_stored(problem, state, k, &held, &e), &e);
+    if (kind == CT_EFFECT_FRICTION) must(ct_friction_energy, problem, state, k, &held, &gone);
+    else must(ct_energy_stored, problem, state, k, &held);
     if (kind == CT_EFFECT_OBSTACLE) compare_obstacle(problem, state, contact, wall++, k, so);
     energy += held, lost += gone;
   }
@@ -161,7 +158,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
          *want = numbers(3 * count), off[2] = {0.0, 0.0}, top = 0.0;
   told so = {0};
   for (int64_t n = 0; n < steps; n++) {
-    need(ct_workspace_forces(problem, state, &e), &e);
+    must(ct_workspace_forces, problem, state);
     for (int32_t k = 0; k < count; k++) ct_workspace_force_at(problem, state, 0, k, &solid[3 * k]);
     const double *v = n == 0 ? problem->initial_velocity : state->velocity;
     for (int d = 0; d < 3 * count; d++) x[d] = problem->reference[d] + state->displacement[d];
@@ -179,7 +176,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
                                           .inverse_mass_b = problem->inverse_mass + next,
                                           .dt = problem->dt,
                                           .force_time = n == 0 ? 0.5 * problem->dt : problem->dt};
-      need(ct_contact_step(contact[i], &prediction, &e), &e);
+      must(ct_contact_step, contact[i], &prediction);
       memset(f, 0, 3 * (size_t)count * sizeof *f);
       need(ct_contact_add_force(contact[i], f, f + next, NULL), &e);
       for (int d = 0; d < 3 * count; d++)
@@ -270,7 +267,7 @@ static void restart(pair p, const char *name, ct_enforcement enforcement)
   ct_contact_save(parts.contact, memory);
   ct_contact *first = parts.contact;
   parts.contact = spare.contact, spare.contact = first;
-  need(ct_contact_restore(parts.contact, memory, count, &e), &e);
+  must(ct_contact_restore, parts.contact, memory, count);
   ct_contact_save(parts.contact, later);
   const int alike = memcmp(memory, later, (size_t)count * sizeof *memory) == 0;
   for (int64_t n = STEPS; n < 2 * STEPS; n++) step_host(&parts, n);
@@ -284,7 +281,7 @@ static void restart(pair p, const char *name, ct_enforcement enforcement)
   host again = open_host(&p, &options, 0.9);
   ct_contact_save(again.contact, memory);
   first = again.contact, again.contact = parts.contact, parts.contact = first;
-  need(ct_contact_restore(again.contact, memory, count, &e), &e);
+  must(ct_contact_restore, again.contact, memory, count);
   for (int64_t n = 0; n < 2 * STEPS; n++) step_host(&again, n);
   tap_ok(same_host(&whole, &again), "%s: a restart from the beginning has them, too", name);
   host *all[] = {&whole, &parts, &spare, &again};
@@ -329,9 +326,8 @@ static ct_contact_prediction prediction_of(face *a, face *b, double dt, double k
 static ct_contact *open_faces(face *a, face *b, ct_contact_options options)
 {
   ct_contact *contact = NULL;
-  ct_error e;
   a->surface.reference = a->x, b->surface.reference = b->x;
-  need(ct_contact_create(&a->surface, &b->surface, &options, &contact, &e), &e);
+  must(ct_contact_create, &a->surface, &b->surface, &options, &contact);
   return contact;
 }
 
@@ -368,7 +364,6 @@ static void steps_by_hand(double wall, int given)
   face a = face_at(0.02, 1.0 / m, UP), b = face_at(0.0, 0.0, DOWN);
   ct_contact *contact = open_faces(&a, &b, plain());
   double off = 0.0, top = 0.0, g = 0.02, v = -2.0, last = 0.0;
-  ct_error e;
   for (int n = 0; n < 4; n++) a.v[3 * n + 2] = v, b.v[3 * n + 2] = wall, a.f[3 * n + 2] = load / 4;
   for (int i = 0; i < 6; i++) {
     double dt = DT[i], kick = i == 0 ? 0.5 * dt : 0.5 * (dt + last),
@@ -380,7 +375,7 @@ static void steps_by_hand(double wall, int given)
       b.increment[3 * n + 2] = dt * wall;
     }
     if (given) p.increment_a = a.increment, p.increment_b = b.increment, p.force_a = NULL;
-    need(ct_contact_step(contact, &p, &e), &e);
+    must(ct_contact_step, contact, &p);
     off = worst(off, lift(contact) - want);
     top = fmax(top, want);
     v += kick * (load + want) / M;
@@ -430,8 +425,8 @@ static void refusals(void)
     tap_ok(ct_contact_step(contact, &p, &e) == CT_INVALID && e.body == 1 && e.point == 1,
            "step %d: NaN is refused by surface and node: %s", i, e.text);
     b.x[5] = keep;
-    need(ct_contact_step(contact, &p, &e), &e);
-    need(ct_contact_step(other, &p, &e), &e);
+    must(ct_contact_step, contact, &p);
+    must(ct_contact_step, other, &p);
     tap_ok(lift(contact) == lift(other) && lift(contact) > 0.1,
            "and the next call is not affected");
     for (int n = 0; n < 4; n++) a.v[3 * n + 2] += 0.01 * 2.0 * lift(contact) / 4;
@@ -449,8 +444,8 @@ static void refusals(void)
   ct_contact_free(contact);
   options.initial_penetration = CT_INITIAL_KEEP;
   contact = open_faces(&c, &b, options);
-  need(ct_contact_update(contact, c.x, b.x, &e), &e);
-  need(ct_contact_step(contact, &p, &e), &e);
+  must(ct_contact_update, contact, c.x, b.x);
+  must(ct_contact_step, contact, &p);
   tap_ok(lift(contact) == 0.0, "or kept, also after an update, without force");
   for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not 0.005"),
@@ -472,7 +467,7 @@ static void refused_parts(void)
   double force[3], work, memory[400];
   wall.axis[2] = 1.0, wall.epsilon = 50.0, wall.restitution = 0.0;
   wall.initial_penetration = CT_INITIAL_FORCE;
-  need(ct_contact_create(&a.surface, NULL, &options, &alone, &e), &e);
+  must(ct_contact_create, &a.surface, NULL, &options, &alone);
   for (int k = 0; k < 4; k++) {
     tap_ok(ct_contact_add_friction(contact, -1, BAD[k], 1.0, &e) == CT_ERROR_ARGUMENT &&
                ct_contact_add_friction(contact, -1, 0.3, BAD[k], &e) == CT_ERROR_ARGUMENT,
@@ -509,13 +504,13 @@ static void refused_parts(void)
              ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
          "friction without a contact: %s", e.text);
-  need(ct_contact_add_obstacle(contact, 0, &wall, &e), &e);
-  need(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e), &e);
+  must(ct_contact_add_obstacle, contact, 0, &wall);
+  must(ct_contact_add_friction, contact, 0, 0.3, 1.0);
   tap_ok(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   tap_ok(ct_contact_reaction(contact, 0, force, &work, NULL) == CT_ERROR_ARGUMENT,
          "no reaction before the first step");
   ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.005);
-  need(ct_contact_step(contact, &p, &e), &e);
+  must(ct_contact_step, contact, &p);
   tap_ok(ct_contact_reaction(contact, 1, force, &work, NULL) == CT_ERROR_ARGUMENT &&
              ct_contact_reaction(contact, 0, NULL, &work, NULL) == CT_ERROR_ARGUMENT &&
              ct_contact_reaction(contact, 0, force, &work, NULL) == CT_OK && force[2] < 0.0,
@@ -541,7 +536,7 @@ static void refused_parts(void)
              ct_contact_restore(NULL, memory, count, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_save(NULL, memory) == 0,
          "another count of numbers: %s", e.text);
-  need(ct_contact_restore(contact, memory, count, &e), &e);
+  must(ct_contact_restore, contact, memory, count);
   tap_ok(at > 0.0 &&
              ct_contact_balance_of(contact, &(ct_contact_balance){0}, NULL) == CT_ERROR_ARGUMENT,
          "after a restart there is no balance before the next step");
@@ -581,7 +576,7 @@ static void memory(void)
   long calls = counted.calls;
   for (int i = 0; i < 20; i++) {
     for (int n = 0; n < 4; n++) a.x[3 * n + 2] -= 0.005;
-    need(ct_contact_step(contact, &p, &e), &e);
+    must(ct_contact_step, contact, &p);
   }
   tap_ok(counted.calls == calls && lift(contact) > 0.0, "20 further steps allocate nothing");
   ct_contact_free(contact);

@@ -95,8 +95,7 @@ static double collide(ct_mesh *const m[2], const double v[2], int32_t *const fac
                       ct_scene_time time, double *grown)
 {
   const ct_material stuff = {.young = young, .poisson = 0.0, .density = 1.0};
-  ct_scene *scene = new_scene();
-  add_body(scene, "low", m[0], &SOFT, CT_KERNEL_AUTO, 0, 0, v[0]);
+  ct_scene *scene = new_scene_with("low", m[0], &SOFT, CT_KERNEL_AUTO, 0, 0, v[0]);
   add_body(scene, "high", m[1], &stuff, CT_KERNEL_AUTO, 0, 0, v[1]);
   ct_scene_contact contact = {.body_a = 0,
                               .body_b = 1,
@@ -105,8 +104,7 @@ static double collide(ct_mesh *const m[2], const double v[2], int32_t *const fac
                               .faces_a = faces[0],
                               .faces_b = faces[1],
                               .options = *options};
-  ct_error e;
-  need(ct_scene_add_contact(scene, &contact, &e), &e);
+  must(ct_scene_add_contact, scene, &contact);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p = build(scene, time, &steps, &stable);
@@ -240,19 +238,14 @@ static double growth_on_a_cylinder(double radius, double gap, double speed, doub
   ct_scene *scene = new_scene();
   ct_mesh *m = box_mesh(CT_HEX8, -0.5, -0.5, 0, 1, 1, 1, 3, 3, 3);
   int32_t *faces = integers(400);
-  const ct_problem *joined;
-  ct_effect *effect = NULL;
-  ct_error e;
   add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0.5 * speed, 0, -speed);
-  need(ct_scene_join(scene, &joined, &e), &e);
   ct_obstacle_def o = ct_obstacle_def_default();
   o.shape = CT_OBSTACLE_CYLINDER, o.radius = radius, o.epsilon = 120.0;
   o.restitution = 1.0, o.travel_time = 1.0 / 3, o.velocity[2] = moves;
   o.kind = CT_Q4, o.face_count = ct_mesh_outer_faces(m, faces, NULL), o.faces = faces;
   const double point[3] = {0.21, 0.0, -radius - gap}, axis[3] = {0.3, 1.0, 0.0};
   memcpy(o.point, point, sizeof point), memcpy(o.axis, axis, sizeof axis);
-  need(ct_obstacle_create_effect(&o, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_obstacle_create_effect, &o);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p =
@@ -370,17 +363,12 @@ static double first_reserve(double tolerance, double beta)
   ct_scene *scene = new_scene();
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 2);
   int32_t *faces = integers(80);
-  const ct_problem *joined;
-  ct_effect *effect = NULL;
-  ct_error e;
   add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0, 0, -0.02);
-  need(ct_scene_join(scene, &joined, &e), &e);
   ct_obstacle_def o = ct_obstacle_def_default();
   o.shape = CT_OBSTACLE_PLANE, o.epsilon = 2.0 * beta, o.axis[2] = 1.0;
   o.restitution = 1.0, o.travel_time = 0.5;
   o.kind = CT_Q8, o.face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL), o.faces = faces;
-  need(ct_obstacle_create_effect(&o, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_obstacle_create_effect, &o);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p =
@@ -418,23 +406,21 @@ typedef struct landing {
 
 static void add_floor(ct_scene *scene, const landing *l, const ct_mesh *mesh)
 {
-  const ct_problem *joined;
   ct_effect *plane, *friction;
-  ct_error e;
   int32_t *faces = integers(8 * 6 * mesh->element_count);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   ct_obstacle_def o = ct_obstacle_def_default();
   o.shape = CT_OBSTACLE_PLANE, o.epsilon = 80.0, o.axis[2] = 1.0, o.point[2] = 0.99;
   o.travel_time = 0.3;
   o.kind = l->kind == CT_HEX8 ? CT_Q4 : CT_Q8;
   o.face_count = ct_mesh_plane_faces(mesh, 2, 1.0, faces, NULL), o.faces = faces;
-  need(ct_obstacle_create_effect(&o, joined, &plane, &e), &e);
-  need(ct_scene_add_effect(scene, plane, &e), &e);
+  must(ct_obstacle_create_effect, &o, joined, &plane);
+  must(ct_scene_add_effect, scene, plane);
   if (l->friction > 0.0) {
     ct_friction_def f = ct_friction_def_default();
     f.on = plane, f.coefficient = l->friction;
-    need(ct_friction_create_effect(&f, joined, &friction, &e), &e);
-    need(ct_scene_add_effect(scene, friction, &e), &e);
+    must(ct_friction_create_effect, &f, joined, &friction);
+    must(ct_scene_add_effect, scene, friction);
   }
   free(faces);
 }
@@ -443,8 +429,7 @@ static void add_floor(ct_scene *scene, const landing *l, const ct_mesh *mesh)
  * what contacts held at most over the energy at the start. */
 static double *land(const landing *l, ct_mesh *const mesh[2], int32_t *count, double *held)
 {
-  ct_scene *scene = new_scene();
-  add_body(scene, "top", mesh[0], &SOFT, CT_KERNEL_AUTO, 0.05, 0.02, -0.1);
+  ct_scene *scene = new_scene_with("top", mesh[0], &SOFT, CT_KERNEL_AUTO, 0.05, 0.02, -0.1);
   if (l->on_plane) add_floor(scene, l, mesh[0]);
   else {
     add_body(scene, "low", mesh[1], &SOFT, CT_KERNEL_AUTO, 0.0, 0.0, 0.05);

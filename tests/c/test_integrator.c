@@ -228,7 +228,6 @@ static void textbook(ct_scheme scheme, double share)
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  ct_error e;
   ct_problem q =
       *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .integrator = g}, &steps, &stable);
   tap_close(stable.dt * sqrt(w), ct_integrator_limit(&g), 1e-9,
@@ -242,7 +241,7 @@ static void textbook(ct_scheme scheme, double share)
   for (int n = 1; n <= 300; n++) {
     advance(&q, state, 1);
     balance = worst(balance, energy_of(&q, state).balance / kinetic);
-    need(ct_state_velocity(&q, state, v, &e), &e);
+    must(ct_state_velocity, &q, state, v);
     x = PUBLISHED[scheme].step(x, w, q.dt, g.parameter);
     for (int i = 0; i < 24; i++) off = worst(off, state->displacement[i] - x.u * m->nodes[i]);
     for (int i = 0; i < 24 && PUBLISHED[scheme].at_steps; i++)
@@ -272,10 +271,9 @@ static void free_fall(ct_scheme scheme)
       NULL, NULL);
   ct_state *state = new_state(p);
   double off = 0.0, fast = 0.0, v[24];
-  ct_error e;
   for (int64_t n = 0; n < 20; n++) {
     advance(p, state, 1);
-    need(ct_state_velocity(p, state, v, &e), &e);
+    must(ct_state_velocity, p, state, v);
     double t = state->time;
     for (int i = 0; i < 24; i += 3)
       off = worst(off, state->displacement[i + 2] - (2.0 * t - 1.5 * t * t)),
@@ -303,9 +301,8 @@ static void pressed_start(ct_scheme scheme, double beta)
       NULL, NULL);
   ct_state *state = new_state(p);
   double *v = numbers(3 * p->node_count), *force = numbers(3 * p->node_count);
-  ct_error e;
-  need(ct_state_velocity(p, state, v, &e), &e);
-  need(ct_state_force(p, state, 1, force, &e), &e);
+  must(ct_state_velocity, p, state, v);
+  must(ct_state_force, p, state, 1, force);
   double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
          push = largest(force, 3 * p->node_count);
   tap_ok(off < 1e-13 && push > 0.0, "%s, beta %g: pressed from the start, velocity off by %.2g",
@@ -327,7 +324,6 @@ static void order_of(ct_scheme scheme)
   int n = 3 * p->node_count;
   double *v0 = numbers(n), *fine = numbers(2 * n), *now = numbers(2 * n), error[2][3];
   for (int i = 0; i < n; i++) v0[i] = sin(2.0 * p->reference[i] + p->reference[3 * (i / 3)]);
-  ct_error e;
   for (int k = -1; k < 3; k++) {
     int64_t count = k < 0 ? 512 * steps : 4 * steps << k;
     ct_problem q = *p;
@@ -337,7 +333,7 @@ static void order_of(ct_scheme scheme)
     ct_state *state = new_state(&q);
     advance(&q, state, count);
     memcpy(now, state->displacement, (size_t)n * sizeof *now);
-    need(ct_state_velocity(&q, state, now + n, &e), &e);
+    must(ct_state_velocity, &q, state, now + n);
     if (k < 0) memcpy(fine, now, 2 * (size_t)n * sizeof *now);
     for (int i = 0; k >= 0 && i < 2; i++)
       error[i][k] = largest_difference(now + i * n, fine + i * n, n);
@@ -380,11 +376,10 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   int32_t held[2] = {a->node_count, a->node_count + 3};
   double times[3] = {0.0, 0.3, 1.0}, values[3] = {0.0, 1.0, -0.5};
   ct_motion motion = {held, 2, {0, 1, 0}, {0, 0.02, 0}, {3, times, values}};
-  ct_error e;
   ct_effect *effect;
-  need(ct_scene_join(c.scene, &joined, &e), &e);
-  need(create_motion(&motion, 1, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(c.scene, effect, &e), &e);
+  must(ct_scene_join, c.scene, &joined);
+  must(create_motion, &motion, 1, joined, &effect);
+  must(ct_scene_add_effect, c.scene, effect);
   set_threads(c.scene, threads);
   c.own = *build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = integrator},
                  NULL, NULL);
@@ -404,7 +399,6 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
   double balance = 0.0, momentum = 0.0, size = energy_of(p, state).kinetic, path = 0.0,
          touched = 0.0, times[3] = {0.0, 0.3, 1.0}, values[3] = {0.0, 1.0, -0.5};
   int32_t held = p->bodies[1].first_node;
-  ct_error e;
   for (int n = 0; n < 100; n++) {
     advance(p, state, 1);
     ct_energy now = energy_of(p, state);
@@ -415,7 +409,7 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
     double sum[3] = {0, 0, 0}, all = 0.0;
     for (int k = 1; k < p->effect_count; k++) {
       double impulse[3];
-      need(ct_energy_impulse(p, state, k, impulse, &e), &e);
+      must(ct_energy_impulse, p, state, k, impulse);
       for (int i = 0; i < 3; i++) sum[i] += impulse[i];
     }
     for (int body = 0; body < 2; body++) {
@@ -440,14 +434,13 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
 {
   meeting c = meet(integrator, enforcement, 0.3, 1), d = meet(integrator, enforcement, 0.3, 2);
   ct_state *straight = new_state(&c.own), *copied = new_state(&c.own), *threads = new_state(&d.own);
-  ct_error e;
   int same = 1;
   for (int n = 0; n < 60; n++) {
     advance(&c.own, straight, 1);
     advance(&d.own, threads, 1);
     // A new state each time: nothing but what a restart carries survives.
     ct_state *next = new_state(&c.own);
-    need(ct_state_copy(&c.own, copied, next, &e), &e);
+    must(ct_state_copy, &c.own, copied, next);
     ct_state_free(copied);
     copied = next;
     if (n % 3 == 0) energy_of(&c.own, copied);
@@ -494,7 +487,6 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   ct_mesh *bar = box_mesh(CT_HEX8, 5, 0, 0, 10, 0.5, 0.5, 100, 1, 1);
   ct_scene *scene = new_scene_with("bar", bar, &stuff, CT_KERNEL_AUTO, -10, 0, 0);
   int32_t faces[8];
-  ct_error e;
   ct_obstacle_def wall = {COOKIE,
                           .shape = CT_OBSTACLE_PLANE,
                           .axis = {1, 0, 0},
@@ -517,7 +509,7 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   while (state->time < 1.4) {
     advance(&q, state, 1);
     if (state->time < 0.55 || state->time > 1.12) continue;
-    need(ct_state_force(&q, state, 1, force, &e), &e);
+    must(ct_state_force, &q, state, 1, force);
     double pressure = 0.0;
     for (int n = 0; n < bar->node_count; n++) pressure += force[3 * n] / 0.25;
     sum += (pressure / 300.0 - 1.0) * (pressure / 300.0 - 1.0);
@@ -570,17 +562,11 @@ static void within_a_step(void)
   ct_scene *scene = new_scene_with("body", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   double when = INFINITY;
   static const ct_effect_calls calls = {.force = fail_force};
-  ct_effect filled = {.label = "moody",
-                      .calls = &calls,
-                      .data = &when,
-                      .node_count = m->node_count},
-            *effect;
-  const ct_problem *joined;
+  ct_effect filled = {
+      .label = "moody", .calls = &calls, .data = &when, .node_count = m->node_count};
   ct_error e;
   ct_energy energy;
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_effect_create(&filled, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_effect(scene, &filled);
   const ct_problem *p =
       build(scene,
             (ct_scene_time){
@@ -588,7 +574,7 @@ static void within_a_step(void)
             NULL, NULL);
   ct_state *state = new_state(p), *good = new_state(p);
   advance(p, state, 3);
-  need(ct_state_copy(p, state, good, &e), &e);
+  must(ct_state_copy, p, state, good);
   when = 3.3 * p->dt;
   tap_ok(ct_step(p, state, &e) == CT_INVALID, "a second stage fails, and so does its step");
   tap_ok(ct_step(p, state, &e) == CT_ERROR_ARGUMENT &&
@@ -598,14 +584,14 @@ static void within_a_step(void)
              good->time == 3.0 * p->dt,
          "it cannot be copied, and the other state does not change: %s", e.text);
   when = INFINITY;
-  need(ct_state_copy(p, good, state, &e), &e);
+  must(ct_state_copy, p, good, state);
   advance(p, state, 2);
   advance(p, good, 2);
   tap_ok(same_state(state, good), "a copy of the last good state continues");
   state->velocity[0] = NAN;
   tap_ok(ct_run(p, state, 4, NULL, 0, &e) != CT_OK, "a velocity that is NaN is refused: %s",
          e.text);
-  need(ct_state_copy(p, good, state, &e), &e);
+  must(ct_state_copy, p, good, state);
   advance(p, state, 2);
   advance(p, good, 2);
   tap_ok(same_state(state, good), "no trace of it remains in the destination of a copy");

@@ -13,8 +13,7 @@ typedef struct touch {
 static touch open_touch(ct_interaction *is)
 {
   touch t = {.is = is};
-  ct_error e;
-  need(is->calls->open(is, &t.state, &e), &e);
+  must(is->calls->open, is, &t.state);
   t.x = numbers(3 * is->node_count), t.velocity = numbers(3 * is->node_count);
   t.force = numbers(3 * is->node_count);
   t.memory = numbers(is->memory_count), t.next = numbers(is->memory_count);
@@ -31,7 +30,6 @@ static void close_touch(touch *t)
 /* One evaluation at the coordinates `x` of all nodes. */
 static void evaluate(touch *t, const double *x, const double *velocity, int step)
 {
-  ct_error e;
   for (int i = 0; i < 3 * t->is->node_count; i++) {
     t->x[i] = x[3 * t->is->nodes[i / 3] + i % 3];
     t->velocity[i] = velocity[3 * t->is->nodes[i / 3] + i % 3];
@@ -43,8 +41,8 @@ static void evaluate(touch *t, const double *x, const double *velocity, int step
                                  .velocity = t->velocity,
                                  .memory = t->memory,
                                  .next_memory = t->next};
-  need(t->is->calls->place(t->state, &now, &e), &e);
-  need(t->is->calls->find_forces(t->state, &now, t->force, &e), &e);
+  must(t->is->calls->place, t->state, &now);
+  must(t->is->calls->find_forces, t->state, &now, t->force);
   double *keep = t->memory;
   t->memory = t->next, t->next = keep;
 }
@@ -54,7 +52,6 @@ static void evaluate_effect(const ct_effect *effect, void *scratch, const double
                             const double *u, const double *velocity, int step, double *memory[2],
                             double *force)
 {
-  ct_error e;
   const ct_view view = {.time = 0.1 * step,
                         .dt = 0.1,
                         .reference = X,
@@ -63,7 +60,7 @@ static void evaluate_effect(const ct_effect *effect, void *scratch, const double
                         .memory = memory[step % 2],
                         .next_memory = memory[(step + 1) % 2],
                         .scratch = scratch};
-  need(effect->calls->force(effect, &view, force, &e), &e);
+  must(effect->calls->force, effect, &view, force);
 }
 
 /* A square slides under a plane. In the problem its nodes come after seven others. */
@@ -86,13 +83,13 @@ static void same_as_an_effect(void)
   ct_interaction *is;
   ct_effect *effect;
   ct_error e;
-  need(ct_obstacle_create(&def, &surface, NULL, &is, &e), &e);
-  need(ct_obstacle_create_effect(&def, &problem, &effect, &e), &e);
+  must(ct_obstacle_create, &def, &surface, NULL, &is);
+  must(ct_obstacle_create_effect, &def, &problem, &effect);
   touch t = open_touch(is);
   void *scratch;
   double *memory[2], *force = numbers(3 * all), *moved = numbers(3 * all), top = 0.0;
   int off = 0;
-  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  must(effect->calls->create_scratch, effect, &scratch);
   for (int i = 0; i < 2; i++) memory[i] = numbers(effect->memory_count);
   for (int step = 0; step < STEPS; step++) {
     for (int n = BEFORE; n < all; n++) {
@@ -109,7 +106,7 @@ static void same_as_an_effect(void)
   double omega2[2];
   const ct_view view = {.scratch = scratch};
   need(ct_interaction_bound(is, t.state, (ct_masses){&mass[BEFORE], is->nodes}, &omega2[0]), &e);
-  need(effect->calls->bounds.omega2(effect, &view, &omega2[1], &e), &e);
+  must(effect->calls->bounds.omega2, effect, &view, &omega2[1]);
   tap_ok(omega2[0] == omega2[1] && omega2[0] > 0.0, "and its bound, in both numberings");
   effect->calls->free_scratch(scratch);
   ct_effect_free(effect);

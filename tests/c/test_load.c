@@ -16,13 +16,11 @@ static loaded load_faces(ct_scene *scene, ct_load_def load, int32_t *faces, int3
                          double end, double fraction)
 {
   loaded l = {.scene = scene};
-  const ct_problem *joined = NULL;
-  ct_error e = {0};
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   load.faces = faces, load.face_count = count;
   load.kind = ct_brick_face_kind(joined->bodies[0].mesh->kind);
-  need(ct_load_create_effect(&load, joined, &l.effect, &e), &e);
-  need(ct_scene_add_effect(scene, l.effect, &e), &e);
+  must(ct_load_create_effect, &load, joined, &l.effect);
+  must(ct_scene_add_effect, scene, l.effect);
   l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction}, &l.steps, &l.stable);
   free(faces);
   return l;
@@ -31,7 +29,6 @@ static loaded load_faces(ct_scene *scene, ct_load_def load, int32_t *faces, int3
 /* Force of the load on all nodes at a displacement (null: none), as the state would have it. */
 static double *force_at(const loaded *l, const double *u)
 {
-  ct_error e = {0};
   ct_state *state = new_state(l->problem);
   double *force = numbers(3 * (int64_t)l->problem->node_count),
          *own = numbers(3 * (int64_t)l->effect->node_count);
@@ -39,8 +36,8 @@ static double *force_at(const loaded *l, const double *u)
                   .reference = l->problem->reference,
                   .displacement = u != NULL ? u : state->displacement,
                   .velocity = state->velocity};
-  need(l->effect->calls->create_scratch(l->effect, &view.scratch, &e), &e);
-  need(l->effect->calls->force(l->effect, &view, own, &e), &e);
+  must(l->effect->calls->create_scratch, l->effect, &view.scratch);
+  must(l->effect->calls->force, l->effect, &view, own);
   for (int32_t i = 0; i < l->effect->node_count; i++)
     memcpy(&force[3 * l->effect->nodes[i]], &own[3 * i], 3 * sizeof(double));
   l->effect->calls->free_scratch(view.scratch);
@@ -99,8 +96,7 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   tap_close(largest(moment, 3) / size, 0.0, 1e-14, "%s: it has no moment", name);
   double bound = 0.0, worst_row = 0.0, unused;
   ct_state *state = new_state(l.problem);
-  ct_error e = {0};
-  need(ct_stable_contribution(l.problem, state, 1, &bound, &unused, &e), &e);
+  must(ct_stable_contribution, l.problem, state, 1, &bound, &unused);
   for (int trial = 0; trial < 20; trial++) {
     for (int64_t d = 0; d < dofs; d++) u[d] = 1e-6 * (uniform(1.0) > 0 ? 1 : -1);
     double *g = force_at(&l, u), *g0 = force_at(&l, NULL);
@@ -129,8 +125,7 @@ static void bound_of_a_cube(void)
   loaded l = load_faces(scene, def, faces, count, 1e-3, 0.5);
   ct_state *state = new_state(l.problem);
   double bound, unused;
-  ct_error e;
-  need(ct_stable_contribution(l.problem, state, 1, &bound, &unused, &e), &e);
+  must(ct_stable_contribution, l.problem, state, 1, &bound, &unused);
   tap_close(bound / (8.0 * 3.0 * 2.0 / (1.0 * 0.25)), 1.0, 1e-11, "one face of a cube: the bound");
   close_run(state, scene, mesh);
 }
@@ -151,8 +146,7 @@ static void step_load(void)
   advance(l.problem, state, l.steps);
   int32_t last = l.problem->node_count - 1;
   double exact = 3.0 / c * end, *stress = numbers(6 * (int64_t)mesh->element_count), mean = 0.0;
-  ct_error e = {0};
-  need(ct_solid_stress(mesh, &BAR, state->displacement, stress, &e), &e);
+  must(ct_solid_stress, mesh, &BAR, state->displacement, stress);
   for (int i = 55; i < 95; i++) mean += stress[6 * i] / 40.0;
   tap_close(state->displacement[3 * last] / exact, 1.0, 5e-3,
             "the loaded end has moved traction / (rho c) t");
@@ -170,12 +164,11 @@ static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
   static const int32_t outside[4] = {0, 1, 2, 99}, flat[4] = {0, 1, 1, 0}, good[4] = {0, 1, 3, 2};
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   ct_load_def bad = {COOKIE, .kind = CT_Q4, .face_count = 1, .faces = outside, .pressure = 1.0};
   tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.element == 0,
          "a node outside: %s", e.text);

@@ -48,24 +48,20 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
 {
   ct_scene *scene = new_scene();
   ct_optimisations optimisations = NONE;
-  const ct_problem *joined;
   ct_effect *effect;
-  ct_error e;
   optimisations.shared_stiffness = k->lattice;
-  need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
+  must(ct_scene_set_optimisations, scene, &optimisations);
   add_body(scene, "block", mesh, k->material, k->kernel, 1, 0, 0);
   if (k->held) add_support(scene, 0, mesh, -1, 0.0, "y", 0.0);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   if (k->falls) {
-    need(ct_gravity_create_effect(&(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9810}}, joined,
-                                  &effect, &e),
-         &e);
-    need(ct_scene_add_effect(scene, effect, &e), &e);
+    must(ct_gravity_create_effect, &(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9810}}, joined,
+         &effect);
+    must(ct_scene_add_effect, scene, effect);
   }
   if (k->relaxes) {
-    need(ct_damping_create_effect(&(ct_damping_def){COOKIE, .relaxation = 1}, joined, &effect, &e),
-         &e);
-    need(ct_scene_add_effect(scene, effect, &e), &e);
+    must(ct_damping_create_effect, &(ct_damping_def){COOKIE, .relaxation = 1}, joined, &effect);
+    must(ct_scene_add_effect, scene, effect);
   }
   return scene;
 }
@@ -73,12 +69,11 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
 /* Compute all quantities of a record. */
 static void ask(const ct_problem *problem, ct_state *state, ct_monitor *monitor)
 {
-  ct_error e;
   double unrest;
   energy_of(problem, state);
   momentum_of(problem, state, 0);
-  need(ct_energy_residual(problem, state, &unrest, &e), &e);
-  if (monitor != NULL) need(ct_monitor_check(monitor, state, &e), &e);
+  must(ct_energy_residual, problem, state, &unrest);
+  if (monitor != NULL) must(ct_monitor_check, monitor, state);
 }
 
 /* The block of a kind of scene. */
@@ -102,14 +97,13 @@ static void budget(const kind *k)
   double nodes = m->node_count, elements = m->element_count;
   ct_mesh_free(m);
   ct_stable_step stable;
-  ct_error e;
   ct_monitor *monitor = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_monitor_options options = ct_monitor_options_default();
   options.every = 2;
   options.stable = stable.dt;
-  if (k->monitored) need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
+  if (k->monitored) must(ct_monitor_create, problem, state, &options, &monitor);
 
   // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
   // of two; three runs for each of 25 x 25 rows of nodes; and what does not grow.
@@ -122,8 +116,7 @@ static void budget(const kind *k)
 
   long calls_before = counted.calls;
   if (monitor != NULL)
-    need(ct_run(state->problem, state, 4, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e),
-         &e);
+    must(ct_run, state->problem, state, 4, (ct_observer[]){ct_monitor_observer(monitor)}, 1);
   else advance(problem, state, 4);
   ask(problem, state, monitor);
   tap_ok(counted.calls == calls_before,
@@ -143,14 +136,13 @@ static void good_state(void)
   ct_mesh *m = block_of(k);
   ct_scene *scene = scene_of(k, m);
   ct_stable_step stable;
-  ct_error e;
   ct_monitor *monitor = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_monitor_options options = ct_monitor_options_default();
-  need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
+  must(ct_monitor_create, problem, state, &options, &monitor);
   advance(problem, state, 3);
-  need(ct_monitor_check(monitor, state, &e), &e);
+  must(ct_monitor_check, monitor, state);
   size_t before = counted.held;
   ct_state *good = ct_monitor_good(monitor);
   size_t asked = counted.held;
@@ -160,7 +152,7 @@ static void good_state(void)
          "a good state allocates its forces once");
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the energy balance of that state");
   advance(problem, state, 2);
-  need(ct_monitor_check(monitor, state, &e), &e);
+  must(ct_monitor_check, monitor, state);
   a = energy_of(problem, state), b = energy_of(problem, good);
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "also after the next check");
   ct_monitor_free(monitor);
@@ -171,13 +163,12 @@ static void good_state(void)
 static ct_state *shaken(const ct_problem *problem)
 {
   ct_state *from = new_state(problem), *state = new_state(problem);
-  ct_error e;
   advance(problem, from, 1);
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     from->displacement[d] += uniform(1e-5);
     from->velocity[d] += problem->inverse_mass[d] > 0.0 ? uniform(10.0) : 0.0;
   }
-  need(ct_state_copy(problem, from, state, &e), &e);
+  must(ct_state_copy, problem, from, state);
   ct_state_free(from);
   return state;
 }
@@ -202,15 +193,14 @@ static void many_nodes(const kind *k)
   ct_scene *scene = scene_of(k, m);
   int64_t dofs = 3 * (int64_t)m->node_count;
   ct_stable_step stable;
-  ct_error e;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = shaken(problem);
   double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0,
          kinetic = 0.0, unrest = NAN;
   for (int32_t i = 0; i < problem->effect_count; i++) {
     double energy = 0.0;
-    need(ct_state_force(problem, state, i, force, &e), &e);
-    need(ct_energy_stored(problem, state, i, &energy, &e), &e);
+    must(ct_state_force, problem, state, i, force);
+    must(ct_energy_stored, problem, state, i, &energy);
     acting = fmax(acting, largest(force, dofs));
     for (int64_t d = 0; d < dofs; d++) total[d] += force[d];
     stored += fabs(energy);
@@ -221,13 +211,13 @@ static void many_nodes(const kind *k)
   for (int64_t d = 0; d < dofs; d++)
     left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
   kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
-  need(ct_energy_residual(problem, state, &unrest, &e), &e);
+  must(ct_energy_residual, problem, state, &unrest);
   double want = fmax(left / acting, sqrt(kinetic / stored));
   tap_ok(close_to(unrest, want) < 1e-14, "%s: the residual is that of all its nodes", k->name);
   if (k->relaxes) {
     const double *sample = state->memory + 2;
     double *way = numbers(dofs), *change = numbers(dofs);
-    need(ct_state_force(problem, state, 0, force, &e), &e);
+    must(ct_state_force, problem, state, 0, force);
     for (int64_t d = 0; d < dofs; d++)
       way[d] = state->displacement[d] - sample[d], change[d] = sample[dofs + d] - force[d];
     double omega =

@@ -409,16 +409,15 @@ static void rings(ct_brick_kind kind)
     int edges = n[0] * n[1] * (n[2] + 1) + corners + (n[0] + 1) * n[1] * n[2];
     ct_ring ring = {{0, 0, 0}, {1.5, 2.25}, 0.7, {n[0], n[1], n[2]}};
     ct_mesh *m = NULL;
-    ct_error e;
-    need(ct_mesh_create_ring(kind, &ring, &m, &e), &e);
-    need(ct_mesh_check(m, &e), &e);
+    must(ct_mesh_create_ring, kind, &ring, &m);
+    must(ct_mesh_check, m);
     tap_ok(m->element_count == n[0] * n[1] * n[2] &&
                m->node_count == corners + (kind == CT_HEX20 ? edges : 0) &&
                ct_mesh_outer_faces(m, NULL, NULL) == 2 * n[1] * (n[0] + n[2]),
            "ring of %d, kind %d: nodes, elements, outer faces", n[1], (int)kind);
     double *mass = numbers(m->node_count), volume = 0.0, pi = acos(-1.0),
            polygon = 0.5 * n[1] * sin(2 * pi / n[1]) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7, off = 0.0;
-    need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+    must(ct_mass_lumped, m, 1.0, CT_LUMP_DEFAULT, mass);
     for (int i = 0; i < m->node_count; i++) volume += mass[i];
     // Quadratic edges are parabolas, each with two thirds of chord times height beyond the polygon.
     double segment = kind == CT_HEX8 ? 0.0

@@ -11,8 +11,7 @@ static const ct_scene_time HALF = {.end = 1.0, .fraction = 0.5};
 static ct_monitor *new_watch(const ct_problem *problem, ct_state *state, ct_monitor_options options)
 {
   ct_monitor *monitor = NULL;
-  ct_error e;
-  need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
+  must(ct_monitor_create, problem, state, &options, &monitor);
   return monitor;
 }
 
@@ -267,7 +266,7 @@ static void least_energy(void)
           *upper = box_mesh(CT_HEX8, 0, 0, 5, 2, 2, 1, 2, 2, 2);
   ct_scene *scene = new_scene_with("lower", lower, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "upper", upper, &STIFF, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
+  const ct_problem *p = build_until(scene, 1.0, 0.5);
   tap_close(floor_of(p) / DBL_EPSILON, 10.0 * 30.0 * 0.75 / (1.25 * 0.5), 1e-9,
             "the energy that counts as rounding");
 
@@ -327,7 +326,7 @@ static void at_rest(void)
                                 .options = ct_contact_options_default()};
     if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
     ct_error e = {0};
-    need(ct_scene_add_contact(scene, &contact, &e), &e);
+    must(ct_scene_add_contact, scene, &contact);
     int64_t steps;
     const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8}, &steps, NULL);
     ct_state *state = new_state(p);
@@ -360,7 +359,7 @@ static void named(int bad)
   ct_state *state = new_state(p);
   ct_monitor *monitor = new_watch(p, state, every(2));
   ct_error e = {0};
-  need(ct_run(state->problem, state, 5, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e), &e);
+  must(ct_run, state->problem, state, 5, (ct_observer[]){ct_monitor_observer(monitor)}, 1);
   for (int n = 0; n < m->node_count; n++)
     if (m->nodes[3 * n] > 3.9) state->velocity[3 * (m->node_count + n)] = bad ? NAN : -1.5 / p->dt;
   ct_status status =
@@ -377,7 +376,7 @@ static void named(int bad)
          "the state of step 4 was good");
   // It goes on from there to the same bits as a run in which nothing happened.
   ct_state *straight = new_state(p);
-  need(ct_state_copy(p, ct_monitor_good(monitor), state, &e), &e);
+  must(ct_state_copy, p, ct_monitor_good(monitor), state);
   advance(p, state, 6);
   advance(p, straight, 10);
   tap_ok(memcmp(straight->displacement, state->displacement,

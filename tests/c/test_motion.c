@@ -8,12 +8,10 @@ static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}
 static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_t count, double end,
                                double fraction, int64_t *steps)
 {
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
-  ct_error e = {0};
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(create_motion(motions, count, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  const ct_problem *joined = join_scene(scene);
+  must(create_motion, motions, count, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   return build(scene, (ct_scene_time){.end = end, .fraction = fraction}, steps, NULL);
 }
 
@@ -36,14 +34,13 @@ static void there_and_back(ct_brick_kind kind)
   int64_t steps;
   const ct_problem *p = moved(scene, &motion, 1, 1.0, 0.5, &steps);
   ct_state *state = new_state(p), *other = new_state(p);
-  ct_error e;
   ct_energy energy, first = energy_of(p, state);
   ct_momentum start = momentum_of(p, state, body), now;
   double *force = numbers(3 * p->node_count), path = 0.0, work = 0.0, total = 0.0, balance = 0.0,
          impulse = 0.0, own, scale = 0.0;
   for (int64_t n = 0; n < steps; n++) {
-    if (n == steps / 2) need(ct_state_copy(p, state, other, &e), &e);
-    need(ct_state_force(p, state, 1, force, &e), &e);
+    if (n == steps / 2) must(ct_state_copy, p, state, other);
+    must(ct_state_force, p, state, 1, force);
     double before[64];
     for (int i = 0; i < count; i++) before[i] = state->velocity[3 * base[i] + 2];
     advance(p, state, 1);
@@ -62,10 +59,10 @@ static void there_and_back(ct_brick_kind kind)
     total = worst(total, energy.total - first.total);
     balance = worst(balance, energy.balance);
   }
-  need(ct_state_force(p, state, 1, force, &e), &e);
+  must(ct_state_force, p, state, 1, force);
   for (int i = 0; i < count; i++)
     work += 0.5 * p->dt * force[3 * base[i] + 2] * state->velocity[3 * base[i] + 2];
-  need(ct_energy_work(p, state, 1, &own, &e), &e);
+  must(ct_energy_work, p, state, 1, &own);
   tap_ok(path < 1e-13, "kind %d: the base is where the amplitude has it, off by %.2g", kind, path);
   tap_close((own - work) / scale, 0.0, 1e-12,
             "kind %d: the energy balance has the work of the reaction", kind);
@@ -103,15 +100,14 @@ static void inertia(void)
                       .amplitude = {POINTS, time, value}};
   const ct_problem *joined = NULL, *p = NULL;
   ct_effect *effect = NULL;
-  ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(create_motion(&motion, 1, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  must(ct_scene_join, scene, &joined);
+  must(create_motion, &motion, 1, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01}, NULL, NULL);
   ct_state *state = new_state(p);
   double force[81], sum[3] = {0, 0, 0};
   advance(p, state, 50);
-  need(ct_state_force(p, state, 1, force, &e), &e);
+  must(ct_state_force, p, state, 1, force);
   for (int i = 0; i < 81; i++) sum[i % 3] += force[i];
   tap_close(sum[0], 2.0 * 2.0 * 3.0, 1e-9, "the reaction is mass times acceleration");
   tap_close(sum[1], 2.0 * 2.0 * -2.0, 1e-11, "along each axis");
@@ -148,12 +144,11 @@ static void refusals(void)
   static const double time[2] = {0, 1}, value[2] = {0, 1};
   static const int32_t nodes[2] = {0, 1}, more[2] = {1, 2}, beyond[1] = {8};
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  int32_t body = add_body(scene, "one", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("one", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_problem *joined = NULL, *problem = NULL;
   ct_effect *effect = NULL;
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
+  must(ct_scene_join, scene, &joined);
   ct_motion two[2] = {{nodes, 2, {1, 0, 0}, {1, 0, 0}, {2, time, value}},
                       {more, 2, {1, 1, 0}, {1, 0, 0}, {2, time, value}}};
   tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_OK, "two equal motions of one component");
@@ -183,8 +178,8 @@ static void refusals(void)
          e.text);
   two[0].fixed[0] = 1;
   tap_ok(create_motion(two, 0, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no motions: %s", e.text);
-  need(create_motion(two, 1, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  must(create_motion, two, 1, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   int64_t steps;
   ct_stable_step stable;
   ct_scene_time run = {.end = 1.0, .fraction = 0.5};
@@ -192,18 +187,18 @@ static void refusals(void)
   add_made(scene, ct_gravity_create_effect, &gravity);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_OK,
          "another effect may come after it in the list");
-  need(create_motion(two, 1, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  must(create_motion, two, 1, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "as another one does"),
          "a second effect of motions: %s", e.text);
   ct_scene_free(scene);
   scene = new_scene();
   add_body(scene, "one", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  add_support(scene, body, m, -1, 0.0, "x", 0.0);
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(create_motion(two, 1, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_support(scene, 0, m, -1, 0.0, "x", 0.0);
+  must(ct_scene_join, scene, &joined);
+  must(create_motion, two, 1, joined, &effect);
+  must(ct_scene_add_effect, scene, effect);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "support"),
          "a support on it: %s", e.text);

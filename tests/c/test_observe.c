@@ -59,7 +59,7 @@ static rig make(void)
   r.scene = new_scene_with("left", r.mesh[0], &soft, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(r.scene, "right", r.mesh[1], &soft, CT_KERNEL_AUTO, -0.1, 0, 0);
   add_contact(r.scene, 0, r.mesh[0], 0.0, 1, r.mesh[1], 0.01, 0, 10.0);
-  r.problem = build(r.scene, (ct_scene_time){.end = 8.0, .fraction = 0.4}, NULL, NULL);
+  r.problem = build_until(r.scene, 8.0, 0.4);
   return r;
 }
 
@@ -76,12 +76,11 @@ static void when_it_is_called(void)
   peak own = {0}, rare = {0};
   ct_observer by[] = {peak_observer(&own, 5), peak_observer(&rare, 1000)};
   by[1].last = 1;
-  ct_error e;
-  need(ct_run(r.problem, plain, 33, NULL, 0, &e), &e);
-  need(ct_run(r.problem, state, 3, by, 1, &e), &e);
+  must(ct_run, r.problem, plain, 33, NULL, 0);
+  must(ct_run, r.problem, state, 3, by, 1);
   tap_ok(own.samples == 1 && own.checks == 0 && own.steps == 3,
          "3 steps: sampled at step 0, no check");
-  need(ct_run(r.problem, state, 30, by, 2, &e), &e);
+  must(ct_run, r.problem, state, 30, by, 2);
   tap_ok(own.samples == 7 && own.checks == 6,
          "33 steps: sampled at 0, 5, ... 30 and checked after 5, 10, ... 30");
   tap_ok(rare.checks == 1 && rare.samples == 0, "the other one once, after the last step");
@@ -109,8 +108,8 @@ static void with_the_others(void)
   ct_error e;
   options.every = 4;
   def.name = "tip", def.nodes = &node, def.node_count = 1, def.take[CT_QUANTITY_VELOCITY] = 1;
-  need(ct_monitor_create(r.problem, state, &options, &monitor, &e), &e);
-  need(ct_probes_create(r.problem, &def, 1, &probes, &e), &e);
+  must(ct_monitor_create, r.problem, state, &options, &monitor);
+  must(ct_probes_create, r.problem, &def, 1, &probes);
   const ct_observer by[] = {ct_monitor_observer(monitor), peak_observer(&own, 6),
                             ct_probes_observer(probes)};
   ct_status status = ct_run(r.problem, state, 40, by, 3, &e);
@@ -120,7 +119,7 @@ static void with_the_others(void)
              ct_monitor_good(monitor)->step == 16 && strstr(e.text, "(step 18)") != NULL,
          "monitor, own observer and probes; an error of a check ends the run: %s", e.text);
   own.limit = 0;
-  need(ct_run(r.problem, state, 22, by, 3, &e), &e);
+  must(ct_run, r.problem, state, 22, by, 3);
   need(ct_probes_history(probes, 0, &rows, NULL), NULL);
   tap_ok(state->step == 40 && rows.row_count == 40 && ct_monitor_good(monitor)->step == 40,
          "and the run goes on from there");
@@ -166,10 +165,9 @@ static void no_memory(void)
   ct_state *state = new_state(r.problem);
   peak own = {0};
   const ct_observer by = peak_observer(&own, 2);
-  ct_error e;
-  need(ct_run(r.problem, state, 40, &by, 1, &e), &e);
+  must(ct_run, r.problem, state, 40, &by, 1);
   long calls = counted.calls;
-  need(ct_run(r.problem, state, 40, &by, 1, &e), &e);
+  must(ct_run, r.problem, state, 40, &by, 1);
   tap_ok(counted.calls == calls && own.checks == 40, "40 steps with 20 checks allocate nothing");
   ct_state_free(state);
   unmake(&r);

@@ -26,21 +26,20 @@ static against begin(ct_mesh *mesh, const ct_material *material, double vx, doub
  * friction if mu is not 0. */
 static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, double mu)
 {
-  ct_error error;
   ct_effect *effect = NULL, *friction = NULL;
   int32_t *faces = integers(8 * 6 * t->mesh->element_count);
   const ct_problem *joined;
-  need(ct_scene_join(t->scene, &joined, &error), &error);
+  must(ct_scene_join, t->scene, &joined);
   o.kind = ct_brick_face_kind(t->mesh->kind);
   o.face_count = axis < 0 ? ct_mesh_outer_faces(t->mesh, faces, NULL)
                           : ct_mesh_plane_faces(t->mesh, axis, at, faces, NULL);
   o.faces = faces;
-  need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-  need(ct_scene_add_effect(t->scene, effect, &error), &error);
+  must(ct_obstacle_create_effect, &o, joined, &effect);
+  must(ct_scene_add_effect, t->scene, effect);
   if (mu != 0.0) {
     ct_friction_def f = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = mu};
-    need(ct_friction_create_effect(&f, joined, &friction, &error), &error);
-    need(ct_scene_add_effect(t->scene, friction, &error), &error);
+    must(ct_friction_create_effect, &f, joined, &friction);
+    must(ct_scene_add_effect, t->scene, friction);
   }
   free(faces);
 }
@@ -91,12 +90,11 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
                                  .axis = {0, 0, 1}, .radius = radius, .epsilon = 700.0},
                2, 0.0, 0.0);
   finish(&t, 1.0, 0.5);
-  ct_error e;
   double omega2 = 0.0;
   const ct_effect *effect = t.problem->effects[1];
   ct_view view = {.time = 0.0};
-  need(effect->calls->create_scratch(effect, &view.scratch, &e), &e);
-  need(effect->calls->bounds.omega2(effect, &view, &omega2, &e), &e);
+  must(effect->calls->create_scratch, effect, &view.scratch);
+  must(effect->calls->bounds.omega2, effect, &view, &omega2);
   effect->calls->free_scratch(view.scratch);
   tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
             "largest omega^2 of one face, R = %g", radius);
@@ -157,8 +155,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
   double *u = numbers(n), *f = numbers(n), *scrap = numbers(n), off = 0.0, above, below, h = 1e-6,
          *memory = numbers(e->memory_count), *next = numbers(e->memory_count);
   void *scratch;
-  ct_error error;
-  need(e->calls->create_scratch(e, &scratch, &error), &error);
+  must(e->calls->create_scratch, e, &scratch);
   for (int64_t i = 0; i < n; i++) u[i] = uniform(0.05);
   ct_view view = {.reference = t.problem->reference,
                   .displacement = u,
@@ -166,14 +163,16 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
                   .memory = memory,
                   .next_memory = next,
                   .scratch = scratch};
-  need(e->calls->force(e, &view, f, &error), &error);
+  must(e->calls->force, e, &view, f);
   double size = largest(f, 3 * e->node_count);
   for (int32_t i = 0; i < 3 * e->node_count; i++) {
     double *at = &u[3 * e->nodes[i / 3] + i % 3], was = *at;
-    *at = was + h, need(e->calls->force(e, &view, scrap, &error), &error),
-    need(e->calls->energy(e, &view, &above, &error), &error);
-    *at = was - h, need(e->calls->force(e, &view, scrap, &error), &error),
-    need(e->calls->energy(e, &view, &below, &error), &error);
+    *at = was + h;
+    must(e->calls->force, e, &view, scrap);
+    must(e->calls->energy, e, &view, &above);
+    *at = was - h;
+    must(e->calls->force, e, &view, scrap);
+    must(e->calls->energy, e, &view, &below);
     *at = was;
     off = worst(off, (above - below) / (2 * h) + f[i]);
   }
@@ -192,7 +191,6 @@ static void bar(void)
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 100, 1, 1), &SOFT, -10, 0, 0);
   double area = 0.01, first = 0.0, last = 0.0, force[3], work, middle = 0.0, balance = 0.0,
          drift = 0.0, count = 0.0;
-  ct_error error;
   add_obstacle(&t,
                (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0},
                                  .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
@@ -201,7 +199,7 @@ static void bar(void)
   double start = energy_of(t.problem, t.state).total;
   while (t.state->time < 1.5 - 1e-9) {
     advance(t.problem, t.state, 1);
-    need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
+    must(ct_obstacle_reaction, t.problem, t.state, 1, force, &work);
     if (force[0] < -0.5 * 300.0 * area && first == 0.0) first = t.state->time;
     if (force[0] < -0.5 * 300.0 * area) last = t.state->time;
     if (t.state->time > 0.6 && t.state->time < 1.1) middle += -force[0] / area, count += 1.0;
@@ -211,7 +209,7 @@ static void bar(void)
   }
   double impulse[3];
   ct_momentum p = momentum_of(t.problem, t.state, 0);
-  need(ct_energy_impulse(t.problem, t.state, 1, impulse, &error), &error);
+  must(ct_energy_impulse, t.problem, t.state, 1, impulse);
   tap_close(first, 0.5, 0.005, "bar: contact begins at 0.5");
   tap_close(last, 0.5 + 2.0 / 3.0, 0.01, "bar: and ends at 1.1667");
   tap_close(middle / count, 300.0, 1.0, "bar: with the pressure 300");
@@ -236,7 +234,6 @@ static void moving_wall(int amplitude)
                        .travel = {amplitude ? 20.0 : 0.0, 0, 0},
                        .amplitude = {amplitude ? 2 : 0, times, share}};
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 50, 1, 1), &SOFT, 0, 0, 0);
-  ct_error error;
   add_obstacle(&t, o, 0, 5.0, 0.0);
   finish(&t, 1.5, 0.4);
   while (t.state->time < 1.5 - 1e-9) {
@@ -245,7 +242,7 @@ static void moving_wall(int amplitude)
     drift = worst(drift, e.total), balance = worst(balance, e.balance);
   }
   ct_energy e = energy_of(t.problem, t.state);
-  need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
+  must(ct_obstacle_reaction, t.problem, t.state, 1, force, &work);
   // Mass 0.1 leaves with 20: 20 units of energy, and the wall at 10 has given an impulse of 2.
   tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2,
             "%s: the bar leaves with twice the wall's velocity",
@@ -262,12 +259,11 @@ static void depth(void)
 {
   against t = begin(box_mesh(CT_HEX8, 0, 0, -50, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
   double force[3], work;
-  ct_error error;
   add_obstacle(
       &t, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 2.0},
       2, -50.0, 0.0);
   finish(&t, 1.0, 0.5);
-  need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
+  must(ct_obstacle_reaction, t.problem, t.state, 1, force, &work);
   tap_close(
       force[2], -100.0, 1e-12,
       "a face at a depth of 50, many blocks below the plane, has 50 times the penalty as pressure");
@@ -290,9 +286,8 @@ static ct_obstacle_def shape_beneath(int shape, ct_initial how)
 
 static ct_penetration inside(const against *t, ct_penetration_at at)
 {
-  ct_error error;
   ct_penetration found;
-  need(ct_obstacle_penetration(t->problem, t->state, 1, at, &found, &error), &error);
+  must(ct_obstacle_penetration, t->problem, t->state, 1, at, &found);
   return found;
 }
 
@@ -463,7 +458,6 @@ static void incline(double mu, double vx, int slips)
                     vx, 0, 0);
   double ratio = 0.0, *f = numbers(3 * 40), *r = numbers(3 * 40), balance = 0.0, top = 0.0,
          lost = 0.0, held, work;
-  ct_error error;
   add_obstacle(&t,
                (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1},
                                  .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
@@ -475,16 +469,16 @@ static void incline(double mu, double vx, int slips)
   while (t.state->time < 1.0) {
     double sum[2] = {0.0, 0.0};
     advance(t.problem, t.state, 1);
-    need(ct_state_force(t.problem, t.state, 1, f, &error), &error);
-    need(ct_state_force(t.problem, t.state, 2, r, &error), &error);
+    must(ct_state_force, t.problem, t.state, 1, f);
+    must(ct_state_force, t.problem, t.state, 2, r);
     for (int n = 0; n < t.problem->node_count; n++) sum[0] += f[3 * n + 2], sum[1] += r[3 * n];
     ratio = worst(ratio, sum[1] / (mu * sum[0]) + 1.0);
     top = worst(top, t.state->displacement[0]);
     balance = worst(balance, energy_of(t.problem, t.state).balance);
   }
   ct_momentum to = momentum_of(t.problem, t.state, 0);
-  need(ct_friction_energy(t.problem, t.state, 2, &held, &lost, &error), &error);
-  need(ct_energy_work(t.problem, t.state, 2, &work, &error), &error);
+  must(ct_friction_energy, t.problem, t.state, 2, &held, &lost);
+  must(ct_energy_work, t.problem, t.state, 2, &work);
   double gain = to.p[0] - from.p[0], mass = 0.3,
          want = mass * g * (s - mu * c) * (to.time - from.time);
   if (slips) {
@@ -588,9 +582,8 @@ static void hertz(void)
   add_obstacle(&t, o, 2, 0.0, 0.0);
   add_weight(t.scene, (weight){.damping = 6.0});
   finish(&t, 1.2, 0.9);
-  ct_error error;
   while (t.state->time < 1.2 - 1e-9) advance(t.problem, t.state, 1);
-  need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
+  must(ct_obstacle_reaction, t.problem, t.state, 1, force, &work);
   double want = 4.0 / 3.0 * modulus * sqrt(R) * depth * sqrt(depth);
   double got = 4.0 * force[2];
   // The node in the middle tells the pressure by its overlap.
@@ -626,11 +619,11 @@ static void tractions(ct_brick_kind kind)
   double *traction = numbers(3 * nodes), *area = numbers(nodes), off = 0.0, sum[3] = {0},
          reaction[3], work;
   ct_error error;
-  need(ct_obstacle_traction(t.problem, t.state, 1, traction, area, &error), &error);
+  must(ct_obstacle_traction, t.problem, t.state, 1, traction, area);
   for (int i = 0; i < e->node_count; i++)
     off = worst(off, traction[3 * e->nodes[i] + 2] - epsilon * depth);
   double *pressure = numbers(nodes), elsewhere = 0.0;
-  need(ct_state_pressure(t.problem, t.state, pressure, &error), &error);
+  must(ct_state_pressure, t.problem, t.state, pressure);
   for (int i = 0; i < nodes; i++)
     if (mesh->nodes[3 * i + 2] == -depth) off = worst(off, pressure[i] - epsilon * depth);
     else elsewhere = worst(elsewhere, pressure[i]);
@@ -638,11 +631,11 @@ static void tractions(ct_brick_kind kind)
          "%s in a plane: traction and pressure of the penalty, off by %.2g",
          kind == CT_HEX8 ? "hex8" : "hex20", off / (epsilon * depth));
   ct_state *shaken = NULL;
-  need(ct_state_create(t.problem, &shaken, &error), &error);
+  must(ct_state_create, t.problem, &shaken);
   for (int i = 0; i < 3 * nodes; i++) shaken->displacement[i] = uniform(0.02);
   shaken->step++; // so that forces are computed anew
-  need(ct_obstacle_traction(t.problem, shaken, 1, traction, area, &error), &error);
-  need(ct_obstacle_reaction(t.problem, shaken, 1, reaction, &work, &error), &error);
+  must(ct_obstacle_traction, t.problem, shaken, 1, traction, area);
+  must(ct_obstacle_reaction, t.problem, shaken, 1, reaction, &work);
   for (int i = 0; i < nodes; i++)
     for (int c = 0; c < 3; c++) sum[c] += area[i] * traction[3 * i + c];
   tap_ok(fabs(sum[2] + reaction[2]) < 1e-12 * sum[2] && largest(sum, 2) == 0.0,
@@ -670,12 +663,11 @@ static void bound(ct_brick_kind kind)
   finish(&t, 1.0, 0.5);
   int nodes = t.problem->node_count;
   double *traction = numbers(3 * nodes), *area = numbers(nodes), top = 0.0, lost = 0.0;
-  ct_error error;
   for (int scene = 0; scene < 40; scene++) {
     double R[3][3], deepest = 0.0, force = 0.0, reaction[3], work, most = 0.0;
     const double height = 0.4 + uniform(0.35);
     ct_state *state = NULL;
-    need(ct_state_create(t.problem, &state, &error), &error);
+    must(ct_state_create, t.problem, &state);
     random_rotation(R);
     state->step++; // so that forces are computed anew
     for (int i = 0; i < nodes; i++) {
@@ -685,8 +677,8 @@ static void bound(ct_brick_kind kind)
             R[c][0] * x[0] + R[c][1] * x[1] + R[c][2] * x[2] - x[c] + (c == 2 ? height : 0.0);
       deepest = fmax(deepest, -x[2] - state->displacement[3 * i + 2]);
     }
-    need(ct_obstacle_traction(t.problem, state, 1, traction, area, &error), &error);
-    need(ct_obstacle_reaction(t.problem, state, 1, reaction, &work, &error), &error);
+    must(ct_obstacle_traction, t.problem, state, 1, traction, area);
+    must(ct_obstacle_reaction, t.problem, state, 1, reaction, &work);
     for (int i = 0; i < nodes; i++) {
       most = fmax(most, traction[3 * i + 2]);
       force += area[i] * traction[3 * i + 2];
@@ -711,7 +703,7 @@ static void refusals(void)
   ct_effect *effect = NULL;
   int32_t faces[4] = {0, 1, 3, 2}, outside[4] = {0, 1, 3, 88};
   double times[2] = {1.0, 0.0}, share[2] = {0.0, 1.0};
-  need(ct_scene_join(t.scene, &joined, &error), &error);
+  must(ct_scene_join, t.scene, &joined);
   ct_obstacle_def good = {COOKIE,
                           .shape = CT_OBSTACLE_PLANE,
                           .axis = {0, 0, 1},

@@ -47,7 +47,7 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = 10.0;
   ct_error e;
-  for (int k = 0; k < 2; k++) need(ct_contact_create(a, b, &options, &c[k], &e), &e);
+  for (int k = 0; k < 2; k++) must(ct_contact_create, a, b, &options, &c[k]);
   int64_t points = ct_contact_point_count(c[0]);
   ct_contact_point *p[2] = {room(points, sizeof **p), room(points, sizeof **p)};
   int same = 0, skipped = 0, touching = 0;
@@ -60,7 +60,7 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
       c[k]->gaps.side[0].points[1].other = 0; // as an older state may say
       memset(f[k], 0, 24 * (size_t)nodes);
       memset(p[k], 0, (size_t)points * sizeof **p);
-      need(ct_contact_update(c[k], x, x, &e), &e);
+      must(ct_contact_update, c[k], x, x);
       if (k == 1 && c[1]->gaps.side[0].points[0].row.gap == 42.0)
         c[1]->gaps.side[0].points[0].row.gap = NAN, skipped++;
       ct_contact_add_force(c[k], f[k], f[k], NULL);
@@ -76,7 +76,7 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
          "%s: the same bits in %d states, %d of them touching, no search in %d", name, same,
          touching, skipped);
   move(a, b, 0.0, x);
-  need(ct_contact_update(c[1], x, x, &e), &e);
+  must(ct_contact_update, c[1], x, x);
   x[3 * (nodes - 1)] = NAN;
   x[3 * a->faces[0]] = NAN;
   tap_ok(ct_contact_update(c[1], x, x, &e) == CT_INVALID && e.point == a->faces[0],
@@ -158,7 +158,6 @@ static int compare_places(const void *a, const void *b)
 static place *impact(const body *form, ct_layers layers, int shuffle_it,
                      ct_optimisations optimisations, int32_t *count)
 {
-  ct_error e;
   ct_scene *scene = new_scene();
   ct_mesh *m[2];
   int64_t steps;
@@ -181,7 +180,7 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
   add_contact_with(scene, 0, m[0], 0, 1, m[1], 1e-4, 0, 1.0, ct_contact_options_default(), 0.0,
                    0.0);
   add_support(scene, 0, m[0], 2, -0.2, "z", 0.0);
-  need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
+  must(ct_scene_set_optimisations, scene, &optimisations);
   set_threads(scene, 2);
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9}, &steps, NULL);

@@ -120,7 +120,7 @@ static rig *rig_create(int curved, int with_probe)
     free(velocity);
     ct_mesh_free(mesh);
   }
-  r->problem = *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5}, NULL, NULL);
+  r->problem = *build_until(r->scene, 1, 0.5);
   memcpy(r->body, r->problem.bodies, sizeof r->body);
   static const ct_effect_calls calls = {.force = hardening_force};
   r->probe = (ct_effect){
@@ -152,7 +152,6 @@ static double want_velocity(int axis, int k) { return (k + 1) * (axis + 1) * 0.5
 static void pose(const rig *r, ct_state *state, int k)
 {
   ct_state *hand = new_state(&r->problem);
-  ct_error error;
   for (int32_t i = 0; i < 3 * r->problem.node_count; i++) {
     hand->displacement[i] = want_displacement(r->problem.reference + i / 3 * 3, i % 3, k);
     hand->velocity[i] = want_velocity(i % 3, k);
@@ -160,7 +159,7 @@ static void pose(const rig *r, ct_state *state, int k)
   for (int64_t i = 0; i < hand->memory_count; i++) hand->memory[i] = k + 1;
   hand->step = 10 * k;
   hand->time = 10 * k * r->problem.dt;
-  need(ct_state_copy(&r->problem, hand, state, &error), &error);
+  must(ct_state_copy, &r->problem, hand, state);
   ct_state_free(hand);
 }
 
@@ -287,10 +286,9 @@ static const char *in_folder(const char *name)
 static ct_output *must_create_with(const rig *r, const char *path, const ct_probes *probes)
 {
   ct_output *output;
-  ct_error error;
   ct_output_options options = all_fields();
   options.probes = probes;
-  need(ct_output_create(path, &r->problem, &options, &output, &error), &error);
+  must(ct_output_create, path, &r->problem, &options, &output);
   return output;
 }
 
@@ -304,14 +302,13 @@ static ct_probes *must_probe(const rig *r)
 {
   static const int32_t node = 7;
   ct_probes *probes;
-  ct_error error;
   ct_probe_def def = ct_probe_def_default();
   def.name = "node 7 \xce\xb1";
   def.nodes = &node;
   def.node_count = 1;
   def.element = 1;
   def.take[CT_QUANTITY_DISPLACEMENT] = def.take[CT_QUANTITY_STRESS] = 1;
-  need(ct_probes_create(&r->problem, &def, 1, &probes, &error), &error);
+  must(ct_probes_create, &r->problem, &def, 1, &probes);
   return probes;
 }
 
@@ -343,12 +340,11 @@ static void write_file(const rig *r, const char *path, int steps)
 {
   ct_output *output = must_create(r, path);
   ct_state *state = new_state(&r->problem);
-  ct_error error;
   for (int k = 0; k < steps; k++) {
     pose(r, state, k);
-    need(ct_output_append(output, &r->problem, state, &error), &error);
+    must(ct_output_append, output, &r->problem, state);
   }
-  need(ct_output_close(output, &error), &error);
+  must(ct_output_close, output);
   ct_state_free(state);
 }
 
@@ -403,16 +399,16 @@ static void test_step_of_a_record(void)
   fine.dt = r->problem.dt / 4;
   ct_state *coarse = new_state(&r->problem), *state = new_state(&fine), *resumed = new_state(&fine);
   ct_output *output = must_create(r, path);
-  need(ct_output_append(output, &r->problem, coarse, &error), &error);
-  need(ct_output_restart_step(path, &r->problem, coarse, &dt[0], &error), &error);
-  need(ct_run(&r->problem, coarse, 7, NULL, 0, &error), &error);
-  need(ct_output_append(output, &r->problem, coarse, &error), &error);
-  need(ct_output_restart_step(path, &fine, state, &dt[1], &error), &error);
-  need(ct_state_subdivide_step(&fine, coarse, state, &error), &error);
-  need(ct_run(&fine, state, 5, NULL, 0, &error), &error);
-  need(ct_output_append(output, &fine, state, &error), &error);
-  need(ct_output_restart_step(path, &r->problem, coarse, &dt[2], &error), &error);
-  need(ct_output_close(output, &error), &error);
+  must(ct_output_append, output, &r->problem, coarse);
+  must(ct_output_restart_step, path, &r->problem, coarse, &dt[0]);
+  must(ct_run, &r->problem, coarse, 7, NULL, 0);
+  must(ct_output_append, output, &r->problem, coarse);
+  must(ct_output_restart_step, path, &fine, state, &dt[1]);
+  must(ct_state_subdivide_step, &fine, coarse, state);
+  must(ct_run, &fine, state, 5, NULL, 0);
+  must(ct_output_append, output, &fine, state);
+  must(ct_output_restart_step, path, &r->problem, coarse, &dt[2]);
+  must(ct_output_close, output);
   tap_ok(dt[0] == r->problem.dt && dt[1] == r->problem.dt && dt[2] == fine.dt && coarse->step == 7,
          "records with the steps %g, %g and %g; reading the step changes no state", dt[0], dt[1],
          dt[2]);
@@ -481,7 +477,7 @@ static void test_any_moment(void)
   snprintf(disk.folder, sizeof disk.folder, "%s", folder);
   for (int k = 0; k <= 513; k++) {
     pose(r, state, k);
-    need(ct_probes_sample(probes, state, &error), &error);
+    must(ct_probes_sample, probes, state);
     disk.snapshots = interesting(k);
     disk.snapshot_count = 0;
     if (ct_output_append(output, &r->problem, state, &error)) abort();

@@ -48,8 +48,7 @@ typedef struct rig {
 static ct_state *later(const ct_problem *problem, const ct_state *from, int64_t steps)
 {
   ct_state *state = new_state(problem);
-  ct_error error;
-  if (from != NULL) need(ct_state_copy(problem, from, state, &error), &error);
+  if (from != NULL) must(ct_state_copy, problem, from, state);
   advance(problem, state, steps);
   return state;
 }
@@ -61,7 +60,7 @@ static void rig_open(rig *r, const char *folder)
   r->scene = new_scene_with("block", mesh, &MATERIAL, CT_KERNEL_GENERAL, 1, 0, 0);
   add_support(r->scene, 0, mesh, 0, 0.0, "y", 0.0);
   ct_mesh_free(mesh);
-  r->problem = build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5}, NULL, NULL);
+  r->problem = build_until(r->scene, 1, 0.5);
   for (int k = 0; k < RECORDS; k++)
     r->want[k] = later(r->problem, k > 0 ? r->want[k - 1] : NULL, 2);
   r->old = later(r->problem, NULL, 1);
@@ -80,13 +79,12 @@ static ct_probes *must_probe(const rig *r)
 {
   static const int32_t node = 3;
   ct_probes *probes;
-  ct_error error;
   ct_probe_def def = ct_probe_def_default();
   def.name = "node 3";
   def.nodes = &node;
   def.node_count = 1;
   def.take[CT_QUANTITY_DISPLACEMENT] = 1;
-  need(ct_probes_create(r->problem, &def, 1, &probes, &error), &error);
+  must(ct_probes_create, r->problem, &def, 1, &probes);
   return probes;
 }
 
@@ -145,7 +143,6 @@ static outcome cycle(const rig *r, int old, long fail_at)
 {
   outcome o = {.status = CT_OK};
   ct_probes *probes = must_probe(r);
-  ct_error error = {0};
   faults.fail_at = 0;
   remove(r->path);
   remove(r->part);
@@ -153,13 +150,13 @@ static outcome cycle(const rig *r, int old, long fail_at)
     ct_output_options options = ct_output_options_default();
     options.displacement = 1;
     ct_output *output;
-    need(ct_output_create(r->path, r->problem, &options, &output, &error), &error);
-    need(ct_output_append(output, r->problem, r->old, &error), &error);
-    need(ct_output_close(output, &error), &error);
+    must(ct_output_create, r->path, r->problem, &options, &output);
+    must(ct_output_append, output, r->problem, r->old);
+    must(ct_output_close, output);
     FILE *left = fopen(r->part, "w");
     if (left != NULL) fclose(left);
   }
-  for (int k = 0; k < RECORDS; k++) need(ct_probes_sample(probes, r->want[k], &error), &error);
+  for (int k = 0; k < RECORDS; k++) must(ct_probes_sample, probes, r->want[k]);
   faults.calls = 0;
   faults.fail_at = fail_at;
   faults.failed = NULL;

@@ -34,14 +34,13 @@ static ct_interaction *obstacle_of(const partner *what, const ct_surface *surfac
   const ct_obstacle_kind *kind = ct_obstacle_kind_of((ct_obstacle_shape)what->shape);
   ct_obstacle_def def = ct_obstacle_def_default();
   ct_interaction *is = NULL;
-  ct_error e;
   def.shape = (ct_obstacle_shape)what->shape;
   def.axis[kind->is_round ? 0 : 2] = 1.0;
   def.radius = what->radius, def.point[2] = -what->radius;
   def.epsilon = EPSILON, def.enforcement = CT_ENFORCE_PENALTY;
   def.initial_penetration = set.initial, def.removal_time = REMOVAL;
   def.adjust = set.adjust, def.points = set.points;
-  need(ct_obstacle_create(&def, surface, NULL, &is, &e), &e);
+  must(ct_obstacle_create, &def, surface, NULL, &is);
   return is;
 }
 
@@ -50,11 +49,10 @@ static ct_contact_fixed *contact_of(const over *o, setting set)
   const ct_surface *const surface[2] = {&o->square.surface, &o->floor.surface};
   ct_contact_options options = ct_contact_options_default();
   ct_contact_fixed *fixed = NULL;
-  ct_error e;
   options.epsilon = EPSILON, options.enforcement = CT_ENFORCE_PENALTY;
   options.initial_penetration = set.initial, options.removal_time = REMOVAL;
   options.adjust = set.adjust, options.points = set.points;
-  need(ct_contact_fixed_create(surface, 2, &options, &fixed, &e), &e);
+  must(ct_contact_fixed_create, surface, 2, &options, &fixed);
   return fixed;
 }
 
@@ -63,11 +61,10 @@ static over open_over(const partner *what, setting set, double height)
 {
   over o = {.square = new_patch(CT_Q4, CELLS, CELLS, -0.5, -0.5, 1, 1, 0),
             .floor = new_patch(CT_Q4, CELLS, CELLS, -0.5, -0.5, 1, 1, 1)};
-  ct_error e;
   for (int n = 0; n < o.square.surface.node_count; n++) o.square.x[3 * n + 2] = height;
   o.fixed = what->shape < 0 ? contact_of(&o, set)
                             : (ct_contact_fixed *)obstacle_of(what, &o.square.surface, set);
-  need(ct_contact_open(o.fixed, &o.state, &e), &e);
+  must(ct_contact_open, o.fixed, &o.state);
   const int all = 3 * o.fixed->is.node_count;
   o.x = numbers(all), o.velocity = numbers(all), o.force = numbers(all), o.start = numbers(all);
   o.memory = numbers(o.fixed->is.memory_count), o.next = numbers(o.fixed->is.memory_count);
@@ -127,8 +124,7 @@ static double push_of(const over *o)
 static double depth_at(const over *o, ct_penetration_at at)
 {
   ct_penetration found;
-  ct_error e;
-  need(ct_contact_penetration(o->state, at, &found, &e), &e);
+  must(ct_contact_penetration, o->state, at, &found);
   return found.deepest;
 }
 
@@ -137,7 +133,7 @@ static void start_gaps(const partner *what)
 {
   ct_error e;
   over o = open_over(what, (setting){CT_INITIAL_FORCE, 0.0, CT_POINTS_GAUSS}, -OVERLAP);
-  need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
+  must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
   const double pushed = push_of(&o);
   tap_ok(pushed > 0.0, "%s: an overlap that is not treated presses with %.3g", what->name, pushed);
   close_over(&o);
@@ -149,27 +145,27 @@ static void start_gaps(const partner *what)
   close_over(&o);
 
   o = open_over(what, (setting){CT_INITIAL_KEEP, 0.0, CT_POINTS_GAUSS}, -OVERLAP);
-  need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
+  must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
   const double kept = push_of(&o);
-  need(evaluate(&o, 0.01, 0.01, -0.005, -0.5, &e), &e);
+  must(evaluate, &o, 0.01, 0.01, -0.005, -0.5);
   tap_ok(kept == 0.0 && push_of(&o) > 0.0 && push_of(&o) < pushed,
          "%s: or it is kept, and presses with %.3g once it grows", what->name, push_of(&o));
   close_over(&o);
 
   o = open_over(what, (setting){CT_INITIAL_REMOVE, 0.0, CT_POINTS_GAUSS}, -OVERLAP);
   ct_interaction_energy energy;
-  need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
+  must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
   const double first = push_of(&o);
-  need(evaluate(&o, REMOVAL, 0.01, 0.0, 0.0, &e), &e);
+  must(evaluate, &o, REMOVAL, 0.01, 0.0, 0.0);
   o.fixed->is.calls->find_energy(o.state, &energy);
   tap_ok(first == 0.0 && fabs(push_of(&o) - pushed) < 1e-12 * pushed && energy.removal > 0.0,
          "%s: or it is removed with the work %.3g", what->name, energy.removal);
   close_over(&o);
 
   o = open_over(what, (setting){CT_INITIAL_KEEP, 0.01, CT_POINTS_LOBATTO}, 0.005);
-  need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
+  must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
   const double apart = push_of(&o);
-  need(evaluate(&o, 0.01, 0.01, -0.001, -0.1, &e), &e);
+  must(evaluate, &o, 0.01, 0.01, -0.001, -0.1);
   tap_ok(apart == 0.0 && push_of(&o) > 0.0, "%s: a gap that is adjusted counts as touching",
          what->name);
   close_over(&o);
@@ -180,10 +176,9 @@ static void start_gaps(const partner *what)
  */
 static void penetration(const partner *what)
 {
-  ct_error e;
   for (int rule = CT_POINTS_GAUSS; rule <= CT_POINTS_LOBATTO; rule++) {
     over o = open_over(what, (setting){CT_INITIAL_FORCE, 0.0, (ct_contact_rule)rule}, -OVERLAP);
-    need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
+    must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
     const double points = depth_at(&o, CT_AT_POINTS), corners = depth_at(&o, CT_AT_CORNERS),
                  edges = depth_at(&o, CT_AT_EDGES);
     tap_ok(fabs(corners - OVERLAP) < 1e-12 && edges <= corners + 1e-12 && points > 0.0 &&
@@ -204,8 +199,8 @@ static void tunnelling(const partner *what)
   over o = open_over(what, (setting){CT_INITIAL_KEEP, 0.0, CT_POINTS_GAUSS}, 0.1);
   const int open = !isfinite(o.fixed->gaps.approach);
   const double way = open ? 9.0 : 0.1 + 2.0 * fmax(what->radius, o.fixed->gaps.approach);
-  need(evaluate(&o, 0.0, 0.0, 0.0, 0.0, &e), &e);
-  need(evaluate(&o, 0.01, 0.01, -0.05, -5.0, &e), &e);
+  must(evaluate, &o, 0.0, 0.0, 0.0, 0.0);
+  must(evaluate, &o, 0.01, 0.01, -0.05, -5.0);
   ct_status status = evaluate(&o, 0.02, 0.01, -way - 0.05, -way / 0.01, &e);
   tap_ok(open ? status == CT_OK && push_of(&o) > 0.0
               : status == CT_ERROR_STEP && strstr(e.text, "passed through each other") != NULL,
@@ -217,13 +212,11 @@ static void tunnelling(const partner *what)
 static void memory(const partner *what)
 {
   const setting set = {CT_INITIAL_REMOVE, 0.0, CT_POINTS_LOBATTO};
-  ct_error e;
   over a = open_over(what, set, -OVERLAP), b = open_over(what, set, -OVERLAP);
-  for (int n = 0; n < 3; n++)
-    need(evaluate(&a, 0.01 * n, n > 0 ? 0.01 : 0.0, -0.002 * n, -0.2, &e), &e);
+  for (int n = 0; n < 3; n++) must(evaluate, &a, 0.01 * n, n > 0 ? 0.01 : 0.0, -0.002 * n, -0.2);
   memcpy(b.memory, a.memory, (size_t)a.fixed->is.memory_count * sizeof *a.memory);
-  need(evaluate(&a, 0.03, 0.01, -0.006, -0.2, &e), &e);
-  need(evaluate(&b, 0.03, 0.01, -0.006, -0.2, &e), &e);
+  must(evaluate, &a, 0.03, 0.01, -0.006, -0.2);
+  must(evaluate, &b, 0.03, 0.01, -0.006, -0.2);
   const size_t size = 3 * (size_t)a.fixed->is.node_count * sizeof *a.force;
   tap_ok(push_of(&a) > 0.0 && memcmp(a.force, b.force, size) == 0 &&
              memcmp(a.memory, b.memory, (size_t)a.fixed->is.memory_count * sizeof *a.memory) == 0,

@@ -68,8 +68,7 @@ static int64_t all_elements(const ct_problem *problem)
 static void cut_elements(const ct_problem *problem, int how, int pieces, int32_t *owners)
 {
   const int64_t all = all_elements(problem);
-  ct_error e;
-  if (how == 0) need(ct_piece_bisect(problem, pieces, NULL, owners, &e), &e);
+  if (how == 0) must(ct_piece_bisect, problem, pieces, NULL, owners);
   for (int64_t k = 0; how > 0 && k < all; k++)
     owners[k] = how == 1   ? (int32_t)(pieces * k / all)
                 : how == 2 ? (int32_t)(k % pieces)
@@ -80,8 +79,7 @@ static void cut_elements(const ct_problem *problem, int how, int pieces, int32_t
 static ct_state *copy_of(const ct_state *state)
 {
   ct_state *copy = new_state(state->problem);
-  ct_error e;
-  need(ct_state_copy(state->problem, state, copy, &e), &e);
+  must(ct_state_copy, state->problem, state, copy);
   return copy;
 }
 
@@ -89,9 +87,8 @@ static ct_state *copy_of(const ct_state *state)
 static int same_ledger(const ct_problem *problem, ct_state *a, ct_state *b)
 {
   ct_energy x, y;
-  ct_error e;
-  need(ct_energy_of(problem, a, &x, &e), &e);
-  need(ct_energy_of(problem, b, &y, &e), &e);
+  must(ct_energy_of, problem, a, &x);
+  must(ct_energy_of, problem, b, &y);
   return memcmp(&x, &y, sizeof x) == 0;
 }
 
@@ -150,7 +147,6 @@ static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement
 {
   ct_scene *scene = new_scene();
   ct_contact_options options = options_of(p, beta);
-  ct_error e;
   options.enforcement = enforcement;
   for (int i = 0; i < p->bodies; i++)
     add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
@@ -163,29 +159,28 @@ static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement
                               .faces_b = p->faces[b],
                               .options = options,
                               .friction = p->friction};
-  if (!p->alone) need(ct_scene_add_contact(scene, &contact, &e), &e);
+  if (!p->alone) must(ct_scene_add_contact, scene, &contact);
   for (int k = 0; k < p->obstacles; k++) {
     const int s = p->side[k];
-    const ct_problem *joined;
     ct_effect *made = NULL, *rub = NULL;
     ct_obstacle_def wall = p->wall[k];
     wall.epsilon = options.epsilon, wall.enforcement = enforcement;
     wall.travel_time = options.travel_time, wall.restitution = options.restitution;
-    need(ct_scene_join(scene, &joined, &e), &e);
+    const ct_problem *joined = join_scene(scene);
     int32_t *faces = integers(8 * p->face_count[s]);
     const int per = ct_face_node_count(ct_brick_face_kind(p->mesh[s]->kind));
     for (int i = 0; i < per * p->face_count[s]; i++)
       faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
     wall.kind = ct_brick_face_kind(p->mesh[s]->kind);
     wall.face_count = p->face_count[s], wall.faces = faces;
-    need(ct_obstacle_create_effect(&wall, joined, &made, &e), &e);
-    need(ct_scene_add_effect(scene, made, &e), &e);
+    must(ct_obstacle_create_effect, &wall, joined, &made);
+    must(ct_scene_add_effect, scene, made);
     if (p->rub[k] > 0.0) {
       ct_friction_def friction = ct_friction_def_default();
       friction.on = made, friction.coefficient = p->rub[k];
       friction.tangent = tangent_of(p, &options);
-      need(ct_friction_create_effect(&friction, joined, &rub, &e), &e);
-      need(ct_scene_add_effect(scene, rub, &e), &e);
+      must(ct_friction_create_effect, &friction, joined, &rub);
+      must(ct_scene_add_effect, scene, rub);
     }
     free(faces);
   }
@@ -251,9 +246,8 @@ static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, 
   ct_mesh *straight = box_mesh(kind, 0, 0, 0, 4, 1, 1, kind == CT_HEX8 ? 17 : 7, 3, 2), *m;
   int32_t *to = integers(straight->node_count);
   if (kernel == CT_KERNEL_GENERAL) distort_inside(straight, 0.02);
-  ct_error e;
   if (shuffled) m = shuffle_mesh(straight, to);
-  else need(ct_mesh_create_copy(straight, &m, &e), &e);
+  else must(ct_mesh_create_copy, straight, &m);
   double *v = numbers(3 * m->node_count);
   for (int n = 0; n < m->node_count; n++) {
     const double *x = &m->nodes[3 * n];
@@ -268,7 +262,7 @@ static void solid(const char *name, ct_brick_kind kind, ct_solid_kernel kernel, 
                        .stiffness_damping =
                            law == CT_LINEAR && scheme == CT_CENTRAL_DIFFERENCE ? 1e-4 : 0.0};
   if (law == CT_LINEAR && kind == CT_HEX8) def.initial_stress[0] = 2.0;
-  need(ct_scene_add_body(scene, &def, NULL, &e), &e);
+  must(ct_scene_add_body, scene, &def, NULL);
   add_support(scene, 0, m, 0, 0.0, "yz", 0.25);
   ct_gravity_def gravity = ct_gravity_def_default();
   gravity.acceleration[2] = -9.81;
@@ -320,12 +314,11 @@ static void borders(const ct_problem *problem, const int32_t *owners)
   ct_piece_def def = ct_piece_def_default();
   ct_state *start = new_state(problem), *piece;
   ct_piece_counts c[2];
-  ct_error e;
   def.count = 2, def.owners = owners, def.exchange = send_none;
   def.join = (ct_pieces){NULL, keep_all, keep_all};
   for (def.number = 0; def.number < 2; def.number++) {
-    need(ct_state_cut(start, &def, &piece, &e), &e);
-    need(ct_piece_counts_of(piece, &c[def.number], &e), &e);
+    must(ct_state_cut, start, &def, &piece);
+    must(ct_piece_counts_of, piece, &c[def.number]);
     ct_state_free(piece);
   }
   tap_ok(c[0].nodes == 13 * 16 && c[1].nodes == 12 * 16 && c[0].elements == 13 * 9 &&
@@ -342,8 +335,7 @@ static void bisection(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 8, 1, 1, 24, 3, 3);
   ct_scene *scene = new_scene_with("bar", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.9);
   const int64_t all = all_elements(problem);
   int32_t *owners = integers(all);
   double *weight = numbers(all), sum = 0.0, off = 0.0;
@@ -353,7 +345,7 @@ static void bisection(void)
   for (int pieces = 1; pieces <= 5; pieces++)
     for (int weighted = 0; weighted < 2; weighted++) {
       double has[5] = {0.0};
-      need(ct_piece_bisect(problem, pieces, weighted ? weight : NULL, owners, &e), &e);
+      must(ct_piece_bisect, problem, pieces, weighted ? weight : NULL, owners);
       for (int64_t i = 0; i < all; i++) has[owners[i]] += weighted ? weight[i] : 1.0;
       for (int k = 0; k < pieces; k++) {
         if (!weighted) even &= fabs(has[k] - (double)all / pieces) <= 1.0;
@@ -364,7 +356,7 @@ static void bisection(void)
     }
   tap_ok(even && across && off <= 5.0 * 2.0,
          "pieces of a bar, cut across: equal to within one element, weights to within %g", off);
-  need(ct_piece_bisect(problem, 2, NULL, owners, &e), &e);
+  must(ct_piece_bisect, problem, 2, NULL, owners);
   borders(problem, owners);
   weight[3] = 0.0;
   tap_ok(ct_piece_bisect(problem, 2, weight, owners, &e) == CT_ERROR_ARGUMENT &&
@@ -380,8 +372,7 @@ static void refusals(void)
 {
   pair p = rods(0.05);
   ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.9);
   int32_t *owners = integers(all_elements(problem));
   ct_state *start = new_state(problem), *piece = NULL;
   meeting with = MEETING(1);
@@ -403,7 +394,7 @@ static void refusals(void)
   owners[2] = 1;
   tap_ok(ct_state_cut(start, &def, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   owners[2] = 0;
-  need(ct_state_cut(start, &def, &piece, &e), &e);
+  must(ct_state_cut, start, &def, &piece);
   tap_ok(ct_energy_of(problem, piece, &energy, &e) == CT_ERROR_ARGUMENT &&
              ct_stable(problem, piece, &(ct_stable_step){0}, &e) == CT_ERROR_ARGUMENT &&
              ct_state_cut(piece, &def, &piece, &e) == CT_ERROR_ARGUMENT,
@@ -441,8 +432,7 @@ static void host_effects(void)
                                    .calls = kind == 0 ? &silent : &common,
                                    .node_count = p.mesh[0]->node_count + p.mesh[1]->node_count,
                                    .memory_count = kind == 1});
-    const ct_problem *problem =
-        build(scene, (ct_scene_time){.end = 0.9, .fraction = 0.9}, NULL, NULL);
+    const ct_problem *problem = build_until(scene, 0.9, 0.9);
     int32_t *owners = integers(all_elements(problem));
     ct_state *start = new_state(problem), *piece = NULL;
     ct_piece_def def = ct_piece_def_default();
@@ -473,7 +463,7 @@ static void known_step(void)
   const double dt = problem->dt, wrong[] = {INFINITY, 1e-300, NAN};
   ct_error e;
   time = (ct_scene_time){.end = 1.0, .dt = dt, .keep_dt = 1};
-  need(ct_scene_build(scene, &time, &problem, &again, NULL, &e), &e);
+  must(ct_scene_build, scene, &time, &problem, &again, NULL);
   tap_ok(problem->dt == dt && again == steps, "a known step: %d steps", (int)again);
   time.dt = 10.0 * dt;
   tap_ok(ct_scene_build(scene, &time, &problem, &again, NULL, &e) == CT_OK &&
@@ -493,8 +483,7 @@ static void failures(void)
 {
   pair p = rods(0.05);
   ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.9);
   int32_t *owners = integers(all_elements(problem)), *others = integers(all_elements(problem));
   ct_state *start = new_state(problem);
   static const char *const NAME[] = {"NaN in one piece", "two cuts", "an owner out of range"};
@@ -551,12 +540,10 @@ static void *run_short_of_memory(void *user)
 static void memory(void)
 {
   const ct_allocator own = {allocate, release, NULL, 0};
-  ct_error e;
-  need(ct_set_allocator(&own, &e), &e);
+  must(ct_set_allocator, &own);
   pair p = blocks(CT_HEX8, CT_HEX8, 0.005, 0.3);
   ct_scene *scene = scene_of(&p, 40.0, CT_ENFORCE_ENERGY_CONTROLLED);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.9);
   int32_t *owners = integers(all_elements(problem));
   ct_state *start = new_state(problem);
   int64_t faults = 0, wrong = 0;
@@ -587,7 +574,7 @@ static void memory(void)
   ct_scene_free(scene);
   free(owners);
   free_pair(&p);
-  need(ct_set_allocator(NULL, &e), &e);
+  must(ct_set_allocator, NULL);
 }
 
 int main(void)

@@ -28,16 +28,13 @@ static void ask(piece *q)
     mass[i] = numbers(p->mesh[i]->node_count);
     for (int n = 0; n < p->mesh[i]->node_count; n++) mass[i][n] = q->h.mass[i][3 * n];
   }
-  ct_error e;
-  need(ct_contact_update_stable_step(q->h.contact, mass[0], mass[p->bodies - 1], &q->dt[0], &e),
-       &e);
-  need(ct_contact_stable_step(q->h.contact, mass[0], mass[p->bodies - 1], &q->dt[1], &e), &e);
-  need(ct_contact_balance_of(q->h.contact, &q->balance, &e), &e);
-  if (p->obstacles > 0) need(ct_contact_reaction(q->h.contact, 0, q->reaction, &q->work, &e), &e);
+  must(ct_contact_update_stable_step, q->h.contact, mass[0], mass[p->bodies - 1], &q->dt[0]);
+  must(ct_contact_stable_step, q->h.contact, mass[0], mass[p->bodies - 1], &q->dt[1]);
+  must(ct_contact_balance_of, q->h.contact, &q->balance);
+  if (p->obstacles > 0) must(ct_contact_reaction, q->h.contact, 0, q->reaction, &q->work);
   q->traction = numbers(4 * p->mesh[0]->node_count);
-  need(ct_contact_traction(q->h.contact, p->obstacles > 0 ? 2 + (p->side[0] != 0) : 0, q->traction,
-                           q->traction + 3 * p->mesh[0]->node_count, &e),
-       &e);
+  must(ct_contact_traction, q->h.contact, p->obstacles > 0 ? 2 + (p->side[0] != 0) : 0, q->traction,
+       q->traction + 3 * p->mesh[0]->node_count);
   for (int i = 0; i < p->bodies; i++) free(mass[i]);
 }
 
@@ -203,14 +200,14 @@ static void refusals(void)
              CT_ERROR_UNSUPPORTED,
          "numbers that can't be added: %s", e.text);
   pieces.sum = keep;
-  need(ct_contact_set_pieces(contact, q.owned[0], q.owned[1], &pieces, &e), &e);
+  must(ct_contact_set_pieces, contact, q.owned[0], q.owned[1], &pieces);
   tap_ok(ct_contact_set_pieces(contact, q.owned[0], q.owned[1], &pieces, &e) == CT_ERROR_ARGUMENT,
          "twice: %s", e.text);
   need(try_host(&q.h, 0, &e, NULL), &e);
   close_pieces(&q, 1);
   open_pieces(&q, 1, &p, &options, HALVES, 1, NULL);
   pieces.largest = refuse;
-  need(ct_contact_set_pieces(q.h.contact, q.owned[0], q.owned[1], &pieces, &e), &e);
+  must(ct_contact_set_pieces, q.h.contact, q.owned[0], q.owned[1], &pieces);
   tap_ok(try_host(&q.h, 0, &e, NULL) == CT_ERROR_UNSUPPORTED, "numbers that can't be compared: %s",
          e.text);
   close_pieces(&q, 1);

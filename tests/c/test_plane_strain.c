@@ -92,8 +92,7 @@ static void forces(void)
     tap_ok(block_frequency(&plane) == block_frequency(&box), "%c: the same bound on the step",
            "xyz"[axis]);
     ct_view view = {.settings = &TWO, .displacement = u, .scratch = plane.scratch};
-    ct_error e;
-    need(plane.effect->calls->force(plane.effect, &view, h, &e), &e);
+    must(plane.effect->calls->force, plane.effect, &view, h);
     tap_ok(memcmp(f, h, (size_t)n * sizeof *f) == 0, "%c: two threads, the same bits", "xyz"[axis]);
     // Part the layers at one node, or move one along the axis: the bricks take over, and give back.
     for (int how = 0; how < 2; how++) {
@@ -163,9 +162,8 @@ static void rings(void)
       for (int threads = 1; threads < 6; threads += 2) {
         const ct_run_settings settings = {.threads = threads};
         ct_view view = {.settings = &settings, .displacement = u, .scratch = plane.scratch};
-        ct_error e;
         memset(f, 0, (size_t)n * sizeof *f);
-        need(plane.effect->calls->force(plane.effect, &view, f, &e), &e);
+        must(plane.effect->calls->force, plane.effect, &view, f);
         tap_ok(unlike(f, g, n) == 0,
                "fixed along %c, %s, %d threads: %d of %d forces differ from the bricks'",
                "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
@@ -236,9 +234,8 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
                    box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
   ct_optimisations optimisations = (ct_optimisations){1, 1, 1};
-  ct_error e;
   optimisations.shared_stiffness = congruent;
-  need(ct_scene_set_optimisations(p.scene, &optimisations, &e), &e);
+  must(ct_scene_set_optimisations, p.scene, &optimisations);
   for (int i = 0; i < 2; i++) {
     body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel,
                        i == 0 ? 1000 : -1000, 0, 0);
@@ -251,10 +248,10 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   ct_effect *effect = NULL,
             filled = {.label = "push", .nodes = node, .node_count = 1, .calls = &calls};
   const ct_problem *joined;
-  need(ct_scene_join(p.scene, &joined, &e), &e);
+  must(ct_scene_join, p.scene, &joined);
   if (push) {
-    need(ct_effect_create(&filled, &effect, &e), &e);
-    need(ct_scene_add_effect(p.scene, effect, &e), &e);
+    must(ct_effect_create, &filled, &effect);
+    must(ct_scene_add_effect, p.scene, effect);
   }
   int64_t steps;
   p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3}, &steps, NULL);
@@ -286,9 +283,8 @@ static void runs(void)
            "their energy balance, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
     tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
     double *f = numbers(n), *g = numbers(n);
-    ct_error e;
-    need(ct_state_force(a.problem, a.state, a.problem->effect_count - 1, f, &e), &e);
-    need(ct_state_force(b.problem, b.state, b.problem->effect_count - 1, g, &e), &e);
+    must(ct_state_force, a.problem, a.state, a.problem->effect_count - 1, f);
+    must(ct_state_force, b.problem, b.state, b.problem->effect_count - 1, g);
     tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0,
            "reactions of the supports are the same at every node");
     free_all(f, g);
@@ -314,10 +310,9 @@ static void choice(void)
   tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
   tap_ok(kernel_of(general.effect) == CT_KERNEL_GENERAL, "elements of any shape are not");
   for (int moving = 0; moving < 2; moving++) {
-    ct_scene *scene = new_scene();
-    int32_t body = add_body(scene, "layer", one, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
-    add_support(scene, body, one, -1, 0.0, "y", moving ? 3.0 : 0.0);
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9}, NULL, NULL);
+    ct_scene *scene = new_scene_with("layer", one, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+    add_support(scene, 0, one, -1, 0.0, "y", moving ? 3.0 : 0.0);
+    const ct_problem *p = build_until(scene, 1e-7, 0.9);
     tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE),
            "of a scene: fixed %s",
            moving ? "and moving, it is computed as bricks" : "at rest, it is a plane");

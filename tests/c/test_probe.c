@@ -63,7 +63,6 @@ static ct_probes *probe_all(const rig *r, double side, int64_t every)
   int32_t count = r->mesh[0]->node_count, effects[2] = {r->contact, r->contact + 1}, on = 0;
   ct_probe_def def[PROBES];
   ct_probes *probes = NULL;
-  ct_error error;
   for (int i = 0; i < PROBES; i++) def[i] = ct_probe_def_default();
   far = node_at(r, -2.0 * side, 0.5, 0.5);
   def[0].name = "far";
@@ -90,7 +89,7 @@ static ct_probes *probe_all(const rig *r, double side, int64_t every)
   def[3].effects = &r->support;
   def[3].effect_count = 1;
   def[3].take[CT_QUANTITY_FORCE] = 1;
-  need(ct_probes_create(r->problem, def, PROBES, &probes, &error), &error);
+  must(ct_probes_create, r->problem, def, PROBES, &probes);
   return probes;
 }
 
@@ -121,28 +120,26 @@ static void rows_are_what_a_host_sees(ct_scheme scheme)
   const ct_problem *p = r.problem;
   ct_state *probed = new_state(p), *plain = new_state(p), *hand = new_state(p);
   ct_probes *probes = probe_all(&r, 1.0, 3);
-  ct_error e;
   int32_t far = node_at(&r, -2, 0.5, 0.5);
   int64_t count = 3 * (int64_t)p->node_count, bad = 0;
   double *v = numbers(count), *force[3] = {numbers(count), numbers(count), numbers(count)},
          *stress = numbers(6 * (int64_t)r.mesh[0]->element_count), off = 0.0, top = 0.0;
-  need(ct_run(probed->problem, probed, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1, &e),
-       &e);
-  need(ct_run(p, plain, STEPS, NULL, 0, &e), &e);
+  must(ct_run, probed->problem, probed, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1);
+  must(ct_run, p, plain, STEPS, NULL, 0);
   tap_ok(same_state(probed, plain) && probed->element_updates[0] == plain->element_updates[0] &&
              (scheme != CT_CENTRAL_DIFFERENCE || plain->element_updates[1] > 0),
          "%s: the state has the bits of %d steps without probes, and as many elements slept",
          SCHEME(scheme), STEPS);
-  need(ct_probes_sample(probes, probed, &e), &e);
-  need(ct_probes_sample(probes, probed, &e), &e);
+  must(ct_probes_sample, probes, probed);
+  must(ct_probes_sample, probes, probed);
   tap_ok(history_of(probes, 0).row_count == STEPS + 1 &&
              history_of(probes, 1).row_count == STEPS / 3 + 1,
          "a row of every step and of the last state, once; or of every third");
   for (int n = 0; n <= STEPS; n++) {
-    need(ct_state_velocity(p, hand, v, &e), &e);
-    need(ct_solid_stress(r.mesh[0], &SOFT, hand->displacement, stress, &e), &e);
+    must(ct_state_velocity, p, hand, v);
+    must(ct_solid_stress, r.mesh[0], &SOFT, hand->displacement, stress);
     for (int k = 0; k < 3; k++)
-      need(ct_state_force(p, hand, k < 2 ? r.contact + k : r.support, force[k], &e), &e);
+      must(ct_state_force, p, hand, k < 2 ? r.contact + k : r.support, force[k]);
     double sum[3] = {0}, held[3] = {0}, moment[3] = {0};
     for (int32_t i = 0; i < p->node_count; i++)
       for (int c = 0; c < 3; c++) {
@@ -163,7 +160,7 @@ static void rows_are_what_a_host_sees(ct_scheme scheme)
     off = fmax(off, largest_difference(entry(probes, 2, n, CT_QUANTITY_MOMENT), moment, 3));
     off = fmax(off, largest_difference(entry(probes, 3, n, CT_QUANTITY_FORCE), held, 3));
     top = fmax(top, largest(sum, 3));
-    if (n < STEPS) need(ct_step(p, hand, &e), &e);
+    if (n < STEPS) must(ct_step, p, hand);
   }
   tap_ok(bad == 0, "motion and stress have the bits of the state at every step");
   tap_ok(top > 1e-3, "and there is contact (force up to %g)", top);
@@ -186,13 +183,12 @@ static void monitor_takes_the_same_rows(void)
   ct_probes *probes[2] = {probe_all(&r, 1.0, 1), probe_all(&r, 1.0, 1)};
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor = NULL;
-  ct_error e;
   options.every = 7;
-  need(ct_monitor_create(r.problem, other, &options, &monitor, &e), &e);
+  must(ct_monitor_create, r.problem, other, &options, &monitor);
   const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
-  need(ct_run(one->problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1, &e), &e);
-  need(ct_run(other->problem, other, STEPS / 2, both, 2, &e), &e);
-  need(ct_run(other->problem, other, STEPS - STEPS / 2, both, 2, &e), &e);
+  must(ct_run, one->problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1);
+  must(ct_run, other->problem, other, STEPS / 2, both, 2);
+  must(ct_run, other->problem, other, STEPS - STEPS / 2, both, 2);
   int good = 1;
   for (int32_t i = 0; i < PROBES; i++) {
     ct_probe_history a = history_of(probes[0], i), b = history_of(probes[1], i);
@@ -201,9 +197,9 @@ static void monitor_takes_the_same_rows(void)
   }
   tap_ok(good, "a monitor that checks every 7 steps: the same rows");
   // Back to where the monitor's good state is, and again: what was later is taken anew.
-  need(ct_state_copy(r.problem, ct_monitor_good(monitor), other, &e), &e);
+  must(ct_state_copy, r.problem, ct_monitor_good(monitor), other);
   int64_t back = other->step;
-  need(ct_run(other->problem, other, 1, both, 2, &e), &e);
+  must(ct_run, other->problem, other, 1, both, 2);
   ct_probe_history b = history_of(probes[1], 0), a = history_of(probes[0], 0);
   tap_ok(back == 35 && b.row_count == back + 1 &&
              largest_difference(a.rows, b.rows, b.row_count * b.width) == 0.0,
@@ -226,16 +222,15 @@ static void late_probes_take_the_same_rows(void)
   ct_monitor_options options = ct_monitor_options_default();
   ct_monitor *monitor = NULL;
   const int64_t begin = 3, more = STEPS - begin;
-  ct_error e;
   def.name = "asleep", def.nodes = &asleep, def.node_count = 1;
   def.take[CT_QUANTITY_DISPLACEMENT] = 1;
-  for (int i = 0; i < 2; i++) need(ct_probes_create(r.problem, &def, 1, &probes[i], &e), &e);
-  need(ct_run(r.problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1, &e), &e);
-  need(ct_run(r.problem, other, begin, NULL, 0, &e), &e);
-  need(ct_monitor_create(r.problem, other, &options, &monitor, &e), &e);
+  for (int i = 0; i < 2; i++) must(ct_probes_create, r.problem, &def, 1, &probes[i]);
+  must(ct_run, r.problem, one, STEPS, (ct_observer[]){ct_probes_observer(probes[0])}, 1);
+  must(ct_run, r.problem, other, begin, NULL, 0);
+  must(ct_monitor_create, r.problem, other, &options, &monitor);
   const ct_observer both[] = {ct_monitor_observer(monitor), ct_probes_observer(probes[1])};
-  need(ct_monitor_check(monitor, other, &e), &e);
-  need(ct_run(r.problem, other, more, both, 2, &e), &e);
+  must(ct_monitor_check, monitor, other);
+  must(ct_run, r.problem, other, more, both, 2);
   const ct_probe_history a = history_of(probes[0], 0), b = history_of(probes[1], 0);
   tap_ok(b.row_count == more && same(&a.rows[begin * a.width], b.rows, more * a.width),
          "probes that begin after %d steps: the rows of those that began at once", (int)begin);
@@ -253,13 +248,10 @@ static void same_bits_elsewhere(void)
       image = make(CT_CENTRAL_DIFFERENCE, 1, 1);
   rig *all[3] = {&r, &threads, &image};
   ct_probes *probes[3];
-  ct_error e;
   for (int i = 0; i < 3; i++) {
     ct_state *state = new_state(all[i]->problem);
     probes[i] = probe_all(all[i], i == 2 ? -1.0 : 1.0, 1);
-    need(
-        ct_run(state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes[i])}, 1, &e),
-        &e);
+    must(ct_run, state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes[i])}, 1);
     ct_state_free(state);
   }
   ct_probe_history a = history_of(probes[0], 2), b = history_of(probes[1], 2),
@@ -282,11 +274,10 @@ static void nothing_is_allocated_in_a_step(void)
   ct_probes *probes = probe_all(&r, 1.0, 1);
   ct_error e;
   long before = counted.calls;
-  need(ct_run(r.problem, state, STEPS, NULL, 0, &e), &e);
+  must(ct_run, r.problem, state, STEPS, NULL, 0);
   long plain = counted.calls - before;
   before = counted.calls;
-  need(ct_run(state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1, &e),
-       &e);
+  must(ct_run, state->problem, state, STEPS, (ct_observer[]){ct_probes_observer(probes)}, 1);
   long probed = counted.calls - before;
   tap_ok(plain == 0 && probed == PROBES, "%ld blocks of memory in %d steps, %ld with %d probes",
          plain, STEPS, probed, PROBES);
@@ -337,7 +328,7 @@ static void refusals(void)
   rig other = make(CT_CENTRAL_DIFFERENCE, 1, 0);
   ct_state *foreign = new_state(other.problem);
   ct_probe_history history;
-  need(ct_probes_create(r.problem, &good, 1, &probes, &e), &e);
+  must(ct_probes_create, r.problem, &good, 1, &probes);
   tap_ok(ct_run(foreign->problem, foreign, 1, (ct_observer[]){ct_probes_observer(probes)}, 1, &e) ==
                  CT_ERROR_ARGUMENT &&
              foreign->step == 0,
@@ -368,14 +359,14 @@ static void a_divided_step_keeps_the_times(void)
   ct_problem fine = *r.problem;
   fine.dt = r.problem->dt / 3;
   ct_state *state = new_state(r.problem), *next = new_state(&fine);
-  need(ct_probes_create(r.problem, &def, 1, &probes, &e), &e);
-  need(ct_run(state->problem, state, 5, (ct_observer[]){ct_probes_observer(probes)}, 1, &e), &e);
-  need(ct_state_subdivide_step(&fine, state, next, &e), &e);
+  must(ct_probes_create, r.problem, &def, 1, &probes);
+  must(ct_run, state->problem, state, 5, (ct_observer[]){ct_probes_observer(probes)}, 1);
+  must(ct_state_subdivide_step, &fine, state, next);
   tap_ok(ct_probes_subdivide_step(probes, &fine, 0, &e) == CT_ERROR_ARGUMENT &&
              ct_probes_subdivide_step(probes, NULL, 3, &e) == CT_ERROR_ARGUMENT,
          "refused: %s", e.text);
-  need(ct_probes_subdivide_step(probes, &fine, 3, &e), &e);
-  need(ct_run(next->problem, next, 16, (ct_observer[]){ct_probes_observer(probes)}, 1, &e), &e);
+  must(ct_probes_subdivide_step, probes, &fine, 3);
+  must(ct_run, next->problem, next, 16, (ct_observer[]){ct_probes_observer(probes)}, 1);
   ct_probe_history history;
   need(ct_probes_history(probes, 0, &history, NULL), &e);
   double off = 0.0;

@@ -440,7 +440,6 @@ static void beside_others(void)
   const ct_material stiff = {.young = 1e9, .poisson = 0.3, .density = 1.0};
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("soft", mesh, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
-  ct_error e = {0};
   add_body(scene, "rigid", mesh, &stiff, CT_KERNEL_AUTO, 0, 0, 1);
   add_rigid(scene, &(ct_rigid){.body = 1});
   ct_motion motion = {.nodes = base,
@@ -457,7 +456,7 @@ static void beside_others(void)
   tap_close(stable.dt_courant * c1, 1.0, 1e-14, "the Courant step is that of the soft body");
   tap_ok(stable.dt * c1 > 0.3, "the stiff material of a rigid body does not bound the step");
   ct_solid_kernel kernel;
-  need(ct_solid_body_plan(p->effects[0], 1, &kernel, &flops, NULL, &e), &e);
+  must(ct_solid_body_plan, p->effects[0], 1, &kernel, &flops, NULL);
   tap_ok(kernel == CT_KERNEL_RIGID && flops == 0.0, "it has no kernel");
   tap_ok(!ct_problem_is_rigid(p, 0) && ct_problem_is_rigid(p, 1), "one of two bodies is rigid");
   ct_state *state = new_state(p);
@@ -498,7 +497,7 @@ static void refusals(void)
   double *velocities = numbers(3 * mesh->node_count);
   velocities[4] = 1.0;
   add_moving_body(scene, "two", mesh, &STEEL, CT_KERNEL_AUTO, velocities);
-  need(ct_scene_join(scene, &joined, &e), &e);
+  must(ct_scene_join, scene, &joined);
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     ct_rigid_def def = {COOKIE, .bodies = &cases[i].rigid, .body_count = 1};
     ct_status status = ct_rigid_create_effect(&def, joined, &effect, &e);
@@ -630,10 +629,9 @@ static void hit_images(void)
     close_hit(&other);
   }
   other = new_hit(PLAIN, NULL);
-  ct_error e;
   advance(other.problem, other.state, 50);
   hit again = new_hit(PLAIN, NULL);
-  need(ct_state_copy(other.problem, other.state, again.state, &e), &e);
+  must(ct_state_copy, other.problem, other.state, again.state);
   advance(again.problem, again.state, 70);
   tap_ok(same_state(h.state, again.state), "a copy of the state within the impact goes on alike");
   close_hit(&again);
@@ -682,13 +680,12 @@ static hit new_carried(ct_obstacle_shape shape, double mu, int kind)
   o.face_count = ct_mesh_plane_faces(h.mesh[0], 2, 0.0, faces, NULL);
   ct_effect *effect = NULL, *friction = NULL;
   const ct_problem *joined;
-  ct_error e;
-  need(ct_scene_join(h.scene, &joined, &e), &e);
-  need(ct_obstacle_create_effect(&o, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(h.scene, effect, &e), &e);
+  must(ct_scene_join, h.scene, &joined);
+  must(ct_obstacle_create_effect, &o, joined, &effect);
+  must(ct_scene_add_effect, h.scene, effect);
   ct_friction_def f = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = mu};
-  if (mu > 0.0) need(ct_friction_create_effect(&f, joined, &friction, &e), &e);
-  if (mu > 0.0) need(ct_scene_add_effect(h.scene, friction, &e), &e);
+  if (mu > 0.0) must(ct_friction_create_effect, &f, joined, &friction);
+  if (mu > 0.0) must(ct_scene_add_effect, h.scene, friction);
   ct_scene_time time = {.end = 1.0, .dt = 0.002, .force_tolerance = 1e-12};
   h.problem = build(h.scene, time, NULL, NULL);
   h.state = new_state(h.problem);
@@ -754,7 +751,7 @@ static void carriers_refused(void)
     tap_ok(status == CT_ERROR_ARGUMENT && effect == NULL && strstr(e.text, wrong[i].why) != NULL,
            "%s", e.text);
   }
-  need(ct_obstacle_create_effect(&good, h.problem, &effect, &e), &e);
+  must(ct_obstacle_create_effect, &good, h.problem, &effect);
   ct_effect_free(effect);
   free(faces);
   close_hit(&h);
@@ -766,7 +763,6 @@ static void carried_images(void)
   for (int i = 0; i < 3; i++) {
     hit h = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
     const int32_t nodes = h.problem->node_count;
-    ct_error e;
     advance(h.problem, h.state, 200);
     for (int kind = MIRRORED; kind < HITS; kind++) {
       if (kind == SHUFFLED) continue;
@@ -781,7 +777,7 @@ static void carried_images(void)
     hit half = new_carried((ct_obstacle_shape)i, 0.3, PLAIN),
         rest = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
     advance(half.problem, half.state, 90);
-    need(ct_state_copy(half.problem, half.state, rest.state, &e), &e);
+    must(ct_state_copy, half.problem, half.state, rest.state);
     advance(rest.problem, rest.state, 110);
     tap_ok(same_state(h.state, rest.state), "a copy of the state goes on alike");
     close_hit(&half);
@@ -877,12 +873,11 @@ static void standing(void)
   add_made(scene, ct_gravity_create_effect, &gravity);
   add_contact_with(scene, 0, low, 1.0, 1, high, 1.0, 2, 0.0, ct_contact_options_default(), 0.0,
                    0.0);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, NULL, NULL);
+  const ct_problem *p = build_until(scene, 0.1, 0.5);
   ct_state *state = new_state(p);
   double epsilon, c1, c2;
-  ct_error e;
   ct_material_speeds(&STEEL, &c1, &c2);
-  need(ct_scene_contact_epsilon(scene, 0, &epsilon, &e), &e);
+  must(ct_scene_contact_epsilon, scene, 0, &epsilon);
   const double usual =
       ct_contact_penalty_default(ct_contact_options_default().enforcement, 2.0 * c1 * c1, 0.5);
   tap_close(epsilon / usual, 1.0, 1e-14, "the penalty is that of the body that deforms");

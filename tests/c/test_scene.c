@@ -261,7 +261,7 @@ static void contacts(void)
   p = two_plates(0.0);
   ct_error e = {0};
   c = good, c.face_count_a--;
-  need(ct_scene_add_contact(p.scene, &c, &e), &e);
+  must(ct_scene_add_contact, p.scene, &c);
   for (int k = 0; k < 4; k++) wrong[k] = fa[(k + 1) % 4];
   c = good, c.faces_a = wrong, c.face_count_a = 1;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "contact[0] has faces of both", "a second contact");
@@ -283,8 +283,8 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
   ct_error e = {0};
   add_body(scene, "small", small, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "large", large, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_add_contact(scene, &c, &e), &e);
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5}, NULL, NULL);
+  must(ct_scene_add_contact, scene, &c);
+  const ct_problem *p = build_until(scene, 1e-9, 0.5);
   ct_state *state = new_state(p);
   const ct_contact *contact = ct_state_contact(p, state, 1, &e);
   int64_t count = ct_contact_point_count(contact);
@@ -356,15 +356,15 @@ static void supports(void)
   close_plates(&p);
 
   p = two_plates(0.0);
-  need(ct_scene_add_support(p.scene, &good, &e), &e);
+  must(ct_scene_add_support, p.scene, &good);
   s = good, s.velocity[0] = 1.0;
-  need(ct_scene_add_support(p.scene, &s, &e), &e);
+  must(ct_scene_add_support, p.scene, &s);
   not_built(p.scene, t, CT_ERROR_ARGUMENT, "velocity", "two velocities for one node");
   close_plates(&p);
 
   p = two_plates(0.0);
   s = good, s.fixed[0] = 0;
-  need(ct_scene_add_support(p.scene, &s, &e), &e);
+  must(ct_scene_add_support, p.scene, &s);
   not_built(p.scene, t, CT_ERROR_ARGUMENT, "component", "a support without components");
   close_plates(&p);
 }
@@ -426,11 +426,10 @@ static void started(void)
     int64_t steps, count;
     ct_stable_step stable, alone;
     ct_state *made, *state = NULL;
-    ct_error e;
     t.integrator = ct_integrator_default((ct_scheme)(trial / 4 % 4));
     later = build(p.scene, t, &count, &alone);
     made = new_state(later);
-    need(ct_scene_start(q.scene, &t, &problem, &steps, &stable, &state, &e), &e);
+    must(ct_scene_start, q.scene, &t, &problem, &steps, &stable, &state);
     advance(later, made, trial % 2 ? 0 : 30);
     advance(problem, state, trial % 2 ? 0 : 30);
     differ += !same_state(made, state) || steps != count || later->dt != problem->dt ||
@@ -553,13 +552,13 @@ static void own_effects(void)
   int64_t steps;
   ct_stable_step without, with;
   build(p.scene, t, &steps, &without);
-  need(ct_scene_join(p.scene, &joined, &e), &e);
+  must(ct_scene_join, p.scene, &joined);
   tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0,
          "a joined scene has its nodes and masses");
   ct_scene_body late = {.name = "late", .mesh = p.left, .material = STEEL};
   tap_ok(ct_scene_add_body(p.scene, &late, NULL, &e) == CT_ERROR_ARGUMENT, "no further body: %s",
          e.text);
-  need(ct_effect_create(&filled, &effect, &e), &e);
+  must(ct_effect_create, &filled, &effect);
   tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK, "a host's effect is accepted");
   const ct_problem *problem = build(p.scene, t, &steps, &with);
   tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->label, "dashpot") == 0,
@@ -571,7 +570,7 @@ static void own_effects(void)
   double omega_squared[3], rate[3], sum = 0.0;
   ct_state *state = new_state(problem);
   for (int k = 0; k < 3; k++) {
-    need(ct_stable_contribution(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
+    must(ct_stable_contribution, problem, state, k, &omega_squared[k], &rate[k]);
     sum += omega_squared[k];
   }
   tap_close(sum / W, 1.0, 1e-12, "the effects' contributions to the bound add up");
@@ -582,7 +581,7 @@ static void own_effects(void)
   advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
   ct_state_free(state);
-  need(ct_scene_set_run_settings(p.scene, &(ct_run_settings){.clock = ticks}, &e), &e);
+  must(ct_scene_set_run_settings, p.scene, &(ct_run_settings){.clock = ticks});
   problem = build(p.scene, t, &steps, &with);
   state = new_state(problem);
   advance(problem, state, 5);
@@ -594,7 +593,7 @@ static void own_effects(void)
   ct_state_free(state);
   tap_ok(freed == 0, "building twice keeps it");
   filled.nodes = outside;
-  need(ct_effect_create(&filled, &effect, &e), &e);
+  must(ct_effect_create, &filled, &effect);
   tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_ERROR_ARGUMENT && freed == 1,
          "nodes outside: refused and freed, %s", e.text);
   filled.nodes = unsorted;
@@ -637,8 +636,7 @@ static double swing(double factor, double w, double d)
                         .effects = effects,
                         .dt = 1.0};
   ct_stable_step stable;
-  ct_error e = {0};
-  need(ct_stable(&problem, NULL, &stable, &e), &e);
+  must(ct_stable, &problem, NULL, &stable);
   problem.dt = factor * stable.dt;
   ct_state *state = new_state(&problem);
   double top = 0.0;
@@ -756,7 +754,7 @@ static void test_copied_mesh(void)
   set_threads(p.scene, 2);
   const ct_problem *problem =
       build(p.scene, (ct_scene_time){.end = 1e-9, .courant = 0.1}, NULL, NULL);
-  need(ct_mesh_create_copy(problem->bodies[0].mesh, &copy, &e), &e);
+  must(ct_mesh_create_copy, problem->bodies[0].mesh, &copy);
   tap_ok(problem->bodies[0].mesh->settings == &problem->settings &&
              problem->settings.threads == 2 && copy->settings == NULL,
          "the settings of a run are in its problem, and a body's mesh has them; a copy has none");

@@ -91,9 +91,8 @@ static void random_boxes(int count, int lattice, const char *what)
   ct_bounds *boxes = room(count, sizeof *boxes);
   double *extra = numbers(count);
   ct_box_tree *tree = NULL;
-  ct_error e;
   char name[100];
-  need(ct_box_tree_create(count, &tree, &e), &e);
+  must(ct_box_tree_create, count, &tree);
   for (int i = 0; i < count; i++) {
     boxes[i] = random_box(50.0, 4.0, lattice);
     extra[i] = lattice ? 0.0 : fabs(uniform(1.0));
@@ -132,8 +131,7 @@ static void special_boxes(void)
   double point[3] = {3, 0.5, 0.5}, zero[8] = {0};
   int32_t found[8];
   ct_box_tree *tree = NULL;
-  ct_error e;
-  need(ct_box_tree_create(1, &tree, &e), &e);
+  must(ct_box_tree_create, 1, &tree);
   ct_box_tree_build(tree, &one);
   items all = {&one, point, zero, 0, -1, INFINITY};
   tap_ok(ct_box_tree_overlaps(tree, &one, &touching, found, 8) == 1 && found[0] == 0,
@@ -146,7 +144,7 @@ static void special_boxes(void)
 
   ct_bounds same[8];
   for (int i = 0; i < 8; i++) same[i] = one;
-  need(ct_box_tree_create(8, &tree, &e), &e);
+  must(ct_box_tree_create, 8, &tree);
   ct_box_tree_build(tree, same);
   all = (items){same, point, zero, 0, -1, INFINITY};
   ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &all);
@@ -157,7 +155,7 @@ static void special_boxes(void)
          "with a capacity of three, eight are counted and three written");
   ct_box_tree_free(tree);
 
-  need(ct_box_tree_create(0, &tree, &e), &e);
+  must(ct_box_tree_create, 0, &tree);
   ct_box_tree_build(tree, &one);
   all.asked = 0;
   ct_box_tree_visit(tree, point, INFINITY, visit_item, NULL, &all);
@@ -314,8 +312,7 @@ static void patchwork_free(patchwork *p) { free_all(p->x, p->faces); }
 static ct_search *search_of(const ct_surface *surface)
 {
   ct_search *search = NULL;
-  ct_error e;
-  need(ct_search_create(surface, &search, &e), &e);
+  must(ct_search_create, surface, &search);
   return search;
 }
 
@@ -396,11 +393,10 @@ static void nearest_faces(int k)
   options.threads = 3;
   ct_search_nearest(search, CLOUD, points, NULL, &options, again, NULL);
   tap_ok(same_bits(out, again, CLOUD), "%s: three threads, the same bits", KIND[k].name);
-  ct_error e;
   double *moved = numbers(3 * p.surface.node_count);
   for (int i = 0; i < 3 * p.surface.node_count; i++) moved[i] = p.x[i] + uniform(1.0);
-  need(ct_search_move(search, moved, &e), &e);
-  need(ct_search_move(search, p.x, &e), &e);
+  must(ct_search_move, search, moved);
+  must(ct_search_move, search, p.x);
   ct_search_nearest(search, CLOUD, points, NULL, NULL, again, NULL);
   tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
          "%s: after a large deformation and back (%d builds), the same bits", KIND[k].name,
@@ -782,7 +778,7 @@ static void refused(void)
   ct_search_nearest(search, 1, point, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_OK && isfinite(out.distance), "and no node has moved");
   for (int i = 0; i < 3 * p.surface.node_count; i++) x[i] = 0.25;
-  need(ct_search_move(search, x, &e), &e);
+  must(ct_search_move, search, x);
   ct_search_nearest(search, 1, point, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_INVALID,
          "a surface that has shrunk to a point has no nearest face with a normal");
@@ -835,14 +831,13 @@ static void repeated(void)
 static void rebuilding(void)
 {
   patchwork p;
-  ct_error e;
   patchwork_make(&p, CT_Q4, 20, 0.1);
   ct_search *search = search_of(&p.surface);
   double *x = numbers(3 * p.surface.node_count);
   for (int step = 1; step <= 100; step++) {
     for (int i = 0; i < p.surface.node_count; i++)
       for (int c = 0; c < 3; c++) x[3 * i + c] = (1.0 + 0.01 * step) * p.x[3 * i + c] + 0.3 * step;
-    need(ct_search_move(search, x, &e), &e);
+    must(ct_search_move, search, x);
   }
   tap_ok(ct_search_builds(search) == 1 && fabs(ct_search_cost(search) - 1.0) < 1e-9,
          "a surface that flies and grows keeps its tree (cost %.2f)", ct_search_cost(search));
@@ -850,7 +845,7 @@ static void rebuilding(void)
     int j = (i * 601) % p.surface.node_count; // every node takes the place of another one
     memcpy(&x[3 * i], &p.x[3 * j], 3 * sizeof *x);
   }
-  need(ct_search_move(search, x, &e), &e);
+  must(ct_search_move, search, x);
   tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0,
          "a surface with shuffled nodes gets a new one");
   free(x);
@@ -872,9 +867,8 @@ static void inside_out(ct_brick_kind kind, const char *name)
     const ct_surface surface = {kind == CT_HEX8 ? CT_Q4 : CT_Q8, m->node_count, count - (k == 2),
                                 k == 0 ? faces : turned, m->nodes};
     ct_search *search = NULL;
-    ct_error e = {0};
-    need(ct_search_create(&surface, &search, &e), &e);
-    need(ct_search_inside_out(search, &found[k], &e), &e);
+    must(ct_search_create, &surface, &search);
+    must(ct_search_inside_out, search, &found[k]);
     ct_search_free(search);
   }
   tap_ok(found[0] == -1 && found[1] == 0 && found[2] == -1,

@@ -77,17 +77,15 @@ static void press(fold *p, double slide, double noise)
 static ct_contact *open_self(const ct_surface *surface)
 {
   ct_contact *contact = NULL;
-  ct_error e;
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = EPSILON;
-  need(ct_contact_create(surface, surface, &options, &contact, &e), &e);
+  must(ct_contact_create, surface, surface, &options, &contact);
   return contact;
 }
 
 static double energy_at(ct_contact *contact, const double *x)
 {
-  ct_error e;
-  need(ct_contact_update(contact, x, NULL, &e), &e);
+  must(ct_contact_update, contact, x, NULL);
   return ct_contact_energy(contact);
 }
 
@@ -168,11 +166,11 @@ static void like_two(ct_face_kind kind)
   double *f = numbers(3 * nodes), *g = numbers(3 * nodes), *area = numbers(nodes), a, b;
   options.epsilon = EPSILON;
   options.depth = 0.05;
-  need(ct_contact_create(&p.surface, &p.surface, &options, &one, &e), &e);
-  need(ct_contact_create(&p.lower, &p.upper, &options, &two, &e), &e);
+  must(ct_contact_create, &p.surface, &p.surface, &options, &one);
+  must(ct_contact_create, &p.lower, &p.upper, &options, &two);
   press(&p, 0.02, 0.01);
   a = energy_at(one, p.x);
-  need(ct_contact_update(two, p.x, p.x, &e), &e);
+  must(ct_contact_update, two, p.x, p.x);
   b = ct_contact_energy(two);
   forces(one, nodes, f);
   need(ct_contact_add_force(two, g, g, NULL), &e);
@@ -181,8 +179,8 @@ static void like_two(ct_face_kind kind)
          a / b - 1.0);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
          "%s strip: the forces are, too", KIND[kind]);
-  need(ct_contact_traction(one, 0, f, area, &e), &e);
-  for (int s = 0; s < 2; s++) need(ct_contact_traction(two, s, g, area, &e), &e);
+  must(ct_contact_traction, one, 0, f, area);
+  for (int s = 0; s < 2; s++) must(ct_contact_traction, two, s, g, area);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
          "%s strip: the tractions at the nodes are, too", KIND[kind]);
   ct_contact_free(one);
@@ -236,11 +234,10 @@ static void history(ct_face_kind kind)
   int nodes = p.surface.node_count;
   ct_contact *travelled = open_self(&p.surface), *fresh = open_self(&p.surface), *threads = NULL;
   ct_contact_options options = ct_contact_options_default();
-  ct_error e;
   double *f = numbers(3 * nodes), *g = numbers(3 * nodes), *h = numbers(3 * nodes);
   options.epsilon = EPSILON;
   options.threads = 3;
-  need(ct_contact_create(&p.surface, &p.surface, &options, &threads, &e), &e);
+  must(ct_contact_create, &p.surface, &p.surface, &options, &threads);
   for (int step = 0; step <= 60; step++) {
     press(&p, 0.00225 * step, 0.0);
     energy_at(travelled, p.x);
@@ -327,10 +324,9 @@ static void open_jaws(ct_brick_kind kind)
                      outer, reference};
   ct_contact *contact = NULL;
   ct_contact_options options = ct_contact_options_default();
-  ct_error e;
   options.epsilon = EPSILON;
   options.depth = 0.3;
-  need(ct_contact_create(&skin, &skin, &options, &contact, &e), &e);
+  must(ct_contact_create, &skin, &skin, &options, &contact);
   for (int step = 0; step <= 8; step++) {
     jaws(m, 0.1 * step, x);
     energy = worst(energy, energy_at(contact, x));
@@ -375,11 +371,11 @@ static void c_shape(void)
                   reference};
   ct_contact *self = open_self(&skin), *pair = NULL;
   options.epsilon = EPSILON;
-  need(ct_contact_create(&a, &b, &options, &pair, &e), &e);
+  must(ct_contact_create, &a, &b, &options, &pair);
   tap_ok(energy_at(self, reference) == 0.0, "a C with open ends does not touch itself");
   ring(m, 6.2832 + 0.02, x);
   double got = energy_at(self, x);
-  need(ct_contact_update(pair, x, x, &e), &e);
+  must(ct_contact_update, pair, x, x);
   forces(self, m->node_count, f);
   need(ct_contact_add_force(pair, g, g, NULL), &e);
   double want = ct_contact_energy(pair);
@@ -402,10 +398,9 @@ static void scene_of_a_c(void)
   int32_t *outer = integers(4 * 6 * m->element_count);
   ct_material material = {1000.0, 0.3, 1e-3, CT_LINEAR};
   ct_scene *scene = new_scene();
-  ct_error e;
   int64_t steps;
   double touched = 0.0, balance = 0.0, p = 0.0, size = 0.0;
-  need(ct_mesh_create_copy(m, &bent, &e), &e);
+  must(ct_mesh_create_copy, m, &bent);
   ring(m, 6.25, bent->nodes);
   int32_t body = add_body(scene, "c", bent, &material, (ct_solid_kernel)0, 0, 0, 0),
           faces = ct_mesh_outer_faces(bent, outer, NULL);
@@ -418,7 +413,7 @@ static void scene_of_a_c(void)
                               .options = ct_contact_options_default()};
   contact.beta = 1.0;
   contact.options.dissipation = 0.0;
-  need(ct_scene_add_contact(scene, &contact, &e), &e);
+  must(ct_scene_add_contact, scene, &contact);
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4}, &steps, NULL);
   ct_state *state = new_state(problem);
@@ -593,7 +588,7 @@ static void refusals(void)
              contact == NULL,
          "no faces: %s", e.text);
   p.surface.face_count = 1;
-  need(ct_contact_create(&p.surface, &p.surface, &options, &contact, &e), &e);
+  must(ct_contact_create, &p.surface, &p.surface, &options, &contact);
   tap_ok(energy_at(contact, p.reference) == 0.0 &&
              ct_contact_resultant(contact, F, F, NULL, NULL, NULL) == CT_OK,
          "one face alone touches nothing");

@@ -29,9 +29,8 @@ static ct_status create(ct_brick_kind kind, const form *f, int layers, int aroun
 static ct_mesh *mesh_form(ct_brick_kind kind, const form *f, int layers, int n, int across)
 {
   ct_mesh *m = NULL;
-  ct_error e;
-  need(create(kind, f, layers, 4 * n, across, &m, &e), &e);
-  need(ct_mesh_check(m, &e), &e);
+  must(create, kind, f, layers, 4 * n, across, &m);
+  must(ct_mesh_check, m);
   return m;
 }
 
@@ -249,9 +248,8 @@ static void converges(ct_brick_kind kind, const form *f)
     int n = 2 << k;
     ct_mesh *m = mesh_form(kind, f, n / 2, n, 2);
     double got[2], sum = 0.0, *mass = numbers(m->node_count);
-    ct_error e;
     volume_and_area(m, &got[0], &got[1]);
-    need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+    must(ct_mass_lumped, m, 1.0, CT_LUMP_DEFAULT, mass);
     for (int i = 0; i < m->node_count; i++) sum += mass[i];
     tap_close(sum / got[0], 1.0, 1e-8, "%s of %s, %d around: the elements fill the surface",
               f->name, KIND[kind], 4 * n);

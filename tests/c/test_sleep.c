@@ -48,8 +48,7 @@ static void failure(void)
   add_body(scene, "bar", m, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
   add_effect(scene,
              &(ct_effect){.label = "fails", .nodes = &node, .node_count = 1, .calls = &calls});
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1e-5, 0.9);
   for (int k = 1; k < 6; k++) {
     fail_at = INFINITY;
     ct_state *state = new_state(problem);
@@ -110,7 +109,6 @@ static void front(ct_solid_kernel kernel)
 /* Elements whose nodes all have one displacement have no force: the basis of sleeping. */
 static void no_force(const form *f)
 {
-  ct_error e;
   ct_mesh *m = box_mesh(f->kind, -1.3, 0.7, 0.1, 1.1, 0.9, 1.7, 3, 3, 3);
   ct_optimisations none = {0, 0, 0};
   ct_solid_body block = {.mesh = m, .material = STEEL, .kernel = f->kernel, .optimisations = &none};
@@ -120,14 +118,14 @@ static void no_force(const form *f)
   double *u = numbers(dofs), *force = numbers(dofs);
   block.material.law = f->law;
   if (f->distort > 0.0) shake(m, 0.3 * f->distort, 0);
-  need(create_solid(&block, 1, &effect, &e), &e);
-  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  must(create_solid, &block, 1, &effect);
+  must(effect->calls->create_scratch, effect, &scratch);
   for (int trial = 0; trial < TRIALS; trial++) {
     double shift[3];
     for (int c = 0; c < 3; c++) shift[c] = uniform(1.0) * pow(10.0, uniform(12.0));
     for (int64_t d = 0; d < dofs; d++) u[d] = shift[d % 3], force[d] = 1.0;
     ct_view view = {.displacement = u, .scratch = scratch};
-    need(effect->calls->force(effect, &view, force, &e), &e);
+    must(effect->calls->force, effect, &view, force);
     for (int64_t d = 0; d < dofs; d++) zeros += force[d] == 0.0;
   }
   tap_ok(zeros == TRIALS * dofs, "%s: no force in %d translations", f->name, TRIALS);

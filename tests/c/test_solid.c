@@ -26,13 +26,12 @@ static void patch_test(ct_mesh *m)
   for (int n = 0; n < m->node_count; n++)
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++) u[3 * n + i] += G[i][j] * m->nodes[3 * n + j];
-  ct_error e;
-  need(ct_solid_stress(m, &STEEL, u, stress, &e), &e);
+  must(ct_solid_stress, m, &STEEL, u, stress);
   for (int el = 0; el < m->element_count; el++) {
     double x[60], v[60], xi[3] = {uniform(1.0), uniform(1.0), uniform(1.0)}, s[6];
     take_element(m, el, m->nodes, x);
     take_element(m, el, u, v);
-    need(ct_solid_element_stress(kind, x, v, &STEEL, xi, s, &e), &e);
+    must(ct_solid_element_stress, kind, x, v, &STEEL, xi, s);
     off[0] = worst(off[0], largest_difference(&stress[6 * el], want, 6));
     off[1] = worst(off[1], largest_difference(s, want, 6));
   }
@@ -58,7 +57,7 @@ static void patch_test(ct_mesh *m)
          KIND[kind], largest(resultant, 3) / top);
   // Energy is half stress times strain times the volume (mass at density 1).
   double *mass = numbers(m->node_count);
-  need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+  must(ct_mass_lumped, m, 1.0, CT_LUMP_DEFAULT, mass);
   for (int n = 0; n < m->node_count; n++) volume += mass[n];
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3;
@@ -76,12 +75,11 @@ static void patches(ct_brick_kind kind)
   ct_ball ball = {{1, 2, 3}, {0, 1}, {1, 8}}, shell = {{1, 2, 3}, {0.5, 1}, {1, 8}};
   ct_cylinder cylinder = {{1, 2, 3}, 1, 0.5, {1, 8, 2}};
   ct_mesh *m[4] = {box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 3, 3), NULL, NULL, NULL};
-  ct_error e;
   distort(m[0], kind == CT_HEX8 ? 0.08 : 0.03);
   turn_elements(m[0]);
-  need(ct_mesh_create_ball(kind, &ball, &m[1], &e), &e);
-  need(ct_mesh_create_ball(kind, &shell, &m[2], &e), &e);
-  need(ct_mesh_create_cylinder(kind, &cylinder, &m[3], &e), &e);
+  must(ct_mesh_create_ball, kind, &ball, &m[1]);
+  must(ct_mesh_create_ball, kind, &shell, &m[2]);
+  must(ct_mesh_create_cylinder, kind, &cylinder, &m[3]);
   for (int i = 0; i < 4; i++) patch_test(m[i]);
 }
 
@@ -98,11 +96,11 @@ static void stresses(ct_brick_kind kind, ct_law law)
     ct_mesh *m = box_mesh(kind, 0, 0, 0, count[i], 1, 1, count[i], 1, 1);
     distort(m, kind == CT_HEX8 ? 0.12 : 0.05);
     double *u = random_displacement(m, 0.05), *stress = numbers(6 * count[i]), x[60], v[60], s[6];
-    need(ct_solid_stress(m, &material, u, stress, &e), &e);
+    must(ct_solid_stress, m, &material, u, stress);
     for (int el = 0; el < count[i]; el++) {
       take_element(m, el, m->nodes, x);
       take_element(m, el, u, v);
-      need(ct_solid_element_stress(kind, x, v, &material, centre, s, &e), &e);
+      must(ct_solid_element_stress, kind, x, v, &material, centre, s);
       unlike += memcmp(s, &stress[6 * el], sizeof s) != 0;
     }
     // The last element of the mesh, mirrored.
@@ -127,14 +125,13 @@ static void energy_gradient(ct_brick_kind kind)
   distort(m, kind == CT_HEX8 ? 0.15 : 0.05);
   take_element(m, 0, m->nodes, x);
   for (int i = 0; i < n; i++) u[i] = uniform(1.0);
-  ct_error e;
-  need(ct_solid_element_force(kind, x, u, &SOFT, f, &energy, &e), &e);
+  must(ct_solid_element_force, kind, x, u, &SOFT, f, &energy);
   for (int i = 0; i < n; i++) {
     double keep = u[i], h = 0.5;
     u[i] = keep + h;
-    need(ct_solid_element_force(kind, x, u, &SOFT, g, &up, &e), &e);
+    must(ct_solid_element_force, kind, x, u, &SOFT, g, &up);
     u[i] = keep - h;
-    need(ct_solid_element_force(kind, x, u, &SOFT, g, &down, &e), &e);
+    must(ct_solid_element_force, kind, x, u, &SOFT, g, &down);
     u[i] = keep;
     off = worst(off, f[i] + (up - down) / (2.0 * h));
     top = worst(top, f[i]);
@@ -252,10 +249,9 @@ static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled,
          "%s, %d elements%s: force off by %.2g, energy by %.2g", name, m->element_count,
          shuffled ? " in any order" : "", off, fabs(energy / want - 1.0));
   ct_view view = {.settings = &TWO, .displacement = before, .scratch = solid.scratch};
-  ct_error e;
-  need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
+  must(solid.effect->calls->force, solid.effect, &view, g);
   view.displacement = u;
-  need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
+  must(solid.effect->calls->force, solid.effect, &view, g);
   tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "%s, %d elements%s: two threads, the same bits",
          name, m->element_count, shuffled ? " in any order" : "");
   close_block(&solid);
@@ -283,8 +279,7 @@ static void wheel(void)
     for (int a = 0; a < 8; a++) m.elements[8 * s + a] = ring[a % 4] + a / 4 * (2 * SPOKES + 1);
   }
   ct_mesh *copy = NULL;
-  ct_error e;
-  need(ct_mesh_create_copy(&m, &copy, &e), &e);
+  must(ct_mesh_create_copy, &m, &copy);
   kernel_against_reference(copy, CT_KERNEL_GENERAL, "hex8 kernel, five elements around an axis");
   free_all(m.nodes, m.elements);
 }
@@ -299,7 +294,7 @@ static void refusals(void)
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL && e.body == 0,
          "the box kernel refuses another mesh: %s", e.text);
   b.kernel = CT_KERNEL_AUTO;
-  need(create_solid(&b, 1, &effect, &e), &e);
+  must(create_solid, &b, 1, &effect);
   ct_solid_kernel chosen = CT_KERNEL_BOX;
   double flops = 0, bytes = 0;
   ct_solid_body_plan(effect, 0, &chosen, &flops, &bytes, NULL);
@@ -360,11 +355,10 @@ static double jacobi_frequency(ct_brick_kind kind, const double x[60], const ct_
 {
   static double A[60 * 60];
   int n = 3 * ct_brick_node_count(kind);
-  ct_error e;
   for (int j = 0; j < n; j++) {
     double u[60] = {0}, f[60];
     u[j] = 1.0;
-    need(ct_solid_element_force(kind, x, u, material, f, NULL, &e), &e);
+    must(ct_solid_element_force, kind, x, u, material, f, NULL);
     for (int i = 0; i < n; i++) A[i * n + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
   }
   return jacobi_largest(n, A);
@@ -374,10 +368,9 @@ static double element_frequency(const ct_mesh *m, const ct_material *material, d
                                 double mass[20])
 {
   double w;
-  ct_error e;
   take_element(m, 0, m->nodes, x);
-  need(ct_mass_element(m->kind, x, material->density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_omega2_bound(m->kind, x, NULL, material, mass, &w, &e), &e);
+  must(ct_mass_element, m->kind, x, material->density, CT_LUMP_DEFAULT, mass);
+  must(ct_solid_element_omega2_bound, m->kind, x, NULL, material, mass, &w);
   return w;
 }
 
@@ -434,8 +427,7 @@ static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char 
   int n = 3 * m->node_count;
   double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
          quotient = 0.0, bound = block_frequency(&solid);
-  ct_error e;
-  need(ct_mass_lumped(m, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
+  must(ct_mass_lumped, m, SOFT.density, CT_LUMP_DEFAULT, mass);
   for (int k = 0; k < 400; k++) {
     double top = largest(v, n), work = 0.0, kinetic = 0.0;
     for (int i = 0; i < n; i++) v[i] /= top;
@@ -459,7 +451,6 @@ static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char 
 static void worst_element(ct_brick_kind kind)
 {
   double wrong = 0.0, x[60], mass[20];
-  ct_error e;
   for (int thin = 0; thin < 9; thin++) {
     ct_mesh *m = box_mesh(kind, 0, 0, 0, 9, 1, 1, 9, 1, 1);
     // Cell number `thin` is half as long as the others.
@@ -469,8 +460,8 @@ static void worst_element(ct_brick_kind kind)
     double top = 0.0, w;
     for (int el = 0; el < 9; el++) {
       take_element(m, el, m->nodes, x);
-      need(ct_mass_element(kind, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
-      need(ct_solid_element_omega2_bound(kind, x, NULL, &STEEL, mass, &w, &e), &e);
+      must(ct_mass_element, kind, x, STEEL.density, CT_LUMP_DEFAULT, mass);
+      must(ct_solid_element_omega2_bound, kind, x, NULL, &STEEL, mass, &w);
       top = fmax(top, w);
     }
     wrong = worst(wrong, block_frequency(&solid) / top - 1.0);
@@ -488,13 +479,12 @@ static double held_frequency(const ct_mesh *m, int el, const int held[3])
 {
   int n = 3 * ct_brick_node_count(m->kind);
   double *A = numbers(n * n), x[60], mass[20];
-  ct_error e;
   take_element(m, el, m->nodes, x);
-  need(ct_mass_element(m->kind, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
+  must(ct_mass_element, m->kind, x, STEEL.density, CT_LUMP_DEFAULT, mass);
   for (int j = 0; j < n; j++) {
     double u[60] = {0}, f[60];
     u[j] = 1.0;
-    need(ct_solid_element_force(m->kind, x, u, &STEEL, f, NULL, &e), &e);
+    must(ct_solid_element_force, m->kind, x, u, &STEEL, f, NULL);
     for (int i = 0; i < n; i++)
       if (!held[i % 3] && !held[j % 3]) A[i * n + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
   }
@@ -518,8 +508,7 @@ static void definite(ct_brick_kind kind)
     ct_solid_part part = {.mesh = m, .material = STEEL};
     ct_material_lame(&STEEL, &part.lambda, &part.mu);
     ct_mass_shapes at;
-    ct_error e;
-    need(ct_mass_tabulate(kind, CT_LUMP_DEFAULT, &at, &e), &e);
+    must(ct_mass_tabulate, kind, CT_LUMP_DEFAULT, &at);
     double top = 0.0;
     int wrong = 0;
     for (int el = 0; el < m->element_count; el++) {
@@ -574,8 +563,7 @@ static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *nam
 static ct_mesh *renumber(const ct_mesh *m, int32_t *to)
 {
   ct_mesh *other = NULL;
-  ct_error e;
-  need(ct_mesh_create_copy(m, &other, &e), &e);
+  must(ct_mesh_create_copy, m, &other);
   for (int n = 0; n < m->node_count; n++) to[n] = n;
   for (int n = m->node_count - 1; n > 0; n--) {
     int k = pick(n + 1), keep = to[n];

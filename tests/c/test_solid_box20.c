@@ -134,7 +134,7 @@ static void choice(void)
          e.text);
   ct_ring ring = {{0, 0, 0}, {1.0, 2.0}, 1.0, {1, 8, 1}};
   ct_mesh *round;
-  need(ct_mesh_create_ring(CT_HEX20, &ring, &round, &e), &e);
+  must(ct_mesh_create_ring, CT_HEX20, &ring, &round);
   tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL,
          "a ring gets the general one");
   ct_mesh_free(round);

@@ -69,8 +69,7 @@ static ct_mesh *distorted(ct_brick_kind kind, int n)
 static double volume_of(const ct_mesh *m)
 {
   double *mass = numbers(m->node_count), volume = 0.0;
-  ct_error e;
-  need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+  must(ct_mass_lumped, m, 1.0, CT_LUMP_DEFAULT, mass);
   for (int n = 0; n < m->node_count; n++) volume += mass[n];
   free(mass);
   return volume;
@@ -94,8 +93,7 @@ static void patch_test(ct_brick_kind kind, ct_law law)
       const double *X = &m->nodes[3 * n];
       u[3 * n + i] = 7.0 + (G[i][0] * X[0] + G[i][1] * X[1]) + G[i][2] * X[2];
     }
-  ct_error e;
-  need(ct_solid_stress(m, &material, u, stress, &e), &e);
+  must(ct_solid_stress, m, &material, u, stress);
   for (int el = 0; el < m->element_count; el++)
     off = worst(off, largest_difference(&stress[6 * el], want, 6));
   tap_ok(off < 1e-12 * largest(want, 6), "%s, %s patch: Cauchy's stress off by %.2g", KIND[kind],
@@ -176,16 +174,15 @@ static void gradients(ct_brick_kind kind, ct_law law)
   ct_material material = soft(law);
   double x[60], u[60], f[60], g[4][60], energy[4], *A = numbers(n * n), mass[20], off = 0.0,
                                                    top = 0.0, w, h = 2e-3;
-  ct_error e;
   take_element(m, 0, m->nodes, x);
   for (int i = 0; i < n; i++) u[i] = uniform(kind == CT_HEX8 ? 0.1 : 0.04);
-  need(ct_mass_element(kind, x, material.density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_force(kind, x, u, &material, f, NULL, &e), &e);
+  must(ct_mass_element, kind, x, material.density, CT_LUMP_DEFAULT, mass);
+  must(ct_solid_element_force, kind, x, u, &material, f, NULL);
   for (int i = 0; i < n; i++) {
     double keep = u[i];
     for (int k = 0; k < 4; k++) {
       u[i] = keep + h * (k < 2 ? k - 2 : k - 1);
-      need(ct_solid_element_force(kind, x, u, &material, g[k], &energy[k], &e), &e);
+      must(ct_solid_element_force, kind, x, u, &material, g[k], &energy[k]);
     }
     u[i] = keep;
     off = worst(off, f[i] + (energy[0] - energy[3] + 8.0 * (energy[2] - energy[1])) / (12.0 * h));
@@ -202,7 +199,7 @@ static void gradients(ct_brick_kind kind, ct_law law)
          KIND[kind], LAW[law], skew / size);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < i; j++) A[j * n + i] = A[i * n + j];
-  need(ct_solid_element_omega2_bound(kind, x, u, &material, mass, &w, &e), &e);
+  must(ct_solid_element_omega2_bound, kind, x, u, &material, mass, &w);
   tap_close(w / jacobi_largest(n, A), 1.0, 1e-7, "%s, %s: largest eigenvalue of the tangent",
             KIND[kind], LAW[law]);
   free(A);
@@ -276,7 +273,6 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
   int32_t *end = integers(m->node_count), count = ct_mesh_plane_nodes(m, 0, 2.0, end);
   ct_material_lame(&material, &lambda, &mu);
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
-  ct_error e;
   for (int k = 0; k < 5; k++) {
     double a = stretch[k], b, P;
     stretched(&material, a, &b, &P);
@@ -286,7 +282,7 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
     double pull = 0.0;
     for (int i = 0; i < count; i++) pull -= f[3 * end[i]];
     off[0] = worst(off[0], pull / P - 1.0);
-    need(ct_solid_stress(m, &material, u, stress, &e), &e);
+    must(ct_solid_stress, m, &material, u, stress);
     for (int el = 0; el < m->element_count; el++) {
       off[0] = worst(off[0], stress[6 * el] / (P / (b * b)) - 1.0);
       for (int c = 1; c < 6; c++)
@@ -321,8 +317,7 @@ static void kernels(ct_brick_kind kind, ct_law law)
     off = worst(off, largest_difference(f, g, n) / largest(g, n));
     energy_off = worst(energy_off, energy / want - 1.0);
     ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
-    ct_error e;
-    need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
+    must(solid.effect->calls->force, solid.effect, &view, g);
     same &= memcmp(f, g, (size_t)n * sizeof *f) == 0;
     close_block(&solid);
     free_all(u, f, g);
@@ -373,8 +368,7 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
 {
   ct_ring ring = {{0, 0, 0}, {1.0, 1.5}, 0.5, {2, 10, 2}};
   ct_mesh *m = NULL;
-  ct_error e;
-  need(ct_mesh_create_ring(kind, &ring, &m, &e), &e);
+  must(ct_mesh_create_ring, kind, &ring, &m);
   ct_material material = soft(law);
   int n = 3 * m->node_count, faults = 0;
   double *u = random_displacement(m, 0.02), *v = numbers(n), *f = numbers(n), *g = numbers(n);
@@ -482,12 +476,10 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
   ct_mesh *m = distorted(kind, 2);
   ct_material material = soft(law);
   ct_scene *scene = new_scene_with("block", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.5);
   ct_state *state = new_state(problem);
   double omega_squared[2], rate;
-  ct_error e;
-  need(ct_stable_contribution(problem, state, 0, &omega_squared[0], &rate, &e), &e);
+  must(ct_stable_contribution, problem, state, 0, &omega_squared[0], &rate);
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
   for (int k = 0; k < 6; k++) {
     double Q[3][3], *u = random_displacement(m, 0.03), stretch = 0.7 + 0.16 * k;
@@ -500,7 +492,7 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
         u[3 * a + i] = Q[i][0] * y[0] + Q[i][1] * y[1] + Q[i][2] * y[2] - m->nodes[3 * a + i];
     }
     ct_view view = {.displacement = u, .scratch = solid.scratch};
-    need(solid.effect->calls->bounds.omega2(solid.effect, &view, &omega_squared[1], &e), &e);
+    must(solid.effect->calls->bounds.omega2, solid.effect, &view, &omega_squared[1]);
     double real = true_frequency(problem, u, 1e-6, -1, 300);
     least = fmin(least, omega_squared[1] / real), most = fmax(most, omega_squared[1] / real);
     stiffer = fmax(stiffer, omega_squared[1] / omega_squared[0]);
@@ -522,8 +514,7 @@ static void inside_out(ct_brick_kind kind, ct_law law)
   ct_material material = soft(law);
   ct_scene *scene = new_scene_with("first", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "second", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5}, NULL, NULL);
+  const ct_problem *problem = build_until(scene, 1.0, 0.5);
   for (int bad = 0; bad < 2; bad++) {
     ct_state *state = new_state(problem);
     ct_error e = {0};
@@ -571,8 +562,8 @@ static void refusals(void)
          "it has no tangent: %s", e.text);
   double linear[2];
   b.material.law = CT_LINEAR;
-  need(ct_solid_element_omega2_bound(CT_HEX8, x, u, &b.material, mass, &linear[0], &e), &e);
-  need(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &b.material, mass, &linear[1], &e), &e);
+  must(ct_solid_element_omega2_bound, CT_HEX8, x, u, &b.material, mass, &linear[0]);
+  must(ct_solid_element_omega2_bound, CT_HEX8, x, NULL, &b.material, mass, &linear[1]);
   tap_ok(linear[0] == linear[1], "the tangent of the linear law is its stiffness");
   ct_mesh_free(m);
 }
@@ -590,9 +581,8 @@ static void velocities(void)
   tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_INVALID && e.body == 0 && e.point == 5,
          "a velocity that is NaN is refused: %s", e.text);
   v[16] = 16;
-  need(ct_scene_add_body(scene, &block, NULL, &e), &e);
-  const ct_problem *problem;
-  need(ct_scene_join(scene, &problem, &e), &e);
+  must(ct_scene_add_body, scene, &block, NULL);
+  const ct_problem *problem = join_scene(scene);
   tap_ok(memcmp(problem->initial_velocity, v, sizeof v) == 0, "each node starts with its velocity");
   ct_scene_free(scene);
   ct_mesh_free(m);

@@ -9,11 +9,10 @@ static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
 static double hourglass_energy(const block *solid, const double *u)
 {
   ct_effect *effect = NULL;
-  ct_error e;
   double energy = NAN;
-  need(ct_solid_create_hourglass(solid->effect, &effect, &e), &e);
+  must(ct_solid_create_hourglass, solid->effect, &effect);
   ct_view view = {.displacement = u};
-  need(effect->calls->energy(effect, &view, &energy, &e), &e);
+  must(effect->calls->energy, effect, &view, &energy);
   ct_effect_free(effect);
   return energy;
 }
@@ -22,14 +21,13 @@ static double hourglass_energy(const block *solid, const double *u)
 static void readable(const ct_mesh *m, const ct_material *material, const double *u, double *f,
                      double energy[2])
 {
-  ct_error e;
   memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
   energy[0] = energy[1] = 0.0;
   for (int el = 0; el < m->element_count; el++) {
     double x[60], v[60], g[24], own[2];
     take_element(m, el, m->nodes, x);
     take_element(m, el, u, v);
-    need(ct_solid_reduced_force(x, v, material, 1.0, g, own, &e), &e);
+    must(ct_solid_reduced_force, x, v, material, 1.0, g, own);
     for (int a = 0; a < 8; a++)
       for (int c = 0; c < 3; c++) f[3 * m->elements[el * 8 + a] + c] += g[3 * a + c];
     for (int i = 0; i < 2; i++) energy[i] += own[i];
@@ -60,8 +58,7 @@ static void kernel(void)
     tap_close((strain + hourglass) / work, 1.0, 1e-12,
               "both energies are half the work of the force");
     ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
-    ct_error e;
-    need(solid.effect->calls->force(solid.effect, &view, g, &e), &e);
+    must(solid.effect->calls->force, solid.effect, &view, g);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "two threads: the same bits");
     close_block(&solid);
     free_all(u, f, g);
@@ -76,15 +73,14 @@ static void gradient(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   distort(m, 0.15);
   double x[60], u[24], f[24], energy[2][2], off = 0.0;
-  ct_error e;
   take_element(m, 0, m->nodes, x);
   for (int i = 0; i < 24; i++) u[i] = uniform(1e-3);
-  need(ct_solid_reduced_force(x, u, &SOFT, 0.7, f, NULL, &e), &e);
+  must(ct_solid_reduced_force, x, u, &SOFT, 0.7, f, NULL);
   for (int i = 0; i < 24; i++) {
     double at = u[i], g[24];
     for (int s = 0; s < 2; s++) {
       u[i] = at + (s == 0 ? -1e-4 : 1e-4);
-      need(ct_solid_reduced_force(x, u, &SOFT, 0.7, g, energy[s], &e), &e);
+      must(ct_solid_reduced_force, x, u, &SOFT, 0.7, g, energy[s]);
     }
     u[i] = at;
     off = worst(off, f[i] + ((energy[1][0] - energy[0][0]) + (energy[1][1] - energy[0][1])) / 2e-4);
@@ -103,7 +99,6 @@ static void patch(void)
   turn_elements(m);
   double G[9], lambda, mu, inner = 0.0, volume = 0.0, density = 0.0,
                            *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count);
-  ct_error e;
   for (int i = 0; i < 9; i++) G[i] = uniform(1e-3);
   for (int n = 0; n < m->node_count; n++)
     for (int i = 0; i < 3; i++)
@@ -117,7 +112,7 @@ static void patch(void)
   for (int el = 0; el < m->element_count; el++) {
     double x[60], mass[8];
     take_element(m, el, m->nodes, x);
-    need(ct_mass_element(CT_HEX8, x, 1.0, CT_LUMP_ROW_SUM, mass, &e), &e);
+    must(ct_mass_element, CT_HEX8, x, 1.0, CT_LUMP_ROW_SUM, mass);
     for (int a = 0; a < 8; a++) volume += mass[a];
   }
   block solid = open_block(m, &STEEL, CT_KERNEL_REDUCED);
@@ -149,11 +144,10 @@ static void rigid(void)
   static double A[24 * 24];
   double x[60], u[24], f[24], top = 0.0;
   int zero = 0;
-  ct_error e;
   take_element(m, 0, m->nodes, x);
   for (int j = 0; j < 24; j++) {
     for (int i = 0; i < 24; i++) u[i] = i == j;
-    need(ct_solid_reduced_force(x, u, &SOFT, 0.3, f, NULL, &e), &e);
+    must(ct_solid_reduced_force, x, u, &SOFT, 0.3, f, NULL);
     for (int i = 0; i < 24; i++) A[24 * i + j] = -f[i];
   }
   top = jacobi_largest(24, A);
@@ -173,7 +167,7 @@ static void rigid(void)
         int p = (r + 1) % 3, q = (r + 2) % 3;
         u[3 * a + c] = r < 3 ? (c == r) : c == p ? -x[3 * a + q] : c == q ? x[3 * a + p] : 0.0;
       }
-    need(ct_solid_reduced_force(x, u, &SOFT, 0.3, f, NULL, &e), &e);
+    must(ct_solid_reduced_force, x, u, &SOFT, 0.3, f, NULL);
     motion = worst(motion, largest(f, 24));
   }
   tap_ok(motion < 1e-14, "rigid motions: forces of at most %.2g", motion);
@@ -187,7 +181,6 @@ static void modes(void)
   static const int factor[4][3] = {{1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}};
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1);
   double x[60], u[24], f[24], energy[2], wrong = 0.0, strain = 0.0;
-  ct_error e;
   take_element(m, 0, m->nodes, x);
   for (int k = 0; k < 12; k++) {
     for (int a = 0; a < 8; a++) {
@@ -196,7 +189,7 @@ static void modes(void)
       for (int c = 0; c < 3; c++) h *= factor[k / 3][c] ? xi[c] : 1.0;
       for (int c = 0; c < 3; c++) u[3 * a + c] = c == k % 3 ? h : 0.0;
     }
-    need(ct_solid_reduced_force(x, u, &STEEL, 0.4, f, energy, &e), &e);
+    must(ct_solid_reduced_force, x, u, &STEEL, 0.4, f, energy);
     wrong = worst(wrong, energy[1] / (2.0 / 3.0 * 0.4 * STEEL.young * 0.5 * 1e-6) - 1.0);
     strain = worst(strain, energy[0]);
   }
@@ -246,7 +239,6 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   int ends = ct_mesh_plane_nodes(m, 0, length, end), roots = ct_mesh_plane_nodes(m, 0, 0.0, root);
   ct_solid_body b = {.mesh = m, .material = *material, .kernel = kernel, .hourglass = hourglass};
   block solid = open_body(b);
-  ct_error e;
   // The root is held along the beam, and against rigid motion; it may swell.
   for (int i = 0; i < roots; i++) {
     fixed[3 * root[i]] = 1;
@@ -261,7 +253,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   for (int k = 0; k < 20 * n && rr > 1e-22 * first; k++) {
     double dq = 0.0, next = 0.0;
     ct_view view = {.displacement = d, .scratch = solid.scratch};
-    need(solid.effect->calls->force(solid.effect, &view, q, &e), &e);
+    must(solid.effect->calls->force, solid.effect, &view, q);
     for (int i = 0; i < n; i++) dq -= d[i] * (fixed[i] ? 0.0 : q[i]);
     for (int i = 0; i < n; i++) {
       u[i] += rr / dq * d[i];
@@ -320,15 +312,14 @@ static void frequencies(void)
     distort(m, 0.05);
     double K[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], spread[CT_ELEMENT_SIZE];
     double x[60], u[24] = {0}, f[24], mass[20], w, Q = exp(uniform(4.0));
-    ct_error e;
     take_element(m, 0, m->nodes, x);
-    need(ct_mass_element(CT_HEX8, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
+    must(ct_mass_element, CT_HEX8, x, STEEL.density, CT_LUMP_DEFAULT, mass);
     ct_spread_mass(8, mass, NULL, spread);
-    need(ct_reduced_stiffness(x, &STEEL, Q, K, &e), &e);
-    need(ct_largest_eigenvalue(24, spread, K, &w, &e), &e);
+    must(ct_reduced_stiffness, x, &STEEL, Q, K);
+    must(ct_largest_eigenvalue, 24, spread, K, &w);
     for (int j = 0; j < 24; j++) {
       u[j] = 1.0;
-      need(ct_solid_reduced_force(x, u, &STEEL, Q, f, NULL, &e), &e);
+      must(ct_solid_reduced_force, x, u, &STEEL, Q, f, NULL);
       u[j] = 0.0;
       for (int i = 0; i < 24; i++) A[24 * i + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
     }
@@ -357,7 +348,7 @@ static void ledger(void)
   tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_ERROR_ARGUMENT,
          "a negative coefficient is refused: %s", e.text);
   block.hourglass = 0.5;
-  need(ct_scene_add_body(scene, &block, NULL, &e), &e);
+  must(ct_scene_add_body, scene, &block, NULL);
   int64_t steps;
   const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.9}, &steps, NULL);
   ct_state *state = new_state(p);
@@ -365,7 +356,7 @@ static void ledger(void)
   for (int64_t k = 0; k < steps; k++) {
     advance(p, state, 1);
     ct_energy energy = energy_of(p, state);
-    need(ct_energy_stored(p, state, 1, &hourglass, &e), &e);
+    must(ct_energy_stored, p, state, 1, &hourglass);
     spread = worst(spread, energy.total / total - 1.0);
     balance = worst(balance, energy.balance / total);
     most = fmax(most, hourglass);
@@ -407,7 +398,7 @@ static void refusals(void)
          "a zero coefficient is refused: %s", e.text);
   b.hourglass = 0.0;
   b.kernel = CT_KERNEL_AUTO;
-  need(create_solid(&b, 1, &effect, &e), &e);
+  must(create_solid, &b, 1, &effect);
   tap_ok(ct_solid_create_hourglass(effect, &hourglass, &e) == CT_OK && hourglass == NULL,
          "without a reduced body there is no hourglass effect");
   ct_effect_free(effect);

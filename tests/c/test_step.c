@@ -108,13 +108,12 @@ static void second_order(ct_brick_kind kind)
   int n = 3 * p->node_count;
   double *v0 = smooth_velocity(p), *fine_u = numbers(n), *fine_v = numbers(n), *v = numbers(n),
          error[2][3];
-  ct_error e;
   for (int k = -1; k < 3; k++) {
     int64_t count = k < 0 ? 64 * steps : steps << k;
     ct_problem q = changed(p, 1.0 / (double)count, v0);
     ct_state *state = new_state(&q);
     advance(&q, state, count);
-    need(ct_state_velocity(&q, state, v, &e), &e);
+    must(ct_state_velocity, &q, state, v);
     if (k < 0)
       memcpy(fine_u, state->displacement, (size_t)n * sizeof *v),
           memcpy(fine_v, v, (size_t)n * sizeof *v);
@@ -190,8 +189,7 @@ static void stability(ct_brick_kind kind)
 static double pressure_of(const ct_problem *p, ct_state *state, double area, double *force)
 {
   double sum = 0.0;
-  ct_error e;
-  need(ct_state_force(p, state, 1, force, &e), &e);
+  must(ct_state_force, p, state, 1, force);
   for (int n = 0; n < p->bodies[0].mesh->node_count; n++) sum += force[3 * n];
   return fabs(sum) / area;
 }
@@ -276,10 +274,9 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
                       box_mesh(kind, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2)},
           *shape[2];
   double velocity[2][3] = {{0.5, 0.0625, -0.125}, {-0.25, 0, 0.25}};
-  ct_error e;
   bodies_seed = 4711;
   for (int s = 0; s < 2; s++) {
-    need(ct_mesh_create_copy(flat[s], &shape[s], &e), &e);
+    must(ct_mesh_create_copy, flat[s], &shape[s]);
     if (kernel == CT_KERNEL_GENERAL) distort(shape[s], 0.02);
     for (int k = 0; axis >= 0 && k < 2; k++) {
       ct_mesh **m = k == 0 ? &flat[s] : &shape[s], *image = mirror_mesh(*m, axis);
@@ -330,9 +327,8 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
   ct_state *whole = new_state(&one.own), *threads = new_state(&two.own),
            *half = new_state(&one.own), *rest = new_state(&one.own);
   double pressed = 0.0;
-  ct_error e;
   advance(&one.own, half, RUN / 2);
-  need(ct_state_copy(&one.own, half, rest, &e), &e);
+  must(ct_state_copy, &one.own, half, rest);
   advance(&one.own, rest, RUN - RUN / 2);
   advance(&two.own, threads, THREADED);
   int alike = 0;
@@ -380,8 +376,7 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
 static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   ct_mesh *flat = box_mesh(kind, 0, 0, 0, 1, 1, 1, 4, 2, 3), *right = NULL;
-  ct_error e;
-  need(ct_mesh_create_copy(flat, &right, &e), &e);
+  must(ct_mesh_create_copy, flat, &right);
   if (kernel == CT_KERNEL_GENERAL) distort_inside(right, 0.04);
   ct_mesh *left = mirror_mesh(right, 0), *flat_left = mirror_mesh(flat, 0);
   ct_scene *scene = one_body(right, &SOFT, kernel, -0.5, 0.01, -0.02);
@@ -428,9 +423,8 @@ static void loaded_start(void)
   ct_state *state = new_state(p);
   double *f = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), sum = 0.0, kick = 0.0,
          mean = 0.0, error[2] = {0}, order;
-  ct_error e;
-  need(ct_state_force(p, state, 1, f, &e), &e);
-  need(ct_state_velocity(p, state, v, &e), &e);
+  must(ct_state_force, p, state, 1, f);
+  must(ct_state_velocity, p, state, v);
   for (int n = 0; n < p->node_count; n++) {
     double v0 = n < left->node_count ? 0.25 : -0.5;
     sum += n < left->node_count ? f[3 * n] : 0.0;
@@ -543,9 +537,9 @@ static void refusals(void)
          "-1 threads are refused: %s", e.text);
 
   ct_stable_step at_start, later;
-  need(ct_stable(p, NULL, &at_start, &e), &e);
+  must(ct_stable, p, NULL, &at_start);
   advance(p, state, 10);
-  need(ct_stable(p, state, &later, &e), &e);
+  must(ct_stable, p, state, &later);
   tap_ok(memcmp(&at_start, &later, sizeof later) == 0,
          "a linear body has the same stable step at any time");
   ct_state_free(state);

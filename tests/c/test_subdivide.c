@@ -7,8 +7,7 @@ static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR}, PLAIN = {1.0, 0.0, 1
 static ct_state *refined(const ct_problem *fine, ct_state *from)
 {
   ct_state *state = new_state(fine);
-  ct_error e;
-  need(ct_state_subdivide_step(fine, from, state, &e), &e);
+  must(ct_state_subdivide_step, fine, from, state);
   return state;
 }
 
@@ -28,9 +27,8 @@ static void falling(void)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   ct_scene *scene = new_scene_with("body", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, v);
   add_weight(scene, (weight){.g = {0, 0, g}});
-  ct_problem problem[5] = {*build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8}, NULL, NULL)};
+  ct_problem problem[5] = {*build_until(scene, 1.0, 0.8)};
   ct_state *state = new_state(&problem[0]);
-  ct_error e;
   double off = 0.0, mass = SOFT.density, impulse[3], work;
   for (int k = 0; k < 4; k++) {
     advance(&problem[k], state, 7 + 300 * (k == 2)); // through a fold of the impulses, too
@@ -43,8 +41,8 @@ static void falling(void)
     double t = state->time, way = v * t + 0.5 * g * t * t, unit = 1.0 + t * t;
     for (int n = 0; n < mesh->node_count; n++)
       off = worst(off, (state->displacement[3 * n + 2] - way) / unit);
-    need(ct_energy_impulse(&problem[k + 1], state, 1, impulse, &e), &e);
-    need(ct_energy_work(&problem[k + 1], state, 1, &work, &e), &e);
+    must(ct_energy_impulse, &problem[k + 1], state, 1, impulse);
+    must(ct_energy_work, &problem[k + 1], state, 1, &work);
     off = worst(worst(off, (impulse[2] - mass * g * t) / unit), (work - mass * g * way) / unit);
     off = worst(off, energy_of(&problem[k + 1], state).balance / unit);
     off = worst(off, (momentum_of(&problem[k + 1], state, 0).p[2] - mass * (v + g * t)) / unit);
@@ -63,12 +61,11 @@ static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, do
   ct_problem coarse = with_step(p, 1.0 / (double)count),
              fine = with_step(&coarse, coarse.dt / parts);
   ct_state *state = new_state(&coarse);
-  ct_error e;
   advance(&coarse, state, count / 2);
   ct_state *rest = refined(&fine, state);
   advance(&fine, rest, parts * (count / 2));
   memcpy(u, rest->displacement, 3 * (size_t)p->node_count * sizeof *u);
-  need(ct_state_velocity(&fine, rest, v, &e), &e);
+  must(ct_state_velocity, &fine, rest, v);
   ct_state_free(state);
   ct_state_free(rest);
 }
@@ -123,12 +120,11 @@ static books read_books(const ct_problem *p, ct_state *state)
   books b = {.balance = energy_of(p, state).balance,
              .external = energy_of(p, state).external,
              .strain = energy_of(p, state).strain};
-  ct_error e;
   for (int k = 0; k < p->effect_count; k++) {
     double work, impulse[3] = {0.0, 0.0, 0.0};
-    need(ct_energy_work(p, state, k, &work, &e), &e);
+    must(ct_energy_work, p, state, k, &work);
     b.work += work;
-    if (k > 0) need(ct_energy_impulse(p, state, k, impulse, &e), &e);
+    if (k > 0) must(ct_energy_impulse, p, state, k, impulse);
     for (int c = 0; c < 3; c++) b.impulse[c] += impulse[c];
   }
   for (int body = 0; body < p->body_count; body++)
@@ -246,10 +242,6 @@ static change divided_push(int enforcement, int64_t after, int64_t *steps)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 2, 2, 2, 3);
   ct_scene *scene = new_scene_with("block", m, &PLAIN, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * m->element_count);
-  const ct_problem *joined;
-  ct_effect *plane;
-  ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
   ct_obstacle_def o = ct_obstacle_def_default();
   o.shape = CT_OBSTACLE_PLANE, o.enforcement = (ct_enforcement)enforcement;
   o.epsilon = enforcement == CT_ENFORCE_PENALTY ? 2.0 : 80.0;
@@ -257,8 +249,7 @@ static change divided_push(int enforcement, int64_t after, int64_t *steps)
   o.axis[2] = 1.0, o.point[2] = 0.99, o.velocity[2] = 0.1, o.travel_time = 1.0 / 3;
   o.travel[2] = 1.0, o.amplitude = (ct_amplitude){4, time, way};
   o.kind = CT_Q4, o.face_count = ct_mesh_plane_faces(m, 2, 1.0, faces, NULL), o.faces = faces;
-  need(ct_obstacle_create_effect(&o, joined, &plane, &e), &e);
-  need(ct_scene_add_effect(scene, plane, &e), &e);
+  add_made(scene, ct_obstacle_create_effect, &o);
   const change found =
       halved(scene, (ct_scene_time){.end = 5.0, .fraction = 0.6}, after, 0.01, steps);
   free(faces);
@@ -325,7 +316,7 @@ static void refusals(void)
          "refused: %s",
          e.text);
   advance(&p, state, 9);
-  need(ct_state_subdivide_step(&p, state, same, &e), &e);
+  must(ct_state_subdivide_step, &p, state, same);
   advance(&p, state, 9);
   advance(&p, same, 9);
   tap_ok(memcmp(state->velocity, same->velocity, 3 * (size_t)p.node_count * sizeof(double)) == 0 &&

@@ -54,9 +54,8 @@ static void moving_base(ct_brick_kind kind)
          balance);
 
   double *force = numbers(3 * p->node_count), *solid = numbers(3 * p->node_count), off = 0.0;
-  ct_error e;
-  need(ct_state_force(p, state, 0, solid, &e), &e);
-  need(ct_state_force(p, state, 1, force, &e), &e);
+  must(ct_state_force, p, state, 0, solid);
+  must(ct_state_force, p, state, 1, force);
   for (int i = 0; i < 3 * p->node_count; i++)
     off = worst(off, p->inverse_mass[i] == 0.0 ? force[i] + solid[i] : force[i]);
   tap_ok(off == 0.0,
@@ -84,8 +83,7 @@ static void refusals(void)
   refused(s, 2, CT_ERROR_ARGUMENT, "node 5", "two velocities for one node");
   s[1].velocity[0] = 1.0;
   ct_effect *effect = NULL;
-  ct_error e;
-  need(create_support(s, 2, 10, &effect, &e), &e);
+  must(create_support, s, 2, 10, &effect);
   tap_ok(effect->node_count == 4 && effect->nodes[0] == 2 && effect->nodes[1] == 5 &&
              effect->nodes[2] == 6 && effect->nodes[3] == 9,
          "the same velocity twice is one support: nodes 2 5 6 9");
@@ -141,8 +139,7 @@ static void holds(void)
       }
     s[supports++] = (ct_support){nodes, all, {0, 0, 1}, {0.0, 0.0, 7.0}};
     ct_effect *effect = NULL;
-    ct_error e;
-    need(create_support(s, supports, 10, &effect, &e), &e);
+    must(create_support, s, supports, 10, &effect);
     tap_ok(effect->node_count == all && (effect->nodes == NULL) == !missing,
            "a support on %d of 10 nodes %s", (int)all, missing ? "lists them" : "needs no list");
     double inverse[30], velocity[30];
@@ -171,16 +168,15 @@ static void any_order(void)
   double inverse[3][162];
   for (int i = 0; i < 3; i++) {
     ct_scene *scene = new_scene();
-    ct_error e;
     static const ct_material soft = {1.0, 0.2, 1.0, CT_LINEAR};
     for (int b = 0; b < 2; b++) add_body(scene, "block", m, &soft, CT_KERNEL_AUTO, 0, 0, 0);
     ct_scene_support support = {.body = 1, .nodes = lists[i], .node_count = 7, .fixed = {1, 0, 0}};
-    need(ct_scene_add_support(scene, &support, &e), &e);
+    must(ct_scene_add_support, scene, &support);
     if (i == 2) {
       support.nodes = &lists[0][6], support.node_count = 1;
-      need(ct_scene_add_support(scene, &support, &e), &e);
+      must(ct_scene_add_support, scene, &support);
     }
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5}, NULL, NULL);
+    const ct_problem *p = build_until(scene, 0.1, 0.5);
     memcpy(inverse[i], p->inverse_mass, sizeof inverse[i]);
     ct_scene_free(scene);
   }

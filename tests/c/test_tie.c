@@ -192,8 +192,7 @@ static double reflected(int cells_b)
   ct_scene_body first = {
       .name = "a", .mesh = a, .material = BAR, .velocities = v, .displacements = u};
   int32_t number;
-  ct_error e;
-  need(ct_scene_add_body(scene, &first, &number, &e), &e);
+  must(ct_scene_add_body, scene, &first, &number);
   add_body(scene, "b", b, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   add_tie(scene, a, b, 3.0, 40.0 * 11.0, 0);
   int64_t steps;
@@ -227,17 +226,16 @@ static void refusals(void)
           *b = box_mesh(CT_HEX8, 1.05, 0, 0, 1, 2, 1, 1, 4, 2);
   ct_scene *scene = new_scene_with("a", a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
   int32_t *faces[2];
   int64_t tied, points;
   double farthest;
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   ct_tie_def def = tie_of(scene, a, 1.0, b, 1.05, 0, faces);
   def.epsilon = 1e3;
-  need(ct_tie_create_effect(&def, joined, &effect, &e), &e);
-  need(ct_tie_count(effect, &tied, &points, &farthest, &e), &e);
+  must(ct_tie_create_effect, &def, joined, &effect);
+  must(ct_tie_count, effect, &tied, &points, &farthest);
   // 16 points of a, and the 16 of 32 of b that lie over it.
   tap_ok(tied == 32 && points == 48, "%d of %d points are tied", (int)tied, (int)points);
   tap_close(farthest, 0.05, 1e-14, "over the distance of the bodies");

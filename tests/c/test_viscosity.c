@@ -17,10 +17,9 @@ static double pressure(double linear, double quadratic, double c1, double x)
 static void forces(const ct_effect *effect, const double *velocity, double *force)
 {
   void *scratch = NULL;
-  ct_error e;
-  need(effect->calls->create_scratch(effect, &scratch, &e), &e);
+  must(effect->calls->create_scratch, effect, &scratch);
   ct_view view = {.velocity = velocity, .scratch = scratch};
-  need(effect->calls->force(effect, &view, force, &e), &e);
+  must(effect->calls->force, effect, &view, force);
   effect->calls->free_scratch(scratch);
 }
 
@@ -28,8 +27,7 @@ static double rate_of(const ct_effect *effect, const double *velocity)
 {
   ct_view view = {.velocity = velocity};
   double rate = NAN;
-  ct_error e;
-  need(effect->calls->bounds.rate(effect, &view, &rate, &e), &e);
+  must(effect->calls->bounds.rate, effect, &view, &rate);
   return rate;
 }
 
@@ -37,13 +35,11 @@ static double rate_of(const ct_effect *effect, const double *velocity)
 static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *material,
                        double linear, double quadratic)
 {
-  const ct_problem *joined;
   ct_effect *effect = NULL;
   ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
-  ct_error e;
   add_body(scene, "block", m, material, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
+  const ct_problem *joined = join_scene(scene);
+  must(ct_viscosity_create_effect, &options, joined, &effect);
   return effect;
 }
 
@@ -106,14 +102,13 @@ static void kernel(void)
   int n = 3 * m->node_count, pressed = 0, steep = 0;
   double *v = random_displacement(m, 4e4), *f = numbers(n), *g = numbers(n), c1, c2, work = 0.0,
          resultant[3] = {0};
-  ct_error e;
   ct_material_speeds(&STEEL, &c1, &c2);
   forces(effect, v, f);
   for (int el = 0; el < m->element_count; el++) {
     double x[60], w[60], B[20][3], V, g2, D = 0.0;
     take_element(m, el, m->nodes, x);
     take_element(m, el, v, w);
-    need(ct_element_mean_gradients(x, B, &V, &g2, &e), &e);
+    must(ct_element_mean_gradients, x, B, &V, &g2);
     for (int i = 0; i < 24; i++) D += B[i / 3][i % 3] * w[i];
     double rate = sqrt(1.5 / g2) * fmax(-D, 0.0), q = STEEL.density * pressure(0.3, 2.0, c1, rate);
     pressed += q > 0.0;
@@ -181,8 +176,7 @@ static void bound(void)
     int n = 3 * m->node_count;
     double *v0 = numbers(n), *d = random_displacement(m, 1.0), *v = numbers(n), *f0 = numbers(n),
            *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0, small = 1e-5;
-    ct_error e;
-    need(ct_mass_lumped(m, ROD.density, CT_LUMP_DEFAULT, mass, &e), &e);
+    must(ct_mass_lumped, m, ROD.density, CT_LUMP_DEFAULT, mass);
     for (int i = 0; i < n; i++) v0[i] = -m->nodes[i];
     forces(effect, v0, f0);
     for (int k = 0; k < 200; k++) {
@@ -216,29 +210,27 @@ static double rod(double linear, double quadratic, double courant, double v0, do
                   double stress[CELLS], double *balance, double *dt)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, CELLS, 1, 1, CELLS, 1, 1);
-  ct_scene *scene = new_scene();
-  int32_t body = add_body(scene, "rod", m, &ROD, CT_KERNEL_AUTO, -v0, 0, 0);
-  add_support(scene, body, m, 0, 0.0, "x", 0.0);
-  add_support(scene, body, m, -1, 0.0, "yz", 0.0);
+  ct_scene *scene = new_scene_with("rod", m, &ROD, CT_KERNEL_AUTO, -v0, 0, 0);
+  add_support(scene, 0, m, 0, 0.0, "x", 0.0);
+  add_support(scene, 0, m, -1, 0.0, "yz", 0.0);
   const ct_problem *joined, *p;
   ct_effect *effect = NULL;
   ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
-  ct_error e;
   if (linear + quadratic > 0.0) {
-    need(ct_scene_join(scene, &joined, &e), &e);
-    need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
-    need(ct_scene_add_effect(scene, effect, &e), &e);
+    must(ct_scene_join, scene, &joined);
+    must(ct_viscosity_create_effect, &options, joined, &effect);
+    must(ct_scene_add_effect, scene, effect);
   }
   int64_t steps;
   p = build(scene, (ct_scene_time){.end = end, .courant = courant}, &steps, NULL);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   double work = 0.0;
-  if (effect != NULL) need(ct_energy_work(p, state, 1, &work, &e), &e);
+  if (effect != NULL) must(ct_energy_work, p, state, 1, &work);
   *balance = energy_of(p, state).balance / energy_of(p, state).kinetic;
   *dt = p->dt;
   double *sigma = numbers(6 * CELLS);
-  need(ct_solid_stress(m, &ROD, state->displacement, sigma, &e), &e);
+  must(ct_solid_stress, m, &ROD, state->displacement, sigma);
   for (int i = 0; i < CELLS; i++) stress[i] = sigma[6 * i];
   free(sigma);
   close_run(state, scene, m);
@@ -337,13 +329,11 @@ static void stability(void)
   for (int k = 0; k < 4; k++) {
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 8, 3, 3, 8, 3, 3);
     distort_inside(m, 0.1);
-    ct_scene *scene = new_scene();
-    int32_t body = add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, -1e5, 0, 0);
-    add_support(scene, body, m, 0, 0.0, "x", 0.0);
+    ct_scene *scene = new_scene_with("block", m, &STEEL, CT_KERNEL_AUTO, -1e5, 0, 0);
+    add_support(scene, 0, m, 0, 0.0, "x", 0.0);
     const ct_problem *p;
     ct_viscosity_def options = {COOKIE, .linear = coefficients[k][0],
                                 .quadratic = coefficients[k][1]};
-    ct_error e;
     add_made(scene, ct_viscosity_create_effect, &options);
     int64_t steps;
     ct_stable_step stable;
@@ -356,7 +346,7 @@ static void stability(void)
       most = fmax(most, energy.kinetic + energy.strain);
       balance = worst(balance, energy.balance / first);
     }
-    need(ct_energy_work(p, state, 1, &work, &e), &e);
+    must(ct_energy_work, p, state, 1, &work);
     tap_ok(most < 1.001 * first && work < 0.0 && balance < 1e-12,
            "Q1 = %g, Q2 = %g at the whole stable step (Courant number %.3f): energy at most %.6f "
            "of the first, %.3f removed, balance %.1g",
@@ -372,10 +362,9 @@ static void refusals(void)
           *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("brick", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "curved", q, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
-  const ct_problem *joined;
   ct_effect *effect = NULL;
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
+  const ct_problem *joined = join_scene(scene);
   static const int32_t first[1] = {0}, twice[2] = {0, 0}, none[1] = {2};
   ct_viscosity_def options = {COOKIE, .linear = 0.06, .quadratic = 1.2};
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_UNSUPPORTED &&
@@ -397,7 +386,7 @@ static void refusals(void)
          "no coefficient: %s", e.text);
   tap_ok(ct_viscosity_create_effect(NULL, joined, &effect, NULL) == CT_ERROR_ARGUMENT, "null");
   options.linear = 0.06;
-  need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
+  must(ct_viscosity_create_effect, &options, joined, &effect);
   tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->calls->energy == NULL,
          "of one body only: its nodes, and no stored energy");
   ct_effect_free(effect);
