@@ -4,7 +4,6 @@
 
 #include "../base/error.h"
 #include "../base/vector.h"
-#include "../step/effect_internal.h"
 
 #include <math.h>
 #include <string.h>

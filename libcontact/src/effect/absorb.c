@@ -8,7 +8,6 @@
 #include "../shape/facets.h"
 #include "../base/memory.h"
 #include "../mesh/mesh_internal.h"
-#include "../base/vector.h"
 
 #include <math.h>
 

@@ -2,7 +2,6 @@
 
 #include "../base/vector.h"
 
-#include <float.h>
 #include <math.h>
 
 /* The face relative to a line: the two components across it, which vanish where the line meets the

@@ -3,7 +3,6 @@
  * along. */
 #include "projection_internal.h"
 
-#include <float.h>
 #include <math.h>
 
 void ct_principal(const double H[3], double q[2], double curvature[2])

@@ -6,7 +6,6 @@
 #include "../base/threads.h"
 #include "../mesh/mesh_internal.h"
 #include "large.h"
-#include "plane.h"
 #include "reduced.h"
 #include "sleep.h"
 
