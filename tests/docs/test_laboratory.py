@@ -350,7 +350,7 @@ def test_a_scene_is_edited_checked_run_turned_and_saved(visit, tmp_path):
     text = text.replace('element = "hex8"', 'element = "hex20"', 1)
     text += '[[probe]]\nname = "at the wall"\nbody = "right"\npoint = [0, 0, 0]\n'
     (tmp_path / "plates.toml").write_text(text, encoding="utf-8")
-    expected = ct.Scene.load(tmp_path / "plates.toml").run(progress=False, output=False)
+    expected = ct.Scene.load(tmp_path / "plates.toml").run(output=False)
     visit.open("own")
     page, area = visit.page, visit.page.get_by_label("Scene (TOML)")
     area.fill(text.replace("beta = 4", "betta = 4"))

@@ -100,7 +100,7 @@ def test_the_readers_plates_are_the_librarys(scene, wall, agree, cells):
     data = ct.Scene.load(ct.example(scene)).data
     for body in data["body"]:
         body["box"]["cells"], body["box"]["size"][1] = [cells, 1, cells], plates.D / cells
-    body = ct.Scene(data).run(progress=False, output=False).state["right"]
+    body = ct.Scene(data).run(output=False).state["right"]
     order = np.lexsort((body.centres[:, 2].round(9), body.centres[:, 0].round(9)))
     theirs = body.stress[order].reshape(cells, cells, 6)[:, :, [0, 2, 5]]
     own = plates.centre_stress(plates.impact(cells, wall=wall)[1], cells)

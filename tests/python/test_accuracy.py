@@ -41,7 +41,7 @@ def stress_at(example, step, end):
     data["time"], data["output"] = {"end": end, **step}, {"every": 10**9}
     if "contact" in data:
         data["contact"][0] = {"surfaces": data["contact"][0]["surfaces"]}
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     body = run.state["right"]
     unit = 7.8e-9 * 1000.0 * c1() * NU / (1 - NU)  # Λ v₀ / c₁ with Λ = ρ c₁² ν / (1 - ν)
     sx, sz = np.zeros(N), np.zeros(N)
@@ -326,7 +326,7 @@ def test_the_ball_is_a_ball():
         "time": {"end": 0.1},
     }
     data["body"][0]["velocity"] = [1.0, 0.0, 0.0]
-    run = ct.Scene(data).run(progress=False, output=False)  # refuses an inverted brick
+    run = ct.Scene(data).run(output=False)  # refuses an inverted brick
     mass = run.momentum["p"][0, 0]
     assert 0.97 * 4 / 3 * np.pi < mass < 4 / 3 * np.pi
     radius = np.linalg.norm(nodes, axis=1)

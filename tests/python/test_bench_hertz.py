@@ -61,7 +61,7 @@ def test_recovered_pressure_of_two_balls(element, n, m, impact, most):
     """Hertz's ellipse for the computed force, on both balls, at rest and in the middle of an impact, in which the
     error is no larger with three elements: it is that of the mesh. Points are off by 15 % of the peak and more;
     :eq:`recovered-traction`."""
-    run = balls.scene(element, n, m, impact).run(progress=False)
+    run = balls.scene(element, n, m, impact).run()
     for side in (0, 1):
         off = balls.errors(run, run.pressure["contact"][0], side)
         assert off["rms"] < most[side] and off["spread"] < 0.028

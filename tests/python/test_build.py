@@ -384,7 +384,7 @@ print(f.distance[0], ct.has('gsl'), ct.has('hdf5'))
 sys.modules['h5py'] = None
 from kill import scene
 print(ct.has('hdf5'))
-try: scene().run(progress=False, output=False).save('a.vtkhdf')
+try: scene().run(output=False).save('a.vtkhdf')
 except ct.NotBuiltIn as error: print(error)
 """
     assert re.fullmatch(r"False\n.*no HDF5.*pip install h5py.*\n", plain(without))
@@ -415,7 +415,7 @@ from kill import scene
 s = scene().add_probe("tip", body="left", point=[0, 1, 1], quantities=["velocity", "stress"])
 s.add_probe("push", resultant="contact", body="left").set_output(every=10)
 path, until, restart = sys.argv[1:]
-s.run(progress=False, output=path, until=float(until), restart=restart or None)
+s.run(output=path, until=float(until), restart=restart or None)
 """
 
 
@@ -451,7 +451,7 @@ import resource, signal
 from kill import scene
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (600000, 600000))
-try: scene().run(progress=False, output=sys.argv[1])
+try: scene().run(output=sys.argv[1])
 except ct.RunError as error: print("large" in str(error), 0 < len(ct.Run.load(sys.argv[1]).steps) < 300)
 """
     assert borrowed(full, tmp_path / "full.vtkhdf") == "True True\n"

@@ -411,7 +411,7 @@ def test_info_tells_what_is_in_a_file(run_file, scene, capsys):
 def test_json_goes_to_stdout_and_messages_to_stderr(scene, capsys):
     assert main(["run", scene, "--until", "2e-8", "--json"]) == 0
     out, err = capsys.readouterr()
-    facts, run = json.loads(out), ct.Scene.load(scene).run(progress=False, output=False, until=2e-8)
+    facts, run = json.loads(out), ct.Scene.load(scene).run(output=False, until=2e-8)
     assert facts["exit"] == 0 and facts["energy"]["total"] == run.energy["total"][-1]
     assert facts["steps"] == run.steps[-1] and "work balance" in err
     assert main(["explain", scene, "--json"]) == 0
@@ -426,7 +426,7 @@ def test_a_report_has_the_largest_contact_pressure(tmp_path, monkeypatch, capsys
     """Recovered, with its place, and the energy of the obstacle; in JSON, too, and only if something touches."""
     monkeypatch.chdir(tmp_path)
     hertz = ct.example("hertz")
-    run = ct.Scene.load(hertz).run(progress=False, output=False, until=2e-5)
+    run = ct.Scene.load(hertz).run(output=False, until=2e-5)
     (nodes,) = run.pressure["obstacle"]
     most = nodes[nodes["pressure"].argmax()]
     assert main(["run", str(hertz), "--until", "2e-5", "--json"]) == 0
@@ -612,7 +612,7 @@ def test_tables_become_those_of_pandas(scene):
     text = Path(scene).read_text()
     probe = '\n[[probe]]\nname = "p"\nbody = "right"\npoint = [1.2, 0.01, 0.1]\nquantities = ["velocity", "stress"]\n'
     Path(scene).write_text(text + probe)
-    run = ct.Scene.load(scene).run(progress=False, output=False, until=2e-8)
+    run = ct.Scene.load(scene).run(output=False, until=2e-8)
     energy, momentum = run.energy.to_pandas(), run.momentum.to_pandas()
     assert list(energy) == list(run.energy.dtype.names) and len(energy) == len(run.steps)
     assert (momentum["p_x"] == run.momentum["p"][:, 0]).all()

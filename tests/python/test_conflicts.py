@@ -113,7 +113,7 @@ def test_a_face_that_travels_beside_one_that_is_held_still(turned):
     runs = []
     for each in (parts[::-1] if turned else parts, [path, PULL.format(0)]):
         scene = ct.Scene(tomllib.loads(SCENE + "".join(each)))
-        run = scene.run(progress=False, output=False)
+        run = scene.run(output=False)
         assert abs(np.ptp(run.energy["total"])) <= 1e-2 * run.energy["external"][-1]
         runs.append(run.state["a"].displacement)
     edge = [n for n, x in enumerate(run.state["a"].mesh.nodes) if x[0] == 1.0 and x[2] == 0.0]

@@ -45,14 +45,14 @@ def test_overlap_is_refused():
         ct.Error,
         match=r"32 points of its surfaces are inside at the start, the deepest by 0\.05 at .*face",
     ):
-        blocks(0.05, initial_penetration="refuse").run(progress=False)
-    blocks(-0.05, initial_penetration="refuse").run(progress=False)
+        blocks(0.05, initial_penetration="refuse").run()
+    blocks(-0.05, initial_penetration="refuse").run()
 
 
 @pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_overlap_is_kept(enforcement):
     """Without other forces nothing moves; pressed together, the blocks have the gaps of two that only touch."""
-    run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run(progress=False)
+    run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run()
     assert np.all(run.energy["total"] == 0.0)
     assert not run.state["right"].displacement.any()
     law = {"enforcement": enforcement}
@@ -60,8 +60,8 @@ def test_overlap_is_kept(enforcement):
         law["restitution"] = (
             0.0  # when a point closed is found from its gap, which round-off changes
         )
-    kept = blocks(0.05, 0.1, end=0.15, initial_penetration="keep", **law).run(progress=False)
-    touching = blocks(0.0, 0.1, end=0.15, **law).run(progress=False)
+    kept = blocks(0.05, 0.1, end=0.15, initial_penetration="keep", **law).run()
+    touching = blocks(0.0, 0.1, end=0.15, **law).run()
     assert kept.energy["contact"][-1] > 0.0
     assert kept.state["right"].displacement == pytest.approx(
         touching.state["right"].displacement, abs=1e-12
@@ -70,9 +70,7 @@ def test_overlap_is_kept(enforcement):
 
 def test_a_kept_overlap_is_over_once_it_has_opened():
     """The blocks separate and come together again: they meet where their faces touch, not at the initial overlap."""
-    run = blocks(0.05, -0.5, end=0.3, enforcement="penalty", initial_penetration="keep").run(
-        progress=False
-    )
+    run = blocks(0.05, -0.5, end=0.3, enforcement="penalty", initial_penetration="keep").run()
     assert run.penetration[0]["points"]["inside"] == 0
     assert np.all(run.energy["contact"] == 0.0)
 
@@ -89,12 +87,12 @@ def test_overlap_is_removed_gently(enforcement):
             enforcement=enforcement,
             initial_penetration="remove",
             removal_time=T,
-        ).run(progress=False)
+        ).run()
         for T in (0.4, 3.2)
     )
     kick = (
         blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement, initial_penetration="force")
-        .run(progress=False)
+        .run()
         .energy["contact"][0]
     )
     for run in (fast, slow):
@@ -126,7 +124,7 @@ def test_a_step_through_a_body_is_refused(monkeypatch):
         ct.RunError,
         match=r"in the step to t = .* its surfaces \(face \d+ of the first, \d+ of the second\) may have come nearer",
     ):
-        scene.run(progress=False)
+        scene.run()
 
 
 def test_the_text_of_a_fault_between_two_records_is_whole(monkeypatch):
@@ -138,7 +136,7 @@ def test_the_text_of_a_fault_between_two_records_is_whole(monkeypatch):
     ).set_output(every=10**6)
     scene.add("gravity", acceleration=[-300, 0, 0], bodies=["right"])
     with pytest.raises(ct.RunError) as refused:
-        scene.run(progress=False)
+        scene.run()
     whole = (
         r"at t = \S+ \(step \d+\): contact: in the step .* have come nearer by \S+ and passed through each other; not more than \S+ is safe\. Take a smaller step\. "
         r"The last good state, t = 0 \(step 0\), is run\.state of this error; .*"
@@ -156,7 +154,7 @@ def test_a_fast_body_that_is_far_away_is_not_refused():
         end=0.002,
         fraction=0.9,
     )
-    scene.run(progress=False)
+    scene.run()
 
 
 def test_penetration_is_reported_at_corners_and_edges():
@@ -178,7 +176,7 @@ def test_penetration_is_reported_at_corners_and_edges():
         scene.add_contact("floor.outer", "cube.outer", beta=1.0, points=rule).set_time(
             end=1e-3, fraction=0.1
         )
-        found = scene.run(progress=False).penetration[0]
+        found = scene.run().penetration[0]
         assert found["corners"]["deepest"] == pytest.approx(0.05, rel=0.02)
         assert found["corners"]["surface"] == "cube.outer"
         assert (found["points"]["inside"] > 0) == (rule == "lobatto")
@@ -208,7 +206,7 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
         scene.set_time(end=0.6, fraction=0.5).set_output(every=1, fields=[])
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            run = scene.run(progress=False)
+            run = scene.run()
         total = run.energy["total"]
         assert total.max() - total[0] < 2e-3 * kinetic
         told = [each.message for each in caught if getattr(each.message, "kind", "") == "border"]
@@ -231,13 +229,13 @@ def test_restart_continues_with_the_same_bits(tmp_path):
     ):
         whole = blocks(
             0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key
-        ).run(progress=False)
+        ).run()
         half = blocks(
             0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key
         )
         path = tmp_path / f"{len(key)}.vtkhdf"
-        half.run(progress=False, output=path, until=0.1)
-        rest = half.run(progress=False, output=tmp_path / f"{len(key)}b.vtkhdf", restart=path)
+        half.run(output=path, until=0.1)
+        rest = half.run(output=tmp_path / f"{len(key)}b.vtkhdf", restart=path)
         assert np.array_equal(rest.state["right"].displacement, whole.state["right"].displacement)
 
 
@@ -257,6 +255,6 @@ def test_quadratic_bodies_that_turn_inside_out_gain_no_energy():
         box = box_of(origin, [1, 1, 1], [3, 3, 3])
         scene.add_body(name, material=name, element="hex20", box=box, velocity=[v, 0, 0])
     scene.add_contact("soft.outer", "stiff.outer").set_time(end=1.2 / c, fraction=0.3)
-    run = scene.run(progress=False, output=False)
+    run = scene.run(output=False)
     bodies = run.energy["kinetic"] + run.energy["strain"]
     assert bodies.max() < 1.002 * bodies[0]

@@ -22,7 +22,7 @@ def blocks(n, m, element="hex8", **contact):
     scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min", **contact)
     scene.add("load", surface="upper.z_max", pressure=1.0).add("damping", relaxation=True)
     scene.set_time(end=20.0, fraction=0.9, until_static=1e-5).set_output(every=10**6)
-    return scene.run(progress=False)
+    return scene.run()
 
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
@@ -65,7 +65,7 @@ def hertz_at_rest(element, **obstacle):
     data |= {"damping": {"relaxation": True}, "output": {"every": 10**6}}
     del data["obstacle"][0]["beta"]
     data["obstacle"][0] |= obstacle
-    run = ct.Scene(data).run(progress=False)
+    run = ct.Scene(data).run()
     (nodes,) = run.pressure["obstacle"]
     return nodes, run.state["block"].nodes[nodes["node"]]
 
@@ -127,7 +127,7 @@ def test_nothing_where_nothing_touches():
         scene.add_body(name, material="elastic", box=box)
     scene.add_contact("lower.z_max", "upper.z_min").set_time(end=0.01, fraction=0.9)
     with pytest.warns(ct.SceneWarning, match="^never_meet:"):
-        (nodes,) = scene.run(progress=False).pressure["contact"]
+        (nodes,) = scene.run().pressure["contact"]
     assert len(nodes) == 18 and not nodes["pressure"].any() and not nodes["area"].any()
 
 
@@ -146,7 +146,7 @@ def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
     """In memory and in the file: the change of momentum; NaN in an older file."""
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "wall.vtkhdf"
-    momentum = wall().run(progress=False, output=path).momentum
+    momentum = wall().run(output=path).momentum
     change = momentum["p"] - momentum["p"][0]
     assert change[-1, 0] > 0.005
     assert np.abs(momentum["obstacle_impulse"] - change).max() < 1e-15
@@ -166,7 +166,7 @@ def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
     scene = wall(0.01).set_output(
         tmp_path / "asked.vtkhdf", fields=["displacement", "contact_pressure"]
     )
-    run = scene.run(progress=False, until=0.025)
+    run = scene.run(until=0.025)
     (nodes,), bar = run.pressure["obstacle"], run.state["bar"]
     expected = np.zeros(len(bar.nodes))
     expected[nodes["node"]] = nodes["pressure"]
@@ -178,9 +178,7 @@ def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
     first = ct.Run.load(tmp_path / "asked.vtkhdf", record=0).state["bar"]
     assert not first.contact_pressure.any()
     fields = ["displacement"]
-    plain = (
-        wall().set_output(tmp_path / "plain.vtkhdf", fields=fields).run(progress=False, until=0.01)
-    )
+    plain = wall().set_output(tmp_path / "plain.vtkhdf", fields=fields).run(until=0.01)
     for state in (plain.state["bar"], ct.Run.load(tmp_path / "plain.vtkhdf").state["bar"]):
         assert not state.holds("contact_pressure")
 
@@ -202,7 +200,7 @@ def test_pressure_falls_from_the_middle_to_the_rim(cells, element, off):
     data["body"][0] |= {"element": element}
     data["body"][0]["box"]["cells"] = [cells] * 3
     del data["obstacle"][0]["beta"]
-    (nodes,) = ct.Scene(data).run(progress=False, output=False).pressure["obstacle"]
+    (nodes,) = ct.Scene(data).run(output=False).pressure["obstacle"]
     r, p = np.hypot(*nodes["position"][:, :2].T), nodes["pressure"]
     radius, peak = np.sqrt(4 * 0.1), 2 / np.pi * 1000 / 0.91 * np.sqrt(0.1 / 4)
     within = r < 0.9 * radius
@@ -237,7 +235,7 @@ def test_two_balls_on_unlike_meshes(n, m):
     scene.add_support("lower.z_min", fix="z").add_contact("lower.outer", "upper.outer")
     scene.add("load", surface="upper.z_max", pressure=4.0).add("damping", relaxation=True)
     scene.set_time(end=4e-3, fraction=0.9, until_static=1e-4).set_output(every=10**6)
-    run = scene.run(progress=False)
+    run = scene.run()
     (nodes,) = run.pressure["contact"]
     radius, modulus = 1 / (1 / 4 + 1 / 8), 1000 / 0.91 / 2
     for side in (0, 1):
@@ -256,7 +254,7 @@ def test_two_balls_on_unlike_meshes(n, m):
 @needs_hdf5
 def test_a_run_from_a_file_says_where_pressures_are(tmp_path):
     path = tmp_path / "wall.vtkhdf"
-    wall(0.01).run(progress=False, output=path, until=0.01)
+    wall(0.01).run(output=path, until=0.01)
     with pytest.raises(KeyError, match="contact_pressure"):
         ct.Run.load(path).pressure["obstacle"]
     with pytest.raises(KeyError, match="probe"):
@@ -275,10 +273,10 @@ def test_points_are_raw():
 @needs_hdf5
 def test_files_have_the_contact_pressure_by_default(tmp_path):
     """Where something can touch, and nowhere else."""
-    wall(0.01).run(progress=False, output=tmp_path / "wall.vtkhdf", until=0.025)
+    wall(0.01).run(output=tmp_path / "wall.vtkhdf", until=0.025)
     assert ct.Run.load(tmp_path / "wall.vtkhdf").state["bar"].contact_pressure.max() > 0
     free = ct.Scene(title="free", units=METRES)
     free.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
     free.add_body("bar", material="elastic", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1]))
-    free.set_time(end=0.01, fraction=0.9).run(progress=False, output=tmp_path / "free.vtkhdf")
+    free.set_time(end=0.01, fraction=0.9).run(output=tmp_path / "free.vtkhdf")
     assert not ct.Run.load(tmp_path / "free.vtkhdf").state["bar"].holds("contact_pressure")

@@ -83,7 +83,7 @@ def test_a_copy_of_a_scene_gives_the_same_bits(way, built):
         and second.toml() == first.toml()
         and repr(second) == repr(first)
     )
-    assert same(second.run(progress=False), first.run(progress=False))
+    assert same(second.run(), first.run())
 
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
@@ -96,8 +96,8 @@ def test_a_copy_of_a_scene_goes_its_own_way(way):
     )
     assert first.toml() == before and second.toml() != before
     assert (
-        "spring" not in first.run(progress=False).energy.dtype.names
-        and "spring" in second.run(progress=False).energy.dtype.names
+        "spring" not in first.run().energy.dtype.names
+        and "spring" in second.run().energy.dtype.names
     )
 
 
@@ -109,7 +109,7 @@ def test_a_scene_that_is_not_whole_yet_can_be_copied():
         second = way(first).add_body(
             "bar", material="steel", element="hex8", box=box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])
         )
-        assert len(second.set_time(end=1e-7, fraction=0.5).run(progress=False).time) > 1
+        assert len(second.set_time(end=1e-7, fraction=0.5).run().time) > 1
     assert "body" not in first.data
 
 
@@ -117,12 +117,12 @@ def test_a_function_that_cannot_be_pickled_is_named():
     first = scene(own=False).add_effect("hand", "right", "x_max", lambda view: -view.displacement)
     with pytest.raises(pickle.PicklingError, match='effect "hand": its force can\'t be pickled'):
         pickle.dumps(first)
-    assert same(copy.deepcopy(first).run(progress=False), first.run(progress=False))
+    assert same(copy.deepcopy(first).run(), first.run())
 
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
 def test_a_copy_of_a_run_has_its_tables_and_its_state(way):
-    run = scene().run(progress=False)
+    run = scene().run()
     other = way(run)
     assert same(other, run) and repr(other) == repr(run)
     assert len(other.contact) == 1
@@ -146,12 +146,12 @@ def test_a_copy_of_a_run_has_its_tables_and_its_state(way):
 @pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def test_a_copy_can_be_saved_a_pickle_without_a_file_can_not(tmp_path):
     pytest.importorskip("h5py")
-    run = scene().run(progress=False)
+    run = scene().run()
     for way in (copy.copy, copy.deepcopy):
         assert same(ct.Run.load(way(run).save(tmp_path / f"{way.__name__}.vtkhdf")), run)
     with pytest.raises(ValueError, match="no file and no state"):
         pickled(run).save(tmp_path / "pickle.vtkhdf")
-    written = scene().run(progress=False, output=tmp_path / "run.vtkhdf")
+    written = scene().run(output=tmp_path / "run.vtkhdf")
     assert pickled(written).path == written.path and same(
         pickled(ct.Run.load(written.path)), ct.Run.load(written.path)
     )
@@ -171,7 +171,7 @@ def test_errors_come_through_a_pickle():
         "late", "right", "x_max", functools.partial(fail, after=3e-7)
     )
     with pytest.raises(ct.RunError) as failed:
-        made.run(progress=False)
+        made.run()
     again = pickled(failed.value)
     assert (
         str(again) == str(failed.value)
@@ -209,9 +209,7 @@ def test_the_package_says_that_it_is_typed():
 def test_fields_that_nobody_has_asked_for_are_those_of_the_last_step(way):
     """Computed later, by the run or by its copy, after other runs: v_n = (u_{n+1} - u_{n-1}) / 2 Δt."""
     one, dt = scene(own=False), scene(own=False)._built(None).dt
-    run, before, after = (
-        one.run(progress=False, output=False, until=(n - 0.5) * dt) for n in (10, 9, 11)
-    )
+    run, before, after = (one.run(output=False, until=(n - 0.5) * dt) for n in (10, 9, 11))
     made = way(run)
     del run, one
     for name, state in made.state.items():
@@ -222,8 +220,6 @@ def test_fields_that_nobody_has_asked_for_are_those_of_the_last_step(way):
 
 def test_what_a_watch_has_kept_is_of_its_record():
     kept = []
-    run = scene(own=False).run(
-        progress=False, output=False, watch=lambda one: kept.append(one.state["left"])
-    )
+    run = scene(own=False).run(output=False, watch=lambda one: kept.append(one.state["left"]))
     first, last = kept[0].velocity[:, 0], run.state["left"].velocity[:, 0]
     assert np.allclose(first, 1000.0) and np.abs(last - first).max() > 100.0

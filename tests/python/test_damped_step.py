@@ -184,7 +184,7 @@ def test_a_front_that_the_start_does_not_show(cells, speed):
     the whole step. Energy must not grow."""
     made = scene(0.0, **box(cells), velocity=[-speed, 0, 0]).add("viscosity", linear=0.03)
     made.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
-    run = made.set_time(end=150.0, fraction=1.0).set_output(every=1).run(progress=False)
+    run = made.set_time(end=150.0, fraction=1.0).set_output(every=1).run()
     total = run.energy["total"]
     assert total.max() < total[0] * (1 + 1e-12) and run.energy["viscosity"][-1] < -0.01 * total[0]
 

@@ -148,7 +148,7 @@ def column(element, integrator, courant, steps):
     for face in ("y_min", "y_max", "z_min", "z_max"):
         scene.add_support(f"row.{face}", fix=face[0])
     scene.set_time(end=steps * courant, courant=courant, integrator=integrator)
-    stress = scene.run(progress=False, output=False).state["row"].stress[:, 0]
+    stress = scene.run(output=False).state["row"].stress[:, 0]
     return ct.Front(np.arange(60) + 0.5, -stress[:60])
 
 

@@ -22,7 +22,7 @@ def test_a_thrown_body_rises_and_falls_and_the_ledger_has_its_weight():
         .add("gravity", acceleration=[0, 0, -10])
         .set_time(end=0.2, fraction=0.9)
     )
-    run = scene.run(progress=False)
+    run = scene.run()
     t = run.time[-1]
     np.testing.assert_allclose(run.state["bar"].displacement[:, 2], 5 * t - 5 * t**2, rtol=1e-12)
     assert run.energy.dtype.names[-1] == "gravity"
@@ -40,7 +40,7 @@ def test_gravity_of_some_bodies_leaves_the_others():
     run = (
         scene.add("gravity", acceleration=[0, 0, -10], bodies=["bar"])
         .set_time(end=0.1, fraction=0.9)
-        .run(progress=False)
+        .run()
     )
     assert (
         not run.state["free"].displacement.any() and run.state["bar"].displacement[:, 2].max() < 0
@@ -72,7 +72,7 @@ def test_a_block_that_is_laid_on_a_floor_does_not_bounce(ramp, apart):
     end = ramp * PERIOD
     scene.add("gravity", acceleration=[0, 0, -10], history={"time": [0, end], "value": [0, 1]})
     scene.add_probe("floor", resultant="obstacle").set_time(end=end + 3 * PERIOD, fraction=0.9)
-    run = scene.run(progress=False)
+    run = scene.run()
     t, force = run.probes["floor"]["time"], run.probes["floor"]["force"][:, 2] / (1000 * 0.09 * 10)
     exact = (impulse_of_sudden_weight(t) - impulse_of_sudden_weight(t - end)) / end
     np.testing.assert_allclose(force, exact, atol=apart)
@@ -90,7 +90,7 @@ def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
         traction=[2, 0, 0],
         history={"time": [0, 0.1, 0.2], "value": [0, 1, 0]},
     )
-    run = scene.set_time(end=0.2, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=0.2, fraction=0.9).run()
     x, stress = run.line("stress_xx", [4.1, 0.05, 0.05], [9.9, 0.05, 0.05], n=50)
     exact = 2 * np.interp(run.time[-1] - (5.9 - x) / 30, [0, 0.1, 0.2], [0, 1, 0])
     assert np.max(np.abs(stress - exact)) < 0.05
@@ -103,8 +103,8 @@ def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
 def test_an_absorbing_end_takes_the_wave():
     pulse = {"time": [0, 0.05, 0.1], "value": [0, 1, 0]}
     scene = bar().add("load", surface="bar.x_min", traction=[2, 0, 0], history=pulse)
-    free = scene.set_time(end=0.5, fraction=0.4).run(progress=False)
-    run = ct.Scene(scene.data).add("absorb", surface="bar.x_max").run(progress=False)
+    free = scene.set_time(end=0.5, fraction=0.4).run()
+    run = ct.Scene(scene.data).add("absorb", surface="bar.x_max").run()
     left = [r.energy["strain"][-1] + r.energy["kinetic"][-1] for r in (run, free)]
     assert left[0] < 0.01 * left[1]
     np.testing.assert_allclose(np.abs(run.energy["balance"]).max() / left[1], 0, atol=1e-12)
@@ -117,7 +117,7 @@ def test_damping_ends_in_the_static_solution():
         bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
     )
     scene.add("damping", rate=2 * np.pi / 2 * 30 / 10).set_time(end=12, fraction=0.9)
-    run = scene.run(progress=False)
+    run = scene.run()
     assert run.state["bar"].displacement[:, 0].max() == pytest.approx(
         1 * 10 * 100 / (2 * 900), rel=1e-3
     )
@@ -137,11 +137,9 @@ def test_a_restart_has_the_same_bits_with_forces_that_go_with_velocity(tmp_path)
         end=0.1, fraction=0.9
     )
     scene.set_output(tmp_path / "whole.vtkhdf", every=20)
-    whole = scene.run(progress=False)
-    scene.run(progress=False, until=0.05, output=tmp_path / "half.vtkhdf")
-    rest = scene.run(
-        progress=False, restart=tmp_path / "half.vtkhdf", output=tmp_path / "rest.vtkhdf"
-    )
+    whole = scene.run()
+    scene.run(until=0.05, output=tmp_path / "half.vtkhdf")
+    rest = scene.run(restart=tmp_path / "half.vtkhdf", output=tmp_path / "rest.vtkhdf")
     assert rest.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
     assert rest.energy[-1].tobytes() == whole.energy[-1].tobytes()
     loaded = ct.Run.load(tmp_path / "whole.vtkhdf")
@@ -233,7 +231,7 @@ def test_a_spring_written_in_python_turns_a_body_back():
         .set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9)
         .set_output(every=1)
     )
-    run = scene.run(progress=False)
+    run = scene.run()
     assert run.state["bar"].velocity[:, 0].mean() == pytest.approx(-0.01, rel=1e-3)
     assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(
         run.energy["kinetic"][0], rel=1e-2
@@ -257,7 +255,7 @@ def test_what_the_function_raises_ends_the_run_and_names_the_effect():
 
     scene = bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9)
     with pytest.raises(ct.RunError, match="effect mine: KeyError: 'no such table'") as failed:
-        scene.run(progress=False)
+        scene.run()
     assert 0 < failed.value.run.time[-1] <= 0.051
 
 
@@ -280,7 +278,7 @@ def test_an_impossible_force_is_refused(answer, words):
         bar().add_effect("mine", "bar", [0, 3], lambda view: answer).set_time(end=1, fraction=0.9)
     )
     with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
-        scene.run(progress=False)
+        scene.run()
 
 
 @pytest.mark.parametrize(
@@ -302,7 +300,7 @@ def test_an_impossible_energy_is_refused(answer, words):
         .set_time(end=1, fraction=0.9)
     )
     with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
-        scene.run(progress=False)
+        scene.run()
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.int8, np.uint64, np.longdouble])
@@ -315,7 +313,7 @@ def test_a_force_may_be_of_any_real_numbers(kind):
             bar()
             .add_effect("mine", "bar", [0, 3], lambda view: force)
             .set_time(end=0.01, fraction=0.9)
-            .run(progress=False)
+            .run()
         )
 
     np.testing.assert_array_equal(
@@ -357,7 +355,7 @@ def test_what_ends_a_program_ends_it_from_within_a_function(
         .set_output(every=1)
     )
     with pytest.raises(type(reason)) as left:
-        scene.run(progress=False, output=path if ct.has("hdf5") else False)
+        scene.run(output=path if ct.has("hdf5") else False)
     assert left.value is reason
     assert "cffi" not in capfd.readouterr().err
     if ct.has("hdf5") and when > 0:
@@ -365,9 +363,7 @@ def test_what_ends_a_program_ends_it_from_within_a_function(
         assert 0 < ct.Run.load(path).time[-1] <= 0.06
     # No trace of it remains for the next run.
     with pytest.raises(ct.SceneError, match="output.file"):
-        bar().set_time(end=0.01, fraction=0.9).run(
-            progress=False, output=tmp_path / "none" / "run.vtkhdf"
-        )
+        bar().set_time(end=0.01, fraction=0.9).run(output=tmp_path / "none" / "run.vtkhdf")
 
 
 def test_a_long_text_of_an_exception_is_cut_between_characters():
@@ -375,9 +371,7 @@ def test_a_long_text_of_an_exception_is_cut_between_characters():
         raise ValueError("ε" * 5000)
 
     with pytest.raises(ct.Error, match=r"effect mine: ValueError: ε+\.\.\.") as failed:
-        bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9).run(
-            progress=False
-        )
+        bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9).run()
     assert "\ufffd" not in str(failed.value)
 
 
@@ -392,7 +386,7 @@ def test_the_view_is_that_of_the_nodes_and_cannot_be_written():
         bar(velocity=[1, 2, 3])
         .add_effect("mine", "bar", [5, 0], force)
         .set_time(end=0.01, fraction=0.9)
-        .run(progress=False)
+        .run()
     )
     view, reference, velocity, displacement = seen[-1]
     np.testing.assert_array_equal(reference, run.state["bar"].nodes[[0, 5]])

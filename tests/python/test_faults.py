@@ -74,7 +74,7 @@ def failing(scene, kind, tmp_path, with_file, **how):
     """The error of a run, which names its file if and only if it has one."""
     path = tmp_path / "run.vtkhdf"
     with pytest.raises(kind) as caught:
-        scene.run(progress=False, output=path if with_file else False, **how)
+        scene.run(output=path if with_file else False, **how)
     error = caught.value
     assert isinstance(error, (RunError, ct.Error)) and error.time == pytest.approx(
         error.step * error.run.dt
@@ -94,10 +94,8 @@ def goes_on(scene, error, tmp_path, until):
     """The file of a fault opens, contains the last good state, and continues to the same bits as an undisturbed run."""
     loaded = Run.load(error.checkpoint)
     assert loaded.state.step == error.run.state.step == loaded.steps[-1] == error.run.steps[-1]
-    rest = scene.run(
-        progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until
-    )
-    straight = scene.run(progress=False, output=False, until=until)
+    rest = scene.run(restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
+    straight = scene.run(output=False, until=until)
     assert rest.state.step == straight.state.step
     for body in straight.state:
         assert (
@@ -163,9 +161,7 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path, mon
     monkeypatch.setattr(loop, "MOST_PARTS", 1)
     error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
     finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
-    rest = finer.run(
-        progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until
-    )
+    rest = finer.run(restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
     assert (
         rest.dt == error.run.dt / 3
         and rest.steps[0] == 3 * good_step(error)
@@ -178,16 +174,11 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path, mon
     loaded = Run.load(tmp_path / "rest.vtkhdf")
     assert loaded.dt == rest.dt and tomllib.loads(loaded.scene)["time"]["courant"] == 0.31
     part = finer.run(
-        progress=False,
-        restart=error.checkpoint,
-        output=tmp_path / "part.vtkhdf",
-        until=1.1 * error.time,
+        restart=error.checkpoint, output=tmp_path / "part.vtkhdf", until=1.1 * error.time
     )
-    again = finer.run(progress=False, restart=part.path, output=False, until=until)
+    again = finer.run(restart=part.path, output=False, until=until)
     assert again.state["bar"].displacement.tobytes() == rest.state["bar"].displacement.tobytes()
-    straight = bars("st_venant_kirchhoff", courant=0.3).run(
-        progress=False, output=False, until=until
-    )
+    straight = bars("st_venant_kirchhoff", courant=0.3).run(output=False, until=until)
     off = (
         np.abs(rest.state["bar"].displacement - straight.state["bar"].displacement).max()
         / np.abs(straight.state["bar"].displacement).max()
@@ -195,11 +186,9 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path, mon
     assert off < 0.03
     # A larger step is refused, and everything else must be the same.
     with pytest.raises(ct.SceneError, match="only a smaller step is possible"):
-        bars("st_venant_kirchhoff", courant=0.5).run(
-            progress=False, restart=tmp_path / "rest.vtkhdf", output=False
-        )
+        bars("st_venant_kirchhoff", courant=0.5).run(restart=tmp_path / "rest.vtkhdf", output=False)
     with pytest.raises(ct.SceneError, match="another scene"):
-        bars("neo_hookean", courant=0.3).run(progress=False, restart=error.checkpoint, output=False)
+        bars("neo_hookean", courant=0.3).run(restart=error.checkpoint, output=False)
 
 
 def good_step(error):
@@ -222,7 +211,7 @@ def test_a_run_divides_its_step_where_the_solid_stiffens():
     step from the start."""
     scene = bars("st_venant_kirchhoff", end=60.0)
     with pytest.warns(ct.StepDivided) as told:
-        run = scene.run(progress=False, output=False)
+        run = scene.run(output=False)
     (time, parts), *more = run.divisions
     first = scene._built(None).dt
     assert parts == 2 and not more and run.dt == first / 2 and len(told) == 1
@@ -232,7 +221,7 @@ def test_a_run_divides_its_step_where_the_solid_stiffens():
     np.testing.assert_allclose(np.diff(run.time)[:-1], run.time[1], rtol=1e-9)
     # Before the change the forces of the records are those of the larger step, afterwards the balance goes on.
     assert np.abs(run.energy["balance"]).max() < 1e-10 * run.energy["kinetic"].max()
-    straight = bars("st_venant_kirchhoff", end=60.0, courant=0.45).run(progress=False, output=False)
+    straight = bars("st_venant_kirchhoff", end=60.0, courant=0.45).run(output=False)
     off = run.state["bar"].displacement - straight.state["bar"].displacement
     assert np.abs(off).max() < 0.03 * np.abs(straight.state["bar"].displacement).max()
 
@@ -259,7 +248,7 @@ def test_an_effect_may_refuse_a_step_at_any_time(start):
     refused = []
     scene = guarded(0.04, start, refused).set_output(every=5)
     with pytest.warns(ct.StepDivided, match="this step is too long|the first step is too large"):
-        run = scene.run(progress=False, output=False)
+        run = scene.run(output=False)
     assert run.dt == 0.25 / 8 and [parts for _, parts in run.divisions] == [2, 4, 8]
     assert all(max(0.0, start - 0.5) <= time <= start for time, _ in run.divisions)
     np.testing.assert_allclose(run.time, np.arange(9) * 1.25, rtol=1e-15)
@@ -272,7 +261,7 @@ def test_a_step_that_is_refused_at_any_length_ends_the_run():
         pytest.warns(ct.StepDivided),
         pytest.raises(ct.StepTooLarge, match="already divided by 1024") as caught,
     ):
-        guarded(0.0, 4.9, []).run(progress=False, output=False)
+        guarded(0.0, 4.9, []).run(output=False)
     assert 4.0 < caught.value.run.state.time < 5.0
 
 
@@ -283,17 +272,17 @@ def test_a_divided_run_that_is_continued_has_the_same_bits(integrator, every, tm
     """Two plates so fast that one would pass through the other in a step: stopped before, at and after the division, at
     any record."""
     scene = bullet(integrator, every)
-    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
+    whole = scene.run(output=tmp_path / "whole.vtkhdf")
     assert whole.divisions and whole.dt < scene._built(None).dt / 8
     loaded = Run.load(tmp_path / "whole.vtkhdf")
     assert loaded.dt == whole.dt and loaded.state.time == whole.time[-1]
     np.testing.assert_array_equal(loaded.time, whole.time)
     for i, until in enumerate((0.1, 0.37, 0.7)):
         part, rest = tmp_path / f"{i}.vtkhdf", tmp_path / f"{i}rest.vtkhdf"
-        first = scene.run(progress=False, until=until, output=part)
+        first = scene.run(until=until, output=part)
         assert Run.load(part).dt == first.dt
-        then = scene.run(progress=False, until=0.8, restart=part, output=rest)
-        last = scene.run(progress=False, restart=rest, output=False)
+        then = scene.run(until=0.8, restart=part, output=rest)
+        last = scene.run(restart=rest, output=False)
         assert same_bits(whole, last) and whole.steps[-1] == last.steps[-1]
         assert set(then.time[1:]) <= set(whole.time) | {then.time[-1]}
         for name in ("displacement", "velocity"):
@@ -319,10 +308,7 @@ def bullet(integrator="central_difference", every=1):
 
 
 def test_the_watch_changes_no_bit():
-    runs = [
-        bars("neo_hookean", look_every=n).run(progress=False, output=False, until=60.0)
-        for n in (1, 10**6)
-    ]
+    runs = [bars("neo_hookean", look_every=n).run(output=False, until=60.0) for n in (1, 10**6)]
     assert all(
         runs[0].state[b].displacement.tobytes() == runs[1].state[b].displacement.tobytes()
         for b in runs[0].state
@@ -370,7 +356,7 @@ def grown(scene, **how):
     """The warnings of growth in a run that completes."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        scene.run(progress=False, output=False, **how)
+        scene.run(output=False, **how)
     return [warning for warning in told if issubclass(warning.category, ct.EnergyGrowth)]
 
 
@@ -517,7 +503,7 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", "units:")
-            scene.run(progress=False, output=False)
+            scene.run(output=False)
 
 
 # Distorted meshes.
@@ -574,9 +560,7 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
         ).set_time(end=1.0, fraction=0.9), worst_determinants(nodes, cells)
 
     good, det = scene(0.2)
-    assert (det > 0).all() and good.run(progress=False, output=False).state.time == pytest.approx(
-        1.0
-    )
+    assert (det > 0).all() and good.run(output=False).state.time == pytest.approx(1.0)
     bad, det = scene(0.45)
     inverted = np.flatnonzero(det <= 0)
     assert len(inverted)
@@ -597,20 +581,16 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
 def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path):
     """The first run ends between two steps that a longer one would take; the longer one keeps its step to the last bit,
     also when it is continued once more."""
-    first = bars("neo_hookean", end=20.3, courant=0.77).run(
-        progress=False, output=tmp_path / "a.vtkhdf"
-    )
+    first = bars("neo_hookean", end=20.3, courant=0.77).run(output=tmp_path / "a.vtkhdf")
     longer = bars("neo_hookean", end=33.7, courant=0.77)
-    half = longer.run(
-        progress=False, restart=tmp_path / "a.vtkhdf", output=tmp_path / "b.vtkhdf", until=27.0
-    )
-    whole = longer.run(progress=False, restart=tmp_path / "b.vtkhdf", output=tmp_path / "c.vtkhdf")
-    assert first.dt == half.dt == whole.dt != longer.run(progress=False, output=False, until=0.1).dt
+    half = longer.run(restart=tmp_path / "a.vtkhdf", output=tmp_path / "b.vtkhdf", until=27.0)
+    whole = longer.run(restart=tmp_path / "b.vtkhdf", output=tmp_path / "c.vtkhdf")
+    assert first.dt == half.dt == whole.dt != longer.run(output=False, until=0.1).dt
     assert 33.7 <= whole.state.time < 33.7 + first.dt
     # The same step, given as a number that divides the end, in a run without interruption.
     straight = bars("neo_hookean", end=whole.state.step * first.dt, courant=None, dt=first.dt)
     if straight._built(None).dt == first.dt:
-        end = straight.run(progress=False, output=False)
+        end = straight.run(output=False)
         assert (
             end.state.step == whole.state.step
             and end.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
@@ -621,12 +601,8 @@ def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path
 
 @needs_hdf5
 def test_another_integrator_or_material_is_still_another_scene(tmp_path):
-    bars(end=5.0).run(progress=False, output=tmp_path / "a.vtkhdf")
+    bars(end=5.0).run(output=tmp_path / "a.vtkhdf")
     with pytest.raises(ct.SceneError, match=r"\[time\] differs"):
-        bars(end=9.0, integrator="noh_bathe").run(
-            progress=False, restart=tmp_path / "a.vtkhdf", output=False
-        )
+        bars(end=9.0, integrator="noh_bathe").run(restart=tmp_path / "a.vtkhdf", output=False)
     with pytest.raises(ct.SceneError, match=r"\[material\] differs"):
-        bars("neo_hookean", end=9.0).run(
-            progress=False, restart=tmp_path / "a.vtkhdf", output=False
-        )
+        bars("neo_hookean", end=9.0).run(restart=tmp_path / "a.vtkhdf", output=False)

@@ -36,7 +36,7 @@ def impact(cells=12, passes=0, contact=False, **output):
 
 
 def run_of(scene, **options):
-    return scene.run(progress=False, **{"output": False, **options})
+    return scene.run(**{"output": False, **options})
 
 
 def error(body):

@@ -21,13 +21,13 @@ import libcontact as ct
 sys.path.insert(0, {folder!r})
 from test_fork import scene, nearest
 
-before, points, run = scene(), nearest(2), scene().run(progress=False, threads=2)
+before, points, run = scene(), nearest(2), scene().run(threads=2)
 
 def compute(_):
-    again = [before.run(progress=False, threads=2), scene().run(progress=False, threads=2)]
+    again = [before.run(threads=2), scene().run(threads=2)]
     return all(np.array_equal(other.energy, run.energy) for other in again) and np.array_equal(nearest(2), points)
 
-before.run(progress=False, threads=2)
+before.run(threads=2)
 child = os.fork()
 if child == 0:
     os._exit(0 if compute(0) else 1)
@@ -49,7 +49,7 @@ def tasks():
 
 alone = tasks()
 for cells in (4, 24):
-    scene(cells).run(progress=False, threads=2)
+    scene(cells).run(threads=2)
     print(tasks() - alone)
 """
 

@@ -64,7 +64,7 @@ def shifted(friction: float) -> ct.Run:
     rub = {"friction": friction} if friction else {}
     made.add_contact("lower.z_max", "upper.outer", **rub)
     made.add("damping", relaxation=True)
-    return made.set_time(end=3.0 * ramp).set_output(every=10**9).run(progress=False)
+    return made.set_time(end=3.0 * ramp).set_output(every=10**9).run()
 
 
 def shear(half: float) -> np.ndarray:
@@ -121,7 +121,7 @@ def test_a_ball_that_strikes_obliquely_in_gross_slip():
         friction=friction,
         plane={"point": [0, 0, -1.001], "normal": [0, 0, 1]},
     )
-    run = made.set_time(end=26.0).set_output(every=10**9).run(progress=False)
+    run = made.set_time(end=26.0).set_output(every=10**9).run()
     p = run.body_momentum("ball")["p"]
     along, up = p[-1, 0] - p[0, 0], p[-1, 2] - p[0, 2]
     assert p[-1, 2] > -0.95 * p[0, 2]

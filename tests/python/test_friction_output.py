@@ -72,7 +72,7 @@ def rubbing(element, speed, law="linear"):
     scene.add_probe("upper", resultant="contact", body="high")
     scene.add_probe("lower", resultant="contact", body="low")
     scene.add_probe("floor", resultant="obstacle")
-    return scene.set_time(end=0.08, fraction=0.8).run(progress=False)
+    return scene.set_time(end=0.08, fraction=0.8).run()
 
 
 @pytest.mark.parametrize("element", ["hex8", "hex20"])
@@ -110,7 +110,7 @@ def test_slip_of_a_block_that_slides_and_of_one_that_stays():
         pull = [10 * math.sin(angle), 0, -10 * math.cos(angle)]
         history = {"time": [0, 0.5], "value": [0, 1]}
         scene.add("gravity", acceleration=pull, history=history).add("damping", stiffness=2e-3)
-        run = scene.set_time(end=0.8, fraction=0.8, force_tolerance=1e-8).run(progress=False)
+        run = scene.set_time(end=0.8, fraction=0.8, force_tolerance=1e-8).run()
         rows = run.pressure["obstacle"][0]
         assert set(rows["slip"]) == ({2} if slides else {1})
         weight = (rows["pressure"] * rows["area"]).sum()

@@ -34,7 +34,7 @@ def test_a_box_precesses_with_the_inertia_of_its_masses():
     tilt, rate = 0.4, 0.4
     axis, size, cells = [np.sin(tilt), 0, np.cos(tilt)], [1.0, 1.0, 2.0], [1, 1, 2]
     scene = box(size, cells, spin={"axis": axis, "rate": rate})
-    run = scene.set_time(end=8.0, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=8.0, fraction=0.9).run()
     L = run.momentum["L"][-1]
     np.testing.assert_allclose(L, run.momentum["L"][0], atol=1e-12)
     across, along = (3 * 1 + 1.5 * 4) / 12 * 2, 2 * 3 / 12 * 2

@@ -21,7 +21,7 @@ def test_a_stretched_bar_is_released():
     """Release waves of the speed 30 run in from both ends: the stress is that of the stretch before them, and 0 behind
     them until they meet (eq:released-bar)."""
     scene = bar(gradient=[[STRETCH, 0, 0], [0, 0, 0], [0, 0, 0]])
-    run = scene.set_time(end=LENGTH / 4 / 30, courant=1).run(progress=False)
+    run = scene.set_time(end=LENGTH / 4 / 30, courant=1).run()
     x, stress = run.line("stress_xx", [0.2, 0.1, 0.1], [9.8, 0.1, 0.1], n=39)
     behind = (x < LENGTH / 4 - 0.4) | (x > 3 * LENGTH / 4 + 0.4)
     before = (x > LENGTH / 4 + 0.4) & (x < 3 * LENGTH / 4 - 0.4)
@@ -42,7 +42,7 @@ def test_a_held_bar_under_initial_stress_stays_and_shows_it(tmp_path):
     scene.add_probe("hold", resultant="support[0]")
     for fields in (["displacement", "stress"], ["displacement"]):
         scene.set_output(fields=fields)
-        run = scene.set_time(end=0.5, fraction=0.9).run(progress=False)
+        run = scene.set_time(end=0.5, fraction=0.9).run()
         run.save(tmp_path / "held.vtkhdf")
         for state in (run.state, ct.Run.load(tmp_path / "held.vtkhdf").state):
             np.testing.assert_allclose(state["bar"].stress, [sigma] * CELLS, rtol=1e-12, atol=1e-12)
@@ -58,7 +58,7 @@ def test_a_turned_body_is_free_of_stress(law):
     """A bar that is turned by 90 degrees about z stands along y, about its middle
     (eq:initial-displacement)."""
     scene = bar(law, angle=np.pi / 2, displacement=[-5, 0, 0])
-    x = scene.set_time(end=1e-3, fraction=0.5).run(progress=False).state["bar"]
+    x = scene.set_time(end=1e-3, fraction=0.5).run().state["bar"]
     assert np.abs(x.stress).max() < 1e-9 * 900
     low, high = x.positions.min(axis=0), x.positions.max(axis=0)
     h = LENGTH / CELLS
@@ -80,7 +80,7 @@ def test_displacement_follows_the_formula():
     scene = bar(
         "neo_hookean", gradient=G, axis=list(axis), angle=angle, centre=centre, displacement=shift
     )
-    body = scene.set_time(end=1e-9, fraction=0.5).run(progress=False).state["bar"]
+    body = scene.set_time(end=1e-9, fraction=0.5).run().state["bar"]
     want = centre + (body.nodes - centre) @ (R @ (np.eye(3) + G)).T + shift
     np.testing.assert_allclose(body.positions, want, atol=1e-6)
 
@@ -88,7 +88,7 @@ def test_displacement_follows_the_formula():
 def test_displacements_of_each_node():
     u = np.zeros((4 * (CELLS + 1), 3))
     u[:, 0] = 0.01
-    run = bar(displacements=u).set_time(end=0.1, fraction=0.5).run(progress=False)
+    run = bar(displacements=u).set_time(end=0.1, fraction=0.5).run()
     np.testing.assert_array_equal(run.state["bar"].displacement, u)
 
 
@@ -114,5 +114,5 @@ def test_displacements_of_each_node():
 )
 def test_refusals(law, initial, words):
     with pytest.raises(ct.SceneError) as caught:
-        bar(law, **initial).set_time(end=0.1, fraction=0.5).run(progress=False)
+        bar(law, **initial).set_time(end=0.1, fraction=0.5).run()
     assert all(word in str(caught.value) for word in words), caught.value

@@ -57,7 +57,7 @@ def plates(integrator: str, **keys) -> ct.Scene:
 def run(made: ct.Scene, **keys) -> ct.Run:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return made.run(progress=False, **keys)
+        return made.run(**keys)
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -189,7 +189,7 @@ def test_loose_contact_forces_add_no_energy_and_restart_with_the_same_bits(tmp_p
     assert np.array_equal(whole.state["left"].velocity, rest.state["left"].velocity)
     other = plates("central_difference").set_output(file=str(tmp_path / "other.vtkhdf"), every=4)
     with pytest.raises(ct.Error, match="restart"):
-        other.run(restart=tmp_path / "part.vtkhdf", progress=False)
+        other.run(restart=tmp_path / "part.vtkhdf")
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)

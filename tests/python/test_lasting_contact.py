@@ -37,7 +37,7 @@ def pressed(
     scene.add("obstacle", surface="bar.x_min", plane=plane, **law)
     scene.add("load", surface="bar.x_max", traction=[-LOAD, 0, 0], history=history)
     scene.set_time(end=rise + 4 * cells * periods, fraction=fraction, force_tolerance=tolerance)
-    return scene.set_output(every=1, fields=[]).run(progress=False, output=False)
+    return scene.set_output(every=1, fields=[]).run(output=False)
 
 
 def lost(run: ct.Run, cells: int, jolt: float, beta: float, periods: float) -> float:
@@ -107,7 +107,7 @@ def test_a_wall_that_gathers_speed_makes_nothing(beta):
         beta=beta,
     )
     scene.set_time(end=60.0, fraction=0.9).set_output(every=1, fields=[])
-    energy = scene.run(progress=False, output=False).energy
+    energy = scene.run(output=False).energy
     assert np.diff(energy["total"]).max() < 1e-12 * energy["external"][-1]
 
 
@@ -129,7 +129,7 @@ def test_restitution_0_is_the_law_of_the_gaps_alone(beta, fraction):
     plane = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=plane, beta=beta, restitution=0.0)
     scene.set_time(end=80.0, dt=dt, force_tolerance=1e-10).set_output(every=1, fields=[])
-    run = scene.run(progress=False, output=False)
+    run = scene.run(output=False)
     dt = run.time[1]  # whole steps to the end
     m, u, v = np.array([0.5, 1.0, 1.0, 1.0, 0.5]), np.zeros(5), np.full(5, v0)
     a = zeta * np.sqrt(1 + 4 * m[0] / (beta * dt**2))
@@ -164,7 +164,7 @@ def test_an_elastic_cube_comes_to_rest_by_damping_alone():
         if rate:
             scene.add("damping", rate=rate)
         scene.set_time(end=1500.0, fraction=0.9).set_output(every=4, fields=[])
-        run = scene.run(progress=False, output=False)
+        run = scene.run(output=False)
         impulse = run.body_momentum("cube")["obstacle_impulse"][:, 2]
         force = np.diff(impulse) / np.diff(run.time) / (64 * 1e-4)
         off[rate] = np.abs(force[run.time[1:] > 1000.0] - 1.0).max()

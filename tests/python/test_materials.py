@@ -34,7 +34,7 @@ def layered(
 
 
 def run(scene):
-    return scene.run(progress=False, output=False)
+    return scene.run(output=False)
 
 
 @pytest.mark.parametrize("element", KINDS)
@@ -168,7 +168,7 @@ def test_stress_in_a_file_is_that_of_each_material(tmp_path):
     scene = layered((8, 2, 2)).add("load", surface="bar.x_max", traction=[0.1, 0.05, 0])
     scene.add_probe("p", body="bar", point=[7.5, 0.2, 0.2], quantities=["stress"])
     scene.set_output(str(path)).set_time(end=2.0)
-    made = scene.run(progress=False)
+    made = scene.run()
     body, there = made.state["bar"], ct.Run.load(path).state["bar"]
     computed = run(scene).state["bar"].stress
     assert np.abs(computed).max() > 0.1
@@ -179,13 +179,13 @@ def test_stress_in_a_file_is_that_of_each_material(tmp_path):
     other = layered((8, 2, 2), material={"left": "hard", "right": "soft"}, hard=SOFT, soft=HARD)
     other.add("load", surface="bar.x_max", traction=[0.1, 0.05, 0])
     with pytest.raises(ct.SceneError, match="another"):
-        other.set_time(end=4.0).run(progress=False, restart=path)
+        other.set_time(end=4.0).run(restart=path)
 
 
 def refused(**given):
     with pytest.raises(ct.SceneError) as error:
         keys = {key: given.pop(key) for key in ("kernel", "initial") if key in given}
-        layered((4, 1, 1), **given, **keys).set_time(end=1.0).run(progress=False, output=False)
+        layered((4, 1, 1), **given, **keys).set_time(end=1.0).run(output=False)
     return error.value
 
 

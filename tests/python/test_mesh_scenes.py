@@ -56,7 +56,7 @@ def test_a_mesh_file_brings_no_energy(folder, name):
     """Bodies that touch at t = 0 store none, at rest they stay at rest, and the energy of a run is conserved: to
     round-off with the linear law, and with the leapfrog's 1e-3 at large strain."""
     scene = ct.Scene.load(folder / f"{name}.toml")
-    run = scene.run(progress=False, output=False)
+    run = scene.run(output=False)
     start = run.energy[0]
     moving = start["kinetic"] + np.abs(run.energy["external"]).max()
     stored = {"strain", "contact"} & set(run.energy.dtype.names)
@@ -71,7 +71,7 @@ def test_a_mesh_file_brings_no_energy(folder, name):
 def test_rings_and_gears_touch(folder):
     """Momentum goes from one body to the other, and none is lost."""
     for name, (one, two) in (("rings", ("outer", "inner")), ("gears", ("big", "small"))):
-        run = ct.Scene.load(folder / f"{name}.toml").run(progress=False, output=False)
+        run = ct.Scene.load(folder / f"{name}.toml").run(output=False)
         p, q = (run.body_momentum(body)["p"][:, :2] for body in (one, two))
         size = max(np.abs(p).max(), np.abs(q).max())
         assert np.abs(p[-1] - p[0]).max() > 0.1 * size
@@ -102,7 +102,7 @@ def test_one_part_of_another_size_or_place_is_another_body(folder):
     smaller = 'part = "outer"\nscale = 0.5'
     text = (folder / "rings.toml").read_text().replace("inner.inner_out", "inner.outer_out")
     (folder / "two.toml").write_text(text.replace('part = "inner"', smaller))
-    bodies = ct.Scene.load(folder / "two.toml").run(progress=False, output=False).state
+    bodies = ct.Scene.load(folder / "two.toml").run(output=False).state
     assert (bodies["inner"].nodes == 0.5 * bodies["outer"].nodes).all()
     moved = 'part = "left"\ninitial = { displacement = [1, 0, 0] }'
     changed(folder, "blocks", 'part = "right"', moved).explain()
@@ -114,7 +114,7 @@ def test_names_of_bodies_and_sets_may_have_dots(folder):
     (folder / "dotted.toml").write_text(text.replace('"left.x_max"', '"b.left.side_set_8"'))
     scene = ct.Scene.load(folder / "dotted.toml")
     assert scene.explain().data["sets"][0]["name"] == "b.left.side_set_8"
-    scene.run(progress=False, output=False).plot()
+    scene.run(output=False).plot()
     scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"}, file=folder / "b.toml")
     scene.add_material("soft", young=1.0, poisson=0.2, density=1.0)
     scene.add_body("b", material="soft", mesh="assembly.inp").set_time(end=1.0)

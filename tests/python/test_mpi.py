@@ -190,7 +190,7 @@ def test_what_one_process_computes_is_refused_on_several_once():
 def test_a_run_continues_on_another_number_of_processes(scene, tmp_path):
     whole, half, rest = (tmp_path / name for name in ("whole.vtkhdf", "half.vtkhdf", "rest.vtkhdf"))
     made = ct.Scene.load(scene)
-    alone = made.run(progress=False, output=whole)
+    alone = made.run(output=whole)
     middle = alone.time[len(alone.time) // 2]
     until = ("--until", repr(float(middle)))
     assert launched(2, *run_command(scene, "-o", half, "--quiet", *until)).returncode == 0
@@ -200,7 +200,7 @@ def test_a_run_continues_on_another_number_of_processes(scene, tmp_path):
     one, other = content(whole), content(rest)
     count = len(other[0])
     assert np.array_equal(one[0][-count:], other[0])
-    made.run(progress=False, output=tmp_path / "alone.vtkhdf", restart=half)
+    made.run(output=tmp_path / "alone.vtkhdf", restart=half)
     assert equal(tmp_path / "alone.vtkhdf", rest)
 
 
@@ -220,7 +220,7 @@ def test_an_error_of_one_process_ends_all_with_one_message(tmp_path):
         "    return piece\n"
         "Pieces.cut = poisoned\n"
         "try:\n"
-        "    scene.run(progress=False, output=False, comm=comm, partition='coordinates')\n"
+        "    scene.run(output=False, comm=comm, partition='coordinates')\n"
         "except ct.RunError as error:\n"
         "    texts = comm.allgather((str(error), int(error.run.steps[-1])))\n"
         "    if comm.rank == 0:\n"
@@ -253,7 +253,7 @@ def test_one_process_that_fails_alone_ends_all_with_its_message(case, tmp_path):
         "import libcontact as ct\nfrom mpi4py import MPI\n"
         "COMM, more = MPI.COMM_WORLD, {}\n"
         f"scene = ct.Scene.load({str(PLATES)!r}, {{'output.every': 4}})\n{ALONE[case]}"
-        "scene.run(progress=False, output=False, comm=COMM, partition='coordinates', **more)\n"
+        "scene.run(output=False, comm=COMM, partition='coordinates', **more)\n"
     )
     done = launched(2, sys.executable, "-m", "mpi4py", program)
     assert done.returncode != 0 and "no room" in done.stderr
@@ -294,7 +294,7 @@ def start(scene, output):
         "    with open(folder / 'records', 'a') as file:\n"
         "        file.write('.')\n"
         f"scene = ct.Scene.load({str(scene)!r}, {LONG})\n"
-        f"run = scene.run(progress=False, output={str(output)!r}, comm=comm, watch=watch)\n"
+        f"run = scene.run(output={str(output)!r}, comm=comm, watch=watch)\n"
         "print(run.interrupted, len(run.steps), flush=True)\n"
     )
     command = [str(EXEC), "-n", "2", sys.executable, str(program)]
@@ -318,7 +318,7 @@ def test_a_killed_process_ends_all_and_the_file_continues(scene, tmp_path, rank)
     assert process.returncode != 0
     made = ct.Scene.load(scene, LONG)
     until = float(ct.Run.load(output).time[-1] + 8 * made._built(None).dt)
-    one = made.run(progress=False, output=False, until=until)
+    one = made.run(output=False, until=until)
     more = ("--set", "time.end_c1t_over.value=50", "--until", repr(until), "--quiet")
     assert launched(2, *run_command(scene, "-o", rest, "--restart", output, *more)).returncode == 0
     other = ct.Run.load(rest)

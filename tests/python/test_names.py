@@ -99,9 +99,7 @@ def test_scene_keys():
 
 
 def test_results():
-    run = ct.Scene.load(ct.example("block_on_an_incline")).run(
-        until=1e-3, output=False, progress=False
-    )
+    run = ct.Scene.load(ct.example("block_on_an_incline")).run(until=1e-3, output=False)
     names = {*run.energy.dtype.names, *run.momentum.dtype.names}
     names = names.union(*(rows.dtype.names for rows in run.probes.values()))
     assert {"kinetic", "time", "friction"} <= names and found(names) == []

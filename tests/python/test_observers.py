@@ -23,7 +23,7 @@ def bars(contact=True):
 
 
 def run(scene, *observers, **options):
-    return scene.run(progress=False, output=False, observers=observers, **options)
+    return scene.run(output=False, observers=observers, **options)
 
 
 def test_when_they_are_called_and_that_the_bits_stay():

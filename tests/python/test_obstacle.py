@@ -28,14 +28,14 @@ def enforced(name, enforcement):
     data["obstacle"][0]["enforcement"] = enforcement
     if enforcement == "penalty":
         data["obstacle"][0].pop("restitution", None)
-    return ct.Scene(data).run(progress=False, output=False)
+    return ct.Scene(data).run(output=False)
 
 
 @pytest.mark.parametrize("points", ["gauss", "lobatto"])
 def test_bar_on_a_wall(points):
     data = changed("bar_on_a_wall")
     data["obstacle"][0]["points"] = points
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     energy, p = run.energy, run.momentum["p"][:, 0] / 0.1
     touching = energy["time"][energy["obstacle"] > 0.05 * energy["obstacle"].max()]
     assert abs(touching[0] - 0.5) < 0.02 and abs(touching[-1] - (0.5 + 2 / 3)) < 0.02
@@ -60,7 +60,7 @@ def test_block_on_an_incline(enforcement, lost):
 def test_block_stays_below_the_angle_of_friction():
     data = changed("block_on_an_incline", gravity={"acceleration": [2, 0, -8]})
     data["obstacle"][0]["friction"] = 0.9
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     slip = 2 * 1000 * 0.3 / (1e5 / 0.15)
     assert np.abs(run.state["block"].displacement[:, 0]).max() < 20 * slip
     assert abs(run.momentum[-1]["p"][0]) < 0.05 * 300 * 2
@@ -75,7 +75,7 @@ def settled(friction, slope):
     data["time"], data["output"]["every"] = {"end": 1.5}, 1
     del data["obstacle"][0]["beta"]
     data["obstacle"][0]["friction"] = friction
-    record = ct.Scene(data).run(progress=False, output=False).body_momentum("block")
+    record = ct.Scene(data).run(output=False).body_momentum("block")
     t, v = record["time"], record["p"][:, 0] / 300.0
     return t, v, (v[1:] - v[:-1]) / np.diff(t) + 0.5 * rate * (v[1:] + v[:-1])
 
@@ -130,9 +130,9 @@ def test_a_scene_and_a_host_take_the_same_tables():
 
 def test_restart_carries_friction(tmp_path):
     scene = ct.Scene(changed("block_on_an_incline", output={"every": 50}))
-    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
-    scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=0.5)
-    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+    whole = scene.run(output=tmp_path / "whole.vtkhdf")
+    scene.run(output=tmp_path / "half.vtkhdf", until=0.5)
+    rest = scene.run(restart=tmp_path / "half.vtkhdf", output=False)
     assert np.array_equal(whole.state["block"].velocity, rest.state["block"].velocity)
 
 
@@ -155,13 +155,13 @@ def test_contact_with_friction_has_its_own_column_and_line():
     }
     scene = ct.Scene(data)
     assert "friction 0.4" in scene.explain()
-    rough = scene.run(progress=False)
+    rough = scene.run()
     assert rough.energy["friction"][-1] < 0
     # The momentum along x that one body loses is gained by the other.
     p = rough.momentum["p"].reshape(-1, 2, 3)
     assert p[-1, 0, 0] > 1e-3 and np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-13
     del data["contact"][0]["friction"]
-    smooth = ct.Scene(data).run(progress=False)
+    smooth = ct.Scene(data).run()
     assert (
         "friction" not in smooth.energy.dtype.names
         and np.abs(smooth.momentum["p"].reshape(-1, 2, 3)[-1, 0, 0]) < 1e-4
@@ -228,7 +228,7 @@ def test_chatter_is_foretold(enforcement, beta, fraction, told):
         assert ("is known to feed energy" in scene.explain()) == told
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            total = scene.run(progress=False, output=False).energy["total"]
+            total = scene.run(output=False).energy["total"]
         assert (
             any("bar.x_min" in str(w.message) and enforcement in str(w.message) for w in caught)
             == told
@@ -261,7 +261,7 @@ def test_a_body_that_begins_inside_an_obstacle_stays_at_rest(depth):
     with pytest.warns(
         ct.SceneWarning, match=r"overlap: obstacle\[0\]: cube.z_min: it overlaps the obstacle by"
     ):
-        run = sunk(depth).run(progress=False, output=False)
+        run = sunk(depth).run(output=False)
     assert not run.energy["total"].any() and not run.state["cube"].displacement.any()
     for place in ("points", "corners", "edges"):
         found = run.penetration[0][place]
@@ -274,18 +274,18 @@ def test_an_overlap_with_an_obstacle_is_pushed_removed_or_refused():
     # The energy of the penalty, 40 rho c1^2 / h over 1 m^2, stands in the first row.
     modulus = 2.1e11 * 0.7 / (1.3 * 0.4)
     with pytest.warns(ct.SceneWarning, match="overlap: .* adds energy"):
-        run = sunk(2.5e-3, initial_penetration="force").run(progress=False, output=False)
+        run = sunk(2.5e-3, initial_penetration="force").run(output=False)
     stored = 0.5 * 40 * modulus / 0.25 * 2.5e-3**2
     assert run.energy["total"][0] == pytest.approx(stored, rel=1e-9)
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "overlap:")
         keys = {"initial_penetration": "remove", "removal_time": 5e-4}
-        run = sunk(2.5e-3, **keys).run(progress=False, output=False)
+        run = sunk(2.5e-3, **keys).run(output=False)
     work = run.energy["external"][-1]
     assert work > 0.0 and abs(run.energy["total"]).max() < 2e-3 * work
     assert run.penetration[0]["points"]["deepest"] == 0.0
     with pytest.raises(SceneError, match="obstacle: 64 points of its surface are inside"):
-        sunk(2.5e-3, initial_penetration="refuse").run(progress=False, output=False)
+        sunk(2.5e-3, initial_penetration="refuse").run(output=False)
 
 
 def test_explain_tells_of_an_overlap_with_an_obstacle():
@@ -301,8 +301,8 @@ def test_a_restart_carries_start_gaps_of_an_obstacle(tmp_path):
     scene.set_output(every=10)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
-        scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=3e-4)
-        rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+        whole = scene.run(output=tmp_path / "whole.vtkhdf")
+        scene.run(output=tmp_path / "half.vtkhdf", until=3e-4)
+        rest = scene.run(restart=tmp_path / "half.vtkhdf", output=False)
     assert rest.energy["total"][-1] == whole.energy["total"][-1]
     assert (rest.state["cube"].displacement == whole.state["cube"].displacement).all()

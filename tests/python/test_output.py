@@ -88,12 +88,12 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
         return made.set_time(end=1e-6, fraction=0.5).set_output(path, every=1)
 
     def watch(record):
-        refused.append(pytest.raises(ct.SceneError, scene().run, progress=False))
+        refused.append(pytest.raises(ct.SceneError, scene().run))
         if path.exists():
             read.append(len(ct.Run.load(path).steps))
 
     path, refused, read = tmp_path / "run.vtkhdf", [], []
-    run = scene().run(progress=False, watch=watch)
+    run = scene().run(watch=watch)
     assert len(refused) == len(run.steps) and read == list(range(1, len(run.steps) + 1))
     assert all(
         f"{path}: can't write the file: another run is writing it" in str(one.value)
@@ -101,7 +101,7 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
         for one in refused
     )
     assert len(ct.Run.load(path).steps) == len(run.steps)
-    scene().run(progress=False)
+    scene().run()
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
@@ -294,7 +294,7 @@ def test_fields_of_many_pieces_are_those_of_the_state(tmp_path):
         made.add_support(f"{name}.x_min", fix=["x"])
     made.set_time(end=2e-8, fraction=0.5)
     made.set_output(fields=["displacement", "velocity", "stress"], every=10**6)
-    run = made.run(progress=False, output=tmp_path / "run.vtkhdf")
+    run = made.run(output=tmp_path / "run.vtkhdf")
     read = ct.Run.load(tmp_path / "run.vtkhdf")
     for name in ("left", "right"):
         for field in ("displacement", "velocity", "stress"):

@@ -24,7 +24,7 @@ needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def hertz():
     data = ct.Scene.load(ct.example("hertz")).data
     data["body"][0]["box"]["cells"] = [8, 8, 8]
-    return ct.Scene(data).run(progress=False)
+    return ct.Scene(data).run()
 
 
 def falling(cells=2, **material):
@@ -42,7 +42,7 @@ def falling(cells=2, **material):
 
 @pytest.fixture(scope="module")
 def block():
-    return falling().run(progress=False)
+    return falling().run()
 
 
 def shown(run, **options):
@@ -109,21 +109,21 @@ def test_a_run_that_fails_can_be_drawn():
         "push", "block", "z_max", lambda view: np.full((9, 3), np.nan if view.time > 0.3 else 1.0)
     )
     with pytest.raises(ct.RunError) as error:
-        scene.set_time(end=1.0).run(progress=False)
+        scene.set_time(end=1.0).run()
     run = error.value.run
     assert run.states[-1] is run.state and Drawing.of(run).view
 
 
 def test_a_large_run_keeps_fewer_states(monkeypatch):
     monkeypatch.setattr("libcontact.loop.KEPT_VALUES", 7 * 390 * 5)
-    run = falling().run(progress=False)
+    run = falling().run()
     assert 3 <= len(run.states) <= 7 < len(run.steps)
     assert run.states[-1].step == run.steps[-1]
 
 
 @needs_hdf5
 def test_the_states_of_a_file_are_those_that_were_recorded(tmp_path, block):
-    run = falling().run(progress=False, output=tmp_path / "run.vtkhdf")
+    run = falling().run(output=tmp_path / "run.vtkhdf")
     loaded = ct.Run.load(tmp_path / "run.vtkhdf")
     for states in (run.states, loaded.states):
         assert [s.step for s in states] == block.steps.tolist()
@@ -201,7 +201,7 @@ def test_a_flat_scene_is_seen_along_its_thickness_with_the_stress_of_the_impact(
     data = ct.Scene.load(ct.example("plates")).data
     for body in data["body"]:
         body["box"]["cells"] = [10, 1, 10]
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     drawing = Drawing.of(run)
     assert (drawing.view, drawing.field, drawing.scale) == ("y_min", "stress_xx", 1.0)
     assert drawing.limits[0] == -drawing.limits[1]
@@ -215,7 +215,7 @@ def test_a_thin_plate_that_bends_is_not_flat():
     scene.add_body("plate", box=box, material="rubber")
     scene.add_support("plate.x_min", fix=["x", "y", "z"])
     scene.add("gravity", acceleration=[0, 0, -10]).set_time(end=0.05)
-    drawing = Drawing.of(scene.run(progress=False))
+    drawing = Drawing.of(scene.run())
     assert not drawing.flat and drawing.up == "z" and drawing.field == "mises"
 
 
@@ -223,7 +223,7 @@ def test_small_displacements_are_magnified_where_nothing_moves_or_touches():
     data = ct.Scene.load(ct.example("cantilever")).data
     data["body"][0]["box"]["cells"] = [8, 2, 2]
     data["load"][0]["traction"] = [0, 0, -0.1]
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     drawing = Drawing.of(run)
     most = np.abs(run.state["beam"].displacement).max()
     assert 0.02 * 100 < drawing.scale * most <= 0.06 * 100 and not drawing.flat
@@ -232,7 +232,7 @@ def test_small_displacements_are_magnified_where_nothing_moves_or_touches():
 
 def test_a_bar_is_drawn_over_position_and_time():
     """Stress of -300 behind the front between the impact at t = 0.5 and the rebound at 1.1667."""
-    run = ct.Scene.load(ct.example("bar_on_a_wall")).run(progress=False, output=False)
+    run = ct.Scene.load(ct.example("bar_on_a_wall")).run(output=False)
     assert bar_axis(run) == 0
     figure = shown(run)
     cells = [c.get_array() for axes in figure.axes for c in axes.collections]
@@ -284,7 +284,7 @@ def test_edges_of_hex20_are_drawn_curved():
     scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1.0, poisson=0.3, density=1.0)
     scene.add_body("ring", material="soft", ring=ring, element="hex20")
-    run = scene.set_time(end=0.01, fraction=0.5).run(progress=False)
+    run = scene.set_time(end=0.01, fraction=0.5).run()
     at = run.states[-1]
     faces = Faces.of(Drawing.of(run, "mises", "z_max", scale=0.0, states=[at]), at)
     assert faces.outlines.shape[1:] == (16, 2) and len(faces.outlines) == 8

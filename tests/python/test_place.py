@@ -41,7 +41,7 @@ def quaternion(axis, angle):
 def test_a_cube_stands_on_its_corner(element):
     """The space diagonal is vertical: heights 0, √3/3, 2√3/3 and √3 above the lowest corner, and no stress at the
     start, though the law is for small strain."""
-    run = cube(element, STANDS).run(progress=False, output=False, until=1e-9)
+    run = cube(element, STANDS).run(output=False, until=1e-9)
     corners = np.unique(np.round(run.state["cube"].nodes[:, 2] - 0.01, 12))
     assert {0.0, *np.round(np.sqrt(3) * np.array([1, 2, 3]) / 3, 12)} <= set(corners)
     assert corners[0] == 0.0 and corners[-1] == np.round(np.sqrt(3), 12)
@@ -54,10 +54,7 @@ def test_sides_keep_their_names():
     place = {"angle": 0.7, "axis": [1, 2, 3], "centre": [0, 0, 0], "move": -turn[:, 0]}
     there = cube(place=place, velocity=turn[:, 0], normal=-turn[:, 0], side="x_max")
     here = cube(place={"move": [-1, 0, 0]}, velocity=[1, 0, 0], normal=[-1, 0, 0], side="x_max")
-    impulses = [
-        scene.run(progress=False, output=False).momentum["obstacle_impulse"]
-        for scene in (here, there)
-    ]
+    impulses = [scene.run(output=False).momentum["obstacle_impulse"] for scene in (here, there)]
     assert impulses[0][-1][0] < -1000
     np.testing.assert_allclose(impulses[1], impulses[0] @ turn.T, atol=1e-9)
 
@@ -65,15 +62,13 @@ def test_sides_keep_their_names():
 def test_a_place_is_a_turned_scene():
     """The cube falls obliquely on its corner; turned with the plane and the velocity it has the same energies."""
     turn, v = quaternion([2, -1, 1], 1.1), np.array([0.2, 0.1, -1.0])
-    here = cube(place=STANDS, velocity=v).run(progress=False, output=False)
+    here = cube(place=STANDS, velocity=v).run(output=False)
     both = turn @ quaternion(STANDS["axis"], CORNER)
     # The axis and the angle of the product of two rotations.
     axis = np.array([both[2, 1] - both[1, 2], both[0, 2] - both[2, 0], both[1, 0] - both[0, 1]])
     angle = np.arctan2(np.linalg.norm(axis) / 2, (np.trace(both) - 1) / 2)
     place = {"angle": angle, "axis": axis, "centre": [0, 0, 0], "move": turn @ [0, 0, 0.01]}
-    there = cube(place=place, velocity=turn @ v, normal=turn[:, 2]).run(
-        progress=False, output=False
-    )
+    there = cube(place=place, velocity=turn @ v, normal=turn[:, 2]).run(output=False)
     assert here.energy["strain"].max() > 10
     for name in ("kinetic", "strain", "obstacle"):
         np.testing.assert_allclose(there.energy[name], here.energy[name], atol=1e-9)
@@ -92,7 +87,7 @@ def test_two_bodies_of_one_mesh_file(tmp_path, monkeypatch):
         "right", material="soft", mesh="brick.vtu", place={"move": [2, 0, 0]}, velocity=[-1, 0, 0]
     )
     scene.add_contact(surfaces=["left.x_max", "right.x_min"])
-    run = scene.set_time(end=0.01, fraction=0.9).run(progress=False, output=False)
+    run = scene.set_time(end=0.01, fraction=0.9).run(output=False)
     np.testing.assert_allclose(
         run.body_momentum("left")["p"][-1] + run.body_momentum("right")["p"][-1], [-2000, 0, 0]
     )

@@ -107,7 +107,7 @@ def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(mo
 def test_memory_and_the_size_of_the_file_are_foretold(tmp_path):
     scene = two_bars(end=0.5).set_output(file=str(tmp_path / "run.vtkhdf"), every=10)
     data = scene.explain().data["cost"]
-    scene.run(progress=False)
+    scene.run()
     assert data["output_bytes"] == pytest.approx((tmp_path / "run.vtkhdf").stat().st_size, rel=0.02)
     assert data["memory_bytes"] > 0 and data["rehearsed"]
     assert two_bars(end=0.5).explain().data["cost"]["output_bytes"] == 0
@@ -153,7 +153,7 @@ def test_what_cannot_have_larger_elements_is_planned_as_if_all_touched_from_the_
 def test_each_effect_has_its_costs_and_its_share_of_the_bound():
     """eq:plan-share, whose parts add up to the bound."""
     scene = two_bars(gap=0.0).add("damping", rate=0.5)
-    run = scene.run(progress=False)
+    run = scene.run()
     costs = scene.costs(run)
     assert [cost.name for cost in costs] == ["solid", "contact", "damping", LOOP, OUTPUT]
     assert all(cost.predicted > 0 and cost.measured > 0 for cost in costs)
@@ -169,13 +169,13 @@ def test_each_effect_has_its_costs_and_its_share_of_the_bound():
 
 
 def test_a_run_counts_which_share_of_its_elements_it_has_computed():
-    assert two_bars(gap=10.0, end=1.0, savings=[]).run(progress=False).computed == 1.0
+    assert two_bars(gap=10.0, end=1.0, savings=[]).run().computed == 1.0
     # Bars in free flight have no strain: no element is ever computed.
-    assert two_bars(gap=10.0, end=1.0).run(progress=False).computed == 0.0
+    assert two_bars(gap=10.0, end=1.0).run().computed == 0.0
     # A front that advances one element per step from the contact into bars of 200 elements, in batches of 8: eq.
     # sleep-share.
     met = two_bars(gap=0.0, cells=200, end=0.3)
-    run = met.run(progress=False)
+    run = met.run()
     solid = met.costs(run)[0]
     assert run.computed == solid.done and abs(solid.active - solid.done) < 8 / 200
     assert abs(solid.done - met.explain().data["time"]["steps"] / (2 * 200)) < 8 / 200
@@ -186,7 +186,7 @@ def test_a_run_counts_which_share_of_its_elements_it_has_computed():
 def test_the_trial_of_a_plan_changes_nothing():
     scene, fresh = two_bars(), two_bars()
     scene.explain()
-    a, b = scene.run(progress=False), fresh.run(progress=False)
+    a, b = scene.run(), fresh.run()
     assert a.state["left"].displacement.tobytes() == b.state["left"].displacement.tobytes()
 
 

@@ -62,7 +62,7 @@ def l1_by_hand(run, nu, d=2.5, name="right"):
 
 
 def run_of(scene):
-    return scene.run(progress=False, output=False)
+    return scene.run(output=False)
 
 
 # Extrapolation.
@@ -200,7 +200,7 @@ def test_the_error_by_hand(nu):
 def test_a_plan_of_plates_keeps_its_word(nu, end, tmp_path):
     scene = ct.Scene(plates(nu, end))
     before = scene.toml()
-    plan = scene.plan(error=0.06, trials=60.0, progress=False)
+    plan = scene.plan(error=0.06, trials=60.0)
     assert scene.toml() == before
     plan.scene.save(tmp_path / "new.toml")
     run = run_of(ct.Scene.load(tmp_path / "new.toml"))
@@ -224,7 +224,7 @@ def test_the_error_contains_the_front(end):
         body["box"]["origin"][0] *= length
         body["box"]["size"][0] *= length
         body["box"]["cells"][0] = 40
-    plan = ct.Scene(data).plan(error=0.06, trials=60.0, progress=False)
+    plan = ct.Scene(data).plan(error=0.06, trials=60.0)
     body = run_of(plan.scene).state["right"]
     x, z = body.centres[:, 0] / 2.5, body.centres[:, 2]
     row = (z < 1.01 * z.min()) & (x < 2 * length - end - 1e-9)
@@ -262,7 +262,7 @@ def bar(**change):
 
 def test_a_plan_of_a_bar_keeps_its_word():
     """The bar rebounds: its momentum at the end is m v = 2.5 * 10."""
-    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0, progress=False)
+    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0)
     assert abs(run_of(plan.scene).momentum["p"][-1, 0] / 25.0 - 1.0) <= 1.2 * 0.05
     assert abs(plan.value - 25.0) <= 2.0 * plan.uncertainty < 25.0
     assert "bar.p_x.end = 2" in str(plan) and "sure" in plan.sure
@@ -276,10 +276,7 @@ def test_a_time_is_kept(monkeypatch):
         return SimpleNamespace(seconds=1e-6 * problem.step_count * elements, costs=[])
 
     monkeypatch.setattr(planner, "predict", price)
-    plans = [
-        bar().plan(seconds=s, functional="bar.p_x.end", trials=1.0, progress=False)
-        for s in (0.004, 0.4)
-    ]
+    plans = [bar().plan(seconds=s, functional="bar.p_x.end", trials=1.0) for s in (0.004, 0.4)]
     assert all(plan.choice.seconds <= s for plan, s in zip(plans, (0.004, 0.4)))
     assert "within 400 ms" in plans[1].choice.why
 
@@ -312,7 +309,7 @@ def with_nodes():
 
 def test_a_mesh_of_its_own_stays():
     scene = with_nodes()
-    plan = scene.plan(error=0.05, functional="wall.force_x.mean", trials=1.0, progress=False)
+    plan = scene.plan(error=0.05, functional="wall.force_x.mean", trials=1.0)
     assert (plan.scene.data["body"][0]["nodes"] == scene.data["body"][0]["nodes"]).all()
     assert "its own error is not included" in plan.sure and plan.choice.mesh == "mesh of its own"
 
@@ -357,7 +354,7 @@ def test_on_a_mesh_of_its_own_all_settings_have_one_limit():
 def test_what_is_refused_says_where(goal, key, words):
     scene = ct.Scene(bar().data, file="some.toml")
     with pytest.raises(SceneError) as caught:
-        scene.plan(**goal, trials=0.5, progress=False)
+        scene.plan(**goal, trials=0.5)
     assert str(caught.value).startswith(f"some.toml: {key}: ") and words in str(caught.value)
 
 
@@ -382,9 +379,9 @@ def test_ctrl_c_loses_no_trial(enough, monkeypatch):
     monkeypatch.setattr(planner.Planner, "_try", stopped)
     if not enough:
         with pytest.raises(KeyboardInterrupt):
-            bar().plan(error=0.01, functional="bar.p_x.end", progress=False)
+            bar().plan(error=0.01, functional="bar.p_x.end")
         return
-    plan = bar().plan(error=0.03, functional="bar.p_x.end", trials=1e9, progress=False)
+    plan = bar().plan(error=0.03, functional="bar.p_x.end", trials=1e9)
     assert plan.interrupted and "interrupted" in str(plan)
 
 
@@ -402,7 +399,7 @@ def test_what_ran_has_the_price_of_its_runs(monkeypatch):
         return replace(found, costs=tuple(costs))
 
     monkeypatch.setattr(planner, "predict", slow)
-    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0, progress=False)
+    plan = bar().plan(error=0.05, functional="bar.p_x.end", trials=60.0)
     assert plan.choice.seconds < 1e3
 
 

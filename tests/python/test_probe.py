@@ -58,7 +58,7 @@ def test_the_force_of_a_wall_is_the_rate_of_momentum_and_that_of_a_plane_wave():
     """eq:probe-resultant: the sum of the wall's forces."""
     scene = bar_on_a_wall(cells=(100, 1, 1), fraction=0.9).set_output(every=10)
     scene.add_probe("wall", resultant="obstacle", quantities=["force", "moment"])
-    run = scene.run(progress=False)
+    run = scene.run()
     wall, p = run.probes["wall"], run.momentum["p"]
     assert len(wall) == run.steps[-1] + 1
     scale = np.abs(p).max()
@@ -88,8 +88,8 @@ def test_a_point_has_the_bits_of_a_watch_at_every_step(integrator):
         seen.append((run.time[0], u.copy(), v.copy(), stress.copy(), face))
         assert run.probes["middle"]["time"].tolist() == [run.time[0]]
 
-    watched = scene.set_output(every=1).run(progress=False, watch=watch)
-    rare = scene.set_output(every=10**6).run(progress=False)
+    watched = scene.set_output(every=1).run(watch=watch)
+    rare = scene.set_output(every=10**6).run()
     assert len(watched.steps) == len(rare.probes["middle"]) > 50
     for name, history in rare.probes.items():
         assert history.tobytes() == watched.probes[name].tobytes(), name
@@ -107,7 +107,7 @@ def test_a_point_has_the_bits_of_a_watch_at_every_step(integrator):
 
 
 def test_acceleration_is_the_second_difference_of_displacement():
-    run = everywhere(bar_on_a_wall(end=0.5)).run(progress=False)
+    run = everywhere(bar_on_a_wall(end=0.5)).run()
     middle = run.probes["middle"]
     u, a, dt = middle["displacement"], middle["acceleration"], run.dt
     second = (u[2:] - 2.0 * u[1:-1] + u[:-2]) / dt**2
@@ -119,7 +119,7 @@ def test_acceleration_is_the_second_difference_of_displacement():
 def test_the_mean_motion_of_all_nodes_is_the_momentum_over_the_mass():
     """eq:probe-mean: the mean by masses."""
     scene = bar_on_a_wall(cells=(10, 1, 1)).set_output(every=1)
-    run = scene.add_probe("all", surface="bar.outer", quantities=["velocity"]).run(progress=False)
+    run = scene.add_probe("all", surface="bar.outer", quantities=["velocity"]).run()
     assert np.abs(10.0 * run.probes["all"]["velocity"] - run.momentum["p"]).max() <= 1e-12 * 100.0
 
 
@@ -131,7 +131,7 @@ def test_contact_with_friction_and_supports_explain_all_momentum(friction):
         "down", resultant="contact[0]"
     )
     scene.add_probe("floor", resultant="support[0]").add_probe("side", resultant="support[1]")
-    run = scene.run(progress=False)
+    run = scene.run()
     up, down, floor, side = (run.probes[name] for name in ("up", "down", "floor", "side"))
     size = np.abs(up["force"]).max()
     assert size > 1.0 and np.abs(up["force"] + down["force"]).max() <= 1e-13 * size
@@ -162,7 +162,7 @@ def test_a_support_on_a_path_has_the_force_that_moves_the_body():
         "a.x_max", fix="x", travel=[0.5, 0, 0], history=ramp
     )
     scene.add_probe("pull", resultant="support[1]").add_probe("rest", resultant="support[0]")
-    run = scene.set_time(end=0.5, fraction=0.5).run(progress=False)
+    run = scene.set_time(end=0.5, fraction=0.5).run()
     p = run.momentum["p"]
     assert abs(impulse(run.probes["pull"])[0] - (p[-1] - p[0])[0]) <= 1e-12 * abs(p).max()
     assert p[-1, 0] > 0.1 and not run.probes["pull"]["force"][:, 1:].any()
@@ -192,7 +192,7 @@ def test_the_numbering_of_nodes_changes_no_bit_of_a_resultant():
         data = everything().data
         for body in data["body"]:
             body["box"]["layers"] = layers
-        found.append(ct.Scene(data).run(progress=False).probes)
+        found.append(ct.Scene(data).run().probes)
     for other in found[1:]:
         for name in ("top", "up"):
             assert found[0][name].tobytes() == other[name].tobytes()
@@ -200,12 +200,12 @@ def test_the_numbering_of_nodes_changes_no_bit_of_a_resultant():
 
 def test_threads_and_savings_change_no_bit():
     scene = everything()
-    plain = scene.run(progress=False).probes
+    plain = scene.run().probes
     assert len(plain["up"]) > 30
-    equal(plain, scene.run(progress=False, threads=2).probes)
+    equal(plain, scene.run(threads=2).probes)
     data = everywhere(bar_on_a_wall()).data
-    awake = ct.Scene({**data, "run": {"savings": []}}).run(progress=False).probes
-    asleep = ct.Scene(data).run(progress=False).probes
+    awake = ct.Scene({**data, "run": {"savings": []}}).run().probes
+    asleep = ct.Scene(data).run().probes
     for name in awake:
         for key in awake[name].dtype.names:
             assert (awake[name][key] == asleep[name][key]).all(), (name, key)
@@ -217,19 +217,19 @@ pytestmark_file = pytest.mark.skipif(not ct.has("hdf5"), reason="no HDF5")
 @pytestmark_file
 def test_the_file_has_them_and_a_restart_goes_on_with_them(tmp_path):
     scene, whole, part, rest = everything(), *(tmp_path / f"{n}.vtkhdf" for n in ("a", "b", "c"))
-    straight = scene.run(progress=False, output=whole)
+    straight = scene.run(output=whole)
     equal(straight.probes, ct.Run.load(whole).probes)
     assert ct.Run.load(whole).probes["foot"]["stress"].shape[1:] == (6,)
-    scene.run(progress=False, output=part, until=0.11)
+    scene.run(output=part, until=0.11)
     half = ct.Run.load(part).probes
     assert 0 < len(half["up"]) < len(straight.probes["up"])
-    equal(straight.probes, scene.run(progress=False, output=rest, restart=part).probes)
+    equal(straight.probes, scene.run(output=rest, restart=part).probes)
     equal(straight.probes, ct.Run.load(rest).probes)
     # From memory, with other probes: their histories begin with the restart.
-    memory = scene.run(progress=False)
+    memory = scene.run()
     equal(memory.probes, ct.Run.load(memory.save(tmp_path / "d.vtkhdf")).probes)
     other = two_blocks(friction=0.3).add_probe("up", resultant="contact", body="high")
-    late = other.run(progress=False, restart=part, output=False).probes["up"]
+    late = other.run(restart=part, output=False).probes["up"]
     first = half["up"]["time"][-1]
     assert late["time"][0] == first
     assert (late["force"] == straight.probes["up"]["force"][-len(late) :]).all()
@@ -238,10 +238,10 @@ def test_the_file_has_them_and_a_restart_goes_on_with_them(tmp_path):
 @pytestmark_file
 def test_a_smaller_step_goes_on_with_the_history(tmp_path):
     scene, path = everything(), tmp_path / "coarse.vtkhdf"
-    scene.run(progress=False, output=path, until=0.11)
+    scene.run(output=path, until=0.11)
     data = scene.data
     data["time"]["fraction"] = 0.25
-    fine = ct.Scene(data).run(progress=False, restart=path, output=False)
+    fine = ct.Scene(data).run(restart=path, output=False)
     time, half = fine.probes["up"]["time"], ct.Run.load(path).probes["up"]
     assert (time[: len(half)] == half["time"]).all()
     steps = np.diff(time)
@@ -254,7 +254,7 @@ def test_a_killed_run_loads_up_to_its_last_record(tmp_path):
     import h5py
 
     path = tmp_path / "killed.vtkhdf"
-    run = everything().run(progress=False, output=path)
+    run = everything().run(output=path)
     with h5py.File(path, "r+") as file:
         # As if the rows of the last record had been written, but not its number.
         file["VTKHDF/Steps"].attrs["NSteps"] -= 1
@@ -272,8 +272,7 @@ def test_ctrl_c_keeps_them():
     inherited = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         run = scene.run(
-            progress=False,
-            watch=lambda run: run.steps[0] == 20 and os.kill(os.getpid(), signal.SIGINT),
+            watch=lambda run: run.steps[0] == 20 and os.kill(os.getpid(), signal.SIGINT)
         )
     finally:
         signal.signal(signal.SIGINT, inherited)
@@ -292,7 +291,7 @@ def test_a_fault_leaves_the_history_up_to_it():
 
     scene.add_effect("fault", "bar", "x_max", force).add_probe("wall", resultant="obstacle")
     with pytest.raises(ct.RunError) as caught:
-        scene.run(progress=False)
+        scene.run()
     history = caught.value.run.probes["wall"]
     assert 0.25 < history["time"][-1] <= 0.35 and history["force"][-1, 0] > 200.0
 
@@ -382,7 +381,7 @@ def test_a_resultant_must_be_one():
 
 
 def test_without_probes_there_are_none_and_explain_names_those_that_are():
-    assert bar_on_a_wall().run(progress=False).probes == {}
+    assert bar_on_a_wall().run().probes == {}
     assert "probe" not in bar_on_a_wall().explain()
     scene = bar_on_a_wall().add_probe("wall", resultant="obstacle", every=5)
     assert "probe wall: force of obstacle[0] on bar, every 5 steps" in scene.explain()

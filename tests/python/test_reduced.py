@@ -39,7 +39,7 @@ def test_plane_strain_is_chosen_and_changes_no_bit():
     assert [body["kernel"] for body in two.explain().data["bodies"]] == ["plane", "plane"]
     assert [body["kernel"] for body in three.explain().data["bodies"]] == ["box", "box"]
     assert "plane strain" in str(two.explain())
-    a, b = two.run(progress=False), three.run(progress=False)
+    a, b = two.run(), three.run()
     for name in "left", "right":
         for field in "displacement", "velocity", "stress":
             assert np.array_equal(getattr(a.state[name], field), getattr(b.state[name], field))
@@ -50,7 +50,7 @@ def test_reduced_integration_has_its_hourglass_energy_in_the_ledger():
     scene = block(integration="reduced", hourglass=0.5, velocity=[0, 0, 1000]).add_support(
         "block.x_min", fix="xyz"
     )
-    run = scene.set_time(end=1e-5, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=1e-5, fraction=0.9).run()
     energy = run.energy
     assert (
         "hourglass" in energy.dtype.names and energy["hourglass"].max() > 1e-3 * energy["total"][0]
@@ -79,7 +79,7 @@ def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger(
         scene.add_support("rod.x_min", fix="x")
         if viscosity:
             scene.add("viscosity", **viscosity)
-        return scene.set_time(end=1e-6, fraction=0.9).run(progress=False)
+        return scene.set_time(end=1e-6, fraction=0.9).run()
 
     def highest(run):
         # the exact stress behind the front is rho c v
@@ -97,7 +97,7 @@ def test_boxes_of_hex20_share_one_operator():
             "block.x_min", fix="x"
         )
         scene.set_time(end=2e-6, fraction=0.9)
-        return scene.explain().data["bodies"][0], scene.run(progress=False)
+        return scene.explain().data["bodies"][0], scene.run()
 
     box, general = run(), run(kernel="general")
     assert (

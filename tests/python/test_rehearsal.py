@@ -138,7 +138,7 @@ def test_a_run_to_rest_is_planned_with_the_steps_that_it_needs():
     data = scene.data
     data["time"] = {"end": 20.0, "fraction": 0.5, "until_static": 1e-3}
     scene = ct.Scene(data)
-    steps = int(scene.run(progress=False).steps[-1])
+    steps = int(scene.run().steps[-1])
     seen, problem, _ = rehearsed(scene)
     assert steps < 0.8 * problem.step_count
     assert seen.steps == pytest.approx(steps, rel=0.1)
@@ -155,7 +155,7 @@ def test_an_effect_of_the_user_is_rehearsed_with_nodes_of_its_own(cheap):
     there, _, _ = rehearsed(scene)
     assert there.coarse.parts.bodies["block"].box.cells[1] < 4
     seen.clear()
-    assert scene.run(progress=False, until=1e-2).steps[-1] > 0
+    assert scene.run(until=1e-2).steps[-1] > 0
     assert set(seen) == {25}  # the run's own nodes, not those of the rehearsal
 
 

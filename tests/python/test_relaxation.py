@@ -14,7 +14,7 @@ SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
 
 
 def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
-    run = ct.Scene.load(SCENES / "cantilever.toml").run(progress=False, output=False)
+    run = ct.Scene.load(SCENES / "cantilever.toml").run(output=False)
     beam = run.state["beam"]
     tip = beam.displacement[beam.mesh.nodes[:, 0] == 100, 2].mean()
     bending, shear = (
@@ -45,7 +45,7 @@ def pressed(history, **time):
     return (
         scene.add("damping", relaxation=True)
         .set_time(end=2e-2, fraction=0.7, until_static=1e-8, **time)
-        .run(progress=False)
+        .run()
     )
 
 
@@ -70,7 +70,7 @@ def test_contacts_come_to_rest():
     del given["contact"][0]["restitution"]
     given["contact"][0]["enforcement"] = "penalty"  # which has no such key
     read(given)
-    run = scene.run(progress=False)
+    run = scene.run()
     assert run.steps[-1] < 400 and run.pressure["contact"][0]["pressure"].min() > 0.98
 
 
@@ -102,7 +102,7 @@ def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
     scene.add_support(
         "bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 4e-6], "value": [0, 1]}
     )
-    run = scene.set_time(end=5e-6, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=5e-6, fraction=0.9).run()
     bar = run.state["bar"]
     np.testing.assert_allclose(bar.displacement[bar.mesh.nodes[:, 0] == 0, 0], 0.1, rtol=1e-13)
     rho_c, V = 1e-9 * 1e6, 0.1 / 4e-6
@@ -118,7 +118,7 @@ def test_a_run_that_does_not_come_to_rest_says_so():
     ).add_support("bar.x_min", fix="xyz")
     scene.add("gravity", acceleration=[1, 0, 0]).set_time(end=1e-4, fraction=0.9, until_static=1e-6)
     with pytest.warns(UserWarning, match="before it comes to rest"):
-        scene.run(progress=False)
+        scene.run()
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_a_bar_bounces_twice_and_is_back():
     its static shape, half a swing: it leaves the floor lower by twice rho g L^2 / (3 E) in the mean, and the second
     bounce takes that back.
     """
-    run = ct.Scene.load(SCENES / "bouncing_bar.toml").run(progress=False, output=False)
+    run = ct.Scene.load(SCENES / "bouncing_bar.toml").run(output=False)
     weight = 0.1 * 0.1 * 10 * 10
     height = run.energy["gravity"] / weight
     touching = run.time[run.energy["obstacle"] > 0]

@@ -43,7 +43,7 @@ def thrown(end=0.4, threads=1, **rigid):
 
 
 def test_a_thrown_body_turns_and_keeps_its_shape():
-    run = thrown().run(progress=False)
+    run = thrown().run()
     body, t = run.state["box"], 0.4
     x = body.nodes + body.displacement
     middle, start = x.mean(axis=0), body.nodes.mean(axis=0)
@@ -60,11 +60,11 @@ def test_a_thrown_body_turns_and_keeps_its_shape():
 
 
 def test_threads_and_a_restart_have_the_same_bits(tmp_path):
-    whole = thrown().run(progress=False, output=tmp_path / "whole.vtkhdf")
-    others = [thrown(threads=2).run(progress=False)]
+    whole = thrown().run(output=tmp_path / "whole.vtkhdf")
+    others = [thrown(threads=2).run()]
     half = tmp_path / "half.vtkhdf"
-    thrown(end=0.2).run(progress=False, output=half)
-    others += [thrown().run(progress=False, restart=half, output=tmp_path / "rest.vtkhdf")]
+    thrown(end=0.2).run(output=half)
+    others += [thrown().run(restart=half, output=tmp_path / "rest.vtkhdf")]
     for other in others:
         for name in ("box", "bar"):
             for field in ("displacement", "velocity"):
@@ -78,7 +78,7 @@ def test_threads_and_a_restart_have_the_same_bits(tmp_path):
 
 def test_a_file_without_stress_has_none_for_a_rigid_body(tmp_path):
     scene = thrown().set_output(file=str(tmp_path / "u.vtkhdf"), fields=["displacement"])
-    scene.run(progress=False)
+    scene.run()
     state = ct.Run.load(tmp_path / "u.vtkhdf").state
     assert not state["box"].stress.any() and state["bar"].stress.any()
 
@@ -111,7 +111,7 @@ def test_a_rigid_head_pulls_a_rod_as_a_mass_on_a_dashpot():
         M, v = 0.1 + edge / 2, 1e-3
         scene.add_probe("at", body="bar", point=[0.1, 0, 0], quantities=["velocity"])
         scene.add("load", surface="bar.x_max", traction=[v, 0, 0])
-        run = scene.set_time(end=1.8, fraction=0.8).run(progress=False)
+        run = scene.set_time(end=1.8, fraction=0.8).run()
         t, u = run.probes["at"]["time"], run.probes["at"]["velocity"][:, 0] / v
         worst += [np.abs(u - (1 - np.exp(-t / M))).max()]
         x = run.state["bar"].displacement[run.state["bar"].nodes[:, 0] > -1e-9]
@@ -124,7 +124,7 @@ def test_a_rigid_head_keeps_momentum_and_angular_momentum():
     """A bar that tumbles; its head keeps its shape, and the rest deforms."""
     spin = {"axis": [0, 1, 2], "rate": 0.3}
     scene, _ = bar_with_head(2, "neo_hookean", velocity=[0.1, 0, 0], spin=spin)
-    run = scene.set_time(end=8.0, fraction=0.5).set_output(every=10).run(progress=False)
+    run = scene.set_time(end=8.0, fraction=0.5).set_output(every=10).run()
     for name in ("p", "L"):
         found = run.momentum[name]
         np.testing.assert_allclose(found, found[0] + 0 * found, atol=1e-13 * np.abs(found).max())
@@ -161,7 +161,7 @@ def test_a_rod_that_hits_a_rigid_mass_is_slowed_as_by_a_dashpot(carried):
         for face in ("y_min", "z_min", "y_max", "z_max"):
             scene.add_support(f"rod.{face}", fix=face[0])
         scene.add_probe("at", body="mass", point=place, quantities=["velocity"])
-        run = scene.set_time(end=1.4, fraction=0.8).run(progress=False)
+        run = scene.set_time(end=1.4, fraction=0.8).run()
         t, v = run.probes["at"]["time"], run.probes["at"]["velocity"][:, 0] / 1e-3
         worst += [np.abs(v - (1 - np.exp(-t / M))).max()]
         momentum = run.momentum["p"].reshape(len(run.energy), 2, 3).sum(axis=1)[:, 0]
@@ -181,7 +181,7 @@ def test_a_rigid_ball_rolls_down_an_incline():
     scene.add("gravity", acceleration=[g * np.sin(angle), 0, -g * np.cos(angle)])
     plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
     scene.add("obstacle", surface="ball.outer", plane=plane, friction=0.5)
-    run = scene.set_time(end=end, dt=1e-3).run(progress=False)
+    run = scene.set_time(end=end, dt=1e-3).run()
     shift = run.state["ball"].displacement.mean(axis=0)
     rolls = 0.5 * 5 / 7 * g * np.sin(angle) * end**2
     # Facets: the ball rolls on corners and bounces a little; its inertia is that of 10 bricks across.
@@ -231,7 +231,7 @@ def test_a_rigid_sphere_hits_an_elastic_plate_as_hertz_says(carried):
     for face in ("x_min", "y_min", "z_min"):
         scene.add_support(f"plate.{face}", fix=face[0])
     scene.add_probe("on", resultant="obstacle" if carried else "contact")
-    run = scene.set_time(end=1.1 * last, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=1.1 * last, fraction=0.9).run()
     force, time = np.abs(run.probes["on"]["force"][:, 2]), run.probes["on"]["time"]
     on = time[force > 0]
     np.testing.assert_allclose(force.max(), 4 / 3 * modulus * depth**1.5 / 4, rtol=0.02)
@@ -265,7 +265,7 @@ def test_a_sphere_with_mass_comes_to_rest_on_a_plate_as_hertz_says():
     scene.add("obstacle", surface="plate.z_max", sphere=sphere, carrier="ball")
     scene.add("gravity", acceleration=[0, 0, -weight / mass], bodies=["ball"])
     scene.add("damping", relaxation=True).add_probe("on", resultant="obstacle")
-    run = scene.set_time(end=36.0, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=36.0, fraction=0.9).run()
     force = np.abs(run.probes["on"]["force"][-1, 2])
     np.testing.assert_allclose(force, weight, rtol=0.005)
     depth = -run.state["ball"].displacement[:, 2].mean()
@@ -289,7 +289,7 @@ def test_a_sphere_with_mass_runs_down_an_elastic_plate(angle, friction):
     grows = {"time": [0, start], "value": [0, 1]}
     scene.add("gravity", acceleration=down, bodies=["ball"], history=grows)
     scene.add("damping", rate=50.0, bodies=["plate"])
-    run = scene.set_time(end=end, fraction=0.9).run(progress=False)
+    run = scene.set_time(end=end, fraction=0.9).run()
     own = run.momentum[run.momentum["body"] == 1]
     t, v = own["time"], own["p"][:, 0]
     late = t > 1.2 * start
@@ -308,7 +308,7 @@ def test_a_brick_has_the_mass_and_the_moments_that_are_given():
     spin = {"axis": w.tolist(), "rate": 0.03}
     scene.add_body("lump", material="any", inertia=given, velocity=v, spin=spin)
     assert "mass and moments of inertia" in scene._repr_html_()
-    run = scene.add("rigid", body="lump").set_time(end=0.1, dt=0.1).run(progress=False)
+    run = scene.add("rigid", body="lump").set_time(end=0.1, dt=0.1).run()
     first = run.momentum[0]
     np.testing.assert_allclose(first["p"], np.multiply(3.0, v), rtol=1e-14)
     own = first["L"] - np.cross(given["centre"], first["p"])
@@ -327,7 +327,7 @@ def test_a_picture_has_an_obstacle_where_its_carrier_is():
     scene.add("rigid", body="lump").add(
         "obstacle", surface="bar.x_min", cylinder=cylinder, carrier="lump"
     )
-    run = scene.set_time(end=0.4, dt=1e-3).run(progress=False)
+    run = scene.set_time(end=0.4, dt=1e-3).run()
     name, shape = shape_at(scene.data["obstacle"][0], run.state)
     c, s = np.cos(0.8), np.sin(0.8)
     np.testing.assert_allclose(shape["axis"], [2 * c, 2 * s, 0], atol=1e-5)
@@ -348,7 +348,7 @@ def test_only_the_path_of_a_spinning_sphere_divides_a_step(arm):
     scene.add_body("lever", material="soft", inertia=small, spin=spin).add("rigid", body="lever")
     sphere = {"centre": [arm, 0, 0], "radius": 0.25}
     scene.add("obstacle", surface="plate.z_max", sphere=sphere, carrier="lever")
-    run = scene.set_time(end=0.2, dt=0.01).run(progress=False)
+    run = scene.set_time(end=0.2, dt=0.01).run()
     assert (run.dt < 0.01) == (arm > 0)
 
 
@@ -367,7 +367,7 @@ def test_elastic_slip_turns_with_the_obstacle():
     soft = {"friction": 0.9, "epsilon": epsilon, "tangent": mass / (0.01 * epsilon * 0.1**2)}
     scene.add("obstacle", surface="block.z_min", plane=plane, carrier="table", **soft)
     scene.add("gravity", acceleration=[0, 0, -10], bodies=["block"])
-    run = scene.set_time(end=2 * np.pi, dt=2e-3).run(progress=False)
+    run = scene.set_time(end=2 * np.pi, dt=2e-3).run()
     middle = np.array([1.0, 0.0]) + run.state["block"].displacement.mean(axis=0)[:2]
     assert 1.0 < np.linalg.norm(middle) < 1.03
     assert abs(np.arctan2(middle[1], middle[0])) < 0.01
@@ -385,7 +385,7 @@ def test_two_tumbling_boxes_collide_and_keep_their_momenta():
     spin = {"axis": [1, 0.5, 0], "rate": 1.0}
     scene.add_body("b", material="soft", box=two, velocity=[0, -1, 0], spin=spin)
     scene.add("rigid", body="a").add("rigid", body="b").add_contact("a.outer", "b.outer")
-    run = scene.set_time(end=1.2, dt=1e-3).set_output(every=10).run(progress=False)
+    run = scene.set_time(end=1.2, dt=1e-3).set_output(every=10).run()
     for name in ("p", "L"):
         both = run.momentum[name].reshape(len(run.energy), 2, 3)
         np.testing.assert_allclose(
@@ -450,11 +450,11 @@ def test_a_spin_of_a_small_strain_body_needs_rigid():
 
 def test_a_body_that_moves_along_a_fixed_freedom_is_refused():
     with pytest.raises(ct.SceneError, match="fixed freedoms are at rest"):
-        thrown(fixed=["z"]).run(progress=False)
+        thrown(fixed=["z"]).run()
 
 
 def test_viscosity_of_all_bodies_leaves_a_rigid_one_out():
-    run = thrown().add("viscosity").run(progress=False)
+    run = thrown().add("viscosity").run()
     t = run.time[-1]
     shift = run.state["box"].displacement.mean(axis=0)
     np.testing.assert_allclose(shift, [t, 0, 5 * t - 5 * t * t], atol=1e-12)

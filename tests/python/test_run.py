@@ -500,7 +500,7 @@ def test_the_progress_bar_goes_to_stderr_when_it_is_wanted(capsys):
     out, err = capsys.readouterr()
     assert "steps" in err and not out
     plates().run(progress=True)
-    plates().run(progress=False)
+    plates().run()
     assert capsys.readouterr() == ("", "")
 
 
@@ -520,7 +520,7 @@ def test_contact_points_are_seen():
     pressures = []
     for end in np.linspace(0.5, 3.5, 13):
         scene.set_time(end=float(end), fraction=0.5)
-        (points,) = scene.run(progress=False).contact
+        (points,) = scene.run().contact
         assert len(points) == 2 * 4 * 4 and set(points["side"]) == {0, 1}
         assert np.all(points["gap"] < 0)
         epsilon = scene.explain().data["contacts"][0]["epsilon"]
@@ -546,7 +546,7 @@ def test_a_run_with_proven_projections_meets_the_same_faces():
         for body in data["body"]:
             body["box"]["cells"] = [20, 1, 20]
         data["contact"][0]["method"] = method
-        runs[method] = ct.Scene(data).run(progress=False, output=False)
+        runs[method] = ct.Scene(data).run(output=False)
     robust, certified = (runs[m].contact[0] for m in ("robust", "certified"))
     assert np.array_equal(robust["other"], certified["other"]) and np.any(robust["gap"] < 0)
     np.testing.assert_allclose(robust["gap"], certified["gap"], rtol=1e-9, equal_nan=True)

@@ -73,10 +73,10 @@ def test_files_and_restarts_have_the_same_bits(tmp_path):
     ):
         half, whole = tmp_path / f"{name} half.vtkhdf", tmp_path / f"{name}.vtkhdf"
         if name in ("off", "on"):
-            runs[name] = scene(first, 1 + (name == "on")).run(progress=False, output=whole)
+            runs[name] = scene(first, 1 + (name == "on")).run(output=whole)
             continue
-        scene(first).run(progress=False, output=half, until=3e-7)
-        runs[name] = scene(then).run(progress=False, output=whole, restart=half)
+        scene(first).run(output=half, until=3e-7)
+        runs[name] = scene(then).run(output=whole, restart=half)
     assert same_run(runs["off"], runs["on"]) and runs["off"].energy["contact"].max() > 0.0
     for name in ("on and off", "off and on"):
         for body in runs["off"].state:

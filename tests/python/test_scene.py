@@ -593,8 +593,8 @@ def test_time_needs_only_an_end():
     assert chosen["steps"] == math.ceil(2e-7 / largest * (1 - 1e-12))
     assert chosen["asked"] == {"fraction": 0.9} and 0.8 < chosen["fraction"] <= 0.9
     assert made.data["time"] == {"end": 2e-7}
-    by_name = ct.Scene(small(time={"end": 2e-7, "fraction": 0.9})).run(progress=False)
-    plain = made.run(progress=False)
+    by_name = ct.Scene(small(time={"end": 2e-7, "fraction": 0.9})).run()
+    plain = made.run()
     assert plain.dt == by_name.dt
     assert np.array_equal(plain.state["left"].displacement, by_name.state["left"].displacement)
 
@@ -706,7 +706,7 @@ def test_a_scene_file_is_not_overwritten_by_its_results(tmp_path):
     )
     before = path.read_bytes()
     with pytest.raises(ct.SceneError, match="not a results file"):
-        ct.Scene.load(path).run(progress=False, output=path)
+        ct.Scene.load(path).run(output=path)
     assert path.read_bytes() == before
 
 

@@ -85,9 +85,9 @@ def pressed(request):
     itself."""
     element = request.param
     changes = {"time": {"end": 0.12, "fraction": 0.5}}
-    return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(
+    return press(["u.outer", "u.outer"], element, **changes).run(), press(
         None, element, **changes
-    ).run(progress=False)
+    ).run()
 
 
 def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
@@ -104,7 +104,7 @@ def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
     "enforcement, lost, won", [("penalty", 0.02, 0.02), ("energy_controlled", 0.05, 1e-9)]
 )
 def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, lost, won):
-    run = press(["u.outer", "u.outer"], enforcement=enforcement).run(progress=False)
+    run = press(["u.outer", "u.outer"], enforcement=enforcement).run()
     assert run.energy["contact"].max() > 1e-3 * run.energy["total"][0], "the contact is to matter"
     size = 4000.0 * 0.2 * 0.3 * 0.2
     p = sum(run.body_momentum(body)["p"] for body in run.bodies)
@@ -117,20 +117,18 @@ def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, 
 def test_two_faces_of_one_body_meet_as_the_faces_of_two_bodies_do():
     """Contact acts only where inner sides of the fold face each other: without all other faces nothing changes, and
     threads and order have no influence."""
-    whole = press(["u.outer", "u.outer"]).run(progress=False, until=0.12)
+    whole = press(["u.outer", "u.outer"]).run(until=0.12)
     for surfaces in (["u.z_min", "u.outer"], ["u.outer", "u.y_min"]):
-        part = press(surfaces).run(progress=False, until=0.12, threads=2)
+        part = press(surfaces).run(until=0.12, threads=2)
         assert part.state["u"].positions.tobytes() == whole.state["u"].positions.tobytes()
 
 
 @pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def test_a_run_that_is_stopped_in_self_contact_goes_on_with_the_same_bits(tmp_path):
     scene = press(["u.outer", "u.outer"], time={"end": 0.12, "fraction": 0.5})
-    whole = scene.run(progress=False)
-    scene.run(progress=False, until=0.1, output=tmp_path / "first.vtkhdf")
-    rest = scene.run(
-        progress=False, restart=tmp_path / "first.vtkhdf", output=tmp_path / "rest.vtkhdf"
-    )
+    whole = scene.run()
+    scene.run(until=0.1, output=tmp_path / "first.vtkhdf")
+    rest = scene.run(restart=tmp_path / "first.vtkhdf", output=tmp_path / "rest.vtkhdf")
     assert rest.state["u"].positions.tobytes() == whole.state["u"].positions.tobytes()
 
 
@@ -164,7 +162,7 @@ def plate(surfaces):
     ],
 )
 def test_the_far_side_of_a_plate_and_its_neighbouring_sides_are_no_contact(surfaces):
-    run = plate(surfaces).run(progress=False)
+    run = plate(surfaces).run()
     assert run.energy["contact"].max() == 0.0
     assert run.energy["strain"].max() < 1e-20 * run.energy["kinetic"][0]
     assert not any("overlap" in warning for warning in plate(surfaces).explain().data["warnings"])
@@ -208,7 +206,7 @@ def test_a_body_whose_ends_move_apart_does_not_pass_through_itself():
     data = made.data
     for contact in data["contact"]:
         contact["restitution"] = 0.0
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     assert len(run.divisions) == 0, about
 
 

@@ -65,9 +65,7 @@ def two_bars(named, element="hex8"):
 
 @pytest.mark.parametrize("element", KINDS)
 def test_a_set_gives_the_bits_of_the_plane_that_it_names(element):
-    by_set, by_plane = (
-        two_bars(named, element).run(progress=False, output=False) for named in (True, False)
-    )
+    by_set, by_plane = (two_bars(named, element).run(output=False) for named in (True, False))
     for name in "ab":
         one, two = by_set.state[name], by_plane.state[name]
         assert np.abs(one.displacement).max() > 0.05
@@ -92,11 +90,11 @@ def test_a_support_takes_the_nodes_of_any_set(element):
     for name, low in (("cells", 1.0), ("end", 2.0)):
         scene = block(sets, element)
         scene.add_support(f"a.{name}", fix="xyz", velocity=[1, 0, 0])
-        body = scene.run(progress=False, output=False).state["a"]
+        body = scene.run(output=False).state["a"]
         moved = body.velocity[:, 0] == 1.0
         assert (moved == (body.nodes[:, 0] >= low)).all()
     scene = block(sets, element).add_support("a.some", fix="x", velocity=[1, 0, 0])
-    velocity = scene.run(progress=False, output=False).state["a"].velocity[:, 0]
+    velocity = scene.run(output=False).state["a"].velocity[:, 0]
     assert np.flatnonzero(velocity == 1.0).tolist() == [3, 5]
 
 
@@ -117,7 +115,7 @@ SETS |= {"cells": {"elements": [1]}}
 )
 def test_a_wrong_set_is_refused_with_the_names_that_exist(name, reasons):
     with pytest.raises(ct.SceneError) as error:
-        block(SETS).add("load", surface=f"a.{name}", pressure=1.0).run(progress=False)
+        block(SETS).add("load", surface=f"a.{name}", pressure=1.0).run()
     assert error.value.key == "load[0].surface"
     assert all(reason in error.value.reason for reason in reasons), error.value.reason
 
@@ -155,7 +153,7 @@ def test_wrong_sets_of_arrays_are_refused(sets, key, reason):
 def test_an_element_that_is_listed_twice_is_refused():
     elements = Mesh.box("hex8", (0, 0, 0), (2, 1, 1), (2, 1, 1)).elements[[0, 1, 0]]
     with pytest.raises(ct.SceneError, match="element 2 has the corners of element 0"):
-        block({"s": {"nodes": [0]}}, elements=elements).run(progress=False)
+        block({"s": {"nodes": [0]}}, elements=elements).run()
 
 
 def test_explain_counts_the_sets_that_are_used():
@@ -172,11 +170,11 @@ def test_explain_counts_the_sets_that_are_used():
 def test_a_scene_with_sets_is_copied_and_saved(tmp_path):
     scene = block(SETS).add("load", surface="a.left", pressure=1.0)
     scene.save(tmp_path / "block.toml")
-    want = scene.run(progress=False, output=False).state["a"].displacement
+    want = scene.run(output=False).state["a"].displacement
     others = [copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))]
     others += [ct.Scene(scene.data), ct.Scene.load(tmp_path / "block.toml")]
     for other in others:
-        assert (other.run(progress=False, output=False).state["a"].displacement == want).all()
+        assert (other.run(output=False).state["a"].displacement == want).all()
 
 
 def test_a_mesh_keeps_its_sets_in_a_pickle():
@@ -231,10 +229,10 @@ def test_sets_of_a_file_are_surfaces(file):
     scene, held = file
     scene["body"][0] |= {"part": "all", "scale": 2.0, "extrude": {"height": 3.0, "layers": 2}}
     scene["support"] = [{"set": "a.corner", "fix": ["x"]}]
-    found = ct.Scene(scene).run(progress=False, output=False).state["a"].displacement
+    found = ct.Scene(scene).run(output=False).state["a"].displacement
     want = block(SETS | {"corner": {"nodes": [0]}}).add("load", surface="a.x_min", pressure=1.0)
     want.add_support("a.corner", fix="x")
-    assert (found == want.run(progress=False, output=False).state["a"].displacement).all()
+    assert (found == want.run(output=False).state["a"].displacement).all()
     assert [held[key] for key in ("part", "scale", "extrude")] == [
         "all",
         2.0,
@@ -254,7 +252,7 @@ def test_a_wrong_set_of_a_file_is_refused_with_the_file(file, name, reason):
     scene, _ = file
     scene["load"][0]["surface"] = f"a.{name}"
     with pytest.raises(ct.SceneError) as error:
-        ct.Scene(scene).run(progress=False)
+        ct.Scene(scene).run()
     assert error.value.key == "load[0].surface" and reason in error.value.reason
 
 
@@ -262,7 +260,7 @@ def test_a_wrong_element_of_a_file_is_named_with_the_file(file):
     scene, held = file
     held["data"].elements[1] = np.roll(held["data"].elements[1], 4)  # upside down
     with pytest.raises(ct.SceneError, match='body "a" of "block.msh": element 1 is inverted'):
-        ct.Scene(scene).run(progress=False)
+        ct.Scene(scene).run()
 
 
 @pytest.mark.parametrize("key", ["part", "scale", "extrude"])
@@ -282,7 +280,7 @@ def test_a_run_goes_on_only_with_the_mesh_that_it_had(file, what, tmp_path):
     scene, held = file
     path, changed = tmp_path / "first.vtkhdf", mesh_data()
     scene["output"] = {"file": str(path)}
-    ct.Scene(scene).run(progress=False)
+    ct.Scene(scene).run()
     if what == "node":
         changed.nodes[1, 0] *= 1.0 + 1e-15
     elif what == "elements":
@@ -292,12 +290,12 @@ def test_a_run_goes_on_only_with_the_mesh_that_it_had(file, what, tmp_path):
     held["data"] = changed
     scene["time"]["end"], scene["output"]["file"] = 2.0, str(tmp_path / "second.vtkhdf")
     if what == "nothing":
-        assert ct.Scene(scene).run(progress=False, restart=path).time[-1] == 2.0
+        assert ct.Scene(scene).run(restart=path).time[-1] == 2.0
         with h5py.File(path) as found:
             assert found["libcontact/body"]["elements"][0] != 0
         return
     with pytest.raises(ct.SceneError, match="belongs to another problem") as error:
-        ct.Scene(scene).run(progress=False, restart=path)
+        ct.Scene(scene).run(restart=path)
     assert error.value.key == "restart"
     assert 'the mesh file "block.msh" has changed since then' in error.value.reason
 
@@ -349,7 +347,7 @@ def test_from_a_file_with_sets_and_materials_to_a_result(tmp_path):
     text = BAR.format(nodes="\n".join(nodes), elements="\n".join(cells))
     (tmp_path / "bar.inp").write_text(text)
     (tmp_path / "bar.toml").write_text(SCENE)
-    run = ct.Scene.load(tmp_path / "bar.toml").run(progress=False, output=False)
+    run = ct.Scene.load(tmp_path / "bar.toml").run(output=False)
     end = run.state["bar"].displacement[mesh.nodes[:, 0] == 4.0, 0]
     assert np.abs(end - 3.0).max() < 1e-5
 
@@ -369,7 +367,7 @@ def test_two_bodies_of_one_file_meet_at_their_sets(tmp_path):
     scene.add_contact("hub.MEET", "rim.MEET").add_support("hub.x_min", fix="xyz")
     scene.add("load", surface="rim.FRONT", pressure=0.01)
     scene.add("damping", relaxation=True).set_time(end=1e4, until_static=1e-8)
-    found = scene.run(progress=False, output=False)
+    found = scene.run(output=False)
     assert np.abs(found.state["hub"].stress[:, 0] + 0.01).max() < 1e-8
     assert np.abs(found.state["rim"].stress[:, 0] + 0.01).max() < 1e-8
     with pytest.raises(ct.SceneError, match='has no face or set "FRONT"'):

@@ -20,7 +20,7 @@ def settlement():
 
 def test_settlement_of_moose():
     """MOOSE stops the nodes that touch, and we have a penalty with a dashpot, so the two agree to 2 % only."""
-    run = ct.Scene(settlement()).run(progress=False)
+    run = ct.Scene(settlement()).run()
     strain, force = run.energy["strain"], run.probes["force"]["force"][:, 2]
     first = np.argmax(strain)
     assert abs(run.energy["time"][first] - PEAK_TIME) <= 1.01e-4
@@ -35,5 +35,5 @@ def test_settlement_of_moose():
 def test_settlement_without_damping_is_another_motion():
     data = settlement()
     del data["damping"]
-    run = ct.Scene(data).run(progress=False)
+    run = ct.Scene(data).run()
     assert run.energy["strain"].max() > 1.5 * PEAK

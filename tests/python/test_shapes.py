@@ -49,7 +49,7 @@ def test_a_body_has_the_mass_of_its_shape(shape, volume):
     assert scene._built(None).bodies["b"].mesh.nodes.mean(axis=0) == pytest.approx([1, 2, 3])
     data = scene.data
     data["body"][0]["velocity"] = [2.0, 0.0, 0.0]
-    kinetic = ct.Scene(data).run(progress=False).energy["kinetic"][0]
+    kinetic = ct.Scene(data).run().energy["kinetic"][0]
     assert kinetic == pytest.approx(0.5 * 1000.0 * volume * 2.0**2, rel=2e-3)
 
 
@@ -61,7 +61,7 @@ def test_a_ball_and_a_shell_collide_along_a_line():
     scene.add_body("s", material="soft", shell=shell, velocity=[-1, 0, 0])
     scene.add_contact("b.outer", "s.outer")
     scene.set_time(end=0.5, fraction=0.4)
-    run = scene.run(progress=False)
+    run = scene.run()
     ball, shell = (run.momentum["p"][run.momentum["body"] == body] for body in (0, 1))
     assert ball[-1, 0] < -0.5 * abs(shell[0, 0])
     assert np.abs(ball[:, 1:]).max() < 1e-12 * abs(shell[0, 0])
@@ -84,7 +84,7 @@ def test_a_ball_and_a_shell_collide_along_a_line():
 )
 def test_what_is_no_shape_is_refused(shape, change, key, reason):
     with pytest.raises(ct.SceneError, match=reason) as error:
-        of(shape, **change).run(progress=False)
+        of(shape, **change).run()
     assert error.value.key == f"body[0].{shape}.{key}"
 
 
@@ -114,7 +114,7 @@ def test_a_graded_box(element, cells, grading, symmetric, x, tmp_path):
     assert mesh.shortest_edge == pytest.approx(np.diff(x).min(), rel=1e-14)
     data = scene.data
     data["body"][0]["velocity"] = [2.0, 0.0, 0.0]
-    run = ct.Scene(data).run(progress=False)
+    run = ct.Scene(data).run()
     assert run.energy["kinetic"] == pytest.approx(0.5 * 1000.0 * 2.0 * 2.0**2, rel=1e-12)
 
 

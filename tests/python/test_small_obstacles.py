@@ -62,7 +62,7 @@ def plate(sphere_at, **time):
 
 @pytest.mark.parametrize("at", [(0.0, 0.0), (0.125, 0.125), (0.03, 0.11)])
 def test_a_sphere_of_a_fifth_of_an_element_does_not_pass_through_a_plate(at):
-    run = plate(at).run(progress=False, output=False)
+    run = plate(at).run(output=False)
     # It has moved by 0.19 and carries the plate along: the middle is pressed in by almost as much.
     u = run.state["plate"].displacement[:, 2]
     assert u.min() < -0.5 * (48.0 * run.state.time - 0.01)
@@ -78,16 +78,16 @@ def test_a_gap_under_a_small_sphere_is_adjusted():
     """The closest place to its centre has a normal without a point on a face."""
     data = plate((0.03, 0.11), end=1e-4).data
     data["obstacle"][0] |= {"adjust": 0.02, "velocity": [0, 0, -4.8]}
-    run = ct.Scene(data).run(progress=False, output=False)
+    run = ct.Scene(data).run(output=False)
     assert run.energy["obstacle"][-1] > 0.0
 
 
 @needs_hdf5
 def test_a_restart_under_a_small_sphere_has_the_same_bits(tmp_path):
     scene = plate((0.03, 0.11))
-    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
-    scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=2e-3)
-    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+    whole = scene.run(output=tmp_path / "whole.vtkhdf")
+    scene.run(output=tmp_path / "half.vtkhdf", until=2e-3)
+    rest = scene.run(restart=tmp_path / "half.vtkhdf", output=False)
     assert np.array_equal(whole.state["plate"].velocity, rest.state["plate"].velocity)
-    many = scene.run(progress=False, output=False, threads=3)
+    many = scene.run(output=False, threads=3)
     assert np.array_equal(whole.state["plate"].velocity, many.state["plate"].velocity)

@@ -48,7 +48,7 @@ def small(**changes):
 def test_the_spinning_ring_turns_back_where_the_closed_form_says(tmp_path):
     scene = ct.Scene.load(SCENE)
     assert len(SCENE.read_text().splitlines()) <= 40
-    run = scene.run(progress=False, output=tmp_path / "ring.vtkhdf" if ct.has("hdf5") else False)
+    run = scene.run(output=tmp_path / "ring.vtkhdf" if ct.has("hdf5") else False)
     kinetic, total = run.energy["kinetic"], run.energy["total"]
     # At the largest radius all motion is rotation, K = L^2 / (2 m r^2): the kinetic energies give the stretch.
     peak = np.argmin(kinetic)
@@ -64,7 +64,7 @@ def test_the_spinning_ring_turns_back_where_the_closed_form_says(tmp_path):
 def test_stress_of_a_ring_is_tension_around_it():
     scene = small()
     scene["time"]["end"] = 5e-4
-    run = ct.Scene(scene).run(progress=False)
+    run = ct.Scene(scene).run()
     state = run.state["ring"]
     angle = np.arctan2(*state.mesh.centres(state.mesh.nodes + state.displacement)[:, 1::-1].T)
     n = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
@@ -77,14 +77,14 @@ def test_a_run_restarts_with_the_same_bits_and_refuses_another_law(tmp_path):
     if not ct.has("hdf5"):
         pytest.skip("no HDF5")
     scene = small()
-    whole = ct.Scene(scene).run(progress=False)
-    ct.Scene(scene).run(progress=False, output=tmp_path / "half.vtkhdf", until=3e-3)
-    rest = ct.Scene(scene).run(progress=False, restart=tmp_path / "half.vtkhdf")
+    whole = ct.Scene(scene).run()
+    ct.Scene(scene).run(output=tmp_path / "half.vtkhdf", until=3e-3)
+    rest = ct.Scene(scene).run(restart=tmp_path / "half.vtkhdf")
     assert np.array_equal(rest.state["ring"].displacement, whole.state["ring"].displacement)
     assert ct.Run.load(tmp_path / "half.vtkhdf").state["ring"].material.law == "neo_hookean"
     scene["material"][0]["law"] = "st_venant_kirchhoff"
     with pytest.raises(ct.Error, match="material"):
-        ct.Scene(scene).run(progress=False, restart=tmp_path / "half.vtkhdf")
+        ct.Scene(scene).run(restart=tmp_path / "half.vtkhdf")
 
 
 def test_laws_rings_and_spins_are_explained():
@@ -132,7 +132,7 @@ def test_laws_rings_and_spins_are_explained():
 )
 def test_what_is_refused(change, key, reason):
     with pytest.raises(ct.SceneError, match=reason) as caught:
-        ct.Scene(small(**change)).run(progress=False, output=False)
+        ct.Scene(small(**change)).run(output=False)
     assert caught.value.key == key
 
 
@@ -163,4 +163,4 @@ def test_a_body_that_is_turned_inside_out_ends_the_run_with_its_name():
     scene["support"] = [{"set": "ring.x_min", "fix": ["x"]}]
     scene["time"] = {"end": 0.01, "fraction": 0.9}
     with pytest.raises(ct.Error, match='"ring".*inverts the element'):
-        ct.Scene(scene).run(progress=False)
+        ct.Scene(scene).run()

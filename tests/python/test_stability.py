@@ -54,7 +54,7 @@ def test_a_rolled_strip_gains_by_the_leapfrog_not_by_its_contact():
         made, end = folding.pressed(bricks, 0.4, 0.4)
         made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
         with lab.booked() as books:
-            run = made.run(progress=False, output=False)
+            run = made.run(output=False)
         contact, solid = np.array(books).T / np.abs(run.energy["external"]).max()
         assert lab.rise(contact) < 1e-12
         assert ((solid - solid[0]).max() > folding.GROWTH) == (fraction == 0.9)
@@ -193,10 +193,9 @@ def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
     scene.add_support("block.y_min", fix="y").set_time(end=0.1, fraction=0.5).set_output(every=3)
     seen = []
     run = scene.run(
-        progress=False,
         watch=lambda now: seen.append(
             (now.time[-1], now.state["block"].positions[:, 2].min(), len(now.energy))
-        ),
+        )
     )
     assert [time for time, _, _ in seen] == list(run.time) and {rows for _, _, rows in seen} == {1}
     assert (

@@ -89,7 +89,7 @@ def test_a_thrown_block_slides_as_with_a_tiny_step():
     """Slip and rebound at the default step and at one 18 times smaller, and no energy appears."""
     found = []
     for fraction in 0.9, 0.05:
-        run = thrown(4, 0.3, fraction).run(progress=False, output=False)
+        run = thrown(4, 0.3, fraction).run(output=False)
         energy = run.energy["total"]
         assert energy.max() <= energy[0] * (1.0 + 1e-9)
         momentum = run.body_momentum("block")["p"][-1]

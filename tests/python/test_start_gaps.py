@@ -79,7 +79,7 @@ def mean_pressure(facets_a, facets_b, quadratic, **contact):
     scene.add("damping", relaxation=True).set_time(
         end=10, fraction=0.8, until_static=1e-6
     ).set_output(every=1000, fields=[])
-    run = scene.run(progress=False)
+    run = scene.run()
     points = run.contact[0]
     return (points["raw_pressure"] * points["weight"]).sum() / 2 / (
         np.pi / 2 * MIDDLE * WIDTH
@@ -117,7 +117,7 @@ def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
                 shells(facets_a, facets_b, quadratic, turn, adjust=adjust)
                 .set_time(end=0.3, fraction=0.8)
                 .set_output(every=1, fields=[])
-                .run(progress=False)
+                .run()
             )
         start = run.contact[0]["start_gap"]
         assert (start < 0.0).any() and (start > 1e-12).any() == bool(adjust)
@@ -138,8 +138,7 @@ def test_an_overlap_is_told():
         return shells(16, 12, **contact).set_time(end=0.01, fraction=0.8)
 
     (kept,), (pushed,) = (
-        told(lambda how=how: rings(**how).run(progress=False))
-        for how in ({}, {"initial_penetration": "force"})
+        told(lambda how=how: rings(**how).run()) for how in ({}, {"initial_penetration": "force"})
     )
     sag = 1.0 - np.cos(
         np.pi / 48
@@ -153,7 +152,7 @@ def test_an_overlap_is_told():
     assert "adds energy" in pushed
     assert kept in str(rings().explain())
     for quiet in ({"adjust": 0.1}, {"initial_penetration": "remove", "removal_time": 1.0}):
-        assert told(lambda how=quiet: rings(**how).run(progress=False)) == []
+        assert told(lambda how=quiet: rings(**how).run()) == []
     assert "adjust 0.1" in str(rings(adjust=0.1).explain())
     # Two cubes that share a face, far from the origin and rotated, so that its coordinates are rounded.
     angle = 0.3
@@ -166,14 +165,7 @@ def test_an_overlap_is_told():
         "a": {"nodes": cube @ turn.T + 1000, "elements": cells},
         "b": {"nodes": (cube + [1, 0, 0]) @ turn.T + 1000, "elements": cells},
     }
-    assert (
-        told(
-            lambda: (
-                scene_of("cubes", {}, **apart).set_time(end=0.1, fraction=0.5).run(progress=False)
-            )
-        )
-        == []
-    )
+    assert told(lambda: scene_of("cubes", {}, **apart).set_time(end=0.1, fraction=0.5).run()) == []
 
 
 def blocks(gap, speed=0.0, pull=0.0, **contact):
@@ -195,9 +187,9 @@ def blocks(gap, speed=0.0, pull=0.0, **contact):
 @pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_a_closed_gap_is_as_good_as_touching(enforcement):
     """With an adjusted gap or overlap the motion is that of touching blocks, for each enforcement."""
-    touching = blocks(0.0, 0.1, enforcement=enforcement).run(progress=False)
+    touching = blocks(0.0, 0.1, enforcement=enforcement).run()
     for gap in (0.02, -0.02):
-        run = blocks(gap, 0.1, enforcement=enforcement, adjust=0.03).run(progress=False)
+        run = blocks(gap, 0.1, enforcement=enforcement, adjust=0.03).run()
         assert run.energy["contact"][0] == pytest.approx(touching.energy["contact"][0], rel=1e-9)
         # The faces tilt slightly, which moves closest points by the gap times the tilt.
         assert run.state["b"].displacement == pytest.approx(
@@ -215,9 +207,7 @@ def test_friction_takes_the_pressure_of_closed_gaps():
     """A block slides over a closed gap or overlap: the impulse of friction is mu times that of the pressure, and the
     total momentum does not change."""
     for gap in (0.0, 0.02, -0.02):
-        run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run(
-            progress=False
-        )
+        run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run()
         momentum = run.body_momentum("b")
         drag, press = (
             momentum["p"][-1][0] - momentum["p"][0][0],
@@ -232,7 +222,7 @@ def test_only_surfaces_that_face_each_other_are_adjusted():
     # eq:initial-facing
     """A large distance closes the gap under a block, not those between the walls of the block and the slab around
     it."""
-    points = blocks(0.02, adjust=0.3).run(progress=False).contact[0]
+    points = blocks(0.02, adjust=0.3).run().contact[0]
     near = points[points["start_gap"] != 0.0]
     assert near["start_gap"] == pytest.approx(0.02, abs=1e-12)
     bottom = points[(points["side"] == 1) & (np.abs(points["position"][:, 2] - 0.02) < 1e-9)]
@@ -264,7 +254,7 @@ def test_a_fold_that_gapes_is_closed():
         scene.add_support("u.y_min", fix=["x", "y", "z"]).add_effect(
             "press", "u", tip, lambda view: np.full((len(tip), 3), [0.0, -0.02, 0.0])
         )
-        run = scene.set_time(end=3.0, fraction=0.6).set_output(every=1).run(progress=False)
+        run = scene.set_time(end=3.0, fraction=0.6).set_output(every=1).run()
         points = run.contact[0]
         assert run.energy["contact"][0] == 0.0
         assert (points["raw_pressure"] > 0.0).any() == bool(adjust)
@@ -282,13 +272,11 @@ def test_start_gaps_are_in_a_restart_and_do_not_depend_on_threads(tmp_path):
             .set_output(every=5)
         )
 
-    whole = crossing().run(progress=False)
+    whole = crossing().run()
     half, many = crossing(), crossing()
-    half.run(progress=False, output=tmp_path / "half.vtkhdf", until=0.2)
-    rest = half.run(
-        progress=False, output=tmp_path / "rest.vtkhdf", restart=tmp_path / "half.vtkhdf"
-    )
-    threads = many.run(progress=False, threads=2)
+    half.run(output=tmp_path / "half.vtkhdf", until=0.2)
+    rest = half.run(output=tmp_path / "rest.vtkhdf", restart=tmp_path / "half.vtkhdf")
+    threads = many.run(threads=2)
     assert whole.energy["contact"].max() > 0.0
     for run in (rest, threads):
         assert all(
@@ -301,7 +289,7 @@ def test_moving_shells_keep_their_energy():
     """They slide, separate and close again with start gaps of both signs: with the plain penalty and small steps the
     total is constant."""
     scene = shells(6, 7, velocity=(0.3, 0.1, 0.0), adjust=0.05, enforcement="penalty", beta=1.0)
-    run = scene.set_time(end=1.5, fraction=0.1).set_output(every=5, fields=[]).run(progress=False)
+    run = scene.set_time(end=1.5, fraction=0.1).set_output(every=5, fields=[]).run()
     total = run.energy["total"]
     assert run.energy["contact"].max() > 0.01 * total[0]
     assert np.abs(total - total[0]).max() < 2e-3 * total[0]
@@ -311,6 +299,6 @@ def test_a_distance_beyond_the_depth_is_refused():
     with pytest.raises(
         ct.SceneError, match="adjust must be at most the depth of the search, 0.25, not 0.3"
     ):
-        blocks(0.0, adjust=0.3, depth=0.25).run(progress=False)
+        blocks(0.0, adjust=0.3, depth=0.25).run()
     with pytest.raises(ct.SceneError, match="adjust"):
         blocks(0.0, adjust=-0.1)

@@ -21,7 +21,7 @@ def pulled(beta):
         scene.add_support(f"{body}.y_min", fix="y").add_support(f"{body}.z_min", fix="z")
     scene.add("load", surface="b.x_max", traction=[1e-3, 0, 0]).add("damping", relaxation=True)
     scene.set_time(end=1e4, until_static=1e-9, fraction=0.9, force_tolerance=1e-12)
-    return scene.run(progress=False, output=False).state
+    return scene.run(output=False).state
 
 
 @pytest.mark.parametrize("beta, most", [(40.0, 2e-3), (400.0, 7e-4)])
@@ -45,11 +45,11 @@ def moving(end, threads=1, order=1):
 
 
 def test_threads_a_restart_and_exchanged_surfaces_have_the_same_bits(tmp_path):
-    whole = moving(0.5).run(progress=False, output=tmp_path / "whole.vtkhdf")
-    others = [moving(0.5, threads=2).run(progress=False), moving(0.5, order=-1).run(progress=False)]
+    whole = moving(0.5).run(output=tmp_path / "whole.vtkhdf")
+    others = [moving(0.5, threads=2).run(), moving(0.5, order=-1).run()]
     half = tmp_path / "half.vtkhdf"
-    moving(0.25).run(progress=False, output=half)
-    others += [moving(0.5).run(progress=False, restart=half, output=tmp_path / "rest.vtkhdf")]
+    moving(0.25).run(output=half)
+    others += [moving(0.5).run(restart=half, output=tmp_path / "rest.vtkhdf")]
     assert np.abs(whole.state["b"].velocity).max() > 1e-5
     assert whole.energy["tie"][-1] > 0.0
     np.testing.assert_allclose(whole.energy["balance"] / whole.energy["kinetic"][-1], 0, atol=1e-12)
@@ -68,7 +68,7 @@ def test_a_rigid_body_is_glued_to_one_that_deforms():
     scene.add_body("b", material="soft", box=box_of([1, 0, 0], [1] * 3, [2, 3, 3]))
     scene.add("tie", surfaces=["a.x_max", "b.x_min"]).add("rigid", body="b")
     scene.set_time(end=10, fraction=0.9, force_tolerance=1e-12)
-    run = scene.run(progress=False, output=False)
+    run = scene.run(output=False)
     # After the first step, in which the bodies collide; the turn of the rigid body has the order 2.
     total, kinetic = run.energy["total"][1:], run.energy["kinetic"][0]
     assert np.ptp(total) < 1e-7 * kinetic and run.energy["tie"].max() > 1e-3 * kinetic
@@ -93,4 +93,4 @@ def test_what_a_tie_refuses():
         scene.add_contact("b.x_min", "a.x_max")
     apart = glued().add("tie", surfaces=["a.x_min", "b.x_max"]).set_time(end=1.0, fraction=0.5)
     with pytest.raises(ct.SceneError, match=r"tie\[1\].*no point of either surface is within"):
-        apart.run(progress=False)
+        apart.run()

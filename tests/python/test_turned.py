@@ -30,11 +30,7 @@ def oblique(rotation, swapped=False, place="within"):
         )
     pair = ("high.outer", "low.outer") if swapped else ("low.outer", "high.outer")
     made.add_contact(*pair)
-    run = (
-        made.set_time(end=0.5, dt=2e-3, force_tolerance=1e-12)
-        .set_output(every=10**9)
-        .run(progress=False)
-    )
+    run = made.set_time(end=0.5, dt=2e-3, force_tolerance=1e-12).set_output(every=10**9).run()
     return np.concatenate([run.state[b].displacement for b in ("low", "high")]), run
 
 

@@ -66,7 +66,7 @@ def told(scene, **more):
     """The warnings of a short run."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        scene.run(progress=False, **more)
+        scene.run(**more)
     assert all(
         isinstance(one.message, ct.SceneWarning) and one.filename == __file__ for one in caught
     )
@@ -234,7 +234,7 @@ def test_what_a_thin_body_is_said_to_lose_it_loses():
         energy = (
             drop(cells=cells, beta=1e4, restitution=0.0)
             .set_time(end=0.15, fraction=0.5)
-            .run(progress=False, output=False)
+            .run(output=False)
             .energy["total"]
         )
         assert 1 - energy[-1] / energy[0] == pytest.approx(1 / (2 * cells), rel=0.06)
@@ -254,7 +254,7 @@ def test_the_reserve_is_what_a_thin_body_would_lose(cells):
     """With restitution 1 the ledger holds 1/(2 n) of the energy while contact lasts, and nothing after it; the body
     has all its energy again (eq:thin-loss, eq:impact-reserve)."""
     scene = drop(cells=cells, beta=1e4, restitution=1.0).set_time(end=0.15, fraction=0.5)
-    energy = scene.run(progress=False, output=False).energy
+    energy = scene.run(output=False).energy
     start = energy["kinetic"][0]
     assert energy["reserve"].max() / start == pytest.approx(1 / (2 * cells), rel=0.03)
     assert (
@@ -523,7 +523,7 @@ def test_a_block_that_passes_through_makes_no_energy():
     """The springs are too soft to stop a node, so there is no impact to give back (eq:release-time)."""
     scene = stacked(epsilon=1e-3, restitution=1.0)
     scene.add("gravity", acceleration=[0, 0, -1000.0], bodies=["high"])
-    energy = scene.set_time(end=0.08).run(progress=False, output=False).energy
+    energy = scene.set_time(end=0.08).run(output=False).energy
     assert energy["total"].max() < energy["total"][0] + 1e-4 * energy["kinetic"].max()
 
 
@@ -543,7 +543,7 @@ def test_a_scene_with_a_contact_and_an_obstacle_is_watched_to_its_end():
     plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
     scene.add("obstacle", surface="low.z_min", plane=plane)
     scene.add("gravity", acceleration=[0, 0, -1]).set_time(end=0.02)
-    run = scene.run(progress=False, output=False)
+    run = scene.run(output=False)
     assert run.state.time >= 0.02 and len(run.penetration) == 2
 
 
@@ -571,7 +571,7 @@ def test_wide_hex20_elements_lose_an_impact(element, ratio, low, high):
     scene = wide_bar(element, ratio)
     wide = element == "hex20" and ratio > 1
     assert kinds(scene) == ([("wide", "obstacle[0]")] if wide else [])
-    momentum = scene.run(progress=False, output=False).momentum["p"][:, 0]
+    momentum = scene.run(output=False).momentum["p"][:, 0]
     assert low < -momentum[-1] / momentum[0] < high
 
 
@@ -599,7 +599,7 @@ def test_the_adjust_that_is_advised_closes_the_gaps_of_facets():
     advised = float(re.search(r"adjust = (\S+) or more", str(found))[1])
     sag = 1 - math.cos(math.pi / 12)
     assert sag <= advised <= 1.2 * sag
-    points = rings(adjust=advised).run(progress=False, output=False).contact[0]
+    points = rings(adjust=advised).run(output=False).contact[0]
     ring = np.hypot(points["position"][:, 0], points["position"][:, 1])
     inside = abs(points["position"][:, 2]) < 0.049
     facing = (abs(ring - 1) < 0.05) & inside & (points["other"] >= 0)
@@ -624,11 +624,11 @@ def test_an_element_that_collapses_is_warned_of(law, left, warns):
     scene.set_time(end=1e-9, fraction=0.01).set_output(every=1)
     if law != "linear" and left < 0:
         with pytest.raises(ct.SceneError, match="invert"):
-            scene.run(progress=False)
+            scene.run()
         return
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        scene.run(progress=False, output=False)
+        scene.run(output=False)
     found = [str(one.message) for one in caught if getattr(one.message, "kind", "") == "volume"]
     assert len(found) == warns
     if warns:
