@@ -18,16 +18,13 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def measure() -> tuple[list[tuple[str, float, float]], int]:
     """Rows of (method, evaluations, share that is right), and the number of cases."""
-    sys.path.insert(0, str(ROOT / "bench"))
-    try:
-        import faces
-        from libcontact.projection import METHODS
+    sys.path.append(str(ROOT / "bench"))
+    import faces
+    from libcontact.projection import METHODS
 
-        import libcontact
+    import libcontact
 
-        found = {name: faces.side_by_side(libcontact, name) for name in METHODS}
-    finally:
-        sys.path.remove(str(ROOT / "bench"))
+    found = {name: faces.side_by_side(libcontact, name) for name in METHODS}
     return [(name, calls, share) for name, (calls, share, _) in found.items()], next(
         iter(found.values())
     )[2]

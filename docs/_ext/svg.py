@@ -12,7 +12,9 @@ from typing import Any
 
 FIGURES = Path(__file__).resolve().parents[1] / "figures"
 STYLE = FIGURES / "book.mplstyle"
-sys.path.append(str(FIGURES))  # for ``from shared.drawing import BLUE``
+# For ``from shared.drawing import BLUE``, and for the programs of chapters and benches that pictures are drawn of.
+for folder in ("week", "theory", "benchmarks", "../bench", "figures"):
+    sys.path.append(str((FIGURES.parent / folder).resolve()))
 
 
 @cache

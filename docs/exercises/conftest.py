@@ -12,20 +12,14 @@ import re
 import sys
 from pathlib import Path
 
+import count_book
 import pytest
 
 HERE = Path(__file__).parent
 DOCS = HERE.parent
-sys.path[:0] = [str(DOCS / "theory"), str(DOCS.parent / "tools")]
-sys.path.append(str(DOCS / "week"))
 
-import count_book  # noqa: E402
-
-for name in (
-    "wall",
-    "bar",
-    "plates",
-):  # the programs of Part I as week_wall, ...: others have a plates.py, too
+# The programs of Part I as week_wall, ...: others have a plates.py, too.
+for name in ("wall", "bar", "plates"):
     spec = importlib.util.spec_from_file_location(f"week_{name}", DOCS / "week" / f"{name}.py")
     sys.modules[spec.name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(sys.modules[spec.name])

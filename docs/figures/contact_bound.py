@@ -1,17 +1,12 @@
 """Pictures of the chapter on the stable step with contact and on its pressure."""
 
-import sys
-from pathlib import Path
-
+import balls as hertz
 import numpy as np
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED
 from shared.scenes import bar_on_wall, done
 
 import libcontact as ct
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
-import balls as hertz  # noqa: E402
 
 
 def after_impact(fraction, landings=3, **law):

@@ -1,14 +1,9 @@
 """Picture of the benchmark of a crushed ring."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 from libcontact.pictures.plot import draw_faces
 from matplotlib.figure import Figure
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from problems import bending, runs  # noqa: E402
+from problems import bending, runs
 
 
 def forces():

@@ -1,12 +1,7 @@
 """Picture of the benchmark of two discs."""
 
-import sys
-from pathlib import Path
-
 from matplotlib.figure import Figure
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from problems import runs  # noqa: E402
+from problems import runs
 
 
 def velocities():

@@ -1,16 +1,11 @@
 """Pictures of the chapter on the exact solution."""
 
-import sys
-from pathlib import Path
-
+import face
 import numpy as np
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREEN, GREY, ORANGE, RED, VIOLET
 
 import libcontact as ct
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "theory"))
-import face  # noqa: E402
 
 KAPPA = np.sqrt(3.5)  # c1 / c2 for Poisson's ratio 0.3
 

@@ -1,13 +1,8 @@
 """Picture of the benchmark of nested shells."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from problems import rings, runs  # noqa: E402
+from problems import rings, runs
 
 
 def displacements():

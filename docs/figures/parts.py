@@ -3,17 +3,15 @@
 import functools
 import itertools
 import re
-import sys
 import textwrap
 from pathlib import Path
 
 import numpy as np
+import parts
 from matplotlib.figure import Figure
 from shared.drawing import BLUE, GREY
 
 DOCS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(DOCS / "_ext"))
-import parts  # noqa: E402
 
 COLUMNS = 5
 

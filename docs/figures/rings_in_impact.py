@@ -1,12 +1,7 @@
 """Picture of the benchmark of two rings."""
 
-import sys
-from pathlib import Path
-
 from matplotlib.figure import Figure
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-from problems import rings  # noqa: E402
+from problems import rings
 
 
 def velocities():

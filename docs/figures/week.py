@@ -1,19 +1,15 @@
 """Pictures of "Contact in one week", from the programs of its chapters."""
 
-import sys
 from functools import cache
-from pathlib import Path
 
+import bar
 import numpy as np
+import plates
+import wall
 from matplotlib.figure import Figure
+from shared.drawing import DARK
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "week"))
-import bar  # noqa: E402
-import plates  # noqa: E402
-import wall  # noqa: E402
-from shared.drawing import DARK  # noqa: E402
-
-import libcontact as ct  # noqa: E402
+import libcontact as ct
 
 
 def condition():

@@ -10,7 +10,7 @@ from .shared import DOCS, MEASUREMENTS, ROOT
 
 # Programs that measurements share with chapters and campaigns.
 for folder in (ROOT / "stability", DOCS / "theory", DOCS / "benchmarks"):
-    sys.path.insert(0, str(folder))
+    sys.path.append(str(folder))
 
 import problems as benchmarks  # noqa: E402
 

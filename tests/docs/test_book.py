@@ -13,8 +13,7 @@ import pytest
 
 pytest.importorskip("sphinx")
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs"))
-import browser  # noqa: E402
+import browser
 
 # A compiler of C alone, as on a machine without g++.
 C_ALONE = """#!/bin/sh

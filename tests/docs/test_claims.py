@@ -1,16 +1,14 @@
 """Statements of the book about itself and the code, and the files that it names."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
+from csource import Source
+from parts import parts
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(DOCS / "_ext"))
-from csource import Source  # noqa: E402
-from parts import parts  # noqa: E402
 
 PAGES = {
     page.relative_to(ROOT).as_posix(): page.read_text()

@@ -1,14 +1,12 @@
 """The programs of the pictures of the chapters on contact, compared with closed forms."""
 
 import runpy
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures"
-sys.path.append(str(FIGURES))
 continuum = runpy.run_path(str(FIGURES / "continuum.py"))
 
 

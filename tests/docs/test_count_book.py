@@ -1,10 +1,6 @@
 """The counts of the book, on two small pages."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
-import count_book  # noqa: E402
+import count_book
 
 FIRST = """
 Five words, and no more :eq:`two`

@@ -1,15 +1,13 @@
 """The table of the courses: its names exist, and no week takes longer than its hours."""
 
 import re
-import sys
 from pathlib import Path
 
+import course
 import pytest
+from parts import parts
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-sys.path.insert(0, str(DOCS / "_ext"))
-import course  # noqa: E402
-from parts import parts  # noqa: E402
 
 TABLE = course.table()
 TEXTS = {name: (DOCS / f"{name}.rst").read_text() for name in course.chapters(TABLE)}

@@ -4,14 +4,12 @@ import ast
 import csv
 import io
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FIGURES = DOCS / "figures"
-sys.path.insert(0, str(DOCS / "_ext"))
 PAGES = sorted(page for page in DOCS.rglob("*.rst") if "_build" not in page.parts)
 DRAWN = {
     page: re.findall(r"^ *\.\. (?:drawn|moving):: (\S+) (\w+)", page.read_text(), re.M)

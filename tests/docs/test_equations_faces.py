@@ -1,18 +1,13 @@
 """Equations of faces, bricks, rules and closest points, written again from the pages and compared with the library."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from executes import executes
 from libcontact._core import ffi, lib
 from numpy.polynomial import legendre
+from scenes import EDGES
 
 import libcontact as ct
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
-from scenes import EDGES  # noqa: E402
 
 RNG = np.random.default_rng(17)
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])

@@ -1,21 +1,19 @@
 """The exercises of the book: each has a test, and the students' book has no answer."""
 
 import re
-import sys
 import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 
+import answers
 import books
+import count_book
 import pytest
+from parts import parts
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 FOLDER = DOCS / "exercises"
-sys.path[:0] = [str(ROOT / "tools"), str(DOCS), str(DOCS / "_ext")]
-import answers  # noqa: E402
-import count_book  # noqa: E402
-from parts import parts  # noqa: E402
 
 FILES = sorted(FOLDER.glob("*.rst"))
 BOOK = parts(DOCS)

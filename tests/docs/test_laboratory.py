@@ -5,7 +5,6 @@ import os
 import random
 import re
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +14,9 @@ import libcontact as ct
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "page")]
 
-import browser  # noqa: E402
-import native  # noqa: E402
+import browser
+import native
 
 FOLDER = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "page" / "html"
 FOUND = {"chromium": browser.find(), "firefox": browser.find_firefox()}

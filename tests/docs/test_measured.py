@@ -4,18 +4,15 @@ results of the library."""
 import json
 import math
 import re
-import sys
 from pathlib import Path
 
 import books
+import measure
 import pytest
+from measures import penalty
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs"))
-sys.path.insert(0, str(ROOT / "docs" / "_ext"))
 
-import measure  # noqa: E402
-from measures import penalty  # noqa: E402
 
 FILE = json.loads(measure.FILE.read_text())
 ROLE = re.compile(r":measured:`([\w.]+):([^`]+)`")

@@ -1,16 +1,14 @@
 """A symbol has one meaning in a part of the book: equations use no letter that reference/notation.toml does not have,
 and in closed parts no letter in a chapter that its row does not name."""
 
-import sys
 from pathlib import Path
 
 import pytest
+from parts import parts
+from symbols import CLOSED, exceptions, letters, names, notation, used, written
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(DOCS / "_ext"))
-from parts import parts  # noqa: E402
-from symbols import CLOSED, exceptions, letters, names, notation, used, written  # noqa: E402
 
 BOOK, TABLES = parts(DOCS), notation(DOCS)
 CHAPTERS = [(part, page) for part in BOOK for page in BOOK[part]]

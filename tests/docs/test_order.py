@@ -1,15 +1,13 @@
 """The order of the book: parts, one count of chapters, and references ahead in Parts I and II only in boxes "Later"."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
+from parts import entries, needs, parts
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(DOCS / "_ext"))
-from parts import entries, needs, parts  # noqa: E402
 
 BOOK = parts(DOCS)
 ORDER = [page for part in BOOK.values() for page in part]

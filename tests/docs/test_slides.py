@@ -1,17 +1,15 @@
 """Slides: what they show comes from the chapters, and each chapter of the courses has its lecture."""
 
 import re
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import books
+import course
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(DOCS / "_ext"))
-import course  # noqa: E402
 
 CHAPTERS = course.chapters(course.table())
 

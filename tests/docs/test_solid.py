@@ -1,17 +1,15 @@
 """Numbers that the chapters on bricks, masses and time steps take from their pictures (docs/figures)."""
 
 import runpy
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from libcontact.loop import default_interval
+from shared.bricks import BRICKS, moduli, stiffness
 
 FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures"
-sys.path.append(str(FIGURES))
 DRAWN = runpy.run_path(str(FIGURES / "solid.py"))
-from shared.bricks import BRICKS, moduli, stiffness  # noqa: E402
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,8 @@ pytest.importorskip("sphinx", reason="Sphinx is not installed")
 
 HERE = Path(__file__).resolve().parent
 EXTENSIONS = HERE.parents[1] / "docs" / "_ext"
-sys.path.insert(0, str(EXTENSIONS))
 
-from tracing import PythonSource, Source, statement  # noqa: E402
+from tracing import PythonSource, Source, statement
 
 BOOK = {
     "docs/conf.py": f"import sys; sys.path.insert(0, {str(EXTENSIONS)!r})\n"

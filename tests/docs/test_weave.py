@@ -1,7 +1,6 @@
 """The book's own extensions, on tiny books: a good one builds, and each kind of broken link fails the build."""
 
 import re
-import sys
 import textwrap
 from html import unescape
 from pathlib import Path
@@ -12,9 +11,8 @@ import pytest
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
 
 EXTENSIONS = Path(__file__).resolve().parents[2] / "docs" / "_ext"
-sys.path.insert(0, str(EXTENSIONS))
 
-from csource import Source, WeaveError  # noqa: E402
+from csource import Source, WeaveError
 
 OPTIONS = ("-W", "--keep-going")
 

@@ -3,19 +3,17 @@
 import contextlib
 import io
 import runpy
-import sys
 from pathlib import Path
 
+import bar
 import numpy as np
+import plates
 import pytest
+import wall
 
 import libcontact as ct
 
 WEEK = Path(__file__).resolve().parents[2] / "docs" / "week"
-sys.path.insert(0, str(WEEK))
-import bar  # noqa: E402
-import plates  # noqa: E402
-import wall  # noqa: E402
 
 
 @pytest.mark.parametrize("name", ["wall", "bar", "plates"])

@@ -8,24 +8,20 @@ import sys
 import time
 from pathlib import Path
 
+import campaign
+import defaults
+import drawings
+import instructions
 import numpy as np
+import price
 import pytest
+import table
 from scenes import METRES
 
 import libcontact as ct
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "accuracy"
-sys.path.insert(0, str(FOLDER))
-try:
-    import campaign
-    import defaults
-    import drawings
-    import instructions
-    import price
-    import table
-finally:
-    sys.path.remove(str(FOLDER))
 
 # Columns that depend on the clock.
 CLOCK = ("seconds", "times_paper")

@@ -1,15 +1,11 @@
 """The benches of Hertz's contact on coarse meshes, and their closed form compared with independent numbers."""
 
 import math
-import sys
-from pathlib import Path
 
+import balls
+import hertz
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
-import balls  # noqa: E402
-import hertz  # noqa: E402
 
 
 def test_the_surface_of_the_closed_form_is_that_of_its_pressure():

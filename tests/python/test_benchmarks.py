@@ -4,15 +4,13 @@ Each tolerance has its reason beside it. The pages have one form."""
 import json
 import math
 import re
-import sys
 from pathlib import Path
 
+import measure
 import numpy as np
 import pytest
 
 DOCS = Path(__file__).parents[2] / "docs"
-sys.path.insert(0, str(DOCS))
-import measure  # noqa: E402
 
 problems = measure.benchmarks
 FILE = json.loads(measure.FILE.read_text())

@@ -1,17 +1,13 @@
 """Each method on the corpus of hard cases, compared with results that were computed without the library."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import libcontact as ct
 
 pytest.importorskip("mpmath")
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "data"))
 
-import corpus  # noqa: E402
+import corpus
 
 CASES = corpus.load()
 RIGHT = 1e-6  # of the distance or the face size, whichever is larger

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
+import defaults
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
 from scenes import METRES, MILLIMETRES
 
 import libcontact as ct
-
-FOLDER = Path(__file__).parents[2] / "accuracy"
-sys.path.insert(0, str(FOLDER))
-try:
-    import defaults
-finally:
-    sys.path.remove(str(FOLDER))
 
 GAUSS = np.array([-1.0, 1.0]) / math.sqrt(3.0)
 

@@ -1,12 +1,10 @@
 """A few of the scenes and files that ``make fuzz`` changes at random."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
 fuzz_scenes = pytest.importorskip("fuzz_scenes")
 fuzz_meshes = pytest.importorskip("fuzz_meshes")
 

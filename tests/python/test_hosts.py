@@ -6,15 +6,12 @@ import csv
 import importlib
 import os
 import shutil
-import sys
-from pathlib import Path
 
 import pytest
 
 scipy = pytest.importorskip("scipy")
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "hosts"))
-import hosts_table as table  # noqa: E402
-import two_plates as plates  # noqa: E402
+import hosts_table as table
+import two_plates as plates
 
 LONG = pytest.mark.skipif(not os.environ.get("LIBCONTACT_HOSTS"), reason="make test-hosts")
 BETAS = pytest.mark.parametrize("beta", plates.FACTORS)

@@ -2,16 +2,14 @@
 
 import re
 import shutil
-import sys
 from pathlib import Path
 
+import floors
 import pytest
 from commands import captured
 from libcontact._core import ffi
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "docs" / "_ext"))
-import floors  # noqa: E402
 
 ARCHIVES = sorted((ROOT / "build" / "lib").glob("*.a"))
 

@@ -1,13 +1,12 @@
 """Integrators in scenes: keys and their refusals, ``explain``, energies of the bar on a wall, restarts, optimisations,
 and the stable step from both sides."""
 
-import importlib
-import sys
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+import steps
 from libcontact._core import ffi, lib
 from libcontact.model import INTEGRATORS
 from libcontact.parts import read
@@ -22,15 +21,6 @@ LIMITS = {
     "noh_bathe": 2 / np.sqrt(0.46 * 0.62),
     "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1),
 }
-
-
-def imported(folder: str, name: str):
-    """A module of a folder that is not a package."""
-    sys.path.insert(0, str(ROOT / folder))
-    try:
-        return importlib.import_module(name)
-    finally:
-        sys.path.pop(0)
 
 
 def plates(integrator: str, **keys) -> ct.Scene:
@@ -220,7 +210,6 @@ def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator,
 def test_the_stable_step_is_safe_and_sharp():
     """The short form of stability/steps.py: 10 000 steps at 0.999 of the reported step stay bounded, 1.02 of the true
     one does not."""
-    steps = imported("stability", "steps")
     rows = [
         *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
         *steps.rows(("graded",), ("hex20",), 2_000),

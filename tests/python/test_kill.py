@@ -1,13 +1,9 @@
 """A few of the runs of ``make kill``."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 import libcontact as ct
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "stability"))
 kill = pytest.importorskip("kill")
 
 

@@ -9,6 +9,7 @@ from itertools import pairwise, permutations
 from pathlib import Path
 
 import h5py
+import meshes as made
 import meshio
 import numpy as np
 import pytest
@@ -19,8 +20,6 @@ from libcontact.mesh import Mesh
 from libcontact.meshes import read_mesh
 
 DATA = Path(__file__).resolve().parents[1] / "data"
-sys.path.insert(0, str(DATA))
-import meshes as made  # noqa: E402
 
 # Corners of the faces of a brick, as `ct_brick_face` has them.
 FACES = np.array(

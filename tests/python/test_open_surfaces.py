@@ -1,12 +1,8 @@
 """A few of the random bodies of :file:`tests/fuzz/open_scenes.py`: contact between parts of skins, and stiff penalties
 between closed ones."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
 open_scenes = pytest.importorskip("open_scenes")
 
 # Each of these gained energy while points that came in over a border had their full depth.

@@ -7,7 +7,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -20,10 +19,9 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve()
 FOLDER = BUILD / "page" / "html"
 NODE = shutil.which("node")
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "page")]
 
-import build_page  # noqa: E402
-import native  # noqa: E402
+import build_page
+import native
 
 module = pytest.mark.skipif(
     NODE is None or not (FOLDER / "laboratory.js").exists(), reason="no Node, or no make page"

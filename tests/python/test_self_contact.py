@@ -2,19 +2,15 @@
 without contact."""
 
 import math
-import sys
 import warnings
-from pathlib import Path
 
+import fuzz_self
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh
 from scenes import METRES, box_of
 
 import libcontact as ct
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "fuzz"))
-import fuzz_self  # noqa: E402
 
 LEG, THICK, GAP = 0.6, 0.1, 0.08
 

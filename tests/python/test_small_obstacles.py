@@ -1,16 +1,12 @@
 """A few of the random bodies of :file:`tests/fuzz/obstacle_scenes.py`: overlaps with obstacles at the start, and
 obstacles smaller than an element."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scenes import METRES, box_of
 
 import libcontact as ct
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
 obstacle_scenes = pytest.importorskip("obstacle_scenes")
 needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 

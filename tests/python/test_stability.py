@@ -1,32 +1,23 @@
 """The short form of the stability laboratory: every case once, small; each row ends as its case expects."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
+import animals
+import cases
+import folding
+import impacts
+import inside
+import lab
 import numpy as np
 import pytest
+import run as laboratory
+import shapes
+import stage as stages
+import zoo
 from libcontact.checks import warned
 from scenes import METRES, box_of
 
 import libcontact as ct
-
-LABORATORY = Path(__file__).parents[2] / "stability"
-sys.path.insert(0, str(LABORATORY))
-try:
-    import animals
-    import cases
-    import folding
-    import impacts
-    import inside
-    import lab
-    import run as laboratory
-    import shapes
-    import stage as stages
-    import zoo
-finally:
-    sys.path.remove(str(LABORATORY))
-
 
 # Runs warn of intended features of the cases, and of a penalty that chatters. None is "thin": restitution is 1.
 MEANT = {"sizes": {"units"}, "contact_and_reference": set()}

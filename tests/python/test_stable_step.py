@@ -1,21 +1,12 @@
 """Reported over true stable step on regular meshes, for the integrators that the price list compares. The true step
 comes from all eigenvalues of the assembled matrices and from runs just below and above it."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+import steps
 from scenes import METRES, box_of
 
 import libcontact as ct
-
-LABORATORY = Path(__file__).parents[2] / "stability"
-sys.path.insert(0, str(LABORATORY))
-try:
-    import steps
-finally:
-    sys.path.remove(str(LABORATORY))
 
 # A cube, one layer as in the plates, and flat bricks; edges that are not powers of two.
 SHAPES = {

@@ -13,13 +13,8 @@ from pathlib import Path
 DOCS = Path(__file__).resolve().parents[2]
 # Programs that some cases share with the rest of the book: a rigid sphere on a block, an elastic ball on a plane,
 # theory of balls that strike each other, Euler's equations.
-for folder in (
-    DOCS.parent / "bench",
-    DOCS.parent / "accuracy",
-    DOCS / "benchmarks",
-    DOCS / "figures",
-):
-    sys.path.insert(0, str(folder))
+for folder in ("figures", "benchmarks", "../accuracy", "../bench"):
+    sys.path.append(str((DOCS / folder).resolve()))
 
 from . import balls, bending, blocks, rings, rods  # noqa: E402
 from .runs import Numbers  # noqa: E402
