@@ -1,10 +1,9 @@
 """Numbers that are typed: percentages, ratios and decimals in sentences and tables, that no role computes.
 
 A *measured* number, the result of a run, comes from ``measured.json`` (``measured.py``). What a page may type is
-listed in ``typed.toml``: for each page the numbers that are ``given`` (data of a scene, a limit, a value of the
-literature, a step of a derivation), and results that are still ``open``. A number that the list does not have is a
-warning, so with ``-W`` the build fails; so is one of the list that the page no longer has. The sections "How we know
-that it is right" state tolerances of tests and are not read.
+listed in ``typed.toml``, page by page: data of a scene, a limit, a value of the literature, a step of a derivation. A
+number that the list does not have is a warning, so with ``-W`` the build fails; so is one of the list that the page no
+longer has. The sections "How we know that it is right" state tolerances of tests and are not read.
 """
 
 from __future__ import annotations
@@ -55,8 +54,7 @@ def typed(text: str) -> list[str]:
 
 def check(name: str, text: str, table: dict) -> list[str]:
     """What is wrong on a page."""
-    row = table.get(name, {})
-    listed, found = Counter(row.get("given", []) + row.get("open", [])), Counter(typed(text))
+    listed, found = Counter(table.get(name, [])), Counter(typed(text))
     new = [f'"{one}" is typed' for one in (found - listed).elements()]
     return new + [
         f'typed.toml lists "{one}", which is not there' for one in (listed - found).elements()
