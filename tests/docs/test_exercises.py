@@ -98,14 +98,11 @@ ANSWER = "It is fortytwo, as each of n readers knows by now."
 def build(book: Path, page: str, *options: str) -> SimpleNamespace:
     """The book of one page."""
     pytest.importorskip("sphinx_design")
-    (book / "exercises").mkdir(parents=True, exist_ok=True)
-    (book / "exercises" / "x.rst").write_text(EXERCISES)
-    (book / "index.rst").write_text(page)
-    (book / "conf.py").write_text(
-        f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\n"
+    conf = (
         "extensions = ['exercises']\nhtml_copy_source = False\nnumfig = True\n"
         "numfig_format = {'exercise': 'Exercise %s'}\nexclude_patterns = ['exercises/*']\n"
     )
+    books.write(book, {"conf.py": conf, "index.rst": page, "exercises/x.rst": EXERCISES})
     return books.build(book, "-q", *options)
 
 

@@ -1,12 +1,9 @@
 """The directive of a laboratory on a tiny book: with what ``make page`` builds, and with a picture in its place."""
 
-from pathlib import Path
-
 import books
 import pytest
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
-EXTENSIONS = Path(__file__).resolve().parents[2] / "docs" / "_ext"
 PAGE = """
 Book
 ====
@@ -24,12 +21,10 @@ See :laboratory:`the stiff penalty <bar:law=penalty&beta=10>`.
 def test_a_laboratory_is_a_picture_in_a_book_without_make_page(tmp_path, built):
     folder, source = tmp_path / "page", tmp_path / "book"
     folder.mkdir()
-    source.mkdir()
     if built:
         (folder / "laboratory.js").write_text("// scripts")
-    conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = ['drawn', 'laboratory']\n"
-    (source / "conf.py").write_text(f"{conf}laboratory_folder = {str(folder)!r}\n")
-    (source / "index.rst").write_text(PAGE)
+    conf = f"extensions = ['drawn', 'laboratory']\nlaboratory_folder = {str(folder)!r}\n"
+    books.write(source, {"conf.py": conf, "index.rst": PAGE})
     done = books.build(source, "-W", "-q", out=tmp_path / "out")
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "out" / "index.html").read_text()

@@ -77,16 +77,14 @@ def test_growth_depends_on_the_landing():
 
 
 def build(tmp_path, text, numbers='{"bar": {"length": 0.61803, "tiny": 1.2e-05, "fall": -46.957}}'):
-    (tmp_path / "conf.py").write_text(
-        f"import sys\nsys.path.insert(0, {str(ROOT / 'docs' / '_ext')!r})\nextensions = ['measured']\n"
-    )
-    (tmp_path / "index.rst").write_text(f"Page\n====\n\n{text}\n")
-    (tmp_path / "measured.json").write_text(numbers)
+    conf, page = "extensions = ['measured']\n", f"Page\n====\n\n{text}\n"
+    books.write(tmp_path, {"conf.py": conf, "index.rst": page, "measured.json": numbers})
     pytest.importorskip("sphinx")
-    done = books.build(tmp_path, "-W", "--keep-going", "-q", builder="text")
-    return done, (tmp_path / "out" / "index.txt").read_text() if (
-        tmp_path / "out" / "index.txt"
-    ).exists() else ""
+    done, out = (
+        books.build(tmp_path, "-W", "--keep-going", "-q", builder="text"),
+        tmp_path / "out/index.txt",
+    )
+    return done, out.read_text() if out.exists() else ""
 
 
 def test_role_writes_the_number_in_its_format(tmp_path):

@@ -96,9 +96,8 @@ WEEKS = '[six]\ntitle = "Six"\nweeks = [{chapters = ["part/first"], exercises = 
 def build(book: Path, slides: str) -> SimpleNamespace:
     """A book of one chapter with slides, built in a process of its own, as directives stay registered."""
     pytest.importorskip("sphinx_design")
-    for name, text in {
-        "conf.py": f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\n"
-        "extensions = ['exercises', 'slides']\nnumfig = math_numfig = True\n"
+    files = {
+        "conf.py": "extensions = ['exercises', 'slides']\nnumfig = math_numfig = True\n"
         "exclude_patterns = ['exercises/*']\n"
         "numfig_format = {'exercise': 'Exercise %s', 'code-block': 'Listing %s'}\n"
         f"templates_path = [{str(DOCS / '_templates')!r}]\n",
@@ -108,9 +107,8 @@ def build(book: Path, slides: str) -> SimpleNamespace:
         "part/x.py": "def add(a, b):\n    return a + b\n",
         "slides/part/first.rst": slides,
         "course.toml": WEEKS + WEEKS.replace("six", "twelve"),
-    }.items():
-        (book / name).parent.mkdir(parents=True, exist_ok=True)
-        (book / name).write_text(text)
+    }
+    books.write(book, files)
     return books.build(book, "-q")
 
 

@@ -10,17 +10,14 @@ from pathlib import Path
 
 import books
 import pytest
+from tracing import PythonSource, Source, statement
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
 
 HERE = Path(__file__).resolve().parent
-EXTENSIONS = HERE.parents[1] / "docs" / "_ext"
-
-from tracing import PythonSource, Source, statement
 
 BOOK = {
-    "docs/conf.py": f"import sys; sys.path.insert(0, {str(EXTENSIONS)!r})\n"
-    "extensions = ['weave', 'tracepage']\ntrace_open = ['draft']\nhtml_theme = 'basic'\n",
+    "docs/conf.py": "extensions = ['weave', 'tracepage']\ntrace_open = ['draft']\nhtml_theme = 'basic'\n",
     "docs/index.rst": "Book\n====\n\n.. toctree::\n\n   spring\n   mass\n   words\n   draft\n   trace\n",
     "docs/trace.rst": "Trace\n=====\n\n.. trace::\n",
     "docs/spring.rst": r"""
@@ -220,11 +217,9 @@ def run_tests(folder):
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_flipped_sign_fails_the_test_of_its_row(tmp_path):
     def write(name, old="", new=""):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(BOOK[name].replace(old, new), encoding="utf-8")
+        books.write(tmp_path, {name: BOOK[name].replace(old, new)})
 
-    for name in BOOK:
-        write(name)
+    books.write(tmp_path, BOOK)
     assert run_tests(tmp_path)[0] == ["2 passed"]
     write(SOURCE, "half * (k * u * u)", "-half * (k * u * u)")
     counted, text = run_tests(tmp_path)
@@ -242,9 +237,8 @@ def test_flipped_sign_fails_the_test_of_its_row(tmp_path):
 
 
 def test_executed_label_that_no_page_defines_fails(tmp_path):
-    for name, text in BOOK.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text.replace(":label: spring-energy", ":label: spring-work"))
+    old, new = ":label: spring-energy", ":label: spring-work"
+    books.write(tmp_path, {name: text.replace(old, new) for name, text in BOOK.items()})
     counted, text = run_tests(tmp_path)
     assert counted[-1] == "1 error" and "no page defines the equations spring-energy" in text
 

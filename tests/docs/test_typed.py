@@ -73,10 +73,8 @@ def test_numbers_of_sentences_and_tables_are_found():
 
 def test_a_typed_result_fails_the_build(tmp_path):
     pytest.importorskip("sphinx")
-    (tmp_path / "conf.py").write_text(
-        f"import sys\nsys.path.insert(0, {str(DOCS / '_ext')!r})\nextensions = ['typed']\n"
-    )
-    (tmp_path / "index.rst").write_text("Page\n====\n\nThe bar loses 5 % of 2 %.\n")
-    (tmp_path / "typed.toml").write_text('index = ["2 %"]\n')
+    page = "Page\n====\n\nThe bar loses 5 % of 2 %.\n"
+    conf, table = "extensions = ['typed']\n", 'index = ["2 %"]\n'
+    books.write(tmp_path, {"conf.py": conf, "index.rst": page, "typed.toml": table})
     done = books.build(tmp_path, "-W", "-q", builder="text")
     assert done.returncode != 0 and 'typed: index: "5 %" is typed' in done.stderr

@@ -3,16 +3,12 @@
 import re
 import textwrap
 from html import unescape
-from pathlib import Path
 
 import books
 import pytest
+from csource import Source, WeaveError
 
 pytest.importorskip("sphinx", reason="Sphinx is not installed")
-
-EXTENSIONS = Path(__file__).resolve().parents[2] / "docs" / "_ext"
-
-from csource import Source, WeaveError
 
 OPTIONS = ("-W", "--keep-going")
 
@@ -99,7 +95,7 @@ def book(tmp_path):
         page, *options, sources=None, other_page="", extensions=("weave", "codepages"), clean=True
     ):
         files = {
-            "docs/conf.py": f"import sys; sys.path.insert(0, {str(EXTENSIONS)!r}); extensions = {list(extensions)!r}\n"
+            "docs/conf.py": f"extensions = {list(extensions)!r}\n"
             "cnames_headers = '../libcontact'\nhtml_theme = 'basic'\n"
             "hawkmoth_autoconf = []\n",  # as in conf.py: it would ask for clang
             "docs/index.rst": PAGE + textwrap.dedent(page),
@@ -108,11 +104,7 @@ def book(tmp_path):
             "libcontact/src/spring.h": HEADER,
             **(sources or {}),
         }
-        for name, text in files.items():
-            path = tmp_path / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            if not path.exists() or path.read_text(encoding="utf-8") != text:
-                path.write_text(text, encoding="utf-8")
+        books.write(tmp_path, files)
         options = (*OPTIONS, "-n", *options, *(["-E"] if clean else []))
         done = books.build(tmp_path, *options, source="docs", out="html")
         html = tmp_path / "html" / "index.html"
