@@ -269,62 +269,6 @@ def test_plane_wave():
     close([sx[1], sz[1], txz[1], vx[1], vz[1]], [0, 0, 0, -1, 0])
 
 
-def face_fields(x, y, t, nu):
-    """Fields of the load on a half-space by Cagniard's points and Gauss's rule, in the order s_x, s_y, s_xy, w_x,
-    w_y."""
-    kappa = np.sqrt(2 * (1 - nu) / (1 - 2 * nu))
-    eps = kappa**2 - 2
-    r2 = x * x + y * y
-
-    def parts(p):
-        g1, g2, q = np.sqrt(1 - p * p), np.sqrt(kappa**2 - p * p), p * p
-        a = kappa**2 - 2 * q
-        Q = 2 / ((1 - q) * (a**2 + 4 * q * g1 * g2))
-        P = [
-            Q * a * (eps + 2 * q),
-            Q * a**2,
-            -2 * Q * p * g1 * a,
-            eps * Q * p * a,
-            -eps * Q * g1 * a,
-        ]
-        S = [-4 * Q * q * g1 * g2, 4 * Q * q * g1 * g2, 2 * Q * p * g1 * a]
-        S += [-2 * eps * Q * p * g1 * g2, -2 * eps * Q * q * g1]
-        return np.array(P), np.array(S)
-
-    u, w = np.polynomial.legendre.leggauss(60)
-    total = np.zeros(5)
-    for which, c in enumerate((1, kappa)):
-        if t <= c * np.sqrt(r2):
-            continue
-        end = (x * t + 1j * y * np.sqrt(t * t - c * c * r2)) / r2
-        # From 0 up the imaginary axis, where nothing is singular, and across to the point.
-        for start, stop in ((0, 1j * end.imag), (1j * end.imag, end)):
-            half = (stop - start) / 2
-            nodes = start + half * (1 + u)
-            total += np.sum(w * half * parts(nodes)[which], axis=1).imag
-    return np.array([1, 1, -1, -1, 1]) / np.pi * total
-
-
-@pytest.mark.parametrize("x, z, t", [(0.2, 0.5, 0.7), (0.1, 0.3, 1.6), (0.3, -0.6, 1.4)])
-@executes(
-    "exact-load", "exact-gammas", "exact-integrands", "exact-cagniard", "exact-face", "exact-sum"
-)
-def test_fields_of_the_plates_by_integration(x, z, t):
-    """Steep enough that no head wave arrives."""
-    nu = 0.3
-    near, far = face_fields(x, 1 - z, t, nu), face_fields(x, 1 + z, t, nu)
-    plane = np.array([-(1 - nu) / nu, -1, 0, 0, 0])
-    expected = [
-        plane[0] + near[0] + far[0],
-        plane[1] + near[1] + far[1],
-        far[2] - near[2],
-        plane[3] + near[3] + far[3],
-        far[4] - near[4],
-    ]
-    (sx, sz, txz), (vx, vz) = ct.exact.plates(x, z, t, nu=nu)
-    close([sx, sz, txz, vx, vz], expected, 1e-9)
-
-
 # -- Sums
 
 

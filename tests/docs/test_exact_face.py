@@ -1,25 +1,28 @@
 """The readable form of the exact solution (docs/theory/face.py) compared with the library and with independent Laplace
 transforms."""
 
-import importlib.util
-from pathlib import Path
-
+import face
 import numpy as np
 import pytest
+from executes import executes
 
 import libcontact as ct
 
-spec = importlib.util.spec_from_file_location(
-    "face", Path(__file__).resolve().parents[2] / "docs" / "theory" / "face.py"
-)
-face = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(face)
-
 
 @pytest.mark.parametrize("nu", [0.1, 0.3, 0.4])
+@executes(
+    "exact-load",
+    "exact-gammas",
+    "exact-rayleigh",
+    "exact-amplitudes",
+    "exact-integrands",
+    "exact-cagniard",
+    "exact-face",
+    "exact-head",
+    "exact-sum",
+)
 def test_quadrature_along_the_path_gives_the_closed_form(nu):
-    """All five fields of both faces and of the plane wave: eq:exact-load, eq:exact-rayleigh, eq:exact-amplitudes,
-    eq:exact-integrands, eq:exact-cagniard, eq:exact-face, eq:exact-head, eq:exact-gammas."""
+    """All five fields of both faces and of the plane wave."""
     random = np.random.default_rng(5)
     ell, seen = 2 * nu / (1 - 2 * nu), set()
     for x, z, t in random.uniform([0.05, -0.9, 0.3], [0.9, 0.9, 1.9], (60, 3)):
