@@ -235,61 +235,42 @@ def speeds(loops, run) -> dict:
     least disturbed one; ratios are relative to robust."""
     nodes, points, _, _ = faces.ordinary(2048, seed=11)
     pairs = Pairs(lib.CT_Q8, nodes, points)
-    tolerances = {
-        "simplex": 1e-10,
-        "certified": 1e-10,
-        "newton": 1e-10,
-        "NLopt SLSQP": 1e-10,
-        "GSL bfgs2": 1e-8,
-        "GSL nmsimplex2": 1e-8,
-    }
-    times = {
-        name: []
-        for name in [
-            "robust",
-            *(name for name in tolerances if name in run),
-            "batch",
-            "robust warm",
-            "batch warm",
-        ]
-    }
+    loose = {"GSL bfgs2": 1e-8, "GSL nmsimplex2": 1e-8}  # which do not reach 1e-10
+    others = ("simplex", "certified", "newton", "NLopt SLSQP", *loose)
+    names = [
+        "robust",
+        *(name for name in others if name in run),
+        "batch",
+        "robust warm",
+        "batch warm",
+    ]
+    times = {name: [] for name in names}
     lanes, point_lanes, closest, arrays = batch_of(nodes, points)
+
+    def batch(first):
+        number, tolerance = ctypes.c_int64(len(points)), ctypes.c_double(1e-10)
+        return loops.bench_batch(lib.CT_Q8, number, lanes, point_lanes, first, tolerance, closest)
+
     start = None
     for _ in range(ROUNDS):
         for name in times:
             if name == "batch":
-                own = loops.bench_batch(
-                    lib.CT_Q8,
-                    ctypes.c_int64(len(points)),
-                    lanes,
-                    point_lanes,
-                    None,
-                    ctypes.c_double(1e-10),
-                    closest,
-                )
+                own = batch(None)
                 start = arrays[0] + 0.01
             elif name == "robust warm":
                 pairs.closest[:] = start.transpose(0, 2, 1).reshape(-1, 2)
                 own = loops.bench_warm(ctypes.byref(pairs))
             elif name == "batch warm":
-                own = loops.bench_batch(
-                    lib.CT_Q8,
-                    ctypes.c_int64(len(points)),
-                    lanes,
-                    point_lanes,
-                    ctypes.c_void_p(start.ctypes.data),
-                    ctypes.c_double(1e-10),
-                    closest,
-                )
+                own = batch(ctypes.c_void_p(start.ctypes.data))
             else:
-                own = run[name](pairs, tolerances.get(name, 1e-10))
+                own = run[name](pairs, loose.get(name, 1e-10))
             times[name].append(own)
     table = {}
     for name, row in times.items():
         own = times["robust warm" if "warm" in name else "robust"]
         ratios = [a / b for a, b in zip(row, own)]
         table[name] = {
-            "tolerance": tolerances.get(name, 1e-10),
+            "tolerance": loose.get(name, 1e-10),
             "ns": 1e9 * min(row) / len(points),
             "times_robust": min(row) / min(own),
             "range": [min(ratios), max(ratios)],
