@@ -19,10 +19,11 @@ import sys
 import tempfile
 import warnings
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from fuzz_scenes import damaged, in_child, rebuilt
+from fuzz_scenes import damaged, rebuilt, run_batch
 from libcontact.meshes import MeshData, read_mesh
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -188,7 +189,7 @@ def limit_memory(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
-def try_file(chance: random.Random, folder: Path, name: str, counts: dict[str, int]) -> None:
+def try_file(chance: random.Random, folder: Path, name: str, counts: Counter) -> None:
     """Change a file and read it."""
     path = folder / "changed" / f"changed{Path(name).suffix}"
     good = (folder / name).read_bytes()
@@ -212,7 +213,7 @@ def try_file(chance: random.Random, folder: Path, name: str, counts: dict[str, i
         if not each.startswith((str(path.parent), sys.prefix, sys.base_prefix))
     ]
     assert not outside, outside
-    counts[kind] = counts.get(kind, 0) + 1
+    counts[kind] += 1
 
 
 OPENED: list[str] = []
@@ -229,7 +230,7 @@ def note(event: str, arguments: tuple) -> None:
 def campaign(files: int, seed: int, folder: Path | None = None) -> dict[str, int]:
     """Change so many files of each format; the counts of what came out. A broken promise is an AssertionError that
     names the seed."""
-    counts: dict[str, int] = {}
+    counts: Counter = Counter()
     with tempfile.TemporaryDirectory(dir=folder) as name:
         good = good_files(Path(name))
         (Path(name) / "changed").mkdir()
@@ -240,22 +241,14 @@ def campaign(files: int, seed: int, folder: Path | None = None) -> dict[str, int
                 def batch(seed=seed, first=first, names=names):
                     warnings.simplefilter("ignore")
                     sys.addaudithook(note)
-                    chance, told = random.Random(seed), {}
+                    chance, told = random.Random(seed), Counter()
                     for _ in range(min(BATCH, files - first)):
                         try_file(chance, Path(name), chance.choice(names), told)
                     return told
 
                 seed += 1
-                status, text = in_child(batch, SECONDS * BATCH)
-                hdf5 = form in ("exodus", "vtkhdf")
-                if os.WIFSIGNALED(status) and hdf5 and os.WTERMSIG(status) != signal.SIGALRM:
-                    counts["ended by HDF5"] = counts.get("ended by HDF5", 0) + 1
-                elif status != 0:
-                    raise AssertionError(f"seed {seed - 1}, {form}: status {status}\n{text}")
-                else:
-                    for told, n in json.loads(text).items():
-                        key = f"{form} {told}"
-                        counts[key] = counts.get(key, 0) + n
+                who, hdf5 = f"seed {seed - 1}, {form}", form in ("exodus", "vtkhdf")
+                run_batch(counts, batch, SECONDS * BATCH, who, hdf5, f"{form} ")
     return {**counts, "next seed": seed}
 
 

@@ -20,6 +20,7 @@ import time
 import tomllib
 import traceback
 import warnings
+from collections import Counter
 from pathlib import Path
 
 from libcontact._core import lib
@@ -208,7 +209,7 @@ def scene_text(chance: random.Random) -> bytes:
     return bytes(text)
 
 
-def try_scene(chance: random.Random, path: Path, counts: dict[str, int]) -> None:
+def try_scene(chance: random.Random, path: Path, counts: Counter) -> None:
     path.write_bytes(scene_text(chance))
     kind = "refused"
     try:
@@ -230,7 +231,7 @@ def try_scene(chance: random.Random, path: Path, counts: dict[str, int]) -> None
             error.time is not None and error.run is not None and "last good state" in str(error)
         ), "a fault tells where it is"
         kind = "failed"
-    counts[kind] = counts.get(kind, 0) + 1
+    counts[kind] += 1
 
 
 def damaged(chance: random.Random, good: bytes) -> bytes:
@@ -289,7 +290,7 @@ def rebuilt(chance: random.Random, path: Path, good: bytes) -> None:
 
 
 def try_file(
-    chance: random.Random, path: Path, good: bytes, scene: ct.Scene, counts: dict[str, int]
+    chance: random.Random, path: Path, good: bytes, scene: ct.Scene, counts: Counter
 ) -> None:
     if chance.random() < 0.4:
         rebuilt(chance, path, good)
@@ -301,7 +302,7 @@ def try_file(
     except ValueError as error:
         assert str(path.name) in str(error), "a refusal names the file"
         kind = "file refused"
-    counts[kind] = counts.get(kind, 0) + 1
+    counts[kind] += 1
     try:
         scene.run(progress=False, restart=path, output=False)
         kind = "restarted"
@@ -309,7 +310,7 @@ def try_file(
         kind = "restart refused"
     except RunError:
         kind = "restart failed"
-    counts[kind] = counts.get(kind, 0) + 1
+    counts[kind] += 1
 
 
 def in_child(work, seconds: float) -> tuple[int, str]:
@@ -335,13 +336,25 @@ def in_child(work, seconds: float) -> tuple[int, str]:
     return os.waitpid(pid, 0)[1], text.decode(errors="replace")
 
 
+def run_batch(counts: Counter, batch, seconds: float, who: str, hdf5: bool, form="") -> None:
+    """Add what a batch counts. It may end by a signal in HDF5, which is counted, too; any other end is an
+    AssertionError that names the batch."""
+    status, text = in_child(batch, seconds)
+    if os.WIFSIGNALED(status) and hdf5 and os.WTERMSIG(status) != signal.SIGALRM:
+        counts["ended by HDF5"] += 1
+    elif status != 0:
+        raise AssertionError(f"{who}: status {status}\n{text}")
+    else:
+        counts.update({form + told: n for told, n in json.loads(text).items()})
+
+
 def campaign(
     seconds: float, seed: int, folder: Path | None = None, rounds: int | None = None
 ) -> dict[str, int]:
     """Change scenes and files for so long (or for so many rounds of 400 scenes and 20 files); the counts of what came
     out. A broken promise is an AssertionError that names the seed."""
     warnings.simplefilter("ignore")
-    counts: dict[str, int] = {}
+    counts: Counter = Counter()
     with tempfile.TemporaryDirectory(dir=folder) as name:
         plain = good_scene(random.Random(3))
         plain["output"] = {"every": 1}
@@ -354,7 +367,7 @@ def campaign(
             for kind, number in (("scenes", 400), ("files", 20)):
 
                 def batch(kind=kind, number=number, seed=seed):
-                    chance, told = random.Random(seed), {}
+                    chance, told = random.Random(seed), Counter()
                     for _ in range(number):
                         if kind == "scenes":
                             try_scene(chance, Path(name) / "scene.toml", told)
@@ -365,28 +378,10 @@ def campaign(
                 seed += 1
                 if kind == "files" and not good:
                     continue
-                status, text = in_child(batch, 120.0)
-                if (
-                    os.WIFSIGNALED(status)
-                    and kind == "files"
-                    and os.WTERMSIG(status) != signal.SIGALRM
-                ):
-                    counts["ended by HDF5"] = counts.get("ended by HDF5", 0) + 1
-                elif status != 0:
-                    raise AssertionError(f"seed {seed - 1}, {kind}: status {status}\n{text}")
-                else:
-                    for told, n in json.loads(text).items():
-                        counts[told] = counts.get(told, 0) + n
+                run_batch(counts, batch, 120.0, f"seed {seed - 1}, {kind}", kind == "files")
     return {**counts, "next seed": seed}
 
 
 if __name__ == "__main__":
-    print(
-        json.dumps(
-            campaign(
-                float(sys.argv[1]),
-                int(sys.argv[2]),
-                Path(sys.argv[3]) if len(sys.argv) > 3 else None,
-            )
-        )
-    )
+    where = Path(sys.argv[3]) if len(sys.argv) > 3 else None
+    print(json.dumps(campaign(float(sys.argv[1]), int(sys.argv[2]), where)))
