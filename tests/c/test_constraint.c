@@ -1,6 +1,7 @@
 /* The parts of the constraint solver, on random rows, compared with matrices that this file
  * computes itself. The source is included, so that each part can be called alone. */
 #include "../../libcontact/src/constraint/solve.c"
+#include "../../libcontact/src/base/vector.h"
 #include "../../libcontact/src/constraint/active.h"
 #include "../../libcontact/src/constraint/matrix.h"
 #include "bodies.h"
@@ -543,9 +544,62 @@ static void kept_rows(void)
          below, kept);
 }
 
+/* List other rows of each set, some of them over another face; or drop the last one. */
+static void list_others(rows *r, int drop)
+{
+  int64_t *first = r->s->first, count = 0;
+  if (drop && first[2] > first[1]) {
+    first[2]--;
+    return;
+  }
+  for (int j = 0; j < ROWS; j++) {
+    const int k = pick(ROWS);
+    if (r->row[k].other_count == r->row[j].other_count && pick(3) == 0)
+      r->row[j].other = r->other[k];
+    if (j == ROWS / 2) first[1] = count;
+    if (pick(4) > 0) r->s->rows[count++] = &r->row[j];
+  }
+  first[2] = count;
+}
+
+/* G and the numbers of rows at the nodes are those of the listed rows after each fill, although
+ * groups with the nodes of the last step keep their places. */
+static void changing_rows(void)
+{
+  double off = 0.0;
+  int miscounted = 0;
+  rows r;
+  fill(&r);
+  for (int step = 0; step < 300; step++) {
+    double x[CT_SOLVER_WIDE * NODES] = {0.0}, out[ROWS];
+    int32_t counts[NODES] = {0};
+    list_others(&r, step % 3 == 2);
+    for (int d = 0; d < DOFS; d++) x[CT_SOLVER_WIDE * (d / 3) + d % 3] = uniform(1.0);
+    ct_matrix_fill(r.s);
+    ct_matrix_times(r.s, r.s->first[2], x, out);
+    for (int64_t i = 0; i < r.s->first[2]; i++) {
+      const ct_constraint *c = r.s->rows[i];
+      double gap = 0.0;
+      for (int a = 0; a < c->own_count + c->other_count; a++) {
+        const int b = a - c->own_count;
+        const int32_t node = b < 0 ? c->own[a] : c->other[b];
+        gap += (b < 0 ? c->own_shape[a] : -c->other_shape[b]) *
+               ct_vector_dot(c->normal, &x[CT_SOLVER_WIDE * node]);
+        counts[node]++;
+      }
+      off = worst(off, out[i] - gap);
+    }
+    miscounted += memcmp(counts, r.s->row_counts, sizeof counts) != 0;
+  }
+  release(&r);
+  tap_ok(off < 1e-12 && miscounted == 0,
+         "G of rows that come and go (%.1e); their numbers at nodes wrong %d times", off, miscounted);
+}
+
 int main(void)
 {
   slopes();
+  changing_rows();
   kept_rows();
   step();
   release_of_rows();

@@ -15,7 +15,8 @@ static void settled(void)
   static const double place[3] = {-1.0, 0.4, 1.0};
   ct_side_fixed fixed = {.rule.count = 1};
   ct_point none = {.other = -1};
-  ct_side side = {.fixed = &fixed, .points = &none};
+  ct_search search = {.size = 1.0};
+  ct_side side = {.fixed = &fixed, .search = &search, .points = &none};
   const ct_pass p = {.side = &side, .project = ct_project_options_default(), .depth = 0.5};
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
@@ -27,6 +28,27 @@ static void settled(void)
         tap_ok(b.inside[3] == (i == 1 && j == 1 && k == 0), "closest point (%g, %g) at %g, %s",
                place[i], place[j], b.distance[3], k / 2 ? "with a rival" : "alone");
       }
+}
+
+/* Eight such points are settled together, unless one of them is on an edge or comes into contact; and
+ * coincide with their closest points if one of them does. */
+static void together(void)
+{
+  ct_search search = {.size = 1.0};
+  ct_side side = {.search = &search};
+  const ct_pass p = {.side = &side, .project = ct_project_options_default(), .depth = 0.5};
+  int wrong = 0;
+  for (int l = 0; l < CT_WARM; l++)
+    for (int k = 0; k < 5; k++) {
+      block b = {.number = 0};
+      for (int i = 0; i < CT_WARM; i++) b.gap[i] = 0.1, b.last[i] = CT_POINT_OUTSIDE;
+      if (k == 1) b.xi[l] = 1.0;
+      if (k >= 2) b.gap[l] = k < 4 ? -0.1 : 1e-13;
+      if (k == 3) b.last[l] = CT_POINT_INSIDE;
+      settle(&p, &b);
+      wrong += b.sure != (k != 1 && k != 2) || b.touches != (k == 4);
+    }
+  tap_ok(wrong == 0, "eight points that are settled together, or not");
 }
 
 /* A point moves by (0.3, 0.1, 0), one node of the other face by (0, 0.5, 0.2), the others stand
@@ -190,6 +212,7 @@ int main(void)
   for (int i = 0; i < 16; i++) last_gap(PER[i / 4], PER[i % 4]);
   directions();
   settled();
+  together();
   motion(4);
   motion(8);
   return tap_done();
