@@ -2,6 +2,7 @@
  * can change a gap; and the gaps before a step, from which the account of admitted points follows.
  */
 #include "../../libcontact/src/contact/admission.c"
+#include "../../libcontact/src/gap/candidates.c"
 #include "../../libcontact/src/gap/pass.c"
 #include "../../libcontact/src/gap/warm.c"
 
@@ -205,10 +206,60 @@ static void last_gap(int per, int theirs)
             "the last gap of a point of %d nodes over %d", per, theirs);
 }
 
+/* A point that met no face and boxes around it, which then move by at most 0.05 each: where it is
+ * left alone, no box is within the search distance (eq:alone-distance). */
+static void alone(void)
+{
+  enum { FACES = 5 };
+  int wrong = 0, some = 0, trials = 2000;
+  for (int trial = 0; trial < trials; trial++) {
+    int32_t nodes[4] = {0, 1, 2, 3}, list[FACES] = {0, 1, 2, 3, 4}, ends[2] = {0, FACES},
+            near_end = trial % 2 ? FACES : 0, met;
+    double distant, x[13] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, y[3] = {0.0};
+    ct_bounds boxes[FACES];
+    ct_search own = {.per = 4, .edges = 4, .faces = nodes, .x = x},
+              search = {.per = 4, .edges = 4, .boxes = boxes};
+    ct_side_fixed fixed = {.rule.count = 1, .N = {{0.25, 0.25, 0.25, 0.25}}};
+    ct_point point = {.other = -1, .status = CT_POINT_OUTSIDE};
+    ct_side side = {.fixed = &fixed,
+                    .search = &own,
+                    .points = &point,
+                    .candidate_first = ends,
+                    .candidates = list,
+                    .near_end = &near_end,
+                    .met = &met,
+                    .distant = &distant},
+            other = {.search = &search};
+    for (int f = 0; f < FACES; f++)
+      for (int c = 0; c < 3; c++) {
+        boxes[f].low[c] = 2.0 * sin(1e4 * sin(70.0 * trial + 3.0 * f + c)) - 0.1;
+        boxes[f].high[c] = boxes[f].low[c] + 0.2;
+      }
+    measure_rivals(&side, &other, 0, 0.2);
+    const ct_pass p = {.side = &side, .other = &other, .depth = 0.7, .since = 0.1};
+    const int left = is_alone(&p, 0);
+    int near = 0;
+    for (int f = 0; f < FACES; f++) {
+      double d[3];
+      for (int c = 0; c < 3; c++) d[c] = 0.5 * (boxes[f].low[c] + boxes[f].high[c]);
+      const double length = sqrt(ct_vector_dot(d, d));
+      for (int c = 0; c < 3; c++) {
+        boxes[f].low[c] -= 0.1 * d[c] / length;
+        boxes[f].high[c] -= 0.1 * d[c] / length;
+      }
+      near += ct_bounds_distance(&boxes[f], y) <= p.depth;
+    }
+    some += left;
+    wrong += left && near > 0;
+  }
+  tap_ok(wrong == 0 && some > trials / 10, "%d points of %d are left alone", some, trials);
+}
+
 int main(void)
 {
   static const int PER[4] = {3, 4, 6, 8};
   rivals();
+  alone();
   for (int i = 0; i < 16; i++) last_gap(PER[i / 4], PER[i % 4]);
   directions();
   settled();

@@ -406,13 +406,16 @@ static point_class classify(const ct_pass *p, int64_t i, const double y[3], near
   return found;
 }
 
-/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at
- * the very first look it may be deep inside (eq:point-status). */
+/* Whether nothing can be near a point: it was over no face, and no face is listed for its own, or
+ * all of them are too far away since the lists were made (eq:alone-distance); at the very first look
+ * it may be deep inside (eq:point-status). */
 static int is_alone(const ct_pass *p, int64_t i)
 {
   const int32_t *list = &p->side->candidate_first[face_of(p, i)];
   const ct_point *point = &p->side->points[i];
-  return list[0] == list[1] && point->other < 0 && point->status != CT_POINT_INSIDE && !p->first;
+  if (point->other >= 0 || point->status == CT_POINT_INSIDE || p->first) return 0;
+  return list[0] == list[1] || (p->side->met[i] < 0 &&
+                                (1.0 + 1e-9) * (p->depth + p->since) < p->side->distant[i]);
 }
 
 static void search_point(const ct_pass *p, int64_t i)
