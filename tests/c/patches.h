@@ -83,6 +83,14 @@ static inline void update(ct_contact *contact, const patch *a, const patch *b)
   must(ct_contact_update, contact, a->x, b->x);
 }
 
+/* Both, with the default options. */
+static inline ct_contact *updated_contact(const patch *a, const patch *b)
+{
+  ct_contact *contact = open_contact(a, b, ct_contact_options_default());
+  update(contact, a, b);
+  return contact;
+}
+
 /* Forces on both surfaces, from zero. */
 static inline void forces(const ct_contact *contact, const patch *a, const patch *b, double *fa,
                           double *fb)

@@ -19,8 +19,7 @@ static void end(world *w)
 {
   ct_monitor_free(w->monitor);
   ct_state_free(w->copy);
-  ct_state_free(w->state);
-  ct_scene_free(w->scene);
+  close_run(w->state, w->scene, NULL);
   for (int b = 0; b < 2; b++) ct_mesh_free(w->mesh[b]);
 }
 

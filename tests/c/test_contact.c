@@ -189,8 +189,7 @@ static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
   double delta = 0.01, *fa = numbers(3 * a.surface.node_count),
          *fb = numbers(3 * b.surface.node_count);
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -delta;
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   forces(contact, &a, &b, fa, fb);
   double want = EPSILON * delta * 0.75, nodal = 0.0;
   tap_ok(fabs(total(fa, a.surface.node_count, 2) / want + 1.0) < 1e-13 &&
@@ -242,8 +241,7 @@ static void one_q8(void)
   patch a = new_patch(CT_Q8, 1, 1, 0, 0, 2, 1, 1), b = new_patch(CT_Q8, 1, 1, 0, 0, 2, 1, 0);
   double fa[27], fb[27], off = 0.0;
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = -0.25;
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   forces(contact, &a, &b, fa, fb);
   for (int i = 0; i < 8; i++) {
     double want = EPSILON * 0.25 * 2.0 * (i < 4 ? -1.0 / 12.0 : 1.0 / 3.0);
@@ -384,8 +382,7 @@ static void border(void)
 {
   patch a = new_patch(CT_Q4, 4, 4, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 5, 3, 0.37, -0.41, 1, 1, 0);
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
   int wrong = 0, in = 0;
@@ -446,8 +443,7 @@ static void fold(double c, double C, double z0, double q, const char *what)
     a.x[3 * n + 2] = c * (fabs(a.x[3 * n]) + q * fabs(a.x[3 * n + 1]));
   for (int n = 0; n < b.surface.node_count; n++)
     b.x[3 * n + 2] = z0 + C * (fabs(b.x[3 * n]) + q * fabs(b.x[3 * n + 1]));
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
   int lost = 0, inside = 0, on_edge = 0, invented = 0;
@@ -647,8 +643,7 @@ static void translation(ct_face_kind kind)
       for (int i = 0; i < 3 * p->surface.node_count; i++)
         p->x[i] = k == 0 ? floor(p->x[i] * 1073741824.0) / 1073741824.0 : p->x[i] + shift[i % 3];
     }
-    ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-    update(contact, &a, &b);
+    ct_contact *contact = updated_contact(&a, &b);
     forces(contact, &a, &b, f[k][0], f[k][1]);
     energy[k] = ct_contact_energy(contact);
     ct_contact_free(contact);

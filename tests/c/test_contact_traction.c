@@ -37,8 +37,7 @@ static void uniform_overlap(ct_face_kind kind)
   double off = 0.0, size[2] = {0.0, 0.0}, delta = 0.01;
   int written = 0, used = 0;
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -delta;
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   recovered r = recover(contact, &a, &b);
   for (int s = 0; s < 2; s++)
     for (int n = 0; n < a.surface.node_count; n++) {
@@ -73,8 +72,7 @@ static void linear_overlap(ct_face_kind kind)
   int inner = 0;
   for (int n = 0; n < b.surface.node_count; n++)
     b.x[3 * n + 2] = -delta - tilt * (b.x[3 * n] + 2.0 * b.x[3 * n + 1]);
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   recovered r = recover(contact, &a, &b);
   for (int n = 0; n < a.surface.node_count; n++) {
     double x = a.x[3 * n], y = a.x[3 * n + 1];
@@ -125,8 +123,7 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
 {
   patch a, b;
   warped_pair(ka, kb, straight, &a, &b);
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   recovered r = recover(contact, &a, &b);
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *point = room(count, sizeof *point);
@@ -183,8 +180,7 @@ static void box_on_patch(int turned)
     turn(&a, R);
     turn(&b, R);
   }
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   recovered r = recover(contact, &a, &b);
   double off[2] = {0.0, 0.0}, area = 0.0;
   for (int n = 0; n < b.surface.node_count; n++) {
@@ -218,8 +214,7 @@ static void bend(double angle)
   for (int n = 0; n < a.surface.node_count; n++)
     if (a.x[3 * n] > 1e-9) a.x[3 * n + 2] = -tan(angle) * a.x[3 * n];
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
-  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  update(contact, &a, &b);
+  ct_contact *contact = updated_contact(&a, &b);
   recovered r = recover(contact, &a, &b);
   double off = 0.0;
   int on_bend = 0;
@@ -249,8 +244,7 @@ static void round_on_flat(ct_face_kind kind)
       double *x = &b.x[3 * n], dx = x[0] - centre[0], dy = x[1] - centre[1];
       x[2] = 0.2 * (dx * dx + dy * dy) - depth;
     }
-    ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-    update(contact, &a, &b);
+    ct_contact *contact = updated_contact(&a, &b);
     recovered r = recover(contact, &a, &b);
     for (int f = 0; f < a.surface.face_count; f++) {
       int with = 0;

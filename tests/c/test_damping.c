@@ -229,8 +229,7 @@ static void unrest_of_free_bodies(void)
     must(ct_energy_residual, problem, state, &unrest);
     tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: residual %g",
            flies ? "flies" : "lies there", unrest);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   ct_mesh_free(mesh);
 }
@@ -260,8 +259,7 @@ static void start_forces(const ct_mesh *mesh, int threads, double coefficient, c
   ct_state *state = new_state(problem);
   must(ct_state_force, problem, state, 1, force);
   memcpy(v, state->velocity, 3 * (size_t)mesh->node_count * sizeof *v);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
 }
 
 /* Add the forces of all elements in their readable form, times a factor. */
@@ -320,8 +318,7 @@ static void stiffness_in_plane_strain(void)
     advance(problem, state, 200);
     if (plane) off = largest_difference(u, state->displacement, dofs) / largest(u, dofs);
     else memcpy(u, state->displacement, (size_t)dofs * sizeof *u);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   tap_close(off, 0.0, 1e-12, "in plane strain the motion is that of the boxes");
   free_all(v, u);
@@ -436,8 +433,7 @@ static void stiffness_leaves(void)
   advance(p, state, 20);
   tap_ok(p->effects[1]->node_count == mesh->node_count, "damping acts on one of two bodies");
   tap_ok(state->velocity[0] == 3.0 && state->velocity[1] == -4.0, "free flight is not damped");
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   scene = new_scene();
   for (int k = 0; k < 2; k++) {
     def.stiffness_damping = k == 0 ? -1.0 : INFINITY;

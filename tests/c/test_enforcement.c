@@ -320,8 +320,7 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
 
 static void close_pair(pair *p)
 {
-  ct_state_free(p->state);
-  ct_scene_free(p->scene);
+  close_run(p->state, p->scene, NULL);
   for (int b = 0; b < 2; b++) ct_mesh_free(p->mesh[b]);
 }
 
@@ -736,8 +735,7 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
          "off by %.1e",
          name, dissipation, (int)steps, changed, most, off);
   ct_state_free(state);
-  ct_state_free(copy);
-  ct_scene_free(scene);
+  close_run(copy, scene, NULL);
   free_all(partner, u, f);
 }
 
@@ -781,8 +779,7 @@ static void a_twin_is_a_wall(void)
     off[k] = largest_difference(s->velocity + 3 * left->node_count, t->velocity,
                                 3 * (int64_t)right->node_count);
     ct_state_free(s);
-    ct_state_free(t);
-    ct_scene_free(two);
+    close_run(t, two, NULL);
     ct_scene_free(one);
   }
   tap_ok(

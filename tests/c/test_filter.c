@@ -124,8 +124,7 @@ static double least_factor(const ct_mesh *m, int held)
   }
   free(u), free(w);
   ct_filter_free(filter);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   return 1.0 - taken;
 }
 
@@ -203,8 +202,7 @@ static void shuffled(void)
     for (int32_t i = 0; i < all; i++) memcpy(&(k ? w : u)[3 * (k ? to[i] : i)], &before[3 * i], 24);
     smooth(filter, state, k ? w : u);
     ct_filter_free(filter);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   off = apart(u, w, to, all);
   tap_ok(off == 0.0 && largest_difference(u, before, 3 * all) > 1e-4,

@@ -201,8 +201,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
            "%s: and the forces on obstacles, off by %.1e, work, %.1e, and tractions, %.1e", name,
            so.reaction / so.top, so.work / so.most, so.traction / so.pressure);
   for (int i = 0; i < 2; i++) ct_contact_free(contact[i]);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   free_all(x, f, solid, want);
   free_pair(&p);
 }

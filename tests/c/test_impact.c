@@ -118,8 +118,7 @@ static double collide(ct_mesh *const m[2], const double v[2], int32_t *const fac
     last = now;
   }
   const ct_energy end = energy_of(p, state);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   for (int i = 0; i < 2; i++) ct_mesh_free(m[i]), free(faces[i]);
   return (end.kinetic + end.strain) / start;
 }
@@ -449,8 +448,7 @@ static double *land(const landing *l, ct_mesh *const mesh[2], int32_t *count, do
   double *motion = numbers(2 * (int64_t)size);
   memcpy(motion, state->displacement, size * sizeof *motion);
   memcpy(motion + size, state->velocity, size * sizeof *motion);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   return motion;
 }
 

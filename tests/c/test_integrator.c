@@ -426,8 +426,7 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
          ENFORCEMENT[enforcement], momentum);
   tap_ok(path < 1e-15, "%s, %s: a prescribed motion is followed to %.2g", SCHEME(scheme),
          ENFORCEMENT[enforcement], path);
-  ct_state_free(state);
-  ct_scene_free(c.scene);
+  close_run(state, c.scene, NULL);
 }
 
 static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
@@ -453,8 +452,7 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
          SCHEME(integrator.scheme), ENFORCEMENT[enforcement]);
   ct_state_free(straight);
   ct_state_free(copied);
-  ct_state_free(threads);
-  ct_scene_free(c.scene);
+  close_run(threads, c.scene, NULL);
   ct_scene_free(d.scene);
 }
 
@@ -474,8 +472,7 @@ static void is_central(ct_integrator integrator)
          "%s %g: the bits of the central difference method", SCHEME(integrator.scheme),
          integrator.parameter);
   ct_state_free(x);
-  ct_state_free(y);
-  ct_scene_free(c.scene);
+  close_run(y, c.scene, NULL);
   ct_scene_free(d.scene);
 }
 

@@ -123,8 +123,7 @@ static void budget(const kind *k)
          "%s: neither steps nor the energy balance allocate (%ld calls)", k->name,
          counted.calls - calls_before);
   ct_monitor_free(monitor);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   tap_ok(counted.held == before, "%s: all memory is freed", k->name);
   counted.peak = counted.held;
 }
@@ -258,8 +257,7 @@ static void bars(void)
            counted.calls - calls_before, (int)steps);
     if (i == 2)
       tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they are in contact");
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   // 1 + 20 + 120 elements wait for their nodes and 256 are computed at once, in a ring of 512.
   double alone = (double)held[0] - (512 + 8) * 192;

@@ -194,8 +194,7 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
     memcpy(places[n].v, &state->velocity[3 * n], 24);
   }
   qsort(places, (size_t)*count, sizeof *places, compare_places);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
   return places;
 }

@@ -71,8 +71,7 @@ static void rig_open(rig *r, const char *folder)
 static void rig_close(rig *r)
 {
   for (int k = 0; k < RECORDS; k++) ct_state_free(r->want[k]);
-  ct_state_free(r->old);
-  ct_scene_free(r->scene);
+  close_run(r->old, r->scene, NULL);
 }
 
 static ct_probes *must_probe(const rig *r)

@@ -570,8 +570,7 @@ static void memory(void)
   alarm(0);
   tap_ok(faults > 50 && wrong == 0, "each of %d allocations fails in one piece: both end alike",
          (int)faults - 1);
-  ct_state_free(start);
-  ct_scene_free(scene);
+  close_run(start, scene, NULL);
   free(owners);
   free_pair(&p);
   must(ct_set_allocator, NULL);

@@ -290,8 +290,7 @@ static void runs(void)
     free_all(f, g);
     plates both[2] = {a, b};
     for (int i = 0; i < 2; i++) {
-      ct_state_free(both[i].state);
-      ct_scene_free(both[i].scene);
+      close_run(both[i].state, both[i].scene, NULL);
     }
   }
 }

@@ -283,8 +283,7 @@ static void pendulum(void)
     }
     error[i] = x / all - pivot[0];
     if (i == 1) energy = worst(energy, last.kinetic / (mass * g * d * (1.0 - c)) - 1.0);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   tap_close(error[1], 0.0, 1e-4, "a pendulum is below its pivot after a quarter of its period");
   tap_close(log2(error[0] / error[1]), 2.0, 0.1, "order 2, errors %.3g and %.3g", error[0],
@@ -329,8 +328,7 @@ static void top(void)
     const double to[3] = {d * s * cos(rate * end), d * s * sin(rate * end), d * c};
     error[i] = 0.0;
     for (int k = 0; k < 3; k++) error[i] = worst(error[i], x[k] / all - to[k]);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   tap_close(error[1], 0.0, 1e-3, "a top precesses steadily");
   tap_close(log2(error[0] / error[1]), 2.0, 0.1, "order 2, errors %.3g and %.3g", error[0],
@@ -380,8 +378,7 @@ static void falling(void)
     tap_close(off, 0.0, 1e-11, "weight and a growing load (%s)", kind == 0 ? "free" : "guided");
     if (kind == 1) tap_close(turned, 0.0, 1e-12, "a guided body turns at a constant rate");
     free(velocities);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   ct_mesh_free(mesh);
 }
@@ -424,8 +421,7 @@ static void images(void)
       memcpy(first, state->displacement, 3 * (size_t)p->node_count * sizeof *first);
     }
     free_all(velocities, moved);
-    ct_state_free(state);
-    ct_scene_free(scene);
+    close_run(state, scene, NULL);
   }
   for (int i = 0; i < 4; i++) ct_mesh_free(image[i]);
   free_all(first, to);
@@ -577,8 +573,7 @@ static hit new_hit(int kind, int32_t *to[2])
 
 static void close_hit(hit *h)
 {
-  ct_state_free(h->state);
-  ct_scene_free(h->scene);
+  close_run(h->state, h->scene, NULL);
   for (int i = 0; i < 2; i++) ct_mesh_free(h->mesh[i]);
 }
 

@@ -299,8 +299,7 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
   }
   for (int a = 0; a < 3; a++) centre[a] /= area;
   free(points);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   return count;
 }
 

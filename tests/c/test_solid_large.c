@@ -437,8 +437,7 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
     *balance = worst(*balance, energy.balance / energy.kinetic);
     for (int c = 0; c < 3; c++) *drift = worst(*drift, (now.L[c] - start.L[c]) / size);
   }
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   return (high - low) / first;
 }
 

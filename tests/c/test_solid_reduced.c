@@ -367,8 +367,7 @@ static void ledger(void)
   tap_ok(spread < 1e-12 && balance < 1e-12,
          "energy is conserved to %.2g and the work balance closes to %.2g over %d steps", spread,
          balance, (int)steps);
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   free(v);
   ct_mesh_free(m);
 }

@@ -361,14 +361,12 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
     tap_ok(faults == 0 && same_ledger(&one.own, whole, &image.own, mirrored),
            "%s: mirrored in %c, the mirrored bits (%d of %d are not)", name, "xyz"[axis],
            (int)faults, 6 * whole->node_count);
-    ct_state_free(mirrored);
-    ct_scene_free(image.scene);
+    close_run(mirrored, image.scene, NULL);
   }
   ct_state_free(whole);
   ct_state_free(threads);
   ct_state_free(half);
-  ct_state_free(rest);
-  ct_scene_free(one.scene);
+  close_run(rest, one.scene, NULL);
   ct_scene_free(two.scene);
 }
 
@@ -492,8 +490,7 @@ static void blowup(int with_contact)
          "%s: %s (body %d, node %d)", with_contact ? "blow-up with contact" : "blow-up", e.text,
          (int)e.body, (int)e.point);
   if (!with_contact) tap_ok(e.body == 1, "the error names the body that moved");
-  ct_state_free(state);
-  ct_scene_free(scene);
+  close_run(state, scene, NULL);
   free(v);
   ct_mesh_free(left);
   ct_mesh_free(right);
@@ -544,8 +541,7 @@ static void refusals(void)
          "a linear body has the same stable step at any time");
   ct_state_free(state);
   ct_state_free(unlike);
-  ct_state_free(NULL);
-  ct_scene_free(scene);
+  close_run(NULL, scene, NULL);
   ct_scene_free(other);
   ct_mesh_free(m);
   ct_mesh_free(two);

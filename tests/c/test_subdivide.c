@@ -215,8 +215,7 @@ static change halved(ct_scene *scene, ct_scene_time time, int64_t after, double 
   advance(&fine, rest, 2 * (*steps - after));
   const double more = (energy_of(&fine, rest).total - divided) / unit;
   ct_state_free(state);
-  ct_state_free(rest);
-  ct_scene_free(scene);
+  close_run(rest, scene, NULL);
   return (change){fabs(divided - before - jump) / unit, fmax(-more, 0.0), fmax(more, 0.0)};
 }
 
