@@ -353,8 +353,9 @@ ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *e
   return CT_OK;
 }
 
-ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
-                                ct_error *error)
+/* Node numbers of one element, shape (8 or 20); CT_ERROR_ARGUMENT if one is out of range. */
+static ct_status element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
+                               ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
   for (int a = 0; a < per; a++) {
@@ -378,7 +379,7 @@ ct_status ct_mesh_check_numbers(const ct_mesh *mesh, ct_error *error)
     outside |= (uint32_t)mesh->elements[i] >= (uint32_t)mesh->node_count;
   ct_status status = CT_OK;
   for (int32_t e = 0; outside && status == CT_OK; e++)
-    status = ct_mesh_element_nodes(mesh, e, number, error);
+    status = element_nodes(mesh, e, number, error);
   return status;
 }
 
@@ -442,7 +443,7 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
 {
   int32_t number[20];
   double nodes[20][3];
-  ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
+  ct_status status = element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
   for (int a = 0; a < ct_brick_node_count(mesh->kind); a++)
     memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);

@@ -5,10 +5,6 @@
 
 #include <libcontact/mesh.h>
 
-/* Node numbers of one element, shape (8 or 20); CT_ERROR_ARGUMENT if one is out of range. */
-ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
-                                ct_error *error);
-
 /* Fewest elements or nodes of a thread if there is little work for each. */
 enum { CT_LEAST_OF_MESH = 16384 };
 

@@ -16,7 +16,9 @@ static int differences(const double *low, const double *high, int32_t count, int
   return found != 0;
 }
 
-int ct_plane_holds(const ct_part_call *call)
+/* Whether both layers have the same displacements, and none along their axis, at the nodes that are
+ * summed. */
+static int is_plane(const ct_part_call *call)
 {
   const ct_force_ring *plane = call->part->plane;
   for (int32_t r = 0; r < plane->run_count; r++) {
@@ -116,8 +118,8 @@ CT_INLINE void load(const ct_solid_part *part, int32_t b, const double *array, i
 
 /* Forces of the lower layer by the batches first ... last - 1, into a ring. */
 CT_CLONES
-void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last,
-                      const double *displacement, double *values)
+static void plane_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                          const double *displacement, double *values)
 {
   const ct_force_ring *plane = part->plane;
   const constants c = open_constants(part);
@@ -149,8 +151,8 @@ void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last,
 
 void ct_plane_take(ct_part_call *call, double *values)
 {
-  if (call->part->plane == NULL || !ct_plane_holds(call)) return;
+  if (call->part->plane == NULL || !is_plane(call)) return;
   call->ring = call->part->plane;
-  call->batches = ct_plane_batches;
+  call->batches = plane_batches;
   call->values = values;
 }
