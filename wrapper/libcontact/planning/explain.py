@@ -23,7 +23,7 @@ from ..schema import FACES, Face, Place, walk
 from ..surfaces import contact_tables, pair_name
 from ..units import Units
 from .inertia import inertia_ratios
-from .plan import Cost, predict, table
+from .plan import Cost, Prediction, predict, table
 
 # Effects of the library, and what is missing in a scene without them.
 WITHOUT = {
@@ -89,26 +89,6 @@ def explain(problem: Problem, every: int, records: int, pieces: Any = None) -> E
             own = [warning for warning in warnings if warning.key == f"{name}[{i}]"]
             row["warnings"] = [str(warning) for warning in own]
     labels = {name: units.label(name) for name in ("stress", "energy")}
-    depths = {key: points for (key, _, _), points in zip(contact_tables(parts), found)}
-    tied = {
-        key: "; {} of {} points are tied".format(*of) for key, of in tied_points(problem).items()
-    }
-    added = [
-        {
-            "name": each.name,
-            "key": each.key,
-            "text": each.given.describe(units) + tied.get(each.key, ""),
-        }
-        | ({"penetration": depths[each.key]} if each.key in depths else {})
-        for each in parts.effects
-    ]
-    counts = [body["elements"] for body in bodies]
-    cost = {"updates": problem.step_count * sum(counts), "threads": problem.threads}
-    for name in ("flops", "bytes"):
-        each = [body[f"{name}_per_update"] for body in bodies]
-        cost[f"{name}_per_step"] = sum(n * price for n, price in zip(counts, each))
-    cost |= {"memory_bytes": plan.memory, "output_bytes": plan.output}
-    cost |= {"seconds": plan.seconds, "rehearsed": plan.rehearsed}
     data = {
         "title": parts.title,
         "file": problem.file,
@@ -121,10 +101,10 @@ def explain(problem: Problem, every: int, records: int, pieces: Any = None) -> E
         "assumptions": _assumptions(parts),
         "contacts": contacts,
         "supports": [_support(support) for support in parts.support],
-        "added": added,
+        "added": _added(problem, found),
         "probes": [_probe(each) for each in problem.probes],
         "time": _time(problem, plan.costs),
-        "cost": cost,
+        "cost": _cost(problem, bodies, plan),
         "warnings": [str(warning) for warning in warnings],
         "plan": list(plan.costs),
         "output": {
@@ -144,6 +124,35 @@ def explain(problem: Problem, every: int, records: int, pieces: Any = None) -> E
 
 
 # The facts.
+
+
+def _added(problem: Problem, found: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The effects that the scene adds; those of contact with the points that are inside at the start."""
+    parts = problem.parts
+    depths = {key: points for (key, _, _), points in zip(contact_tables(parts), found)}
+    tied = {
+        key: "; {} of {} points are tied".format(*of) for key, of in tied_points(problem).items()
+    }
+    return [
+        {
+            "name": each.name,
+            "key": each.key,
+            "text": each.given.describe(parts.units) + tied.get(each.key, ""),
+        }
+        | ({"penetration": depths[each.key]} if each.key in depths else {})
+        for each in parts.effects
+    ]
+
+
+def _cost(problem: Problem, bodies: Sequence[dict[str, Any]], plan: Prediction) -> dict[str, Any]:
+    """What the run costs: updates, operations, memory, time."""
+    counts = [body["elements"] for body in bodies]
+    cost = {"updates": problem.step_count * sum(counts), "threads": problem.threads}
+    for name in ("flops", "bytes"):
+        each = [body[f"{name}_per_update"] for body in bodies]
+        cost[f"{name}_per_step"] = sum(n * price for n, price in zip(counts, each))
+    cost |= {"memory_bytes": plan.memory, "output_bytes": plan.output}
+    return cost | {"seconds": plan.seconds, "rehearsed": plan.rehearsed}
 
 
 def values_of(table: Any) -> dict[str, Any]:
