@@ -349,21 +349,13 @@ class Contact:
         history : pair of array_like, optional
             Times, from the first step on, and factors.
         dissipation : float
-            Damping ratio of the surface mode, 0 ... 1.
+            Damping ratio, as for :class:`Contact`.
         restitution, travel_time : float, optional
             As for :class:`Contact`, whose values they are without them.
-        points : {"gauss", "lobatto"}
-            Positions of its points on the faces of the surface.
-        initial_penetration : {"keep", "force", "refuse", "remove"}
-            Treatment of points that penetrate in the first step.
-        removal_time : float
-            Time in which ``"remove"`` separates surface and obstacle [time].
-        adjust : float
-            Gaps and overlaps at the start up to this value count as touching [length].
-        friction : float
-            Coefficient of Coulomb friction; 0: none.
-        tangent : float
-            Stiffness of the tangential spring over that of the penalty; it does not limit the step.
+        points, initial_penetration : str
+            As for :class:`Contact`.
+        removal_time, adjust, friction, tangent : float
+            As for :class:`Contact`.
         surface : int
             The surface in contact with it, 0 or 1.
 
