@@ -64,6 +64,15 @@ typedef struct changes {
   int normal, nodes, begin;
 } changes;
 
+/* Whether four rows are the points of a 2 x 2 rule in their order: the first and the last are
+ * opposite each other, unlike four of more points in a row. */
+CT_INLINE int are_square(ct_constraint *const *row)
+{
+  const double *first = row[0]->own_shape, *last = row[3]->own_shape;
+  // Their weights follow on each other; those of other points do not.
+  return last - first == 24 && first[0] == last[2] && first[1] == last[3];
+}
+
 /* Fill one group, at most some rows with the nodes of the first, and with its numbers of nodes; and
  * begin the next one. */
 CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constraint *const *row,
@@ -90,8 +99,7 @@ CT_INLINE void fill_group(const ct_solver *s, const int32_t *number, ct_constrai
     find_places(own, mine, number, place);
     find_places(other, theirs, number, place + own);
   }
-  // Their weights follow on each other; those of other points do not.
-  g->face = (int16_t)(own == 4 && rows == 4 && row[3]->own_shape - row[0]->own_shape == 24);
+  g->face = (int16_t)(own == 4 && rows == 4 && are_square(row));
   if (s->tangent != NULL) place_slips(row, g);
   g[1].first = g->first + rows * step;
   d->begin |= g[1].place != g->place + own + other;
