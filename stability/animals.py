@@ -577,7 +577,9 @@ def swing(o: Options) -> Animal:
 def fork(o: Options) -> Animal:
     """The legs of a fork are pressed onto each other: contact of a body with itself."""
     speed = 0.04 * SOFT.speed * o.size
-    bricks = shapes.fork(6, 1, 1, 1, 2, 0.25)
+    nodes, elements = shapes.fork(6, 1, 1, 1, 2, 0.25)
+    # Sheared: edges of the legs that meet exactly have two nearest faces, of which rounding would choose one.
+    bricks = nodes + 0.1 * nodes[:, 2:] * [0, 1, 0], elements
     body = part(o, bricks, SOFT)
     planes = tuple(
         Wall("fork", "outer", "plane", (0, 0, z), (0, 0, s), velocity=(0, 0, s * speed))
@@ -596,7 +598,8 @@ def fork(o: Options) -> Animal:
 def fast_soft(o: Options) -> Animal:
     """A body hits a hard one at a third of its own wave speed."""
     speed = 0.3 * SOFT.speed * o.size
-    soft = part(o, mesh(o, (1, 1, 1), (3, 3, 3), (0, 0, 0.51)), velocity=(0, 0, -speed))
+    # Off the middle, where points would lie on the border of two faces, as near to one as to the other.
+    soft = part(o, mesh(o, (1, 1, 1), (3, 3, 3), (0.02, 0.03, 0.51)), velocity=(0, 0, -speed))
     n = 2 * o.ratio
     hard = part(
         o,

@@ -113,6 +113,11 @@ class Stage:
     def h(self) -> float:
         return min(part.h for part in self.parts.values())
 
+    @property
+    def layer(self) -> float:
+        """The longest period in which a layer of elements vibrates that is held on one side."""
+        return max(4 * part.h / part.stuff.speed for part in self.parts.values())
+
     def scene(self, title: str) -> ct.Scene:
         made = scene(title)
         stuffs = {part.stuff for part in self.parts.values()}

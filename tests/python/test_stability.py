@@ -265,7 +265,19 @@ def test_the_oracles_see_what_is_wrong():
     faster = stages.Part(**{**good.parts["cube"].__dict__, "velocity": (0, 0, -8.0)})
     other = zoo.play(zoo.replace(good, parts={"cube": faster}), "faster")
     animal = animals.drop_on_a_face(animals.Options())
-    assert zoo.difference("held", animal, zoo.play(good, "good"), other)[0] > 1
+    assert zoo.difference("held", animal, [zoo.play(good, "good")], [other])[0] > 1
+    # Six like landings know their mean, six unlike ones only to three standard errors.
+    assert zoo.apart([1.0] * 6, [2.0] * 6) == zoo.apart([1.0], [2.0]) == 1.0
+    error = np.sqrt(2 * np.var([0.0, 1.0] * 3, ddof=1) / 6)
+    assert zoo.apart([0.0, 1.0] * 3, [0.5, 1.5] * 3) == 0.0
+    assert zoo.apart([0.0, 1.0] * 3, [3.0, 4.0] * 3) == pytest.approx(3.0 - 3.0 * error)
+
+
+@pytest.mark.parametrize("scene, bulges", [("fast_soft", True), ("thin_plates", False)])
+def test_the_zoo_sees_which_faces_touch(scene, bulges):
+    """A soft body with a soft penalty bulges onto its sides, which its named faces do not know."""
+    stage = getattr(animals, scene)(animals.Options(beta=1.0)).stage
+    assert zoo.play(stages.outer(stage), scene, stage.touches).beside is bulges
 
 
 def test_a_scene_that_is_turned_and_mirrored_back_is_the_same():
