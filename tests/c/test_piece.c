@@ -18,6 +18,7 @@ typedef struct member {
   seat at;
   const ct_state *start;
   const int32_t *owners;
+  const ct_piece_part *part;
   int64_t steps;
   ct_state *piece, *whole;
   ct_piece_counts counts;
@@ -31,7 +32,7 @@ static void *run_member(void *user)
   member *m = user;
   ct_piece_def def = ct_piece_def_default();
   def.number = m->at.number, def.count = m->at.with->pieces;
-  def.owners = m->owners;
+  def.owners = m->owners, def.part = m->part;
   def.join = (ct_pieces){&m->at, add, take_largest};
   def.exchange = hand_over;
   m->piece = NULL;
@@ -92,11 +93,30 @@ static int same_ledger(const ct_problem *problem, ct_state *a, ct_state *b)
   return memcmp(&x, &y, sizeof x) == 0;
 }
 
+/* The whole problem as a part of itself, whose nodes have the lowest of the pieces of their
+ * elements. (eq:piece-owner) */
+static void number_part(const ct_problem *problem, int pieces, const int32_t *owners, int32_t *at,
+                        int32_t *owner)
+{
+  for (int32_t n = 0; n < problem->node_count; n++) at[n] = n, owner[n] = pieces - 1;
+  for (int b = 0; b < problem->body_count; b++) {
+    const ct_mesh *mesh = problem->bodies[b].mesh;
+    const int per = ct_brick_node_count(mesh->kind);
+    for (int64_t i = 0; i < (int64_t)per * mesh->element_count; i++) {
+      int32_t *of = &owner[problem->bodies[b].first_node + mesh->elements[i]];
+      if (owners[i / per] < *of) *of = owners[i / per];
+    }
+    owners += mesh->element_count;
+  }
+}
+
 /* Runs in 1 to 4 pieces, cut in five ways, have the bits of the whole run: state, energies, and the
  * state after further steps. (eq:piece-total, eq:piece-owner) */
 static void same_bits(const char *name, const ct_problem *problem, int64_t steps)
 {
-  int32_t *owners = integers(all_elements(problem));
+  int32_t *owners = integers(all_elements(problem)), *at = integers(problem->node_count),
+          *owner = integers(problem->node_count);
+  const ct_piece_part part = {problem->node_count, at, owner};
   ct_state *start = new_state(problem), *end, *after;
   advance(problem, start, 7);
   end = copy_of(start);
@@ -110,10 +130,12 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
       meeting with = MEETING(pieces);
       member of[MOST_PIECES];
       cut_elements(problem, how, pieces, owners);
+      number_part(problem, pieces, owners, at, owner);
       for (int k = 0; k < pieces; k++)
         of[k] = (member){.at = {&with, k},
                          .start = start,
                          .owners = owners,
+                         .part = k > 0 && how > 0 ? &part : NULL, // also of all nodes
                          .steps = steps,
                          .whole = k == 2 ? NULL : copy_of(start)}; // the third one gets none
       run_members(of, pieces);
@@ -139,7 +161,7 @@ static void same_bits(const char *name, const ct_problem *problem, int64_t steps
   ct_state_free(after);
   ct_state_free(end);
   ct_state_free(start);
-  free(owners);
+  free_all(owners, at, owner);
 }
 
 /* A scene of a pair's bodies, contact, friction and obstacles. */
@@ -394,6 +416,12 @@ static void refusals(void)
   owners[2] = 1;
   tap_ok(ct_state_cut(start, &def, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   owners[2] = 0;
+  const int32_t twice[2] = {0, 0};
+  const ct_piece_part part = {problem->node_count, twice, twice};
+  bad = def, bad.part = &part;
+  tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  bad.number = 1, bad.count = 2;
+  tap_ok(ct_state_cut(start, &bad, &piece, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
   must(ct_state_cut, start, &def, &piece);
   tap_ok(ct_energy_of(problem, piece, &energy, &e) == CT_ERROR_ARGUMENT &&
              ct_stable(problem, piece, &(ct_stable_step){0}, &e) == CT_ERROR_ARGUMENT &&

@@ -8,9 +8,23 @@
 CT_BEGIN_DECLS
 
 /**
- * How a state is cut into pieces, and how these exchange numbers. All processes build the same
- * problem and give the same `owners` and `common`; only the first one needs a whole state. Start
- * from `ct_piece_def_default`.
+ * A problem that is a part of the whole one: it has all elements around the nodes that its piece
+ * moves, in the order of the whole problem, and the whole bounds, shortest edge and first element
+ * of each body. Its effects are those of the whole problem, on the nodes that it has.
+ */
+typedef struct ct_piece_part {
+  /** Number of nodes of the whole problem. */
+  int32_t node_count;
+  /** Number of each node in the whole problem, ascending, shape (node_count of the part). */
+  const int32_t *nodes;
+  /** Piece of each node in the whole problem, :eq:`piece-owner`, shape of `nodes`. */
+  const int32_t *owners;
+} ct_piece_part;
+
+/**
+ * How a state is cut into pieces, and how these exchange numbers. The first process has the whole
+ * problem and its state. The others have the same problem and give the same `owners` and `common`,
+ * or each has its `part` of it. Start from `ct_piece_def_default`.
  */
 typedef struct ct_piece_def {
   /** Set by `ct_piece_def_default`. */
@@ -27,6 +41,8 @@ typedef struct ct_piece_def {
   const int32_t *common;
   /** Number of these nodes. */
   int32_t common_count;
+  /** Null, or how the problem of this process, not the first one, is a part of the whole one. */
+  const ct_piece_part *part;
   /** Sums, and largest numbers, of all pieces. */
   ct_pieces join;
   /**

@@ -18,29 +18,38 @@ typedef struct passage {
   int spread;
 } passage;
 
+/* The place in the whole problem of the i-th node of an effect, or of the problem. */
+static int32_t place_of(const ct_piece_numbers *numbers, int32_t i)
+{
+  return numbers->at == NULL ? i : numbers->at[i];
+}
+
 /* Pass an array with three numbers at each node of an effect; null: of the problem. Each is known
  * to the owner of its node, or to piece 0. */
-static ct_status pass_nodes(const passage *p, const ct_effect *effect, const double *from,
-                            double *to, ct_error *error)
+static ct_status pass_nodes(const passage *p, const ct_effect *effect,
+                            const ct_piece_numbers *numbers, const double *from, double *to,
+                            ct_error *error)
 {
   const ct_piece *piece = p->piece;
-  const int32_t count = effect == NULL ? piece->problem->node_count : effect->node_count;
   double *part = piece->passed;
   ct_status status = CT_OK;
-  for (int32_t first = 0, end; status == CT_OK && first < count; first = end) {
-    end = count - first < CT_COLLECTED / 3 ? count : first + CT_COLLECTED / 3;
-    for (int32_t i = first; i < end; i++) {
-      const int32_t node = effect == NULL ? i : ct_effect_node(effect, i);
+  int32_t next = 0;
+  for (int32_t first = 0, end; status == CT_OK && first < numbers->whole; first = end) {
+    const int32_t begin = next;
+    end = numbers->whole - first < CT_COLLECTED / 3 ? numbers->whole : first + CT_COLLECTED / 3;
+    memset(part, 0, 3 * (size_t)(end - first) * sizeof *part);
+    for (; next < numbers->count && place_of(numbers, next) < end; next++) {
+      const int32_t node = effect == NULL ? next : ct_effect_node(effect, next);
       const int known = p->spread ? piece->def.number == 0 : ct_piece_owns(piece, node);
-      double *x = &part[3 * (int64_t)(i - first)];
-      if (known) memcpy(x, &from[3 * (int64_t)i], 3 * sizeof *x);
-      else memset(x, 0, 3 * sizeof *x);
+      double *x = &part[3 * (int64_t)(place_of(numbers, next) - first)];
+      if (known) memcpy(x, &from[3 * (int64_t)next], 3 * sizeof *x);
     }
     status = ct_piece_collect(piece, part, 3 * (int64_t)(end - first), error);
-    for (int32_t i = first; status == CT_OK && to != NULL && i < end; i++) {
+    for (int32_t i = begin; status == CT_OK && to != NULL && i < next; i++) {
       const int32_t node = effect == NULL ? i : ct_effect_node(effect, i);
       if (!p->spread || ct_bits_get(piece->held, node))
-        memcpy(&to[3 * (int64_t)i], &part[3 * (int64_t)(i - first)], 3 * sizeof *to);
+        memcpy(&to[3 * (int64_t)i], &part[3 * (int64_t)(place_of(numbers, i) - first)],
+               3 * sizeof *to);
     }
   }
   return status;
@@ -79,13 +88,15 @@ static ct_status pass_effect(const passage *p, const ct_state *from, const ct_st
                              ct_error *error)
 {
   const ct_effect *effect = p->piece->problem->effects[k];
+  const ct_piece_numbers *numbers = &p->piece->effects[k];
   const ct_starts at = ct_state_starts(p->piece->problem, k),
                   end = ct_state_starts(p->piece->problem, p->piece->problem->effect_count);
   ct_status status = CT_OK;
   if (effect->phase != CT_PHASE_REACTION)
-    status = pass_nodes(p, effect, part_of(from->work, at.work), part_of(to->work, at.work), error);
+    status = pass_nodes(p, effect, numbers, part_of(from->work, at.work),
+                        part_of(to->work, at.work), error);
   for (int64_t i = 0; k > 0 && status == CT_OK && i < 2; i++)
-    status = pass_nodes(p, effect, part_of(from->impulse, i * end.impulse + at.impulse),
+    status = pass_nodes(p, effect, numbers, part_of(from->impulse, i * end.impulse + at.impulse),
                         part_of(to->impulse, i * end.impulse + at.impulse), error);
   if (status != CT_OK || effect->memory_count == 0) return status;
   return pass_memory(p, effect, part_of(from->memory, at.memory), part_of(to->memory, at.memory),
@@ -97,13 +108,15 @@ static ct_status pass_state(const passage *p, ct_error *error)
   static const ct_state none = {.step = 0};
   const ct_problem *problem = p->piece->problem;
   const ct_state *from = p->from != NULL ? p->from : &none, *to = p->to != NULL ? p->to : &none;
+  const ct_piece_numbers *nodes = &p->piece->nodes;
   const int64_t after = ct_state_starts(problem, problem->effect_count).memory;
-  ct_status status = pass_nodes(p, NULL, from->displacement, to->displacement, error);
-  if (status == CT_OK) status = pass_nodes(p, NULL, from->velocity, to->velocity, error);
+  ct_status status = pass_nodes(p, NULL, nodes, from->displacement, to->displacement, error);
+  if (status == CT_OK) status = pass_nodes(p, NULL, nodes, from->velocity, to->velocity, error);
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
     status = pass_effect(p, from, to, k, error);
   if (status == CT_OK && ct_scheme_of(problem)->stores)
-    status = pass_nodes(p, NULL, part_of(from->memory, after), part_of(to->memory, after), error);
+    status =
+        pass_nodes(p, NULL, nodes, part_of(from->memory, after), part_of(to->memory, after), error);
   return status;
 }
 
@@ -119,6 +132,52 @@ static ct_status spread(const ct_piece *piece, const ct_state *whole, ct_state *
   state->step = (int64_t)numbers[0], state->time = numbers[1], state->kinetic_start = numbers[2];
   state->unconverged = (int64_t)numbers[3], state->constraint_rounds = (int64_t)numbers[4];
   return status == CT_OK ? pass_state(&(passage){piece, whole, state, 1}, error) : status;
+}
+
+/* Number the nodes of an effect as in the whole problem, whose piece 0 tells them to the others. */
+static ct_status number_effect(const ct_piece *piece, int32_t k, ct_error *error)
+{
+  const ct_effect *effect = piece->problem->effects[k];
+  ct_piece_numbers *numbers = &piece->effects[k];
+  const int first = piece->def.number == 0, listed = effect->nodes != NULL;
+  double told[3] = {first ? numbers->whole : 0.0, first ? (double)effect->memory_count : 0.0,
+                    first && listed};
+  int32_t next = 0;
+  ct_status status = ct_piece_collect(piece, told, 3, error);
+  if (status == CT_OK && (told[1] != (double)effect->memory_count || told[2] != listed))
+    status = ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                     "the effect %s can't be computed in parts of the problem; give all processes "
+                     "the whole one",
+                     effect->label);
+  status = ct_piece_agree(piece, status, error);
+  if (!listed) return status;
+  numbers->whole = (int32_t)told[0];
+  for (int32_t i = 0, some; status == CT_OK && i < numbers->whole; i += some) {
+    some = numbers->whole - i < CT_COLLECTED ? numbers->whole - i : CT_COLLECTED;
+    for (int32_t j = 0; j < some; j++)
+      piece->passed[j] = first ? ct_effect_node(effect, i + j) : 0.0;
+    status = ct_piece_collect(piece, piece->passed, some, error);
+    for (int32_t j = 0; status == CT_OK && numbers->at != NULL && j < some; j++)
+      if (next < numbers->count &&
+          place_of(&piece->nodes, ct_effect_node(effect, next)) == (int32_t)piece->passed[j])
+        numbers->at[next++] = i + j;
+  }
+  if (status == CT_OK && numbers->at != NULL && next < numbers->count)
+    status = CT_REFUSE(error, "the effect %s has a node that it has not in the whole problem",
+                       effect->label);
+  return ct_piece_agree(piece, status, error);
+}
+
+/* Refuse definitions that are not the same in all pieces; or number the parts of the problem. */
+static ct_status compare(const ct_piece *piece, const ct_piece_def *def, ct_error *error)
+{
+  double parts = def->part != NULL;
+  ct_pieces_largest(&piece->join, &parts, 1);
+  if (parts == 0.0) return ct_piece_check_same(piece, def, error);
+  ct_status status = CT_OK;
+  for (int32_t k = 0; status == CT_OK && k < piece->problem->effect_count; k++)
+    status = number_effect(piece, k, error);
+  return status;
 }
 
 /* Let all effects compute their piece only. */
@@ -157,7 +216,7 @@ static ct_status cut(const ct_problem *problem, const ct_state *whole, const ct_
   if (status == CT_OK && whole != NULL) status = ct_piece_refuse(whole, error);
   if (status == CT_OK) status = ct_piece_create(problem, def, &made, error);
   status = ct_pieces_agree(&def->join, status, &none, error);
-  if (status == CT_OK) status = ct_piece_check_same(made, def, error);
+  if (status == CT_OK) status = compare(made, def, error);
   if (status != CT_OK) {
     ct_pool_free(made);
     return status;

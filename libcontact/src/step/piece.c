@@ -96,6 +96,24 @@ ct_status ct_piece_check(const ct_piece_def *def, ct_error *error)
   return CT_OK;
 }
 
+/* A part of the whole problem, whose first piece has no part. */
+static ct_status check_part(const ct_problem *problem, const ct_piece_def *def, ct_error *error)
+{
+  const ct_piece_part *part = def->part;
+  if (part->nodes == NULL || part->owners == NULL || def->number == 0)
+    return CT_REFUSE(error, "piece: a part needs its nodes and their owners, and the first piece "
+                            "has the whole problem");
+  for (int32_t n = 0; n < problem->node_count; n++)
+    if (part->nodes[n] <= (n == 0 ? -1 : part->nodes[n - 1]) ||
+        part->nodes[n] >= part->node_count || part->owners[n] < 0 || part->owners[n] >= def->count)
+      return CT_REFUSE(error,
+                       "piece: node %d of a part is node %d of %d, of piece %d; nodes must ascend, "
+                       "and there are %d pieces",
+                       (int)n, (int)part->nodes[n], (int)part->node_count, (int)part->owners[n],
+                       (int)def->count);
+  return CT_OK;
+}
+
 static ct_status check_def(const ct_problem *problem, const ct_piece_def *def, ct_error *error)
 {
   if (def->count < 1 || def->number < 0 || def->number >= def->count)
@@ -107,7 +125,7 @@ static ct_status check_def(const ct_problem *problem, const ct_piece_def *def, c
   for (int32_t i = 0; i < def->common_count; i++)
     if (def->common[i] < 0 || def->common[i] >= problem->node_count)
       return CT_REFUSE(error, "piece: there is no node %d", (int)def->common[i]);
-  return CT_OK;
+  return def->part == NULL ? CT_OK : check_part(problem, def, error);
 }
 
 ct_status ct_piece_check_same(const ct_piece *piece, const ct_piece_def *def, ct_error *error)
@@ -297,6 +315,28 @@ static void divide_points(ct_piece *piece)
   ct_release(places);
 }
 
+/* Space for the numbers of the nodes in the whole problem, those of effects to be asked for. */
+static void take_numbers(ct_piece *piece, const ct_piece_part *part)
+{
+  const ct_problem *problem = piece->problem;
+  const size_t effects = (size_t)problem->effect_count, nodes = (size_t)problem->node_count;
+  piece->nodes = (ct_piece_numbers){.whole = problem->node_count, .count = problem->node_count};
+  piece->effects = ct_pool_take(&piece->pool, effects, sizeof *piece->effects);
+  if (part != NULL) {
+    piece->nodes.whole = part->node_count;
+    piece->nodes.at = ct_pool_copy(&piece->pool, part->nodes, nodes * sizeof *part->nodes);
+  }
+  for (size_t k = 0; piece->effects != NULL && k < effects; k++) {
+    const ct_effect *effect = problem->effects[k];
+    ct_piece_numbers *numbers = &piece->effects[k];
+    *numbers = effect->nodes == NULL
+                   ? piece->nodes
+                   : (ct_piece_numbers){.whole = effect->node_count, .count = effect->node_count};
+    if (part != NULL && effect->nodes != NULL)
+      numbers->at = ct_pool_take(&piece->pool, (size_t)effect->node_count, sizeof *numbers->at);
+  }
+}
+
 static void fill(ct_piece *piece, const ct_piece_def *def)
 {
   const ct_problem *problem = piece->problem;
@@ -311,10 +351,12 @@ static void fill(ct_piece *piece, const ct_piece_def *def)
   piece->held = ct_pool_take(pool, words, sizeof *piece->held);
   piece->send_count = ct_pool_take(pool, pieces, sizeof *piece->send_count);
   piece->receive_count = ct_pool_take(pool, pieces, sizeof *piece->receive_count);
+  take_numbers(piece, def->part);
   piece->passed = ct_pool_take(pool, CT_COLLECTED, sizeof *piece->passed);
   piece->halves = ct_pool_take(pool, CT_COLLECTED, 2 * sizeof *piece->halves);
   if (pool->failed) return;
-  find_owners(piece, def->owners);
+  if (def->part == NULL) find_owners(piece, def->owners);
+  else memcpy(piece->owner, def->part->owners, nodes * sizeof *piece->owner);
   find_elements(piece, def->owners, mine);
   mark_common(piece, def, common);
   for (size_t i = 0; i < words; i++) piece->held[i] = piece->touched[i] | common[i];
@@ -331,6 +373,7 @@ ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct
   piece->def = *def;
   piece->join = (ct_pieces){piece, count_sum, count_largest};
   piece->def.owners = piece->def.common = NULL;
+  piece->def.part = NULL;
   ct_status status = check_def(problem, def, error);
   if (status == CT_OK) fill(piece, def);
   if (piece->pool.failed) status = CT_NO_MEMORY(error, "a piece");

@@ -12,6 +12,13 @@ typedef struct ct_piece_plane {
   int axis;
 } ct_piece_plane;
 
+/* The nodes of an effect, or of the problem, in those of the whole problem. */
+typedef struct ct_piece_numbers {
+  int32_t whole; /* number of nodes there */
+  int32_t count; /* here */
+  int32_t *at;   /* the place of each node there, ascending; null: the same */
+} ct_piece_numbers;
+
 /* The piece of a state. Nodes and elements have the numbers of the problem. */
 typedef struct ct_piece {
   ct_pool pool;
@@ -26,8 +33,9 @@ typedef struct ct_piece {
   int32_t *send_count, *receive_count; /* numbers to and from each piece, three for a node */
   int32_t *sent, *received;            /* the nodes, by pieces */
   double *send, *receive;
-  ct_piece_plane *planes;  /* between the places of the pieces, shape (pieces - 1) */
-  double *passed, *halves; /* numbers that are collected at once, and twice as many */
+  ct_piece_numbers nodes, *effects; /* of the problem, and of each effect */
+  ct_piece_plane *planes;           /* between the places of the pieces, shape (pieces - 1) */
+  double *passed, *halves;          /* numbers that are collected at once, and twice as many */
   ct_piece_counts counts;
 } ct_piece;
 
