@@ -97,14 +97,15 @@ static void forget(ct_contact *contact)
   }
   for (int s = 0; s < contact->gaps.fixed->sides; s++) {
     const ct_side *side = &contact->gaps.side[s];
-    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-      p->other = -1;
-      p->status = CT_POINT_NEW;
-      p->xi[0] = p->xi[1] = p->row.force = p->force_size = 0.0;
-      p->admitted = 0.0;
-      p->row.impact = (ct_impact){.reserve = 0.0};
-      p->known = NAN;
-    }
+    for (ct_span run = {0}; ct_side_next(side, &run);)
+      for (ct_point *p = &side->points[run.first]; p < &side->points[run.end]; p++) {
+        p->other = -1;
+        p->status = CT_POINT_NEW;
+        p->xi[0] = p->xi[1] = p->row.force = p->force_size = 0.0;
+        p->admitted = 0.0;
+        p->row.impact = (ct_impact){.reserve = 0.0};
+        p->known = NAN;
+      }
   }
 }
 

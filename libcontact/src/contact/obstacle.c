@@ -52,9 +52,10 @@ static void set_directions(ct_contact *contact)
 {
   const ct_side *side = contact->gaps.side;
   contact->axis = contact->direction;
-  for (int64_t i = 0; i < side->fixed->point_count; i++)
-    for (int c = 0; c < 3; c++)
-      side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++)
+      for (int c = 0; c < 3; c++)
+        side->points[i].outward[c] = side->points[i].row.normal[c] = contact->axis[c];
 }
 
 static ct_status open_state(ct_contact *contact)

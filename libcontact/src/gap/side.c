@@ -151,6 +151,23 @@ ct_status ct_side_divide(ct_side *side, const uint8_t *owned)
   return CT_OK;
 }
 
+ct_status ct_side_keep(ct_side *side)
+{
+  ct_point *points = ct_allocate((size_t)side->fixed->point_count, sizeof *points);
+  if (points == NULL) return CT_ERROR_MEMORY;
+  for (ct_span run = {0}; ct_side_next(side, &run);)
+    for (int64_t i = run.first; i < run.end; i++) {
+      const ct_point *from = &side->points[i];
+      ct_constraint *row = &points[i].row;
+      points[i] = *from;
+      if (row->own_shape == from->N) row->own_shape = points[i].N;
+      if (row->other_shape == from->N) row->other_shape = points[i].N;
+    }
+  ct_release(side->points);
+  side->points = points;
+  return CT_OK;
+}
+
 /* Σ_a w_a (x_a - origin) over `per` nodes, written to be inlined with a known `per`. */
 static inline void sum_nodes(int per, const int32_t *node, const double *x, const double *weight,
                              int stride, const double origin[3], double out[3])

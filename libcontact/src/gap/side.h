@@ -143,6 +143,9 @@ static inline int32_t ct_side_face(const ct_side *side, int64_t i)
  * (face_count), or all stations or none. It has all others in name only. */
 ct_status ct_side_divide(ct_side *side, const uint8_t *owned);
 
+/* Free the memory of all other points: they become zeros, which no result may read. */
+ct_status ct_side_keep(ct_side *side);
+
 /* The next run of points that a side has, beginning with {0}; returns 0 after the last one. */
 static inline int ct_side_next(const ct_side *side, ct_span *run)
 {
