@@ -71,8 +71,8 @@ def tied():
         }
     ]
     data["body"][0]["velocity"] = [0, 0, -1]
-    scene = ct.Scene(data)
-    return scene.add_effect("springs", "up", "z_max", pulled, omega_squared=2e4), 0.0
+    scene = ct.Scene(data).add_effect("springs", "up", "z_max", pulled, omega_squared=2e4)
+    return scene.add_effect("spring", "low", [3, 100], pulled, omega_squared=2e4), 0.0
 
 
 def crushed_strip():

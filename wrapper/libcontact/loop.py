@@ -41,6 +41,7 @@ from .observers import Observer, own
 from .pieces import Pieces
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
+from .problem_part import Part
 from .progress import bar
 from .results import Records, write_tables
 from .run import FAULTS, Run, RunError, StepTooLarge
@@ -589,7 +590,7 @@ class Loop:
         assert pieces is not None
         if self.piece is None:
             pieces.tell("cut", problem.dt)
-            pieces.alike(lambda: None)  # the others build the problem
+            pieces.divide(problem)
             self.piece = pieces.cut(problem, self.state)
         piece = self.piece
         while piece.step < target and not stop:
@@ -724,6 +725,8 @@ def _check(problem: Problem, status: int, error: Any) -> None:
     if name is not None and name not in text:
         text = f'body "{name}": {text}'
     at: dict[str, Any] = place(error)
+    if problem.part is not None:
+        text, at = problem.part.told(text, at)
     fault = FAULTS.get(status, RunError)(text, code=status, **at)
     fault.body_name = name
     raise fault
@@ -739,9 +742,9 @@ def _run_piece(
     pieces.alike(lambda: _check(problem, lib.ct_run(*given, error), error), stop)
 
 
-def follow(pieces: Pieces, built: Callable[[float], Problem]) -> Run:
+def follow(pieces: Pieces, built: Callable[[float, Part | None], Problem]) -> Run:
     """The part of a process other than the first one in a run: it steps its piece as that one tells, and has no
-    whole state. ``built`` returns the problem with a step. Returns the Run, without states."""
+    whole state. ``built`` returns a part of the problem, with a step. Returns the Run, without states."""
     problem: Any = None
     piece: Any = None
     probes: Any = None
@@ -752,12 +755,8 @@ def follow(pieces: Pieces, built: Callable[[float], Problem]) -> Run:
                 return pieces.ended(*value)
             try:
                 if what == "cut":
-                    piece = probes = None  # whose memory is free for the next ones
-                    if problem is None or problem.dt != value:
-                        problem = None
-                        problem = pieces.alike(partial(built, value))
-                    else:
-                        pieces.alike(lambda: None)
+                    problem = piece = probes = None  # whose memory is free for the next ones
+                    problem = pieces.built(partial(built, value))
                     probes, piece = Histories(problem), pieces.cut(problem)
                 elif what == "run":
                     _run_piece(pieces, problem, piece, value, probes, stop)

@@ -19,9 +19,11 @@ import numpy as np
 from ._core import ffi, lib
 from .bridge import Ints, Rows, ask, call, copied, ints
 from .contact import exchanged
+from .cutting import can_be_parted, parts_of
 from .errors import Error, NotBuiltIn, SceneWarning, held, install
 from .mesh import side_nodes
 from .problem import Problem
+from .problem_part import Part
 
 if TYPE_CHECKING:
     from .run import Run
@@ -128,7 +130,12 @@ def _definition(problem: Problem, owners: Ints, number: int, count: int) -> tupl
     common = common_nodes(problem)
     new.number, new.count = number, count
     new.owners, new.common, new.common_count = ints(owners), ints(common), len(common)
-    return new, common
+    part = problem.part
+    if part is None:
+        return new, common
+    new.part = held = ffi.new("ct_piece_part *", {"node_count": part.node_count})
+    held.nodes, held.owners = ints(part.numbers), ints(part.node_owners)
+    return new, (common, held)
 
 
 def _counts(state: Any) -> Rows:
@@ -213,6 +220,9 @@ class Pieces:
         self._sum = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.SUM))
         self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
         self._exchange = _transfer(self._send)
+        self._owners: Ints | None = (
+            None  # of the elements, on the first process, if the others have parts
+        )
         self._common: BaseException | None = None  # the last error that all processes raise
         # Whether a process was asked to stop before the last call of `alike`.
         self.interrupted = False
@@ -237,9 +247,39 @@ class Pieces:
         what, value = self.comm.bcast(None)
         return what, value
 
+    def divide(self, problem: Problem) -> None:
+        """Give each other process its part of the problem; the first one calls."""
+        owners = self.first(lambda: owners_of(problem, self.size, self.partition), tell=False)
+        self.comm.bcast(can_be_parted(problem))
+        if can_be_parted(problem):
+            self._owners = owners
+            self.alike(lambda: self._send_parts(problem, owners))
+        else:
+            self.alike(lambda: None)
+
+    def _send_parts(self, problem: Problem, owners: Ints) -> None:
+        made, error = parts_of(problem, owners, self.size, common_nodes(problem)), None
+        for number in range(1, self.size):
+            part = None
+            try:
+                part = next(made) if error is None else None
+            except Exception as reason:
+                error = reason
+            self.comm.send(part, number)
+        if error is not None:
+            raise error
+
+    def built(self, build: Callable[[Part | None], Problem]) -> Problem:
+        """The problem of another process than the first one, of the part that this one sends, or the whole."""
+        self.first(lambda: None)
+        part = self.comm.recv(source=0) if self.comm.bcast(None) else None
+        return self.alike(lambda: build(part))
+
     def cut(self, problem: Problem, state: Any = None) -> Any:
         """The piece that this process steps of a state (``ct_state *``), which the first process has."""
-        owners = self.first(lambda: owners_of(problem, self.size, self.partition))
+        owners = self._owners if problem.part is None else problem.part.owners
+        if owners is None:
+            owners = self.first(lambda: owners_of(problem, self.size, self.partition))
         new, _kept = self.alike(lambda: _definition(problem, owners, self.rank, self.size))
         new.join.sum, new.join.largest, new.exchange = self._sum, self._largest, self._exchange
         given = (
@@ -248,19 +288,20 @@ class Pieces:
         made = self.alike(lambda: ask("ct_state **", *given, new))
         return ffi.gc(made, lambda piece, free=lib.ct_state_free, problem=problem: free(piece))
 
-    def first(self, function: Callable[[], T]) -> T:
-        """What a function returns on the first process, on all of them; what it raises there is raised on all."""
+    def first(self, function: Callable[[], T], tell: bool = True) -> T:
+        """What a function returns on the first process, on all of them, or unless they are to be told on that one;
+        what it raises there is raised on all."""
         both: Any = (None, None)
         if self.rank == 0:
             try:
                 both = function(), None
             except Exception as reason:
                 both = None, reason
-        result, error = self.comm.bcast((both[0], _sendable(both[1])))
+        result, error = self.comm.bcast((both[0] if tell else None, _sendable(both[1])))
         if error is not None:
             self._common = error
             raise error
-        return cast(T, result)
+        return cast(T, result if tell else both[0])
 
     def alike(self, function: Callable[[], T], stop: Sized = ()) -> T:
         """What a function returns that all processes call; if it raises on one, the same is raised on all: the

@@ -32,7 +32,8 @@ from .mesh import (
 from .meshes import MeshFile
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support, speeds
 from .parts import Parts, acts_on
-from .probes import locate
+from .probes import Located, locate
+from .problem_part import Part, PartBody, PartMesh
 from .schema import FACES, SceneError, Table, listed, nearest, suggestion, word
 from .sets import KINDS as SET_KINDS
 from .sets import Sets
@@ -155,16 +156,23 @@ class Problem:
         own: Sequence[Any] = (),
         dt: float | None = None,
         checked: bool = True,
+        part: Part | None = None,
     ):
         """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says. If the
-        step is not to be ``checked`` there is no first state."""
+        step is not to be ``checked`` there is no first state. ``part``: what this process has of the bodies; None:
+        all."""
         self.parts, self.file, self.own = parts, file, tuple(own)
+        self.part = part
+        # Names of the surfaces of each body that were asked for: of faces, and of nodes.
+        self.asked: dict[tuple[str, bool], dict[str, None]] = {}
         self.threads = parts.run.threads if threads is None else threads
-        self._check_size()
+        if part is None:
+            self._check_size()
         with Held() as held:
             self._make(dt, checked)
         # Of the problem and its first state [bytes].
         self.held = held.bytes
+        self.part = part and part.light()
 
     def _make(self, dt: float | None, checked: bool) -> None:
         out = ffi.new("ct_scene **")
@@ -189,7 +197,7 @@ class Problem:
         self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
         self.effects = [ffi.string(effect.label).decode() for effect in self.made]
         self.stores = [effect.calls.energy != ffi.NULL for effect in self.made]
-        self.probes = locate(self)
+        self.probes = self._located()
 
     @property
     def dt(self) -> float:
@@ -247,6 +255,12 @@ class Problem:
         numbers = {"contact": range(len(self.parts.contact)), "support": held}
         return f"{table}[{numbers[table][number]}]" if table in numbers else table
 
+    def _located(self) -> list[Located]:
+        """The probes of the scene."""
+        if self.part is None:
+            return locate(self)
+        return [Located(given, *each) for given, each in zip(self.parts.probe, self.part.probes)]
+
     # The pieces.
 
     def _check_size(self) -> None:
@@ -295,9 +309,14 @@ class Problem:
             return "z"
         return axis if row_length(body.box, axis) >= SHORTEST_ROW else "z"
 
-    def _shape(self, body: Body, key: str) -> tuple[dict[str, Any], Mesh | Arrays | None]:
+    def _shape(
+        self, body: Body, key: str
+    ) -> tuple[dict[str, Any], Mesh | Arrays | PartBody | None]:
         """The mesh members of a ``ct_scene_body``, and the object that keeps them alive. The scene itself
         meshes a box without spin."""
+        if self.part is not None:
+            piece = self.part.bodies[body.name]
+            return {"mesh": c_mesh(piece.nodes, piece.elements)}, piece
         if body.shape is None:
             arrays = self._placed(body, self._arrays(body, key))
             return {"mesh": c_mesh(*arrays)}, arrays
@@ -360,7 +379,7 @@ class Problem:
         # The meshes of bodies with a place, before they were put there.
         self._unplaced: dict[str, Mesh] = {}
         # The number of each element's material, of bodies with several.
-        self._material_at: dict[str, Ints] = {}
+        self.material_at: dict[str, Ints] = {}
         for i, body in enumerate(self.parts.bodies.values()):
             for given in self.parts.materials_of(body):
                 c1 = speeds(given)[0]
@@ -372,10 +391,14 @@ class Problem:
         joined = ffi.new("const ct_problem **")
         self._call("", lib.ct_scene_join, self._scene, joined)
         self.joined = joined[0]
-        self._meshes = {
-            name: Mesh(self.joined.bodies[i].mesh, self._scene, sets, self._unplaced.get(name))
-            for i, (name, sets) in enumerate(self._sets.items())
-        }
+        self._meshes = {name: self._mesh(i, name) for i, name in enumerate(self._sets)}
+
+    def _mesh(self, i: int, name: str) -> Mesh:
+        """The mesh of a joined body."""
+        pointer = self.joined.bodies[i].mesh
+        if self.part is not None:
+            return PartMesh(pointer, self._scene, self.part.bodies[name])
+        return Mesh(pointer, self._scene, self._sets[name], self._unplaced.get(name))
 
     def _add_body(self, i: int, body: Body) -> None:
         """Add a body. An error of its mesh names the key that gives the mesh."""
@@ -394,6 +417,8 @@ class Problem:
             members["material"]["density"] = body.inertia.density
         if isinstance(body.material, dict):
             members["materials"] = self._by_element(i, body, members["mesh"].element_count)
+        if isinstance(held, PartBody) and body.name not in self.parts.rigid_names:
+            members["kernel"] = held.kernel
         if body.integration == "reduced":
             members["kernel"] = lib.CT_KERNEL_REDUCED
         damping = self.parts.damping
@@ -409,6 +434,10 @@ class Problem:
     def _motion(self, i: int, body: Body, nodes: Floats) -> dict[str, Any]:
         """The displacement and the velocity of each node at the start, as members of a ``ct_scene_body``."""
         out = dict[str, Any]()
+        if self.part is not None:
+            piece = self.part.bodies[body.name]
+            both = {"velocities": piece.velocities, "displacements": piece.displacements}
+            return {k: ffi.from_buffer("double[]", v) for k, v in both.items() if v is not None}
         shift = None if body.initial is None else body.initial.at(nodes)
         if shift is not None:
             if shift.shape != nodes.shape:
@@ -421,8 +450,20 @@ class Problem:
         return out
 
     def _by_element(self, i: int, body: Body, count: int) -> Any:
-        """The material of each element (``ct_material[]``) of a body with several; each element must be in one
-        of the sets."""
+        """The material of each element (``ct_material[]``) of a body with several."""
+        if self.part is None:
+            at = self._numbered_materials(i, body, count)
+        else:
+            at = self.part.bodies[body.name].material_at
+        self.material_at[body.name] = at
+        rows, _ = table("ct_material", len(body.material_names))
+        for k, given in enumerate(self.parts.materials_of(body)):
+            for member, value in given.c("ct_material").items():
+                rows[member][k] = value
+        return ffi.from_buffer("ct_material[]", rows[at])
+
+    def _numbered_materials(self, i: int, body: Body, count: int) -> Ints:
+        """The number of each element's material; each element must be in one of the sets."""
         names, sets = body.material_names, self._sets[body.name].elements
         at, of = np.full(count, -1, np.int32), dict[int, str]()
         for k, (name, material) in enumerate(body.material.items()):
@@ -443,17 +484,12 @@ class Problem:
             text = f"{text} {listed(body.material, 'and')}, so it has no material ({left.size} such elements)"
             raise self._error(text, f"body[{i}].material")
         number = [names.index(str(material)) for material in body.material.values()]
-        self._material_at[body.name] = at = np.array(number, np.int32)[at]
-        rows, _ = table("ct_material", len(names))
-        for k, given in enumerate(self.parts.materials_of(body)):
-            for member, value in given.c("ct_material").items():
-                rows[member][k] = value
-        return ffi.from_buffer("ct_material[]", rows[at])
+        return np.array(number, np.int32)[at]
 
     def materials_behind(self, surface: tuple[str, str]) -> tuple[Material, ...]:
         """The materials of the elements behind a surface."""
         body, face = surface
-        all_of, at = self.parts.materials_of(self.parts.bodies[body]), self._material_at.get(body)
+        all_of, at = self.parts.materials_of(self.parts.bodies[body]), self.material_at.get(body)
         if at is None:
             return all_of
         return tuple(all_of[k] for k in np.unique(at[self._meshes[body].faces(face)[1]]))
@@ -482,6 +518,7 @@ class Problem:
         set of a mesh file with the name of a face."""
         body, face = surface
         mesh, name = self._meshes[body], f'"{body}.{face}"'
+        self.asked.setdefault((body, nodes), {})[face] = None
         kinds = mesh.sets.kinds(face) if face in FACES else ()
         if kinds and (nodes or kinds != ("elements",)) and face != self.parts.bodies[body].part:
             text = f"{name} is a face that every body has and a set of {kinds[0]}"
@@ -563,7 +600,7 @@ class Problem:
         rows = slice(body.first_node, body.first_node + body.mesh.node_count)
         mesh, materials = self._meshes[name], self.parts.materials_of(self.parts.bodies[name])
         stiffest = max(materials, key=lambda each: speeds(each)[0])
-        at = self._material_at.get(name)
+        at = self.material_at.get(name)
         groups = [] if at is None else [np.flatnonzero(at == k) for k in range(len(materials))]
         by_material = tuple(zip(materials, groups))
         kind = word(KERNELS, kernel[0])
@@ -673,9 +710,14 @@ class Maker:
         return self._built.materials_behind(surface)
 
     def body_nodes(self, name: str) -> NDArray[Any]:
-        """Numbers in the problem of all nodes of a body (int32)."""
-        body = self.body(name)
-        return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
+        """Numbers in the problem of all nodes of a body (int32); -1 for those that a part of it lacks."""
+        body, part = self.body(name), self._built.part
+        numbers = np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
+        if part is None:
+            return numbers
+        whole = np.full(part.bodies[name].node_count, -1, np.int32)
+        whole[part.bodies[name].node_numbers] = numbers
+        return whole
 
     def face_nodes(self, surface: tuple[str, str], key: str | None = None) -> NDArray[Any]:
         """Numbers in the problem of the nodes of a surface (body, face), ascending (int32); an empty

@@ -29,6 +29,7 @@ from .older import tomllib
 from .parts import EFFECTS, MANY, NO_TABLE, Parts, read
 from .pieces import Pieces, planned
 from .problem import Problem, new_state
+from .problem_part import Part
 from .results import origin
 from .run import Run
 from .schema import FileName, Place, SceneError, Source, Table, check_file, describe, suggestion
@@ -569,11 +570,11 @@ class Scene:
         loop, path = self._prepared(*given)
         return loop.run(progress, path)
 
-    def _followed(self, threads: int | None, dt: float) -> Problem:
-        """The C problem of another process, with a step that the first one has checked."""
+    def _followed(self, threads: int | None, dt: float, part: Part | None) -> Problem:
+        """The C problem of another process, or its part, with a step that the first one has checked."""
         parts = self._whole()
         wanted = parts.run.threads if threads is None else threads
-        return Problem(parts, self._file, wanted, self._own, dt, checked=False)
+        return Problem(parts, self._file, wanted, self._own, dt, False, part)
 
     def _prepared(
         self,
