@@ -1,6 +1,6 @@
 """The short list of the stability laboratory on the processes of MPI:
 ``mpiexec -n N python -m mpi4py laboratory.py STEPS [CASE ...]``. Each run of a case goes to 0.6 of its end on one
-process, and from there some steps on one and, cut in two ways, on all. The first process prints a line per run: case,
+process, and from there some steps on one and, cut in five ways, on all. The first process prints a line per run: case,
 cut, processes, whether all bits are equal. Verdicts of the cases are not looked at, as their runs are cut short."""
 
 import os
@@ -13,6 +13,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "stability"))
 
 import cases  # noqa: E402
+from bits import cuts  # noqa: E402
+from libcontact.pieces import elements_of  # noqa: E402
 from mpi4py import MPI  # noqa: E402
 from scenes import same, touches  # noqa: E402
 
@@ -45,9 +47,9 @@ class Comparison:
             return alone_run(scene, **more)
         more["restart"] = self.file
         alone = self.outcome(scene, {**more, "watch": given.get("watch")})
-        for partition in ("metis", "coordinates"):
+        for how, partition in cuts(elements_of(problem), True).items():
             run = self.outcome(scene, {**more, "comm": COMM, "partition": partition})
-            self.tell(partition, alone, run)
+            self.tell(how, alone, run)
         if isinstance(alone, Exception):
             raise alone
         return alone
