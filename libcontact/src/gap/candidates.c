@@ -70,24 +70,21 @@ static int32_t put_first(const ct_search *search, const ct_bounds *box, int32_t 
   return first;
 }
 
-/* How far each point of a face is from the boxes of all faces but the one that it met, at most the
- * skin, because a face that is not listed is farther than that from the whole face; and from those of
- * all listed faces if it met none. Boxes of quadratic faces move farther than their nodes, so there
- * the bound is 0 (eq:rival-distance). */
+/* How far each point of a face is from the boxes of all faces but the one that it met. A face that
+ * is not listed is farther than the skin from the whole face. Boxes of quadratic faces move farther
+ * than their nodes, so there the bound is 0 (eq:rival-distance). */
 static void measure_rivals(ct_side *side, const ct_side *other, int32_t face, double skin)
 {
   const int points = side->fixed->rule.count;
   const int linear = side->search->per == side->search->edges &&
                      other->search->per == other->search->edges && side != other;
   for (int64_t p = (int64_t)face * points; p < (int64_t)(face + 1) * points; p++) {
-    const int met = side->points[p].other >= 0;
-    const int32_t end = met ? side->near_end[face] : side->candidate_first[face + 1];
-    double y[3], least = met ? skin * skin : INFINITY;
+    double y[3], least = skin * skin;
     side->met[p] = linear ? side->points[p].other : -1;
     side->distant[p] = 0.0;
-    if (!linear) continue;
+    if (side->met[p] < 0) continue;
     ct_side_position(side, p, NULL, y);
-    for (int32_t i = side->candidate_first[face]; i < end; i++) {
+    for (int32_t i = side->candidate_first[face]; i < side->near_end[face]; i++) {
       const int32_t rival = side->candidates[i];
       if (rival == side->met[p]) continue;
       least = fmin(least, ct_bounds_square(&other->search->boxes[rival], y));
@@ -131,8 +128,8 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
       box = ct_bounds_grown(&side->search->boxes[f], skin);
       side->candidate_first[f] = count;
       side->near_end[f] = count + put_first(other->search, &box, list, found);
-      side->candidate_first[f + 1] = count += found;
       measure_rivals(side, other, f, skin);
+      side->candidate_first[f + 1] = count += found;
     }
   side->candidate_first[side->search->face_count] = count;
   return CT_OK;

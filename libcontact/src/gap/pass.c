@@ -12,6 +12,7 @@ typedef struct nearest {
   double distance;
   ct_projection closest;
   double most;            /* search distance */
+  double clear;           /* if no face is found: a lower bound of the distance of all candidates */
   double origin[3], y[3]; /* middle of the face's box, and the point relative to it */
   double own[3];          /* unit normal at the point, for a surface in contact with itself and if
                              `same_side` is set */
@@ -172,9 +173,10 @@ static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *
 {
   ct_projection closest;
   double origin[3], y[3], normal[3];
-  if (!project(p, i, target, start, origin, y, &closest) || closest.distance > best->most ||
-      (p->self && !is_admissible(p, i, best->own, y, target, &closest)))
-    return;
+  const int found = project(p, i, target, start, origin, y, &closest),
+            beyond = found && closest.distance > best->most;
+  best->clear = fmin(best->clear, beyond ? closest.distance : 0.0);
+  if (!found || beyond || (p->self && !is_admissible(p, i, best->own, y, target, &closest))) return;
   if (best->same_side) (void)outward_at(p, target, &closest, normal);
   // -- The search on one side skips far sides (eq:held)
   if (best->same_side && is_far(best->own, best->last, normal)) return;
@@ -317,10 +319,24 @@ static void close_point(const ct_pass *p, ct_point *point, point_class found, in
  * search on one side also that of the last step. Returns 0 if there is none. */
 static int begin(const ct_pass *p, int64_t i, int same_side, double most, nearest *best)
 {
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .most = most, .same_side = same_side};
+  *best = (nearest){.face = INT32_MAX,
+                    .distance = INFINITY,
+                    .most = most,
+                    .clear = INFINITY,
+                    .same_side = same_side};
   if (!p->self && !same_side) return 1;
   if (same_side && !last_normal(p, &p->side->points[i], best->last)) return 0;
   return ct_pass_own_normal(p, i, best->own);
+}
+
+/* Try a face if its box is as near as the nearest one. */
+static void try_box(const ct_pass *p, int64_t i, int32_t target, const double *start,
+                    const double y[3], nearest *best)
+{
+  const double reach = best->distance < best->most ? best->distance : best->most,
+               distance = ct_bounds_distance(&p->other->search->boxes[target], y);
+  if (distance <= reach) try_face(p, i, target, start, best);
+  else best->clear = fmin(best->clear, distance);
 }
 
 /* The nearest face of a point, or the nearest one that is not on a far side. A point in contact
@@ -339,19 +355,13 @@ static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int sam
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
-  if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most)
-    try_face(p, i, warm, point->xi, best);
-  for (int32_t k = side->candidate_first[face]; k < side->candidate_first[face + 1]; k++) {
-    int32_t target = side->candidates[k];
-    double reach = best->distance < most ? best->distance : most;
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach)
-      try_face(p, i, target, NULL, best);
-  }
+  if (warm >= 0) try_box(p, i, warm, point->xi, y, best);
+  for (int32_t k = side->candidate_first[face]; k < side->candidate_first[face + 1]; k++)
+    if (side->candidates[k] != warm) try_box(p, i, side->candidates[k], NULL, y, best);
   // -- Deeper than the lists reach: try all faces (eq:held)
   for (int32_t target = 0;
        held && best->distance > side->listed[face] && target < other->search->face_count; target++)
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance)
-      try_face(p, i, target, NULL, best);
+    if (target != warm) try_box(p, i, target, NULL, y, best);
 }
 
 /* Whether the point was in contact, or outside over a face that it faces, in the last step. */
@@ -407,15 +417,25 @@ static point_class classify(const ct_pass *p, int64_t i, const double y[3], near
 }
 
 /* Whether nothing can be near a point: it was over no face, and no face is listed for its own, or
- * all of them are too far away since the lists were made (eq:alone-distance); at the very first look
- * it may be deep inside (eq:point-status). */
+ * since all of these were clear of it they can't have come near (eq:clear-distance); at the very
+ * first look it may be deep inside (eq:point-status). */
 static int is_alone(const ct_pass *p, int64_t i)
 {
   const int32_t *list = &p->side->candidate_first[face_of(p, i)];
   const ct_point *point = &p->side->points[i];
   if (point->other >= 0 || point->status == CT_POINT_INSIDE || p->first) return 0;
-  return list[0] == list[1] || (p->side->met[i] < 0 &&
-                                (1.0 + 1e-9) * (p->depth + p->since) < p->side->distant[i]);
+  return list[0] == list[1] ||
+         (p->side->met[i] < 0 && (1.0 + 1e-9) * (p->depth + p->since) < p->side->distant[i]);
+}
+
+/* How far all candidates of a point without a face were when the lists were made; quadratic faces
+ * may move farther than their nodes (eq:clear-distance). */
+static void keep_clear(const ct_pass *p, int64_t i, double clear)
+{
+  const ct_search *own = p->side->search, *other = p->other->search;
+  const int linear = !p->self && own->per == own->edges && other->per == other->edges;
+  p->side->met[i] = -1;
+  p->side->distant[i] = linear ? clear - p->since - CT_CLOSEST_POINT_ERROR * other->size : 0.0;
 }
 
 static void search_point(const ct_pass *p, int64_t i)
@@ -430,6 +450,7 @@ static void search_point(const ct_pass *p, int64_t i)
   }
   ct_side_position(p->side, i, NULL, y);
   find_nearest(p, i, y, 0, &best);
+  if (best.face == INT32_MAX) keep_clear(p, i, best.clear);
   point_class found = classify(p, i, y, &best, point);
   point->jumped = has_jumped(p, i, found, best.face);
   close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
