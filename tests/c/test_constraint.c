@@ -593,7 +593,8 @@ static void changing_rows(void)
   }
   release(&r);
   tap_ok(off < 1e-12 && miscounted == 0,
-         "G of rows that come and go (%.1e); their numbers at nodes wrong %d times", off, miscounted);
+         "G of rows that come and go (%.1e); their numbers at nodes wrong %d times", off,
+         miscounted);
 }
 
 int main(void)

@@ -31,8 +31,8 @@ static void settled(void)
       }
 }
 
-/* Eight such points are settled together, unless one of them is on an edge or comes into contact; and
- * coincide with their closest points if one of them does. */
+/* Eight such points are settled together, unless one of them is on an edge or comes into contact;
+ * and coincide with their closest points if one of them does. */
 static void together(void)
 {
   ct_search search = {.size = 1.0};
@@ -218,8 +218,8 @@ static double square_near(int seed, double x[12])
     for (int c = 0; c < 3; c++) e[k][c] = 0.2 * sin(1e4 * sin(70.0 * seed + 3.0 * k + c));
   for (int a = 0; a < 4; a++)
     for (int c = 0; c < 3; c++)
-      face.node[a][c] = x[3 * a + c] = 6.0 * e[0][c] + (a == 1 || a == 2 ? e[0][c] : -e[0][c]) +
-                                       (a > 1 ? e[1][c] : -e[1][c]);
+      face.node[a][c] = x[3 * a + c] =
+          6.0 * e[0][c] + (a == 1 || a == 2 ? e[0][c] : -e[0][c]) + (a > 1 ? e[1][c] : -e[1][c]);
   return ct_project(&face, y, &options, &closest, NULL) == CT_OK ? closest.distance : NAN;
 }
 
@@ -232,12 +232,13 @@ static void alone(void)
   int wrong = 0, some = 0, searched = 0, near = 0;
   for (int trial = 0; trial < 4000; trial++) {
     int32_t nodes[4 * FACES] = {0, 1, 2, 3, 4, 5, 6, 7}, list[FACES] = {0, 1}, ends[2] = {0, FACES},
-            met = -1;
+                      met = -1;
     double distant = 0.0, x[12 * FACES], origin[13] = {0.0}, distance = INFINITY;
     const double y[3] = {0.0}, place = 0.01 * (trial % 14);
     ct_bounds boxes[FACES];
     ct_search own = {.per = 4, .edges = 4, .faces = nodes, .x = origin},
-              search = {.kind = CT_Q4, .per = 4, .edges = 4, .faces = nodes, .x = x, .boxes = boxes};
+              search = {
+                  .kind = CT_Q4, .per = 4, .edges = 4, .faces = nodes, .x = x, .boxes = boxes};
     ct_side_fixed fixed = {.rule.count = 1, .N = {{0.25, 0.25, 0.25, 0.25}}};
     ct_point point = {.other = trial % 3 == 0 ? 0 : -1, .status = CT_POINT_OUTSIDE};
     ct_side side = {.fixed = &fixed,

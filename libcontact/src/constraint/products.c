@@ -214,10 +214,10 @@ CT_INLINE void push(row_part part, const double *row, int32_t b, int c, double f
   *out = part == SIZES ? SIZE_OF(N) * force : part == ALONG ? N * force : N * (row[c] * force);
 }
 
-/* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples of
- * the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows are those
- * of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated face gives
- * the same bits (eq:tree-sum). */
+/* Add one row times its force to the sums of its nodes, or set these to four of them, as multiples
+ * of the coarse grid's spacing: these sums are exact in any order (eq:order-free-sum). Four rows
+ * are those of a 2 x 2 rule, summed first in pairs across the middle, so that a flipped or rotated
+ * face gives the same bits (eq:tree-sum). */
 CT_INLINE void add_row(row_part part, int32_t quads, int four, double coarse, int32_t step,
                        const double *row, const double *f, ct_quad *sum)
 {

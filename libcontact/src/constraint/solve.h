@@ -41,10 +41,10 @@ static inline int ct_solver_accepts(double given)
  * in G it has its normal and an unused number, then b_a of the nodes of its own face and of the
  * other, each filled up to whole quads. */
 typedef struct ct_group {
-  int64_t first, place; /* of its numbers and of its nodes */
+  int64_t first, place;          /* of its numbers and of its nodes */
   const int32_t *nodes, *others; /* of both faces, as a row has them */
-  int8_t own, other;    /* nodes; compared together with the next two numbers */
-  int16_t face;         /* whether the rows are the four points of a 2 x 2 rule in their order */
+  int8_t own, other;             /* nodes; compared together with the next two numbers */
+  int16_t face; /* whether the rows are the four points of a 2 x 2 rule in their order */
   int32_t rows;
 } ct_group;
 

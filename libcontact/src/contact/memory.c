@@ -95,12 +95,13 @@ CT_INLINE void copy_four(const double *from, double *to)
 /* A member between these, in points or in records, does not compile. */
 #define FOLLOWS(type, member, first, count) \
   (offsetof(type, member) == offsetof(type, first) + (count) * sizeof(double))
-typedef char members_follow_on_each_other
-    [FOLLOWS(ct_point, force_size, known, 3) && FOLLOWS(ct_point_record, force_size, known, 3) &&
-             FOLLOWS(ct_point, row.impact.idle, row.force, 3) &&
-             FOLLOWS(ct_point_record, impact.idle, force, 3)
-         ? 1
-         : -1];
+typedef char
+    members_follow_on_each_other[FOLLOWS(ct_point, force_size, known, 3) &&
+                                         FOLLOWS(ct_point_record, force_size, known, 3) &&
+                                         FOLLOWS(ct_point, row.impact.idle, row.force, 3) &&
+                                         FOLLOWS(ct_point_record, impact.idle, force, 3)
+                                     ? 1
+                                     : -1];
 
 /* Store the points of a side; returns the largest of some rows and of theirs. */
 CT_CLONES

@@ -110,9 +110,9 @@ typedef struct ct_side {
       *candidates; /* candidate faces of the other side for each face, until the next listing ... */
   int32_t *near_end; /* ... those within the skin of its box first: their end, shape (face_count) */
   int32_t *met;      /* the face that a point met at that time, or -1, ... */
-  double *distant; /* ... and a lower bound of its distance from the boxes of all others then, or from
-                      all listed faces if a search has found none, shape (face_count, rule.count)
-                      (eq:rival-distance, eq:clear-distance) */
+  double *distant;   /* ... and a lower bound of its distance from the boxes of all others then, or
+                        from all listed faces if a search has found none, shape (face_count,
+                        rule.count) (eq:rival-distance, eq:clear-distance) */
   int32_t candidate_capacity;
 } ct_side;
 

@@ -129,8 +129,8 @@ CT_INLINE void load_four(const ct_pass *p, int l, block *b)
     for (int a = 0; a < 4; a++) put(4, theirs[a][c], &b->nodes[CT_WARM * (3 * a + c) + l]);
 #pragma omp simd
     for (int k = 0; k < 4; k++)
-      b->points[CT_WARM * c + l + k] = (N[0][k] * own[0][c] + N[1][k] * own[1][c]) +
-                                       (N[2][k] * own[2][c] + N[3][k] * own[3][c]);
+      b->points[CT_WARM * c + l + k] =
+          (N[0][k] * own[0][c] + N[1][k] * own[1][c]) + (N[2][k] * own[2][c] + N[3][k] * own[3][c]);
   }
 }
 
@@ -262,8 +262,7 @@ CT_INLINE lane_group group_from(const block *b, int first, const double *most)
   while (!four && g.end < CT_WARM && b->face[g.end] == b->face[first] &&
          b->target[g.end] == b->target[first])
     g.end++;
-  const double reach =
-      four ? largest_of(4, &most[first]) : largest_of(g.end - first, &most[first]);
+  const double reach = four ? largest_of(4, &most[first]) : largest_of(g.end - first, &most[first]);
   // Slightly more than the reach of any lane, so that the test of a box excludes no rival.
   g.most = (0.5 + 1e-12) * sqrt(reach);
   return g;
@@ -284,7 +283,8 @@ CT_INLINE ct_bounds reach_box(const lane_group *g, const double *at)
   return ct_bounds_grown(&box, g->most);
 }
 
-/* Whether some lanes met a face when the faces were listed, and all others were beyond a distance. */
+/* Whether some lanes met a face when the faces were listed, and all others were beyond a distance.
+ */
 CT_INLINE int met_alone(const ct_side *side, int64_t number, int count, int32_t face, double reach)
 {
   const int32_t *met = &side->met[number];

@@ -6,11 +6,6 @@
 #include <float.h>
 #include <math.h>
 
-double ct_bounds_distance(const ct_bounds *box, const double point[3])
-{
-  return sqrt(ct_bounds_square(box, point));
-}
-
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
 {
   for (int c = 0; c < 3; c++) {

@@ -3,6 +3,8 @@
 
 #include <libcontact/shape.h>
 
+#include <math.h>
+
 /* Axis-aligned box. */
 typedef struct ct_bounds {
   double low[3], high[3];
@@ -28,7 +30,10 @@ static inline double ct_bounds_square(const ct_bounds *box, const double point[3
 }
 
 /* Distance of a point from a box. */
-double ct_bounds_distance(const ct_bounds *box, const double point[3]);
+static inline double ct_bounds_distance(const ct_bounds *box, const double point[3])
+{
+  return sqrt(ct_bounds_square(box, point));
+}
 
 /* The box of all points within `reach` of a box along each axis. */
 static inline ct_bounds ct_bounds_grown(const ct_bounds *box, double reach)
