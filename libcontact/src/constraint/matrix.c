@@ -257,18 +257,24 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
-/* Add the sums of the other pieces at the nodes that they share, of the components first ... first
+/* Add the sums of the other pieces at the nodes that they share with this one, of the components
+ * first ... first
  * + some - 1; `moved` is free until then. */
 CT_INLINE void join_nodes(ct_solver *s, int first, int some)
 {
   double *joined = s->moved;
-  for (int32_t k = 0; k < s->shared_count; k++)
+  ct_clear(joined, (size_t)some * (size_t)s->shared_count);
+  for (int32_t k = 0; k < s->own_shared_count; k++) {
+    const int32_t at = s->own_shared[k];
     for (int c = 0; c < some; c++)
-      joined[some * (int64_t)k + c] = s->sums[s->shared_nodes[k] + first + c];
+      joined[some * (int64_t)at + c] = s->sums[s->shared_nodes[at] + first + c];
+  }
   ct_pieces_sum(s->pieces, joined, some * (int64_t)s->shared_count);
-  for (int32_t k = 0; k < s->shared_count; k++)
-    for (int c = 0; s->row_counts[s->shared_nodes[k] / WIDE] > 0 && c < some; c++)
-      s->sums[s->shared_nodes[k] + first + c] = joined[some * (int64_t)k + c];
+  for (int32_t k = 0; k < s->own_shared_count; k++) {
+    const int32_t at = s->own_shared[k];
+    for (int c = 0; c < some; c++)
+      s->sums[s->shared_nodes[at] + first + c] = joined[some * (int64_t)at + c];
+  }
 }
 
 /* The same for sums along the one normal n of all rows, which are fourth components; those of
@@ -365,7 +371,7 @@ static void list_active_nodes(ct_solver *s)
  * body. */
 static void list_shared_nodes(ct_solver *s)
 {
-  s->shared_count = s->most_row_count = 0;
+  s->shared_count = s->own_shared_count = s->most_row_count = 0;
   for (int32_t n = 0; n < s->node_count; n++) {
     s->moved[2 * (int64_t)n] = s->row_counts[n];
     s->moved[2 * (int64_t)n + 1] = s->row_counts[n] > 0;
@@ -376,7 +382,9 @@ static void list_shared_nodes(ct_solver *s)
     if (rows > s->most_row_count) s->most_row_count = (int32_t)rows;
     const int rigid = s->bodies != NULL && s->bodies->of[n] >= 0 && rows > 0.0;
     if (rigid) s->row_counts[n] = (int32_t)rows;
-    if (pieces > 1.0 || rigid) s->shared_nodes[s->shared_count++] = WIDE * n;
+    if (pieces <= 1.0 && !rigid) continue;
+    if (s->row_counts[n] > 0) s->own_shared[s->own_shared_count++] = s->shared_count;
+    s->shared_nodes[s->shared_count++] = WIDE * n;
   }
 }
 

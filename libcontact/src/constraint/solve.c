@@ -75,6 +75,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->listed = ct_pool_take(pool, (size_t)s->most, sizeof *s->listed);
   s->active_nodes = ct_pool_take(pool, nodes, sizeof *s->active_nodes);
   s->shared_nodes = ct_pool_take(pool, nodes, sizeof *s->shared_nodes);
+  s->own_shared = ct_pool_take(pool, nodes, sizeof *s->own_shared);
   s->all_nodes = ct_pool_take(pool, nodes, sizeof *s->all_nodes);
   s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, (size_t)most_quads, 4 * sizeof *s->G);

@@ -87,7 +87,8 @@ typedef struct ct_solver {
   const ct_pieces *pieces; /* null: this solver has all rows */
   int32_t shared_count;
   int32_t *shared_nodes; /* the nodes on which active rows of several pieces act, likewise */
-  double weight;         /* the largest one of a node in a row, or 1 */
+  int32_t own_shared_count, *own_shared; /* places in them of those with rows of this piece */
+  double weight;                         /* the largest one of a node in a row, or 1 */
   int64_t group_count;
   ct_group *groups;       /* of the listed rows, and then of the active ones */
   ct_group *listed;       /* of the listed rows, while the active ones are chosen */
