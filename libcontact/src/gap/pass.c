@@ -456,9 +456,10 @@ static void search_point(const ct_pass *p, int64_t i)
   close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
 }
 
-/* Search for the points first ... first + count - 1, at most eight. */
-static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
+/* Search for the point `first` and those after it before `end`, at most eight. */
+static void search_block(const ct_pass *p, int lanes, int64_t first, int64_t end)
 {
+  const int count = end - first < CT_WARM ? (int)(end - first) : CT_WARM;
   unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
   if (settled == (1u << CT_WARM) - 1) return;
   for (int l = 0; l < count; l++)
@@ -468,9 +469,18 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 /* Fewest points of a thread: a fraction of a millisecond. */
 enum { LEAST_POINTS = 1024 };
 
+/* The points of a run, by several threads. */
+static void search_points(const ct_pass *p, int lanes, const ct_span *run, int threads)
+{
+  (void)threads; // without OpenMP
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static)
+#endif
+  for (int64_t i = run->first; i < run->end; i += CT_WARM) search_block(p, lanes, i, run->end);
+}
+
 void ct_pass_search(ct_gaps *gaps, int s, int wanted)
 {
-  (void)wanted; // without OpenMP
   ct_pass p = {.side = &gaps->side[s],
                .other = &gaps->side[gaps->fixed->sides - 1 - s],
                .project = gaps->fixed->project,
@@ -488,11 +498,10 @@ void ct_pass_search(ct_gaps *gaps, int s, int wanted)
               (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
   for (ct_span run = {0}; ct_side_next(p.side, &run);) {
     const int64_t first = run.first, end = run.end;
-#ifdef _OPENMP
-    int threads = ct_threads_for(wanted, end - first, LEAST_POINTS);
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
-#endif
-    for (int64_t i = first; i < end; i += CT_WARM)
-      search_block(&p, lanes, i, end - i < CT_WARM ? (int)(end - i) : CT_WARM);
+    const int threads = ct_threads_for(wanted, end - first, LEAST_POINTS);
+    // A region of one thread costs more than the points of a short run.
+    if (threads > 1) search_points(&p, lanes, &run, threads);
+    else
+      for (int64_t i = first; i < end; i += CT_WARM) search_block(&p, lanes, i, end);
   }
 }
