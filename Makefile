@@ -33,7 +33,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test test-mpi test-page page test-hosts docs slides pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test test-mpi check-mpi test-page page test-hosts docs slides pdf measured bench stability accuracy wheel wheels check-cross check-c fuzz kill zoo coverage memory clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -73,7 +73,7 @@ WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/
 VENV := $(BUILD)/venv
 
 .PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
-.PHONY: page test-page page-tools _page _test-page mpi install-mpi test-mpi _test-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
+.PHONY: page test-page page-tools _page _test-page mpi install-mpi test-mpi _test-mpi check-mpi _check-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
 help:
@@ -100,6 +100,7 @@ help:
 	@echo "make coverage         lines and branches of the C library that the C tests run, by room (COVERAGE=--book: the book's table)"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
+	@echo "make check-mpi        scenes and the laboratory's short list on 1 to 4 processes, each cut in five ways: equal bits"
 	@echo "make mpi MPICC=       the add-on library for hosts with MPI, in build/mpi; make install-mpi prefix= installs it, too"
 	@echo "make test-hosts       the contact in scikit-fem, NGSolve and Akantu, and beside that of CalculiX; installs them"
 	@echo "make test-page        the laboratories in Node, Chromium and Firefox, moved by pointer and keys"
@@ -392,11 +393,13 @@ install-mpi: install mpi
 	$(call install_library,contact-mpi,$(BUILD)/mpi)
 $(BUILD)/mpi/pieces: tests/mpi/pieces.c $(BUILD)/mpi/libcontact-mpi.a $(BUILD)/lib/libcontact.a
 	$(Q)$(MPICC) -O1 $(TEST_FLAGS) -Ilibcontact/mpi $^ -o $@ -lm
-test-mpi: setup
+test-mpi check-mpi: setup
 	@+$(MAKE) --no-print-directory _$@
 _test-mpi: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.mpi
 	@+$(MAKE) --no-print-directory $(BUILD)/mpi/pieces
 	@LIBCONTACT_BUILD=$(BUILD) $(VENV)/bin/python -m pytest -q tests/python/test_mpi.py
+_check-mpi: $(VENV)/.wrapper $(VENV)/.mpi
+	$(VENV)/bin/python tests/mpi/matrix.py
 
 # Other programs as hosts of the contact. Each is installed alone, since not all are made for each machine; what is absent is skipped.
 $(VENV)/.hosts: wrapper/requirements/hosts.txt $(VENV)/.base
