@@ -469,6 +469,19 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
   free(nodes);
 }
 
+/* The definition of a contact with the default options. */
+static inline ct_scene_contact scene_contact(int32_t a, const int32_t *faces_a, int32_t count_a,
+                                             int32_t b, const int32_t *faces_b, int32_t count_b)
+{
+  return (ct_scene_contact){.body_a = a,
+                            .body_b = b,
+                            .face_count_a = count_a,
+                            .face_count_b = count_b,
+                            .faces_a = faces_a,
+                            .faces_b = faces_b,
+                            .options = ct_contact_options_default()};
+}
+
 /* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options
  * (`beta` and `faces` count, not `epsilon`) and friction. */
 static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_mesh *mesh_a,
@@ -478,16 +491,11 @@ static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_me
 {
   int32_t *fa = integers(8 * 6 * mesh_a->element_count),
           *fb = integers(8 * 6 * mesh_b->element_count);
-  ct_scene_contact contact = {.body_a = a,
-                              .body_b = b,
-                              .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
-                              .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL),
-                              .faces_a = fa,
-                              .faces_b = fb,
-                              .beta = beta,
-                              .options = options,
-                              .friction = friction,
-                              .tangent = tangent};
+  ct_scene_contact contact =
+      scene_contact(a, fa, ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL), b, fb,
+                    ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL));
+  contact.beta = beta, contact.options = options;
+  contact.friction = friction, contact.tangent = tangent;
   ct_error error;
   ct_status status = ct_scene_add_contact(scene, &contact, &error);
   need(status, &error);

@@ -301,14 +301,9 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
   for (int b = 0; b < 2; b++)
     count[b] = ct_mesh_plane_faces(flat[b], 0, b ? 1e-4 : 0.0, faces[b], NULL);
   int one = swapped ? 1 : 0, two = 1 - one;
-  ct_scene_contact contact = {.body_a = one,
-                              .body_b = two,
-                              .face_count_a = count[one],
-                              .face_count_b = count[two],
-                              .faces_a = faces[one],
-                              .faces_b = faces[two],
-                              .beta = beta,
-                              .options = options_of(enforcement)};
+  ct_scene_contact contact =
+      scene_contact(one, faces[one], count[one], two, faces[two], count[two]);
+  contact.beta = beta, contact.options = options_of(enforcement);
   must(ct_scene_add_contact, p.scene, &contact);
   set_threads(p.scene, threads);
   p.problem = build(p.scene, (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8},
@@ -629,12 +624,8 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   bend_to_hairpin(m, 0.11, v);
   add_moving_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, v);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
-  ct_scene_contact contact = {.face_count_a = count,
-                              .face_count_b = count,
-                              .faces_a = faces,
-                              .faces_b = faces,
-                              .beta = 4.0,
-                              .options = options};
+  ct_scene_contact contact = scene_contact(0, faces, count, 0, faces, count);
+  contact.beta = 4.0, contact.options = options;
   must(ct_scene_add_contact, scene, &contact);
   ct_mesh_free(m);
   free_all(faces, v);
@@ -665,14 +656,8 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   add_body(scene, "up", up, &SOFT, CT_KERNEL_AUTO, 9.0, 0, -1.5);
   if (ground != BALL) {
     add_body(scene, "low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0,
-                                .body_b = 1,
-                                .face_count_a = count[1],
-                                .face_count_b = count[0],
-                                .faces_a = above,
-                                .faces_b = below,
-                                .beta = 4.0,
-                                .options = options};
+    ct_scene_contact contact = scene_contact(0, above, count[1], 1, below, count[0]);
+    contact.beta = 4.0, contact.options = options;
     must(ct_scene_add_contact, scene, &contact);
   } else {
     ct_obstacle_def o = {COOKIE,

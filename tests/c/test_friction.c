@@ -172,15 +172,9 @@ static void momentum(ct_brick_kind kind, const char *name)
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0.7, -0.4, 0);
   // The top of a is warped; its faces have the numbers of the flat one.
   ct_mesh *flat = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1);
-  ct_scene_contact contact = {.body_a = 0,
-                              .body_b = 1,
-                              .face_count_a = ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL),
-                              .faces_a = fa,
-                              .face_count_b = ct_mesh_plane_faces(b, 2, -0.02, fb, NULL),
-                              .faces_b = fb,
-                              .beta = 1.0,
-                              .options = ct_contact_options_default(),
-                              .friction = 0.5};
+  ct_scene_contact contact = scene_contact(0, fa, ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL), 1,
+                                           fb, ct_mesh_plane_faces(b, 2, -0.02, fb, NULL));
+  contact.beta = 1.0, contact.friction = 0.5;
   contact.options.enforcement = CT_ENFORCE_PENALTY;
   contact.options.initial_penetration = CT_INITIAL_FORCE;
   must(ct_scene_add_contact, scene, &contact);

@@ -44,15 +44,10 @@ static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
     add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
                     p->velocity[i]);
   const int b = p->bodies - 1;
-  ct_scene_contact contact = {.body_a = 0,
-                              .body_b = b,
-                              .face_count_a = p->face_count[0],
-                              .face_count_b = p->face_count[b],
-                              .faces_a = p->faces[0],
-                              .faces_b = p->faces[b],
-                              .options = *options,
-                              .friction = p->friction,
-                              .tangent = tangent_of(p, options)};
+  ct_scene_contact contact =
+      scene_contact(0, p->faces[0], p->face_count[0], b, p->faces[b], p->face_count[b]);
+  contact.options = *options, contact.friction = p->friction,
+  contact.tangent = tangent_of(p, options);
   if (!p->alone) must(ct_scene_add_contact, scene, &contact);
   if (p->obstacles > 0) add_walls(scene, p, options);
   return scene;

@@ -97,13 +97,8 @@ static double collide(ct_mesh *const m[2], const double v[2], int32_t *const fac
   const ct_material stuff = {.young = young, .poisson = 0.0, .density = 1.0};
   ct_scene *scene = new_scene_with("low", m[0], &SOFT, CT_KERNEL_AUTO, 0, 0, v[0]);
   add_body(scene, "high", m[1], &stuff, CT_KERNEL_AUTO, 0, 0, v[1]);
-  ct_scene_contact contact = {.body_a = 0,
-                              .body_b = 1,
-                              .face_count_a = count[0],
-                              .face_count_b = count[1],
-                              .faces_a = faces[0],
-                              .faces_b = faces[1],
-                              .options = *options};
+  ct_scene_contact contact = scene_contact(0, faces[0], count[0], 1, faces[1], count[1]);
+  contact.options = *options;
   must(ct_scene_add_contact, scene, &contact);
   int64_t steps;
   ct_stable_step stable;

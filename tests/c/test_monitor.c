@@ -316,14 +316,8 @@ static void at_rest(void)
     turn_mesh(upper, R, by);
     add_body(scene, "lower", lower, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
     add_body(scene, "upper", upper, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0,
-                                .body_b = 1,
-                                .face_count_a = count[0],
-                                .face_count_b = count[1],
-                                .faces_a = faces[0],
-                                .faces_b = faces[1],
-                                .beta = 4.0,
-                                .options = ct_contact_options_default()};
+    ct_scene_contact contact = scene_contact(0, faces[0], count[0], 1, faces[1], count[1]);
+    contact.beta = 4.0;
     if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
     ct_error e = {0};
     must(ct_scene_add_contact, scene, &contact);

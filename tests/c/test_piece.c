@@ -174,13 +174,9 @@ static ct_scene *scene_of(const pair *p, double beta, ct_enforcement enforcement
     add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
                     p->velocity[i]);
   const int b = p->bodies - 1;
-  ct_scene_contact contact = {.body_b = b,
-                              .face_count_a = p->face_count[0],
-                              .face_count_b = p->face_count[b],
-                              .faces_a = p->faces[0],
-                              .faces_b = p->faces[b],
-                              .options = options,
-                              .friction = p->friction};
+  ct_scene_contact contact =
+      scene_contact(0, p->faces[0], p->face_count[0], b, p->faces[b], p->face_count[b]);
+  contact.options = options, contact.friction = p->friction;
   if (!p->alone) must(ct_scene_add_contact, scene, &contact);
   for (int k = 0; k < p->obstacles; k++) {
     const int s = p->side[k];

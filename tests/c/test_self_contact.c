@@ -404,13 +404,7 @@ static void scene_of_a_c(void)
   ring(m, 6.25, bent->nodes);
   int32_t body = add_body(scene, "c", bent, &material, (ct_solid_kernel)0, 0, 0, 0),
           faces = ct_mesh_outer_faces(bent, outer, NULL);
-  ct_scene_contact contact = {.body_a = body,
-                              .body_b = body,
-                              .face_count_a = faces,
-                              .face_count_b = faces,
-                              .faces_a = outer,
-                              .faces_b = outer,
-                              .options = ct_contact_options_default()};
+  ct_scene_contact contact = scene_contact(body, outer, faces, body, outer, faces);
   contact.beta = 1.0;
   contact.options.dissipation = 0.0;
   must(ct_scene_add_contact, scene, &contact);
