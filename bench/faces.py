@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "data"))
+sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "data"))
 
 import corpus  # noqa: E402, F401 (for those who import it from here)
 

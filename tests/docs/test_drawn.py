@@ -81,6 +81,7 @@ def test_pictures_of_tutorials_have_their_data(tmp_path):
 
     images = tmp_path / "tutorials" / "images"
     images.mkdir(parents=True)
+    pyplot.close("all")  # of other tests
     for values in ([1, 2], [3, 4.5]):
         pyplot.figure().subplots().plot(values, label="own")
     where = scrapers.ImagePathIterator(str(images / "picture_{0:03}.png"))
