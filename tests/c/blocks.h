@@ -17,7 +17,9 @@ static inline block open_body(ct_solid_body b)
 {
   block solid = {NULL, NULL};
   must(create_solid, &b, 1, &solid.effect);
+  later_effect(solid.effect);
   must(solid.effect->calls->create_scratch, solid.effect, &solid.scratch);
+  free_later(solid.scratch, solid.effect->calls->free_scratch);
   return solid;
 }
 
@@ -29,8 +31,8 @@ static inline block open_block(const ct_mesh *m, const ct_material *material,
 
 static inline void close_block(block *solid)
 {
-  solid->effect->calls->free_scratch(solid->scratch);
-  ct_effect_free(solid->effect);
+  solid->effect->calls->free_scratch(unlist(solid->scratch));
+  free_effect(solid->effect);
 }
 
 /* Forces at the displacement u, and the energy. */

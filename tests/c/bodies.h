@@ -81,6 +81,62 @@ static inline void need(ct_status status, const ct_error *error)
     need(call(__VA_ARGS__, &error_), &error_); \
   } while (0)
 
+/* What the functions below have made. After free_at_end(), which stands first in main, a test need
+ * not free it: that happens when the program ends, the last first. */
+static struct {
+  int at_end;
+  size_t count;
+  struct {
+    void *what;
+    void (*free_one)(void *what);
+  } *list;
+} pending;
+
+static inline void free_pending(void)
+{
+  while (pending.count > 0) {
+    pending.count--;
+    pending.list[pending.count].free_one(pending.list[pending.count].what);
+  }
+  free(pending.list);
+}
+
+static inline void free_at_end(void) { pending.at_end = atexit(free_pending) == 0; }
+
+static inline void *free_later(void *what, void (*free_one)(void *))
+{
+  size_t n = pending.count;
+  if (!pending.at_end || what == NULL) return what;
+  if ((n & (n - 1)) == 0)
+    pending.list = realloc(pending.list, (n > 0 ? 2 * n : 1) * sizeof *pending.list);
+  if (pending.list == NULL) abort();
+  pending.list[n].what = what;
+  pending.list[n].free_one = free_one;
+  pending.count++;
+  return what;
+}
+
+/* A thing that is freed now, and not later. */
+static inline void *unlist(void *what)
+{
+  size_t i = pending.count;
+  while (i > 0 && pending.list[i - 1].what != what) i--;
+  if (i > 0) pending.list[i - 1].what = NULL;
+  while (pending.count > 0 && pending.list[pending.count - 1].what == NULL) pending.count--;
+  return what;
+}
+
+/* later_mesh(m) gives m, which is freed later; free_mesh(m) frees it now. The same for others. */
+#define LATER(name)                                                              \
+  static inline void free_##name(void *what) { ct_##name##_free(unlist(what)); } \
+  static inline ct_##name *later_##name(ct_##name *what) { return free_later(what, free_##name); }
+LATER(mesh)
+LATER(scene)
+LATER(state)
+LATER(effect)
+LATER(contact)
+LATER(monitor)
+
 static inline void *room(int64_t count, size_t size)
 {
   void *memory = calloc((size_t)(count > 0 ? count : 1), size);
@@ -88,13 +144,13 @@ static inline void *room(int64_t count, size_t size)
     printf("Bail out! no memory\n");
     exit(1);
   }
-  return memory;
+  return free_later(memory, free);
 }
 
 /* Free some of these. */
 static inline void free_each(void *const *memory, size_t count)
 {
-  for (size_t i = 0; i < count; i++) free(memory[i]);
+  for (size_t i = 0; i < count; i++) free(unlist(memory[i]));
 }
 #define free_all(...) \
   free_each((void *[]){__VA_ARGS__}, sizeof((void *[]){__VA_ARGS__}) / sizeof(void *))
@@ -106,7 +162,14 @@ static inline ct_mesh *mesh_of(ct_brick_kind kind, ct_box box)
 {
   ct_mesh *mesh = NULL;
   must(ct_mesh_create_box, kind, &box, &mesh);
-  return mesh;
+  return later_mesh(mesh);
+}
+
+static inline ct_mesh *copy_mesh(const ct_mesh *mesh)
+{
+  ct_mesh *copy = NULL;
+  must(ct_mesh_create_copy, mesh, &copy);
+  return later_mesh(copy);
 }
 
 static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a,
@@ -140,7 +203,7 @@ static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
   for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK;
        shake(mesh, amount *= 0.8, inside))
     memcpy(mesh->nodes, straight, size);
-  free(straight);
+  free_all(straight);
 }
 
 /* Determinant of the Jacobian of a brick with the nodes `x` at a point, computed without the
@@ -217,9 +280,8 @@ static inline void turn_elements(ct_mesh *mesh)
  * is flipped, so elements stay valid. */
 static inline ct_mesh *mirror_mesh(const ct_mesh *mesh, int axis)
 {
-  ct_mesh *image = NULL;
+  ct_mesh *image = copy_mesh(mesh);
   int per = ct_brick_node_count(mesh->kind);
-  must(ct_mesh_create_copy, mesh, &image);
   for (int n = 0; n < mesh->node_count; n++)
     image->nodes[3 * n + axis] = -mesh->nodes[3 * n + axis];
   for (int e = 0; e < mesh->element_count; e++)
@@ -244,10 +306,9 @@ static inline int64_t mirror_faults(const double *v, const double *w, int64_t no
  */
 static inline ct_mesh *shuffle_mesh(const ct_mesh *m, int32_t *to)
 {
-  ct_mesh *out;
+  ct_mesh *out = copy_mesh(m);
   int per = ct_brick_node_count(m->kind);
   int32_t *at = integers(m->element_count);
-  must(ct_mesh_create_copy, m, &out);
   for (int32_t n = 0; n < m->node_count; n++) {
     int32_t k = pick(n + 1);
     to[n] = to[k];
@@ -261,7 +322,7 @@ static inline ct_mesh *shuffle_mesh(const ct_mesh *m, int32_t *to)
   for (int32_t n = 0; n < m->node_count; n++) memcpy(&out->nodes[3 * to[n]], &m->nodes[3 * n], 24);
   for (int32_t i = 0; i < m->element_count; i++)
     for (int a = 0; a < per; a++) out->elements[per * at[i] + a] = to[m->elements[per * i + a]];
-  free(at);
+  free_all(at);
   return out;
 }
 
@@ -310,10 +371,7 @@ static inline void probe_close(probe *p)
 {
   for (int k = 0; k < p->problem->effect_count; k++)
     if (p->scratch[k] != NULL) p->problem->effects[k]->calls->free_scratch(p->scratch[k]);
-  free(p->scratch);
-  free(p->memory);
-  free(p->next);
-  free(p->force);
+  free_all(p->scratch, p->memory, p->next, p->force);
 }
 
 /* Sum of the forces of all effects but reactions, shape (node_count, 3). */
@@ -367,10 +425,7 @@ static inline double true_frequency(const ct_problem *problem, const double *u0,
     quotient = work / mass;
   }
   probe_close(&p);
-  free(v);
-  free(u);
-  free(f0);
-  free(f);
+  free_all(v, u, f0, f);
   return quotient;
 }
 
@@ -409,7 +464,7 @@ static inline ct_scene *new_scene(void)
 {
   ct_scene *scene = NULL;
   must(ct_scene_create, &scene);
-  return scene;
+  return later_scene(scene);
 }
 
 /* Add a body to a scene, which copies the mesh. */
@@ -466,7 +521,7 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
     support.velocity[c] = support.fixed[c] ? velocity : 0.0;
   }
   must(ct_scene_add_support, scene, &support);
-  free(nodes);
+  free_all(nodes);
 }
 
 /* The definition of a contact with the default options. */
@@ -499,8 +554,7 @@ static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_me
   ct_error error;
   ct_status status = ct_scene_add_contact(scene, &contact, &error);
   need(status, &error);
-  free(fa);
-  free(fb);
+  free_all(fa, fb);
   return status;
 }
 
@@ -583,7 +637,7 @@ static inline void add_weight(ct_scene *scene, weight w)
 {
   static const ct_effect_calls calls = {
       .force = weight_force, .free_data = free, .bounds = {.rate = weight_damping}};
-  weight *own = room(1, sizeof *own);
+  weight *own = unlist(room(1, sizeof *own)); // the effect frees it
   *own = w;
   must(ct_scene_join, scene, &own->problem);
   add_effect(scene, &(ct_effect){.label = "weight",
@@ -625,14 +679,14 @@ static inline ct_state *new_state(const ct_problem *problem)
 {
   ct_state *state = NULL;
   must(ct_state_create, problem, &state);
-  return state;
+  return later_state(state);
 }
 
 static inline void close_run(ct_state *state, ct_scene *scene, ct_mesh *mesh)
 {
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  free_state(state);
+  free_scene(scene);
+  free_mesh(mesh);
 }
 
 static inline void advance(const ct_problem *problem, ct_state *state, int64_t steps)

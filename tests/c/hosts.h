@@ -46,7 +46,7 @@ static inline void throw_body(pair *p, int body, double vx, double vy, double vz
 static inline void free_pair(pair *p)
 {
   for (int i = 0; i < p->bodies; i++) {
-    ct_mesh_free(p->mesh[i]);
+    free_mesh(p->mesh[i]);
     free_all(p->faces[i], p->velocity[i]);
   }
 }
@@ -230,7 +230,7 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
                   one_array ? reference : reference + 3 * first};
   const ct_surface *other = p->alone ? NULL : p->bodies == 1 ? &a : &b;
   must(ct_contact_create, &a, other, options, &contact);
-  free(faces);
+  free_all(faces);
   const double tangent = tangent_of(p, options);
   if (p->friction > 0.0) must(ct_contact_add_friction, contact, -1, p->friction, tangent);
   for (int k = 0; k < p->obstacles; k++) {
@@ -240,7 +240,7 @@ static inline ct_contact *open_contact(const pair *p, const ct_contact_options *
     must(ct_contact_add_obstacle, contact, p->side[k], &wall);
     if (p->rub[k] > 0.0) must(ct_contact_add_friction, contact, k, p->rub[k], tangent);
   }
-  return contact;
+  return later_contact(contact);
 }
 
 /* A host's own loop: bodies with all their arrays. */
@@ -285,7 +285,7 @@ static inline host open_host(const pair *p, const ct_contact_options *options, d
     h.dt = fraction / sqrt(omega2 / 4.0 + 1.0 / (dt * dt));
     free_all(mass, other);
   }
-  free(reference);
+  free_all(reference);
   return h;
 }
 
@@ -293,10 +293,10 @@ static inline void close_host(host *h)
 {
   for (int i = 0; i < h->p->bodies; i++) {
     double *arrays[] = {h->x[i], h->u[i], h->v[i], h->f[i], h->inverse_mass[i], h->mass[i]};
-    for (int k = 0; k < 6; k++) free(arrays[k]);
+    for (int k = 0; k < 6; k++) free_all(arrays[k]);
     close_block(&h->solid[i]);
   }
-  ct_contact_free(h->contact);
+  free_contact(h->contact);
 }
 
 /* One step of the host; `bodies`, or null, becomes the energy of its bodies at t_n: strain, and the

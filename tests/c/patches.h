@@ -27,7 +27,7 @@ static inline patch new_box(const double low[3], const double size[3], const int
   memcpy(p.x, m->nodes, 3 * (size_t)m->node_count * sizeof *p.x);
   p.surface.faces = p.faces;
   p.surface.reference = p.x;
-  ct_mesh_free(m);
+  free_mesh(m);
   return p;
 }
 
@@ -65,7 +65,7 @@ static inline void free_patch(patch *p) { free_all(p->faces, p->x); }
 /* Free two patches, and before them the contact of both or null. */
 static inline void close_pair(ct_contact *contact, patch *a, patch *b)
 {
-  ct_contact_free(contact);
+  free_contact(contact);
   free_patch(a);
   free_patch(b);
 }
@@ -75,7 +75,7 @@ static inline ct_contact *open_contact(const patch *a, const patch *b, ct_contac
   ct_contact *contact = NULL;
   if (options.epsilon == 0.0) options.epsilon = EPSILON;
   must(ct_contact_create, &a->surface, &b->surface, &options, &contact);
-  return contact;
+  return later_contact(contact);
 }
 
 static inline void update(ct_contact *contact, const patch *a, const patch *b)

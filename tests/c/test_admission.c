@@ -34,6 +34,7 @@ static void open_slide(slide *s, const ct_contact_options *options, double depth
     for (int c = 0; c < 3; c++) s->free[n][c] = 1.0, s->x[n][c] = s->moving.x[3 * n + c];
   }
   must(ct_contact_create, &s->moving.surface, &s->held.surface, options, &s->contact);
+  later_contact(s->contact);
 }
 
 static void take_steps(slide *s, int first, int last)
@@ -62,13 +63,6 @@ static void take_steps(slide *s, int first, int last)
       }
     s->largest = fmax(s->largest, kinetic(s) / start);
   }
-}
-
-static void close_slide(slide *s)
-{
-  ct_contact_free(s->contact);
-  free_patch(&s->held);
-  free_patch(&s->moving);
 }
 
 /* Points that come in over a border at a depth have no force, whatever the options: the patch
@@ -100,7 +94,6 @@ static void comes_over_a_border(void)
           appeared < 1e-12 && pushed < 1e-12 && s.largest <= 1.0,
           "law %d, initial %d, rule %d: comes in from the side with a force of %g, opens with %g",
           law, i % 4, i / 4, appeared, pushed);
-      close_slide(&s);
     }
 }
 
@@ -121,7 +114,6 @@ static void pressed_further(void)
          "pressed further in, it is pushed back with forces of up to %g, and its energy is at most "
          "%.3g of that of before",
          s.pressed, s.largest);
-  close_slide(&s);
 }
 
 /* The raise of both gaps is the smallest with which a row claims at most what it may.
@@ -159,6 +151,7 @@ static void raises_are_least(void)
 
 int main(void)
 {
+  free_at_end();
   comes_over_a_border();
   pressed_further();
   raises_are_least();

@@ -43,12 +43,9 @@ static void decay(void)
   must(ct_energy_work, problem, state, 1, &work);
   tap_ok(work < 0.0 && fabs(work + first.kinetic - now.kinetic) < 1e-12 * first.kinetic,
          "the work is the loss of kinetic energy (%g)", work);
-  ct_state_free(state);
   damping.rate = -1.0;
   tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_INVALID,
          "a negative rate: %s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 /* A rate above the highest frequency: the stable step is 1 / alpha, where a free mass stops in one
@@ -78,12 +75,10 @@ static void strong(void)
     least = fmin(least, energy_of(problem, state).kinetic);
   }
   tap_ok(least > -1e-12, "the kinetic energy is not negative (%g)", least);
-  ct_state_free(state);
+  free_state(state);
   ct_problem longer = *problem;
   longer.dt = 1.2 / rate;
   tap_ok(ct_state_create(&longer, &state, &e) == CT_ERROR_STEP, "a host's own problem: %s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 /* One cube along its length, an oscillator with k = E h and m = rho h^3 / 2, relaxes like a loop
@@ -117,7 +112,6 @@ static void relaxation_by_hand(void)
   }
   tap_close(rate, 2.0 * 3.0, 1e-12, "one oscillator: the rate is twice its frequency");
   tap_close(off, 0.0, 1e-14, "and its motion is that of a loop by hand");
-  close_run(state, scene, mesh);
 }
 
 /* The residual of a bar that swings, from forces and velocities: the larger of two ratios
@@ -156,8 +150,6 @@ static void residual_by_hand(void)
   tap_ok(by_forces > 3 && by_energy > 3, "forces decide in %d states, energies in %d", by_forces,
          by_energy);
   tap_close(off, 0.0, 1e-12, "the residual is the larger ratio");
-  free(force), free(total);
-  close_run(state, scene, mesh);
 }
 
 /* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear
@@ -212,8 +204,6 @@ static void relaxation(void)
   tap_ok(memcmp(other->displacement, state->displacement,
                 3 * (size_t)problem->node_count * sizeof(double)) == 0,
          "a restart has the same bits");
-  ct_state_free(state);
-  close_run(other, scene, mesh);
 }
 
 /* The residual without any stiffness: 0 at rest, infinite in free flight. */
@@ -229,9 +219,7 @@ static void unrest_of_free_bodies(void)
     must(ct_energy_residual, problem, state, &unrest);
     tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: residual %g",
            flies ? "flies" : "lies there", unrest);
-    close_run(state, scene, NULL);
   }
-  ct_mesh_free(mesh);
 }
 
 /* A scene of one body with damping in proportion to stiffness, and a velocity at each node. */
@@ -259,7 +247,6 @@ static void start_forces(const ct_mesh *mesh, int threads, double coefficient, c
   ct_state *state = new_state(problem);
   must(ct_state_force, problem, state, 1, force);
   memcpy(v, state->velocity, 3 * (size_t)mesh->node_count * sizeof *v);
-  close_run(state, scene, NULL);
 }
 
 /* Add the forces of all elements in their readable form, times a factor. */
@@ -296,8 +283,6 @@ static void stiffness_force(void)
     tap_close(largest_difference(one, want, dofs) / largest(want, dofs), 0.0, 1e-13,
               "its force is -beta K v (%s, %s)", ct_brick_facts_of(mesh->kind)->name,
               k % 2 == 0 ? "distorted" : "boxes");
-    free_all(v0, v, want, one, two);
-    ct_mesh_free(mesh);
   }
 }
 
@@ -318,11 +303,8 @@ static void stiffness_in_plane_strain(void)
     advance(problem, state, 200);
     if (plane) off = largest_difference(u, state->displacement, dofs) / largest(u, dofs);
     else memcpy(u, state->displacement, (size_t)dofs * sizeof *u);
-    close_run(state, scene, NULL);
   }
   tap_close(off, 0.0, 1e-12, "in plane strain the motion is that of the boxes");
-  free_all(v, u);
-  ct_mesh_free(mesh);
 }
 
 /* A run of 3000 steps of one free brick, at a part of its stable step: the strain energy at the end
@@ -411,8 +393,6 @@ static void standing_wave(void)
          work);
   tap_close((first.total - now.total) / first.total, 0.0, 1e-12, "its work is the loss of energy");
   tap_close(now.balance / first.kinetic, 0.0, 1e-13, "and the work balance closes");
-  free(v);
-  close_run(state, scene, mesh);
 }
 
 /* Free flight and a body without damping feel nothing, and wrong coefficients are refused. */
@@ -433,7 +413,6 @@ static void stiffness_leaves(void)
   advance(p, state, 20);
   tap_ok(p->effects[1]->node_count == mesh->node_count, "damping acts on one of two bodies");
   tap_ok(state->velocity[0] == 3.0 && state->velocity[1] == -4.0, "free flight is not damped");
-  close_run(state, scene, NULL);
   scene = new_scene();
   for (int k = 0; k < 2; k++) {
     def.stiffness_damping = k == 0 ? -1.0 : INFINITY;
@@ -445,12 +424,11 @@ static void stiffness_leaves(void)
   must(ct_scene_add_body, scene, &def, NULL);
   tap_ok(ct_scene_build(scene, &time, &p, &(int64_t){0}, NULL, &e) == CT_ERROR_UNSUPPORTED, "%s",
          e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 int main(void)
 {
+  free_at_end();
   decay();
   strong();
   relaxation_by_hand();

@@ -147,8 +147,6 @@ static void wave_residual(const ct_dispersion_def *def, const double k[3], const
           worst(*off, (force[3 * a + c] + mass[a] * b->omega_mesh * b->omega_mesh * u[3 * a + c]) /
                           (def->material.young * (h[0] + h[1] + h[2])));
   }
-  free(u), free(force), free(mass);
-  ct_mesh_free(mesh);
 }
 
 /* eq:bloch-matrices, eq:bloch-cholesky, eq:jacobi-rotation: on the nodes of a real mesh. */
@@ -386,8 +384,6 @@ static int run_front(const run *r, double dt, double *distance, double *stress)
       distance[count] = r->diagonal ? (2 * (i - half) + 1 + next) * sqrt(0.5) : i + 0.5;
       stress[count++] = -across / (STEEL.density * c_of(&STEEL, 0));
     }
-  free(all), free(v);
-  close_run(state, scene, mesh);
   return count;
 }
 
@@ -510,6 +506,7 @@ static void refusals(void)
 
 int main(void)
 {
+  free_at_end();
   closed_form_on_the_axis();
   waves_of_any_direction();
   waves_solve_the_mesh();

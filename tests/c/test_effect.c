@@ -72,7 +72,6 @@ static void named(const char *name)
              ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
              ct_friction_energy(problem, state, 1, &held, &lost, &e) == CT_ERROR_ARGUMENT,
          "\"%s\": no contact, no obstacle and no friction", name);
-  close_run(state, scene, mesh);
 }
 
 /* A copy of an effect of the library would have data that two effects free. */
@@ -90,8 +89,6 @@ static void copied(void)
   must(ct_scene_add_effect, scene, gravity);
   tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT,
          "an effect that the scene has already is refused: %s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 static ct_status no_force(const ct_effect *effect, const ct_view *view, double *force,
@@ -237,6 +234,7 @@ static void lacking(void)
 /* Mass 2 on springs of 8 altogether: omega = 2. */
 int main(void)
 {
+  free_at_end();
   static const char *const name[] = {"contact", "obstacle", "friction", "solid", "support"};
   for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) named(name[i]);
   copied();
@@ -270,6 +268,5 @@ int main(void)
   tap_close(off, 0.0, 1e-5 * 0.15, "a block on springs swings as v / omega sin omega t");
   tap_close(exchange, 0.0, 1e-5 * first.total, "its stored energy is k u^2 / 2");
   tap_close(total / first.total, 0.0, 1e-12, "and is part of the total");
-  close_run(state, scene, mesh);
   return tap_done();
 }

@@ -76,7 +76,6 @@ static void reference_run(void)
   ct_momentum now = momentum_of(p, state, 0);
   tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0,
          "reference run: the wall has an impulse, and there is no contact");
-  close_run(state, scene, m);
 }
 
 /* Two equal plates. */
@@ -105,8 +104,6 @@ static void contact_run(double beta, double courant, double fraction, double dri
   tap_ok(l.balance < 1e-12, "%s: work balance %.2g", name, l.balance);
   tap_ok(l.impulse < 1e-12 && l.momentum < 1e-13, "%s: impulse %.2g, total momentum %.2g", name,
          l.impulse, l.momentum);
-  close_run(state, scene, right);
-  ct_mesh_free(left);
 }
 
 /* A problem that begins in touch: two rods or plates that fly at each other, or a rod at a wall;
@@ -146,12 +143,6 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
   return t;
 }
 
-static void close_touching(touching *t)
-{
-  ct_scene_free(t->scene);
-  for (int b = 0; b < 2; b++) ct_mesh_free(t->mesh[b]);
-}
-
 /* At t = 0 the energy is that of the initial motion and of an overlap, whatever the contact does
  * next (eq:energy-start, eq:work-start). */
 static void first_row(void)
@@ -174,8 +165,6 @@ static void first_row(void)
           advance(t.problem, state, 1);
           balance = worst(balance, energy_of(t.problem, state).balance / t.moving);
         }
-        ct_state_free(state);
-        close_touching(&t);
       }
       tap_ok(kinetic < 1e-12 && total < 1e-12 && work == 0.0 && balance < 1e-13,
              "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, "
@@ -190,8 +179,6 @@ static void first_row(void)
              fabs(first.contact - t.stored) < 1e-12 * t.moving && t.stored > 0.1 * t.moving,
          "rods that overlap: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
          first.contact / t.moving);
-  ct_state_free(state);
-  close_touching(&t);
 }
 
 /* A start that continues with a third of its step: its first row is that of a start. */
@@ -209,9 +196,7 @@ static void refined_start(void)
   }
   tap_ok(balance < 1e-13, "a start that continues with a third of its step: work balance %.1e",
          balance);
-  ct_state_free(start);
-  ct_state_free(state);
-  close_touching(&t);
+  free_state(state);
 }
 
 /* The same at a wall, at rest, with a weight that presses: the total never rises from its first row
@@ -250,8 +235,6 @@ static void pressed_at_rest(void)
            "a block at rest on a plane under its weight, %s penalty: the total rises by %.1e of "
            "the kinetic energy at most",
            k ? "stiff" : "soft", rise / top);
-    close_run(state, scene, m);
-    free(faces);
   }
 }
 
@@ -286,8 +269,6 @@ static void unlike_plates(void)
              fabs(a.contact_impulse[0]) > 0.1 * fabs(a.p[0]),
          "unlike plates: the contact's impulses are opposite, %.3g and %.3g", a.contact_impulse[0],
          b.contact_impulse[0]);
-  close_run(state, scene, coarse);
-  ct_mesh_free(fine);
 }
 
 /* Hands on: p = m v, L = X x m v of a flying block, and velocities at whole steps. */
@@ -327,8 +308,6 @@ static void flying_block(void)
              ct_energy_of(NULL, state, NULL, NULL) == CT_ERROR_ARGUMENT &&
              ct_state_velocity(p, NULL, u, NULL) == CT_ERROR_ARGUMENT,
          "effects that do not exist and null arguments are refused: %s", e.text);
-  free(u);
-  close_run(state, scene, box);
 }
 
 /* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself
@@ -351,8 +330,6 @@ static void discrete_kinetic(void)
     off = worst(off, (got - want) / state->kinetic_start);
   }
   tap_ok(off < 1e-13, "kinetic energy is half of v- M v+, off by %.2g", off);
-  free(before);
-  close_run(state, scene, box);
 }
 
 /* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base
@@ -395,8 +372,6 @@ static void many_impulses(void)
   tap_ok(memcmp(copy->impulse, state->impulse,
                 (size_t)state->impulse_count * sizeof *state->impulse) == 0,
          "a copy continues with the same bits of its impulses");
-  ct_state_free(state);
-  close_run(copy, scene, box);
 }
 
 /* Strain energy of a body, element by element as the equations read, in a plain sum. */
@@ -449,7 +424,6 @@ static void check_row(const ct_problem *p, ct_state *state, const ct_ledger *row
              fabs(row->energy.kinetic + stored - row->energy.external - row->energy.total) <
                  1e-13 * scale,
          "%s: balance and total are those of the effects", what);
-  free(v);
 }
 
 /* The row of a monitor, and the same state moved far away, whose strain is the same
@@ -476,9 +450,7 @@ static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, cons
   ct_energy energy = energy_of(p, state);
   tap_ok(memcmp(&energy, &ct_monitor_ledger(monitor)->energy, sizeof energy) == 0,
          "%s: the monitor's row has the bits of the state's energy", what);
-  ct_monitor_free(monitor);
-  close_run(state, scene, a);
-  ct_mesh_free(b);
+  free_monitor(monitor);
 }
 
 /* Series of one step between checks: elements stay asleep, and wake if a host applies a force in
@@ -513,13 +485,12 @@ static void sleep_over_checks(int push)
                one->element_updates[1] > 3 * one->element_updates[0],
            "checks after each step wake no element: %lld updates, %lld without checks",
            (long long)one->element_updates[0], (long long)other->element_updates[0]);
-  ct_monitor_free(monitor);
-  ct_state_free(other);
-  close_run(one, scene, m);
+  free_monitor(monitor);
 }
 
 int main(void)
 {
+  free_at_end();
   reference_run();
   contact_run(4.0, 0.125, 0.0, 1e-3);
   contact_run(20.0, 0.125, 0.0, 1e-2);

@@ -180,11 +180,8 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
   b.problem =
       build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction}, &b.steps, &b.stable);
   b.state = new_state(b.problem);
-  free(faces);
   return b;
 }
-
-static void close_bar(bar *b) { close_run(b->state, b->scene, b->mesh); }
 
 /* The total of the ledger at every step: largest step up over the start, and what is left at the
  * end. */
@@ -213,7 +210,6 @@ static void energy_never_grows(void)
         bar b = open_bar(CT_ENFORCE_ENERGY_CONTROLLED, SHARE[s], beta, FRACTION[f], 0.05);
         rise = fmax(rise, largest_rise(b.problem, b.state, b.steps, &left));
         least = fmin(least, left);
-        close_bar(&b);
       }
     tap_ok(rise < 2e-14 && least > LEAST[s],
            "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest increase of "
@@ -230,8 +226,6 @@ static void energy_never_grows(void)
   largest_rise(p.problem, p.state, p.steps, &left);
   tap_ok(left > 1.1,
          "and feeds energy into the bar within its own limit: %.2f times the initial energy", left);
-  close_bar(&b);
-  close_bar(&p);
 }
 
 /* A bar that touches the wall at the start, or penetrates it: the first force is computed twice,
@@ -255,8 +249,6 @@ static void start_in_touch(void)
       tap_ok(balance < 1e-14 && same && rise < 1e-14,
              "%s, %s: work balance %.1e, a copy of the start goes on with the same bits",
              ENFORCEMENT[IMPLICIT[e]], k ? "overlap at the start" : "touch at the start", balance);
-      close_bar(&b);
-      close_bar(&c);
     }
 }
 
@@ -289,7 +281,6 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
     ct_mesh **both[] = {&p.mesh[b], &flat[b]};
     for (int k = 0; mirrored && k < 2; k++) {
       ct_mesh *image = mirror_mesh(*both[k], 1);
-      ct_mesh_free(*both[k]);
       *both[k] = image;
     }
   }
@@ -309,17 +300,7 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
   p.problem = build(p.scene, (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8},
                     &steps, &stable);
   p.state = new_state(p.problem);
-  for (int b = 0; b < 2; b++) {
-    ct_mesh_free(flat[b]);
-    free(faces[b]);
-  }
   return p;
-}
-
-static void close_pair(pair *p)
-{
-  close_run(p->state, p->scene, NULL);
-  for (int b = 0; b < 2; b++) ct_mesh_free(p->mesh[b]);
 }
 
 /* Largest of the sum of the contact's nodal forces and of their moments, over the largest force
@@ -337,7 +318,6 @@ static double imbalance(const pair *p)
       moment[c] += (X[a] + u[a]) * f[3 * n + b] - (X[b] + u[b]) * f[3 * n + a];
       top = fmax(top, fabs(f[3 * n + c]));
     }
-  free(f);
   return fmax(largest(sum, 3), largest(moment, 3)) / top;
 }
 
@@ -364,7 +344,6 @@ static void conservation(void)
              "%d pressed",
              ENFORCEMENT[IMPLICIT[e]], kind ? "hex20" : "hex8", off, balance, (int)converged,
              (int)pressed);
-      close_pair(&p);
     }
 }
 
@@ -416,8 +395,6 @@ static double off_dense(const ct_solver *s, int32_t nodes)
     top = fmax(top, fabs(want));
     off = worst(off, got - want);
   }
-  double *all[] = {G, W, force, A};
-  for (int i = 0; i < 4; i++) free(all[i]);
   return top > 0.0 ? off / top : 1.0;
 }
 
@@ -452,7 +429,6 @@ static void many_points(void)
     tap_ok(s->count >= 4 && off < 1e-8,
            "%s: forces at the nodes of %d points are those of a dense solution, off by %.1e",
            ENFORCEMENT[IMPLICIT[e]], (int)s->count, off);
-    close_pair(&p);
   }
 }
 
@@ -490,8 +466,6 @@ static void shared_nodes(void)
            "%s: three walls share %d nodes; forces at the nodes of %d points are those of a dense "
            "solution, off by %.1e",
            ENFORCEMENT[IMPLICIT[e]], shared, (int)s->count, off);
-    close_run(state, scene, m);
-    free(faces);
   }
 }
 
@@ -513,7 +487,6 @@ static void loose(void)
   tap_ok(ct_state_create(refused.problem, &none, &error) == CT_ERROR_ARGUMENT && none == NULL &&
              strstr(error.text, "force_tolerance") != NULL,
          "refused: %s", error.text);
-  close_pair(&refused);
   for (int kind = 0; kind < 2; kind++) {
     ct_brick_kind brick = kind ? CT_HEX20 : CT_HEX8;
     pair p[2];
@@ -536,8 +509,6 @@ static void loose(void)
            "%s, tolerance 0.001: energy rises by %.1e in a step (%.1e with the tight one), energy "
            "off by %.1e, displacements by %.1e",
            kind ? "hex20" : "hex8", rise[1], rise[0], last[1] / last[0] - 1.0, off);
-    close_pair(&p[0]);
-    close_pair(&p[1]);
   }
 }
 
@@ -570,7 +541,6 @@ static void bits(double restitution, double tolerance, ct_contact_rule points)
           "after a restart (%d), with the names swapped (%d), mirrored (%d faults)",
           ENFORCEMENT[IMPLICIT[e]], kind ? "hex20" : "hex8", restitution, tolerance, (int)points,
           same(&p, &threads), same(&p, &again), same(&p, &swapped), (int)faults);
-      for (int i = 0; i < 5; i++) close_pair(all[i]);
     }
   impact = 0.0, rule = CT_POINTS_GAUSS;
 }
@@ -627,8 +597,6 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   ct_scene_contact contact = scene_contact(0, faces, count, 0, faces, count);
   contact.beta = 4.0, contact.options = options;
   must(ct_scene_add_contact, scene, &contact);
-  ct_mesh_free(m);
-  free_all(faces, v);
   return scene;
 }
 
@@ -672,9 +640,6 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
                          .faces = above};
     add_made(scene, ct_obstacle_create_effect, &o);
   }
-  ct_mesh *meshes[] = {flat, low, up};
-  for (int i = 0; i < 3; i++) ct_mesh_free(meshes[i]);
-  free_all(below, above);
   return scene;
 }
 
@@ -723,9 +688,6 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
          "the mean of two half steps, "
          "off by %.1e",
          name, dissipation, (int)steps, changed, most, off);
-  ct_state_free(state);
-  close_run(copy, scene, NULL);
-  free_all(partner, u, f);
 }
 
 static void partners_change(void)
@@ -767,17 +729,12 @@ static void a_twin_is_a_wall(void)
     advance(q, t, steps);
     off[k] = largest_difference(s->velocity + 3 * left->node_count, t->velocity,
                                 3 * (int64_t)right->node_count);
-    ct_state_free(s);
-    close_run(t, two, NULL);
-    ct_scene_free(one);
   }
   tap_ok(
       off[0] < 1e-11 && off[1] > 1e-2,
       "two equal bars with a very stiff penalty are a bar at a wall: velocities off by %.1e of 1 "
       "(explicit penalty %.2f)",
       off[0], off[1]);
-  ct_mesh_free(left);
-  ct_mesh_free(right);
 }
 
 /* A block that a prescribed motion drives into a floor: no force moves it, so each point's gaps are
@@ -827,7 +784,6 @@ static void driven(void)
   tap_ok(top > 100.0 && off < 1e-13 * top,
          "a block driven into a floor by a prescribed motion: the force is the law's, off by %.1e",
          off / top);
-  close_run(state, scene, m);
 }
 
 static void refused(void)
@@ -855,6 +811,7 @@ static void refused(void)
 
 int main(void)
 {
+  free_at_end();
   one_point();
   for (int law = 0; law < CT_ENFORCE_COUNT; law++)
     tap_ok(ct_contact_penalty_default((ct_enforcement)law, 3.0, 2.0) > 0.0,

@@ -8,11 +8,13 @@ static const double PI = 3.14159265358979323846;
 
 static const ct_problem *at_half(ct_scene *scene) { return build_until(scene, 1.0, 0.5); }
 
+LATER(filter)
+
 static ct_filter *new_filter(const ct_problem *p, int passes)
 {
   ct_filter *filter = NULL;
   must(ct_filter_create, p, passes, &filter);
-  return filter;
+  return later_filter(filter);
 }
 
 /* Filter a displacement in place. */
@@ -58,10 +60,7 @@ static void waves(void)
     // Round-off of the forces, a few in each pass.
     tap_ok(off < 1e-13 && least >= 0.0 && most == 1.0, "%d passes: factors %.2g to %g, off by %.2g",
            passes, least, most, off);
-    ct_filter_free(filter);
   }
-  free(u), free(v);
-  close_run(state, scene, m);
 }
 
 /* A uniaxial strain under the pressure that holds it passes as it is, on any mesh, with any number
@@ -97,10 +96,6 @@ static void constant_strain(ct_brick_kind kind)
   tap_ok(faces > 0 && off < 1e-13 * strain && apart == 0.0,
          "%s: constant strain passes: off by %.2g of it", kind == CT_HEX8 ? "hex8" : "hex20",
          off / strain);
-  ct_filter_free(filter);
-  free(u), free(face);
-  ct_mesh_free(other);
-  close_run(state, scene, m);
 }
 
 /* The factor of the fastest mode of a mesh, by repeating the part that a pass subtracts
@@ -122,9 +117,6 @@ static double least_factor(const ct_mesh *m, int held)
     for (int i = 0; i < n; i++) u[i] -= w[i];
     taken = largest(u, n);
   }
-  free(u), free(w);
-  ct_filter_free(filter);
-  close_run(state, scene, NULL);
   return 1.0 - taken;
 }
 
@@ -145,7 +137,6 @@ static void range_of_factors(void)
       least = least_factor(m, held);
       tap_ok(least > -1e-9 && least < 0.5, "%s, distorted%s: the fastest mode keeps %.3g",
              kind ? "hex20" : "hex8", held ? ", held" : "", least);
-      ct_mesh_free(m);
     }
 }
 
@@ -171,11 +162,6 @@ static void state_is_not_touched(void)
   tap_ok(moved > 1e-5 && memcmp(state->displacement, plain->displacement, bytes) == 0 &&
              memcmp(state->velocity, plain->velocity, bytes) == 0,
          "the bits of a run are those without the filter, which moves nodes by %.2g", moved);
-  ct_filter_free(filter);
-  free(u), free(v);
-  ct_state_free(plain);
-  ct_mesh_free(other);
-  close_run(state, scene, m);
 }
 
 /* Other numbers of nodes and elements give the same bits at each place, also of a body behind
@@ -201,14 +187,10 @@ static void shuffled(void)
     ct_filter *filter = new_filter(p, 3);
     for (int32_t i = 0; i < all; i++) memcpy(&(k ? w : u)[3 * (k ? to[i] : i)], &before[3 * i], 24);
     smooth(filter, state, k ? w : u);
-    ct_filter_free(filter);
-    close_run(state, scene, NULL);
   }
   off = apart(u, w, to, all);
   tap_ok(off == 0.0 && largest_difference(u, before, 3 * all) > 1e-4,
          "shuffled bodies: the same bits at each place (off by %.2g)", off);
-  free(u), free(before), free(w), free(to);
-  ct_mesh_free(first), ct_mesh_free(m), ct_mesh_free(s[0]), ct_mesh_free(s[1]);
 }
 
 static void refusals(void)
@@ -227,12 +209,11 @@ static void refusals(void)
   tap_ok(ct_filter_create(p, 0, &filter, &e) == CT_ERROR_ARGUMENT, "so are none");
   tap_ok(ct_filter_apply(NULL, NULL, NULL, NULL, &e) == CT_ERROR_ARGUMENT, "and a null filter: %s",
          e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   waves();
   constant_strain(CT_HEX8);
   constant_strain(CT_HEX20);

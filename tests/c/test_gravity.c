@@ -48,7 +48,6 @@ static void free_fall(void)
   for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
   for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];
   tap_close(sum / (-10.0 * mass), 1.0, 1e-13, "the resultant is the weight");
-  close_run(state, scene, mesh);
 }
 
 /* Gravity and damping on the first and the last of three bodies, whose nodes begin and end within
@@ -104,8 +103,6 @@ static void rows_of_nodes(void)
     tap_ok(fabs(off) < 1e-13 && fabs(apart) < 1e-13, "%s: work off by %.2g, impulse by %.2g",
            p->effects[k]->label, off, apart);
   }
-  free_all(force, before);
-  close_run(state, scene, mesh);
 }
 
 /* Weight that grows from 0 in a time T: a free body falls g (t³ - dt² t) / (6 T), the sum of its
@@ -140,15 +137,11 @@ static void growing(void)
   tap_close(apart, 0.0, 1e-12, "and the force m g t / T");
   tap_ok(work > 1.0, "the weight has done work (%g)", work);
   tap_close(lost / work, 0.0, 1e-12, "which the motion has");
-  free(force);
-  ct_state_free(state);
   const double back[2] = {1.0, 0.0};
   gravity.amplitude.time = back;
   ct_effect *effect = NULL;
   tap_ok(ct_gravity_create_effect(&gravity, p, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "%s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 static void refusals(void)
@@ -174,12 +167,11 @@ static void refusals(void)
          "a definition without its default: %s", e.text);
   tap_ok(ct_gravity_create_effect(NULL, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "nothing: %s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 int main(void)
 {
+  free_at_end();
   free_fall();
   rows_of_nodes();
   growing();

@@ -113,8 +113,6 @@ static double collide(ct_mesh *const m[2], const double v[2], int32_t *const fac
     last = now;
   }
   const ct_energy end = energy_of(p, state);
-  close_run(state, scene, NULL);
-  for (int i = 0; i < 2; i++) ct_mesh_free(m[i]), free(faces[i]);
   return (end.kinetic + end.strain) / start;
 }
 
@@ -251,8 +249,6 @@ static double growth_on_a_cylinder(double radius, double gap, double speed, doub
     advance(p, state, 1);
     grown = fmax(grown, (energy_of(p, state).total - start) / start);
   }
-  close_run(state, scene, m);
-  free(faces);
   return grown;
 }
 
@@ -370,8 +366,6 @@ static double first_reserve(double tolerance, double beta)
             &steps, &stable);
   ct_state *state = new_state(p);
   const double reserve = energy_of(p, state).reserve;
-  close_run(state, scene, m);
-  free(faces);
   return reserve;
 }
 
@@ -416,7 +410,6 @@ static void add_floor(ct_scene *scene, const landing *l, const ct_mesh *mesh)
     must(ct_friction_create_effect, &f, joined, &friction);
     must(ct_scene_add_effect, scene, friction);
   }
-  free(faces);
 }
 
 /* Displacements and velocities of all nodes after the impact, in the order of their numbers, and
@@ -443,7 +436,6 @@ static double *land(const landing *l, ct_mesh *const mesh[2], int32_t *count, do
   double *motion = numbers(2 * (int64_t)size);
   memcpy(motion, state->displacement, size * sizeof *motion);
   memcpy(motion + size, state->velocity, size * sizeof *motion);
-  close_run(state, scene, NULL);
   return motion;
 }
 
@@ -463,21 +455,17 @@ static void shuffled(landing l)
     double *now = land(&l, other, &count, &held);
     off = fmax(off, apart(first, now, to, count));
     off = fmax(off, apart(first + 3 * (int64_t)count, now + 3 * (int64_t)count, to, count));
-    free(now);
-    for (int b = 0; b < 2; b++) ct_mesh_free(other[b]);
   }
   tap_ok(off == 0.0 && held > 0.01,
          "%s on a %s, friction %g: with shuffled numbers the same motion (off by %.1e), points "
          "held %.2f of the energy",
          l.kind == CT_HEX8 ? "hex8" : "hex20", l.on_plane ? "plane" : "body", l.friction, off,
          held);
-  free(first);
-  free(to);
-  for (int b = 0; b < 2; b++) ct_mesh_free(mesh[b]);
 }
 
 int main(void)
 {
+  free_at_end();
   tangent();
   for (double k = 1e3; k < 2e7; k *= 10.0) bouncing_mass(1.0, k);
   bouncing_mass(0.25, 1e5);

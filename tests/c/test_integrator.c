@@ -254,7 +254,6 @@ static void textbook(ct_scheme scheme, double share)
   tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: the velocities, too, off by %.2g", SCHEME(scheme),
          wrong);
   tap_close(balance, 0.0, 1e-11, "%s: and the work balance closes", SCHEME(scheme));
-  free(v);
   close_run(state, scene, m);
 }
 
@@ -282,7 +281,6 @@ static void free_fall(ct_scheme scheme)
   tap_ok(off < 1e-14 * 20 && fast < 1e-14 * 20,
          "%s: a thrown stone, position off by %.2g and velocity by %.2g", SCHEME(scheme), off,
          fast);
-  close_run(state, scene, m);
 }
 
 /* Two cubes that touch and collide: the forces at the start must be those of the first displacement
@@ -307,9 +305,6 @@ static void pressed_start(ct_scheme scheme, double beta)
          push = largest(force, 3 * p->node_count);
   tap_ok(off < 1e-13 && push > 0.0, "%s, beta %g: pressed from the start, velocity off by %.2g",
          SCHEME(scheme), beta, off);
-  free_all(v, force);
-  close_run(state, scene, a);
-  ct_mesh_free(b);
 }
 
 /* A loaded, held, moving body: against a very fine run of the central difference method. */
@@ -337,7 +332,7 @@ static void order_of(ct_scheme scheme)
     if (k < 0) memcpy(fine, now, 2 * (size_t)n * sizeof *now);
     for (int i = 0; k >= 0 && i < 2; i++)
       error[i][k] = largest_difference(now + i * n, fine + i * n, n);
-    ct_state_free(state);
+    free_state(state);
   }
   for (int i = 0; i < 2; i++) {
     double order = log(error[i][1] / error[i][2]) / log(2.0);
@@ -345,9 +340,6 @@ static void order_of(ct_scheme scheme)
            "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)", SCHEME(scheme),
            i ? "velocity" : "displacement", order, error[i][0], error[i][1], error[i][2]);
   }
-  free_all(v0, fine, now);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 /* -- Two different bodies that meet askew, with a weight, damping, a moving support and a
@@ -383,8 +375,6 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   set_threads(c.scene, threads);
   c.own = *build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .integrator = integrator},
                  NULL, NULL);
-  ct_mesh_free(a);
-  ct_mesh_free(b);
   return c;
 }
 
@@ -426,7 +416,7 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
          ENFORCEMENT[enforcement], momentum);
   tap_ok(path < 1e-15, "%s, %s: a prescribed motion is followed to %.2g", SCHEME(scheme),
          ENFORCEMENT[enforcement], path);
-  close_run(state, c.scene, NULL);
+  free_state(state);
 }
 
 static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
@@ -440,7 +430,7 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
     // A new state each time: nothing but what a restart carries survives.
     ct_state *next = new_state(&c.own);
     must(ct_state_copy, &c.own, copied, next);
-    ct_state_free(copied);
+    free_state(copied);
     copied = next;
     if (n % 3 == 0) energy_of(&c.own, copied);
     advance(&c.own, copied, 1);
@@ -450,10 +440,9 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
          ENFORCEMENT[enforcement]);
   tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads",
          SCHEME(integrator.scheme), ENFORCEMENT[enforcement]);
-  ct_state_free(straight);
-  ct_state_free(copied);
+  free_state(straight);
+  free_state(copied);
   close_run(threads, c.scene, NULL);
-  ct_scene_free(d.scene);
 }
 
 /* β = 1 and ρ∞ = 1 are the central difference method. */
@@ -471,9 +460,8 @@ static void is_central(ct_integrator integrator)
              energy_of(&c.own, x).balance == energy_of(&d.own, y).balance,
          "%s %g: the bits of the central difference method", SCHEME(integrator.scheme),
          integrator.parameter);
-  ct_state_free(x);
+  free_state(x);
   close_run(y, c.scene, NULL);
-  ct_scene_free(d.scene);
 }
 
 /* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and
@@ -516,7 +504,6 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f",
          SCHEME(scheme), 100.0 * rms, kept);
   tap_ok(kept < 1.001, "%s: bar on a wall, no spurious energy", SCHEME(scheme));
-  free(force);
   close_run(state, scene, bar);
 }
 
@@ -541,7 +528,6 @@ static void refusals(void)
   other.integrator.parameter = 2.0;
   tap_ok(ct_state_create(&other, &state, &e) == CT_ERROR_ARGUMENT && state == NULL,
          "no state with a parameter out of range: %s", e.text);
-  ct_scene_free(c.scene);
 }
 
 /* A host's effect that fails at one time. */
@@ -592,12 +578,11 @@ static void within_a_step(void)
   advance(p, state, 2);
   advance(p, good, 2);
   tap_ok(same_state(state, good), "no trace of it remains in the destination of a copy");
-  ct_state_free(state);
-  close_run(good, scene, m);
 }
 
 int main(void)
 {
+  free_at_end();
   limits();
   bifurcations();
   damped_bounds();

@@ -24,7 +24,6 @@ static void close_touch(touch *t)
 {
   t->is->calls->close(t->state);
   t->is->calls->free(t->is);
-  free(t->x), free(t->velocity), free(t->force), free(t->memory), free(t->next);
 }
 
 /* One evaluation at the coordinates `x` of all nodes. */
@@ -111,13 +110,11 @@ static void same_as_an_effect(void)
   effect->calls->free_scratch(scratch);
   ct_effect_free(effect);
   close_touch(&t);
-  free(memory[0]), free(memory[1]);
-  free(X), free(u), free(v), free(mass), free(x), free(faces), free(force), free(moved);
-  free_patch(&p);
 }
 
 int main(void)
 {
+  free_at_end();
   same_as_an_effect();
   return tap_done();
 }

@@ -22,7 +22,6 @@ static loaded load_faces(ct_scene *scene, ct_load_def load, int32_t *faces, int3
   must(ct_load_create_effect, &load, joined, &l.effect);
   must(ct_scene_add_effect, scene, l.effect);
   l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction}, &l.steps, &l.stable);
-  free(faces);
   return l;
 }
 
@@ -41,8 +40,6 @@ static double *force_at(const loaded *l, const double *u)
   for (int32_t i = 0; i < l->effect->node_count; i++)
     memcpy(&force[3 * l->effect->nodes[i]], &own[3 * i], 3 * sizeof(double));
   l->effect->calls->free_scratch(view.scratch);
-  ct_state_free(state);
-  free(own);
   return force;
 }
 
@@ -65,9 +62,6 @@ static void resultants(ct_brick_kind kind, const char *name)
   tap_close(sum[1], -12.0, 1e-12, "%s: along y", name);
   tap_close(sum[2], 3.0 - 42.0, 1e-12, "%s: along z, minus the pressure", name);
   tap_close(moment, -39.0 * 1.5, 1e-11, "%s: the moment is that of the middle", name);
-  free(f);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 /* A pressure that follows, all around a body: no force and no moment, however the body is deformed;
@@ -102,15 +96,10 @@ static void closed_surface(ct_brick_kind kind, const char *name)
     double *g = force_at(&l, u), *g0 = force_at(&l, NULL);
     for (int64_t d = 0; d < dofs; d++)
       worst_row = fmax(worst_row, fabs(g[d] - g0[d]) / l.problem->mass[d / 3] / (1e-6 * sqrt(3.0)));
-    free(g), free(g0);
   }
   tap_ok(worst_row <= bound && worst_row > 0.05 * bound,
          "%s: no small motion changes the force by more than the bound (%.3g of it)", name,
          worst_row / bound);
-  ct_state_free(state);
-  free(f), free(u);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 /* One face of a cube: the integral is its edge at each node, and the bound 8 p / (rho h^2)
@@ -127,7 +116,6 @@ static void bound_of_a_cube(void)
   double bound, unused;
   must(ct_stable_contribution, l.problem, state, 1, &bound, &unused);
   tap_close(bound / (8.0 * 3.0 * 2.0 / (1.0 * 0.25)), 1.0, 1e-11, "one face of a cube: the bound");
-  close_run(state, scene, mesh);
 }
 
 /* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and
@@ -156,8 +144,6 @@ static void step_load(void)
   tap_close(now.balance / now.kinetic, 0.0, 1e-12, "the work balance closes");
   tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12,
             "the energy of the bar is the work of the load");
-  free(stress);
-  close_run(state, scene, mesh);
 }
 
 static void refusals(void)
@@ -181,12 +167,11 @@ static void refusals(void)
   bad.traction[1] = 0.0, bad.face_count = 0;
   tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "no faces: %s", e.text);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 int main(void)
 {
+  free_at_end();
   resultants(CT_HEX8, "Q4");
   resultants(CT_HEX20, "Q8");
   closed_surface(CT_HEX8, "Q4");

@@ -29,7 +29,6 @@ static void total_mass(ct_brick_kind kind, ct_lumping lumping)
             "%s, lumping %d: mass of a distorted box is rho V", KIND[kind], lumping);
   tap_ok(least > 0.0, "%s, lumping %d: all masses are positive (least %.3g)", KIND[kind], lumping,
          least);
-  free(mass);
 
   const double A[3][3] = {{1.1, 0.2, -0.3}, {0.1, 0.9, 0.4}, {-0.2, 0.3, 1.3}};
   double det = 1.1 * (0.9 * 1.3 - 0.4 * 0.3) - 0.2 * (0.1 * 1.3 - 0.4 * -0.2) +
@@ -42,8 +41,6 @@ static void total_mass(ct_brick_kind kind, ct_lumping lumping)
   mass = masses(m, 7.8, lumping);
   tap_close(total(mass, m->node_count), 7.8 * 3.0 * det, 1e-12,
             "%s, lumping %d: mass of the sheared box", KIND[kind], lumping);
-  free(mass);
-  ct_mesh_free(m);
 }
 
 /* Boxes and a tapered brick by hand (eq:row-sum, eq:hrz, eq:mass-hex20). */
@@ -62,8 +59,6 @@ static void closed_forms(void)
       off < 1e-14,
       "hex8 box: 1, 2, 4, 8 eighths of a cell's mass on corner, edge, face, inside (off by %.2g)",
       off);
-  free(mass);
-  ct_mesh_free(m);
 
   ct_mesh *cube = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   double one[20], row[8], hrz[8];
@@ -94,7 +89,6 @@ static void closed_forms(void)
   for (int a = 0; a < 8; a++)
     off = worst(off, row[a] - (taper[3 * a] == 0.0 ? 1.0 / 6.0 : 5.0 / 24.0));
   tap_ok(off < 1e-15, "tapered hex8: row sums 1/6 and 5/24 (off by %.2g)", off);
-  ct_mesh_free(cube);
 }
 
 static void mirrored(ct_brick_kind kind)
@@ -106,9 +100,6 @@ static void mirrored(ct_brick_kind kind)
     double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), *other = masses(image, 1.7, CT_LUMP_DEFAULT);
     tap_ok(memcmp(mass, other, (size_t)m->node_count * sizeof *mass) == 0,
            "%s: mirrored in %c, the same bits", KIND[kind], "xyz"[axis]);
-    free_all(mass, other);
-    ct_mesh_free(m);
-    ct_mesh_free(image);
   }
 }
 
@@ -122,8 +113,6 @@ static void turned(ct_brick_kind kind)
   double *mass = masses(m, 1.7, CT_LUMP_DEFAULT),
          off = largest_difference(mass, straight, m->node_count) / largest(straight, m->node_count);
   tap_ok(off < 1e-14, "%s: turned elements have the same masses, off by %.2g", KIND[kind], off);
-  free_all(mass, straight);
-  ct_mesh_free(m);
 }
 
 static void refusals(void)
@@ -145,8 +134,6 @@ static void refusals(void)
   tap_ok(ct_mass_element((ct_brick_kind)9, m->nodes, 1.0, CT_LUMP_DEFAULT, mass, NULL) ==
              CT_ERROR_ARGUMENT,
          "an unknown element is refused");
-  free(mass);
-  ct_mesh_free(m);
 }
 
 /* Boxes of any shape, place and unit: their quick masses against those of their elements one by
@@ -179,8 +166,6 @@ static void any_box(ct_lumping lumping)
       off = worst(off, mass[n] / sum[n] - 1.0);
       from_closed = worst(from_closed, mass[n] / want - 1.0);
     }
-    free_all(mass, sum);
-    ct_mesh_free(m);
   }
   // Coordinates are rounded to 1e-16 of the largest one, so edges to some 1e-15 of themselves.
   tap_ok(off < 4e-15 && from_closed < 4e-14,
@@ -191,6 +176,7 @@ static void any_box(ct_lumping lumping)
 
 int main(void)
 {
+  free_at_end();
   total_mass(CT_HEX8, CT_LUMP_ROW_SUM);
   total_mass(CT_HEX8, CT_LUMP_HRZ);
   total_mass(CT_HEX20, CT_LUMP_DEFAULT);

@@ -38,8 +38,6 @@ static void box_counts(ct_brick_kind kind)
   ct_mesh_bounds(m, low, high);
   tap_ok(low[0] == 0 && low[1] == 0 && low[2] == 0 && high[0] == 3 && high[1] == 4 && high[2] == 5,
          "%s: bounds", KIND[kind]);
-  free(used);
-  ct_mesh_free(m);
 }
 
 /* To the last bit, for any edges (eq:mesh-lattice). */
@@ -62,8 +60,6 @@ static void mirrored_boxes(ct_brick_kind kind)
                      *y = &left->nodes[3 * left->elements[image * per + local_node(kind, xi)]];
         faults += !(y[0] == -x[0] && y[1] == x[1] && y[2] == x[2]);
       }
-    ct_mesh_free(right);
-    ct_mesh_free(left);
   }
   tap_ok(faults == 0,
          "%s: boxes on [0, a] and [-a, 0] have exactly negated coordinates (%d do not)", KIND[kind],
@@ -133,8 +129,6 @@ static void faces(ct_brick_kind kind)
   for (int n = 0; n < m->node_count; n++) right += m->nodes[3 * n + 2] == 5.0;
   tap_ok(count == right && ascending && count == (kind == CT_HEX8 ? 12 : 12 + 9 + 8),
          "%s: %d nodes in a plane, ascending", KIND[kind], count);
-  free_all(face, owner, set);
-  ct_mesh_free(m);
 }
 
 /* Faces and their outward side survive any turning of the elements' own axes. */
@@ -162,8 +156,6 @@ static void faces_in_planes(ct_brick_kind kind)
     }
   tap_ok(off == 0, "%s: faces in each plane of a lattice are the outer ones in it (%d are not)",
          KIND[kind], off);
-  free_all(all, owner, some, its);
-  ct_mesh_free(m);
 }
 
 static void refused_sides(const ct_mesh *m, int count, const int32_t *sides, int64_t element,
@@ -198,7 +190,6 @@ static void faces_of_sides(ct_brick_kind kind)
   refused_sides(m, 1, (const int32_t[]){0, 6}, -1, 0, "sides are 0 to 5");
   refused_sides(m, 1, (const int32_t[]){60, 0}, -1, 0, "elements 0 to 59");
   refused_sides(m, 1, (const int32_t[]){-1, 0}, -1, 0, "elements 0 to 59");
-  ct_mesh_free(m);
 }
 
 static void turned_faces(void)
@@ -217,8 +208,6 @@ static void turned_faces(void)
   }
   tap_ok(ct_mesh_check(m, NULL) == CT_OK && count == 9 && good == 9,
          "rotated elements: nine faces at x = 1, all outwards");
-  free(face);
-  ct_mesh_free(m);
 }
 
 static void refused(ct_mesh *m, ct_status want, int64_t element, int64_t point, const char *word,
@@ -289,7 +278,6 @@ static void refusals(ct_brick_kind kind)
   tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT &&
              ct_mesh_check(NULL, NULL) == CT_ERROR_ARGUMENT,
          "an empty mesh is refused");
-  ct_mesh_free(m);
 }
 
 /* Put nodes `from` in the place of node `to`. */
@@ -354,8 +342,6 @@ static void corners(ct_brick_kind kind)
     refused(m, CT_ERROR_GEOMETRY, 0, -1, "inverted at its corner 6",
             "a mid-side node beyond the quarter point");
   }
-  free(keep);
-  ct_mesh_free(m);
 }
 
 /* Smallest determinant of a brick on a lattice of n³ points. */
@@ -383,7 +369,6 @@ static void random_bricks(ct_brick_kind kind)
     shake(m, kind == CT_HEX20 ? 0.15 : 0.3, 0);
     int good = least_determinant(m, 9) > 0.0, pass = ct_mesh_check(m, NULL) == CT_OK;
     regular += good, passed += pass, lost += good && !pass, missed += pass && !good;
-    ct_mesh_free(m);
   }
   tap_ok(
       lost == 0 && missed < 0.03 * passed,
@@ -435,8 +420,7 @@ static void rings(ct_brick_kind kind)
     tap_ok(off < 1e-13, "ring of %d, kind %d: nodes stand on circles, off by %.2g", n[1], (int)kind,
            off);
     tap_ok(faults == 0, "ring of %d, kind %d: nodes have exact mirror images", n[1], (int)kind);
-    free(mass);
-    ct_mesh_free(m);
+    free_mesh(m);
   }
 }
 
@@ -481,7 +465,6 @@ static void each_is_checked(ct_brick_kind kind, double scale)
   tap_ok(found == 2 * m->element_count && ct_mesh_check(m, NULL) == CT_OK,
          "%s of size %g: each of 27 elements is found if it is inverted, %d of %d", KIND[kind],
          scale, found, 2 * (int)m->element_count);
-  ct_mesh_free(m);
 }
 
 /* The shortest of different edges, in a group and in the rest of one; an edge of zero length does
@@ -500,7 +483,6 @@ static void unlike_edges(ct_brick_kind kind)
     tap_ok(ct_mesh_shortest_edge(m) == 0.25, "%s: a wedge has no edge there", KIND[kind]);
     b[0] = keep;
   }
-  ct_mesh_free(m);
 }
 
 /* Two wedges, one on the other, whose bricks are collapsed at different corners: the triangle
@@ -547,7 +529,6 @@ static void graded_points(ct_brick_kind kind, int32_t n, double R, int symmetric
   // Middles of edges along y, which follow the corners and the middles along x.
   for (int i = 0; kind == CT_HEX20 && i < n; i++)
     if (fabs(m->nodes[3 * (6 * (n + 1) + 2 * i) + 1] - (x[i] + x[i + 1]) / 2.0) > 1e-15) x[i] = NAN;
-  ct_mesh_free(m);
 }
 
 /* Where (q^i - 1) / (q^n - 1) puts point i of n, in long double (eq:mesh-grading). */
@@ -612,6 +593,7 @@ static void graded_ratio(void)
 
 int main(void)
 {
+  free_at_end();
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
     box_counts((ct_brick_kind)kind);
     mirrored_boxes((ct_brick_kind)kind);

@@ -12,7 +12,7 @@ static ct_monitor *new_watch(const ct_problem *problem, ct_state *state, ct_moni
 {
   ct_monitor *monitor = NULL;
   must(ct_monitor_create, problem, state, &options, &monitor);
-  return monitor;
+  return later_monitor(monitor);
 }
 
 static int finite(const ct_problem *p, const ct_state *s)
@@ -61,10 +61,6 @@ static void same_bits(void)
   tap_ok(good != NULL && good->step == steps / 3 * 3,
          "the last good state is that of the last check, step %d",
          good == NULL ? -1 : (int)good->step);
-  ct_monitor_free(monitor);
-  ct_state_free(plain);
-  close_run(monitored, scene, left);
-  ct_mesh_free(right);
 }
 
 /* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2,
@@ -100,10 +96,6 @@ static void stiffening(void)
   tap_ok(finite(p, state) && ct_monitor_good(monitor)->step < state->step &&
              ct_monitor_good(monitor)->step >= state->step - 4,
          "before the motion has grown");
-  ct_monitor_free(monitor);
-  close_run(state, scene, m);
-  ct_mesh_free(other);
-  free(v);
 }
 
 /* A step above the limit of a linear body: the total of the ledger stays as it was, the motion
@@ -136,10 +128,8 @@ static void growth(double over)
   else
     tap_ok(status == CT_OK && state->step == 20000,
            "a step %.4f of the limit: no error in 20000 steps", over);
-  ct_monitor_free(monitor);
+  free_monitor(monitor);
   close_run(state, scene, m);
-  ct_mesh_free(still);
-  free_all(v, rest);
 }
 
 /* A force c m v that declares a stored energy and stores none: kinetic energy grows as exp(2 c t).
@@ -186,8 +176,6 @@ static void pump(double limit, int stores)
            "a spurious fraction of %.2f at t = %.4g, in theory %.4g: %s", limit, state->time, when,
            e.text);
   else tap_ok(status == CT_OK, "the same work by an external force is no error");
-  ct_monitor_free(monitor);
-  close_run(state, scene, m);
 }
 
 /* The same force on some nodes; from t = 10 on it removes more than it gave before. */
@@ -242,8 +230,6 @@ static void told(int stores, double unit)
   else
     tap_ok(status == CT_OK && found.ratio == 0.0,
            "unit %g: the same work by an external force is no growth", unit);
-  ct_monitor_free(monitor);
-  close_run(state, scene, m);
 }
 
 /* Rotate a mesh about the origin, and move it. */
@@ -288,11 +274,6 @@ static void least_energy(void)
     note_growth(monitor, state, &of);
     tap_close(monitor->growth.ratio, more * part * 0.01, 1e-12, "the growth that is reported");
   }
-  ct_monitor_free(monitor);
-  ct_state_free(state);
-  ct_mesh_free(lower);
-  ct_mesh_free(upper);
-  ct_scene_free(scene);
 }
 
 /* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no
@@ -331,10 +312,6 @@ static void at_rest(void)
       snprintf(text, sizeof text, ": %s", e.text);
     told_of += ct_monitor_growth(monitor).ratio > 0.0;
     most = worst(most, energy_of(p, state).total);
-    ct_monitor_free(monitor);
-    close_run(state, scene, lower);
-    ct_mesh_free(upper);
-    free_all(faces[0], faces[1]);
   }
   tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
          "two blocks at rest in 40 positions, energies up to %.1e: %d errors, growth reported %d "
@@ -376,9 +353,6 @@ static void named(int bad)
   tap_ok(memcmp(straight->displacement, state->displacement,
                 3 * (size_t)p->node_count * sizeof(double)) == 0,
          "and continues with the same bits");
-  ct_monitor_free(monitor);
-  ct_state_free(straight);
-  close_run(state, scene, m);
 }
 
 static void refusals(void)
@@ -405,11 +379,11 @@ static void refusals(void)
              ct_monitor_good(NULL) == NULL && ct_monitor_growth(NULL).ratio == 0.0,
          "null arguments are refused");
   ct_monitor_free(NULL);
-  close_run(state, scene, m);
 }
 
 int main(void)
 {
+  free_at_end();
   same_bits();
   stiffening();
   growth(1.0005);

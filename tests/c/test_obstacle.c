@@ -41,7 +41,6 @@ static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, dou
     must(ct_friction_create_effect, &f, joined, &friction);
     must(ct_scene_add_effect, t->scene, friction);
   }
-  free(faces);
 }
 
 static void finish(against *t, double end, double fraction)
@@ -49,8 +48,6 @@ static void finish(against *t, double end, double fraction)
   t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction}, NULL, &t->stable);
   t->state = new_state(t->problem);
 }
-
-static void end(against *t) { close_run(t->state, t->scene, t->mesh); }
 
 /* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces per point
  * and node. */
@@ -75,7 +72,6 @@ static void operations(void)
            counted);
     tap_ok(t.problem->effects[1]->cost.bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points),
            "and it reads its nodes and writes its points");
-    end(&t);
   }
 }
 
@@ -98,7 +94,6 @@ static void stiffness(ct_obstacle_shape shape, double radius, double faces)
   effect->calls->free_scratch(view.scratch);
   tap_close(omega2 / (700.0 * 2.0 / (6.0 * SOFT.density / 8.0)), faces, 1e-14,
             "largest omega^2 of one face, R = %g", radius);
-  end(&t);
 }
 
 /* Signed distance of a point from an obstacle at t = 0. */
@@ -178,10 +173,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
   }
   tap_ok(size > 0.0 && off < 1e-8 * size, "%s: force is minus the gradient of the energy (%.2g)",
          name, off / size);
-  free_all(memory, next);
   e->calls->free_scratch(scratch);
-  free(u), free(f), free(scrap);
-  end(&t);
 }
 
 /* E = 900, rho = 1, L = 10, gap 5, v = -10: contact from 0.5 to 1.1667 with the pressure 300, then
@@ -218,7 +210,6 @@ static void bar(void)
   tap_close(p.obstacle_impulse[0], p.p[0] + 1.0, 1e-12, "bar: and is in the row of the body");
   tap_ok(balance < 1e-12, "bar: work balance %.2g", balance);
   tap_ok(drift < 0.01, "bar: the energy stays within %.2g", drift);
-  end(&t);
 }
 
 /* A wall with a velocity meets a bar at rest: the same impact in another frame. Its work is
@@ -251,7 +242,6 @@ static void moving_wall(int amplitude)
   tap_ok(e.external == work && drift < 0.005 * 20.0,
          "it counts as external, and the total is constant (%.2g)", drift / 20.0);
   tap_ok(balance < 1e-12 * 20.0, "work balance %.2g", balance / 20.0);
-  end(&t);
 }
 
 /* A block that begins far below a plane is pushed out, at any depth. */
@@ -267,7 +257,6 @@ static void depth(void)
   tap_close(
       force[2], -100.0, 1e-12,
       "a face at a depth of 50, many blocks below the plane, has 50 times the penalty as pressure");
-  end(&t);
 }
 
 /* The three shapes, 0.02 deep in the lower face of a block of 1 with its middle at the origin. */
@@ -306,7 +295,6 @@ static void overlap(int shape, ct_initial how, const char *name)
     tap_ok(ct_scene_build(t.scene, &time, &t.problem, &steps, &t.stable, &error) ==
                CT_ERROR_GEOMETRY,
            "%s, refused: %s", name, error.text);
-    end(&t);
     return;
   }
   finish(&t, 0.4, 0.8);
@@ -345,7 +333,6 @@ static void overlap(int shape, ct_initial how, const char *name)
                fabs(e.balance) < 1e-9 * e.external,
            "%s: it is removed with the work %.3g, of which it has %.3g", name, e.external,
            (e.kinetic + e.strain) / e.external);
-  end(&t);
 }
 
 /* A gap that is closed: a block that comes from 0.01 above a plane rebounds there. */
@@ -367,7 +354,6 @@ static void adjusted(void)
   }
   tap_ok(lowest > 0.0095 && momentum_of(t.problem, t.state, 0).p[2] > 0.0,
          "a gap within adjust counts as closed: the block comes no nearer than %.4f", lowest);
-  end(&t);
 }
 
 /* A rigid sphere, or a cylinder along y, of radius R that comes down on a free plate of 4 x 4 x 1
@@ -404,7 +390,6 @@ static double struck(ct_brick_kind kind, int shape, double radius, double speed,
   double p = momentum_of(t.problem, t.state, 0).p[2];
   tap_ok(most > 0.0 && grown <= 2e-3 * most && balance < 1e-9 * most && unconverged == 0,
          "%s: bodies gain %.1e over the work, balance %.1e", name, grown / most, balance / most);
-  end(&t);
   return p;
 }
 
@@ -447,7 +432,6 @@ static void too_far(double radius)
   ct_status status = CT_OK;
   for (int i = 0; i < 3 && status == CT_OK; i++) status = ct_step(t.problem, t.state, &error);
   tap_ok(status == CT_ERROR_STEP, "R = %g: %s", radius, error.text);
-  end(&t);
 }
 
 /* A block on an inclined plane, all of whose points stay in contact. */
@@ -497,8 +481,6 @@ static void incline(double mu, double vx, int slips)
            "no further, and friction dissipates %.2g",
            top, lost);
   tap_ok(balance < 1e-12, "incline: work balance %.2g", balance);
-  free(f), free(r);
-  end(&t);
 }
 
 /* A block that slides strikes a plane: as long as all points slip, friction is mu times the whole
@@ -523,7 +505,6 @@ static void gross_slip(double restitution, double least)
          e);
   tap_close(lost, mu * mass * (1.0 + e) * vz, 1e-12,
             "restitution %g: it loses the momentum mu m (1 + e) v_n along the plane", restitution);
-  end(&t);
 }
 
 /* Mirrored scenes have mirrored bits, with friction on a moving sphere. */
@@ -548,8 +529,6 @@ static void mirrored(void)
       mirror_faults(t[0].state->velocity, t[1].state->velocity, t[0].problem->node_count, 0);
   tap_ok(faults == 0 && fabs(t[0].state->velocity[2]) > 0.0, "mirrored: mirrored bits (%d off)",
          (int)faults);
-  end(&t[0]);
-  end(&t[1]);
 }
 
 /* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that
@@ -600,7 +579,6 @@ static void hertz(void)
             "Hertz: force of the closed form for the approach (contact radius %.2g, elements %.2g)",
             a, h);
   tap_close(pressure / peak, 1.0, 0.08, "Hertz: pressure in the middle");
-  end(&t);
 }
 
 /* A box that stands in a plane by `depth` has the traction of the explicit penalty at every node of
@@ -644,9 +622,7 @@ static void tractions(ct_brick_kind kind)
   tap_ok(ct_obstacle_traction(t.problem, t.state, 0, traction, area, &error) == CT_ERROR_ARGUMENT &&
              ct_obstacle_traction(t.problem, t.state, 1, NULL, area, &error) == CT_ERROR_ARGUMENT,
          "refused: %s", error.text);
-  ct_state_free(shaken);
-  free_all(pressure, traction, area);
-  end(&t);
+  free_state(shaken);
 }
 
 /* A box falls into a plane in any direction, to any depth: no traction of a node is larger than
@@ -685,13 +661,11 @@ static void bound(ct_brick_kind kind)
     }
     if (deepest > 0.0) top = fmax(top, most / (epsilon * deepest));
     lost = worst(lost, (force + reaction[2]) / epsilon);
-    ct_state_free(state);
+    free_state(state);
   }
   tap_ok(top <= 1.0 && top > 0.3 && lost < 1e-13,
          "%s in a plane in any direction: at most %.3g of the largest traction; force lost %.2g",
          kind == CT_HEX8 ? "hex8" : "hex20", top, lost);
-  free_all(traction, area);
-  end(&t);
 }
 
 static void refusals(void)
@@ -723,7 +697,6 @@ static void refusals(void)
   for (int i = 0; i < 8; i++)
     tap_ok(ct_obstacle_create_effect(&bad[i], joined, &effect, &error) != CT_OK && effect == NULL,
            "refused: %s", error.text);
-  end(&t);
   // The middle of the one face stands in the centre of a sphere, where no direction leads out.
   against inner = begin(box_mesh(CT_HEX20, -0.5, -0.5, 0, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
   add_obstacle(
@@ -735,11 +708,11 @@ static void refusals(void)
   tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) ==
              CT_ERROR_GEOMETRY,
          "refused: %s", error.text);
-  end(&inner);
 }
 
 int main(void)
 {
+  free_at_end();
   operations();
   const double h = sqrt(2.5); // the diagonal of the face over the root of 2
   stiffness(CT_OBSTACLE_PLANE, 0.0, 0.25);

@@ -7,7 +7,6 @@
 #include "../../libcontact/src/base/openmp.c"
 #include "tap.h"
 
-
 enum { MOST = 203, LOOPS = 200, STATIC = 34 };
 
 typedef struct loop {

@@ -82,10 +82,8 @@ static void flight(const char *name, const ct_surface *a, const ct_surface *b, m
   tap_ok(ct_contact_update(c[1], x, x, &e) == CT_INVALID && e.point == a->faces[0],
          "a NaN far from all contact is an error");
   for (int k = 0; k < 2; k++) {
-    ct_contact_free(c[k]);
-    free_all(p[k], f[k]);
+    free_contact(c[k]);
   }
-  free_all(x, mass);
 }
 
 static void plates(ct_brick_kind kind, int self)
@@ -110,8 +108,6 @@ static void plates(ct_brick_kind kind, int self)
   snprintf(name, sizeof name, "%s plates fly, touch and part, %s",
            kind == CT_HEX8 ? "linear" : "quadratic", self ? "one surface" : "two surfaces");
   flight(name, self ? &both : &a, self ? &both : &b, fly, 800, 20, 200);
-  free(X);
-  for (int k = 0; k < 2; k++) ct_mesh_free(m[k]);
 }
 
 static void quadratic_faces(void)
@@ -128,8 +124,6 @@ static void quadratic_faces(void)
   b.faces = faces + 8;
   for (int i = 0; i < 8; i++) faces[8 + i] = faces[i] + nodes;
   flight("two quadratic faces that bulge toward each other", &a, &b, bulge, 60, 10, 7);
-  free(X);
-  ct_mesh_free(m);
 }
 
 typedef struct body {
@@ -172,8 +166,6 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
       ct_mesh *regular = m[b];
       int32_t *to = integers(regular->node_count);
       m[b] = shuffle_mesh(regular, to);
-      free(to);
-      ct_mesh_free(regular);
     }
     add_body(scene, b ? "right" : "left", m[b], &STEEL, form->kernel, b ? 0.0 : 1000.0, 0.0, 0.0);
   }
@@ -194,8 +186,6 @@ static place *impact(const body *form, ct_layers layers, int shuffle_it,
     memcpy(places[n].v, &state->velocity[3 * n], 24);
   }
   qsort(places, (size_t)*count, sizeof *places, compare_places);
-  close_run(state, scene, NULL);
-  for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
   return places;
 }
 
@@ -219,13 +209,12 @@ static void orders(const body *form)
                            k > 4, k % 2 == 0 ? none : (ct_optimisations){1, 1, 1}, &other);
     tap_ok(other == count && memcmp(first, places, (size_t)count * sizeof *places) == 0,
            "layers along %s: the same bits at each place", names[k]);
-    free(places);
   }
-  free(first);
 }
 
 int main(void)
 {
+  free_at_end();
   static const body BODIES[] = {{"hex8", CT_HEX8, CT_KERNEL_AUTO, 0.0, 12},
                                 // More nodes in a line than the zeros that a border reads
                                 {"hex8, long", CT_HEX8, CT_KERNEL_AUTO, 0.0, 260},

@@ -81,8 +81,6 @@ static void close_over(over *o)
 {
   ct_contact_close(o->state);
   ct_contact_fixed_free(o->fixed);
-  free(o->x), free(o->velocity), free(o->memory), free(o->next), free(o->force), free(o->start);
-  free_patch(&o->square), free_patch(&o->floor);
 }
 
 /* One evaluation at a time with the square moved by `dz` from where it began, at the velocity `vz`;
@@ -234,6 +232,7 @@ static void all_of(partner what)
 
 int main(void)
 {
+  free_at_end();
   all_of((partner){-1, 0.0, "surface"});
   const ct_obstacle_kind *kind;
   for (int shape = 0; (kind = ct_obstacle_kind_of((ct_obstacle_shape)shape)) != NULL; shape++)

@@ -65,9 +65,6 @@ static void zeros(void)
     for (int i = 0; i < n; i++) minus += f[i] != 0.0 || signbit(f[i]);
     tap_ok(minus == 0, "fixed along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus,
            n);
-    close_block(&plane);
-    free_all(u, f);
-    ct_mesh_free(m);
   }
 }
 
@@ -113,14 +110,9 @@ static void forces(void)
     want = block_force(&box, w, g);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want,
            "%c: layers that shear along their thickness are, too", "xyz"[axis]);
-    free(w);
     own = block_force(&plane, u, f);
     want = block_force(&box, u, g);
     tap_ok(unlike(f, g, n) == 0 && own == want, "%c: and as a plane again", "xyz"[axis]);
-    close_block(&plane);
-    close_block(&box);
-    free_all(u, f, g, h);
-    ct_mesh_free(m);
   }
 }
 
@@ -168,10 +160,6 @@ static void rings(void)
                "fixed along %c, %s, %d threads: %d of %d forces differ from the bricks'",
                "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
       }
-      close_block(&plane);
-      close_block(&box);
-      free_all(name, at, u, f, g);
-      ct_mesh_free(m);
     }
 }
 
@@ -206,9 +194,6 @@ static void mirrored(void)
     tap_ok(unlike(g, image, n) == 0, "mirrored in %c: %d of %d forces are not the mirrored bits",
            "xyz"[axis], (int)unlike(g, image, n), n);
   }
-  close_block(&plane);
-  ct_mesh_free(m);
-  free_all(u, v, f, g, image);
 }
 
 /* Two plates that collide; `push` acts on one layer only. */
@@ -257,8 +242,6 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3}, &steps, NULL);
   p.state = new_state(p.problem);
   advance(p.problem, p.state, steps);
-  ct_mesh_free(m[0]);
-  ct_mesh_free(m[1]);
   return p;
 }
 
@@ -287,11 +270,6 @@ static void runs(void)
     must(ct_state_force, b.problem, b.state, b.problem->effect_count - 1, g);
     tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0,
            "reactions of the supports are the same at every node");
-    free_all(f, g);
-    plates both[2] = {a, b};
-    for (int i = 0; i < 2; i++) {
-      close_run(both[i].state, both[i].scene, NULL);
-    }
   }
 }
 
@@ -315,7 +293,6 @@ static void choice(void)
     tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE),
            "of a scene: fixed %s",
            moving ? "and moving, it is computed as bricks" : "at rest, it is a plane");
-    ct_scene_free(scene);
   }
   double cost[2], bytes[2];
   block box = open_held(one, CT_KERNEL_BOX, 1);
@@ -324,22 +301,15 @@ static void choice(void)
   tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0],
          "the plan: %.0f operations and %.0f bytes per element, %.0f and %.0f for bricks", cost[0],
          bytes[0], cost[1], bytes[1]);
-  close_block(&held);
-  close_block(&wrong);
-  close_block(&thick);
-  close_block(&general);
-  close_block(&box);
   ct_solid_body b = {.mesh = one, .material = STEEL, .kernel = CT_KERNEL_PLANE};
   ct_effect *effect = NULL;
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL,
          "a plane that is not fixed is refused: %s", e.text);
-  ct_mesh_free(one);
-  ct_mesh_free(two);
-  ct_mesh_free(bent);
 }
 
 int main(void)
 {
+  free_at_end();
   zeros();
   forces();
   rings();

@@ -130,7 +130,6 @@ static tumbler new_tumbler(double end, double dt, ct_integrator integrator)
   add_rigid(t.scene, &(ct_rigid){.body = 0});
   t.problem =
       build(t.scene, (ct_scene_time){.end = end, .dt = dt, .integrator = integrator}, NULL, NULL);
-  free(velocities);
   // Lumped by rows, n bricks along an edge a have the second moment m a² / 12 (1 + 2 / n²).
   for (int c = 0; c < 3; c++)
     second[c] = 12.0 * size[c] * size[c] / 12.0 * (1.0 + 2.0 / (cells[c] * cells[c]));
@@ -151,7 +150,6 @@ static void tumbling(void)
     advance(t.problem, state, (int64_t)lround(end / t.problem->dt));
     tumble(t.I, end, 20000, y);
     error[i] = off_by(t.problem, state, t.centre, t.v, y);
-    close_run(state, t.scene, t.mesh);
   }
   tap_ok(error[2] < 0.02, "a box tumbles as Euler's equations say: %.3g off after it has flipped",
          error[2]);
@@ -200,7 +198,6 @@ static void many_steps(void)
          "kinetic energy: off by %.3g in the first half, %.3g in the second", kinetic[0],
          kinetic[1]);
   tap_close(shape, 0.0, 1e-9, "the distances of the nodes");
-  close_run(state, t.scene, t.mesh);
 }
 
 /* Other integrators: their order is that of the table (eq:rigid-force). */
@@ -220,7 +217,6 @@ static void tumbling_otherwise(void)
       error[i] = off_by(t.problem, state, t.centre, t.v, y);
       ct_momentum now = momentum_of(t.problem, state, 0);
       for (int c = 0; c < 3; c++) L = worst(L, now.p[c] - start.p[c]);
-      close_run(state, t.scene, t.mesh);
     }
     tap_close(log2(error[0] / error[1]), order, 0.1, "%s: order, errors %.3g and %.3g",
               SCHEME(scheme), error[0], error[1]);
@@ -283,13 +279,11 @@ static void pendulum(void)
     }
     error[i] = x / all - pivot[0];
     if (i == 1) energy = worst(energy, last.kinetic / (mass * g * d * (1.0 - c)) - 1.0);
-    close_run(state, scene, NULL);
   }
   tap_close(error[1], 0.0, 1e-4, "a pendulum is below its pivot after a quarter of its period");
   tap_close(log2(error[0] / error[1]), 2.0, 0.1, "order 2, errors %.3g and %.3g", error[0],
             error[1]);
   tap_close(energy, 0.0, 1e-4, "its kinetic energy there, and no motion along its axis");
-  ct_mesh_free(mesh);
 }
 
 /* A symmetric top that precesses steadily about the vertical through its pivot:
@@ -328,13 +322,10 @@ static void top(void)
     const double to[3] = {d * s * cos(rate * end), d * s * sin(rate * end), d * c};
     error[i] = 0.0;
     for (int k = 0; k < 3; k++) error[i] = worst(error[i], x[k] / all - to[k]);
-    close_run(state, scene, NULL);
   }
   tap_close(error[1], 0.0, 1e-3, "a top precesses steadily");
   tap_close(log2(error[0] / error[1]), 2.0, 0.1, "order 2, errors %.3g and %.3g", error[0],
             error[1]);
-  free(velocities);
-  ct_mesh_free(mesh);
 }
 
 /* Weight and a load that grows with time: the leapfrog's own closed form, to round-off. With fixed
@@ -377,10 +368,7 @@ static void falling(void)
     }
     tap_close(off, 0.0, 1e-11, "weight and a growing load (%s)", kind == 0 ? "free" : "guided");
     if (kind == 1) tap_close(turned, 0.0, 1e-12, "a guided body turns at a constant rate");
-    free(velocities);
-    close_run(state, scene, NULL);
   }
-  ct_mesh_free(mesh);
 }
 
 /* A distorted body that turns and falls, whose mesh is mirrored or shuffled: the bits stay. */
@@ -420,11 +408,7 @@ static void images(void)
       first = numbers(3 * p->node_count);
       memcpy(first, state->displacement, 3 * (size_t)p->node_count * sizeof *first);
     }
-    free_all(velocities, moved);
-    close_run(state, scene, NULL);
   }
-  for (int i = 0; i < 4; i++) ct_mesh_free(image[i]);
-  free_all(first, to);
 }
 
 /* A rigid body has no elements to compute, bounds no step, has no stress, and may stand beside a
@@ -462,7 +446,6 @@ static void beside_others(void)
   tap_ok(updates[0] > 0 && updates[0] <= updates[1] && (updates[0] + updates[1]) % 2 == 0,
          "of two elements at most one is computed (%d, not %d)", (int)updates[0], (int)updates[1]);
   tap_close(state->displacement[3 * 8 + 2], state->time, 1e-14, "it flies on");
-  close_run(state, scene, mesh);
 }
 
 /* The definition of a body, what the message must contain, and the status. */
@@ -513,9 +496,6 @@ static void refusals(void)
   tap_ok(ct_scene_build(scene, &at, &problem, &steps, NULL, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "a support holds z of node 0 of the rigid body one"),
          "%s", e.text);
-  free(velocities);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
 }
 
 /* A body that turns by more than half a turn in a step (eq:rigid-rotation). */
@@ -526,8 +506,6 @@ static void too_fast(void)
   ct_error e = {0};
   ct_status status = ct_state_create(t.problem, &state, &e);
   tap_ok(status == CT_ERROR_STEP && strstr(e.text, "give a step of at most 0.5"), "%s", e.text);
-  ct_scene_free(t.scene);
-  ct_mesh_free(t.mesh);
 }
 
 /* Two rigid bodies that hit each other: a bar at rest, hit near its end by a small hammer that
@@ -553,7 +531,7 @@ static hit new_hit(int kind, int32_t *to[2])
     ct_mesh *image = kind == MIRRORED   ? mirror_mesh(h.mesh[i], 2)
                      : kind == SHUFFLED ? shuffle_mesh(h.mesh[i], to[i])
                                         : NULL;
-    if (image != NULL) ct_mesh_free(h.mesh[i]), h.mesh[i] = image;
+    if (image != NULL) h.mesh[i] = image;
     if (kind == MIRRORED) top[i] = -top[i];
   }
   h.scene = new_scene();
@@ -569,12 +547,6 @@ static hit new_hit(int kind, int32_t *to[2])
   h.problem = build(h.scene, (ct_scene_time){.end = 0.1, .dt = 0.0005}, NULL, NULL);
   h.state = new_state(h.problem);
   return h;
-}
-
-static void close_hit(hit *h)
-{
-  close_run(h->state, h->scene, NULL);
-  for (int i = 0; i < 2; i++) ct_mesh_free(h->mesh[i]);
 }
 
 /* The velocity of the hammer and the bar after it, and what is conserved
@@ -601,7 +573,6 @@ static void hammer(void)
   tap_close(last.kinetic / first.kinetic, 1.0, 1e-9, "kinetic energy before and after");
   // The bar turns by 1e-3 in a step.
   tap_close(last.total / first.total, 1.0, 1e-13, "total energy before and after");
-  close_hit(&h);
 }
 
 /* The bits of an impact do not depend on the order of surfaces, numbers and threads. */
@@ -621,7 +592,6 @@ static void hit_images(void)
       for (int c = 0; c < 3; c++) faults += u[3 * n + c] != w[3 * at + c];
     }
     tap_ok(faults == 0, "%s: the same bits (%d differ)", HIT[kind], (int)faults);
-    close_hit(&other);
   }
   other = new_hit(PLAIN, NULL);
   advance(other.problem, other.state, 50);
@@ -629,10 +599,6 @@ static void hit_images(void)
   must(ct_state_copy, other.problem, other.state, again.state);
   advance(again.problem, again.state, 70);
   tap_ok(same_state(h.state, again.state), "a copy of the state within the impact goes on alike");
-  close_hit(&again);
-  close_hit(&other);
-  close_hit(&h);
-  free_all(to[0], to[1]);
 }
 
 /* An elastic block of any rotation, hit by a turning obstacle with mass and friction. */
@@ -647,7 +613,6 @@ static hit new_carried(ct_obstacle_shape shape, double mu, int kind)
                              edge, edge, edge, 1, 1, 1)}};
   for (int i = 0; i < 2 && kind == MIRRORED; i++) {
     ct_mesh *image = mirror_mesh(h.mesh[i], 2);
-    ct_mesh_free(h.mesh[i]);
     h.mesh[i] = image;
   }
   h.scene = new_scene();
@@ -684,7 +649,6 @@ static hit new_carried(ct_obstacle_shape shape, double mu, int kind)
   ct_scene_time time = {.end = 1.0, .dt = 0.002, .force_tolerance = 1e-12};
   h.problem = build(h.scene, time, NULL, NULL);
   h.state = new_state(h.problem);
-  free_all(faces, v);
   return h;
 }
 
@@ -715,7 +679,6 @@ static void obstacles_with_mass(void)
            p, L, given);
     // The leapfrog of a block at large strain is not exact.
     tap_ok(rise < 1e-6, "and no energy appears (%.3g)", rise);
-    close_hit(&h);
   }
 }
 
@@ -748,8 +711,6 @@ static void carriers_refused(void)
   }
   must(ct_obstacle_create_effect, &good, h.problem, &effect);
   ct_effect_free(effect);
-  free(faces);
-  close_hit(&h);
 }
 
 /* The same bits in a mirrored scene, with two threads and after a copy of the state. */
@@ -767,7 +728,6 @@ static void carried_images(void)
       tap_ok(kind == MIRRORED ? mirror_faults(u, w, nodes, 2) == 0
                               : same_state(h.state, other.state),
              "an obstacle with mass in %s: the same bits", HIT[kind]);
-      close_hit(&other);
     }
     hit half = new_carried((ct_obstacle_shape)i, 0.3, PLAIN),
         rest = new_carried((ct_obstacle_shape)i, 0.3, PLAIN);
@@ -775,9 +735,6 @@ static void carried_images(void)
     must(ct_state_copy, half.problem, half.state, rest.state);
     advance(rest.problem, rest.state, 110);
     tap_ok(same_state(h.state, rest.state), "a copy of the state goes on alike");
-    close_hit(&half);
-    close_hit(&rest);
-    close_hit(&h);
   }
 }
 
@@ -879,12 +836,11 @@ static void standing(void)
   const ct_momentum start = momentum_of(p, state, 1);
   tap_close(start.p[2] / (0.72 * 10.0 * p->dt), 0.0, 1e-12,
             "a standing body has no momentum at t = 0");
-  close_run(state, scene, low);
-  ct_mesh_free(high);
 }
 
 int main(void)
 {
+  free_at_end();
   mobilities();
   standing();
   hammer();

@@ -19,13 +19,6 @@ static plates two_plates(double beta)
   return p;
 }
 
-static void close_plates(plates *p)
-{
-  ct_scene_free(p->scene);
-  ct_mesh_free(p->left);
-  ct_mesh_free(p->right);
-}
-
 static void not_built(ct_scene *scene, ct_scene_time time, ct_status want, const char *word,
                       const char *what)
 {
@@ -104,11 +97,9 @@ static void times(void)
   tap_ok(ct_scene_build(NULL, &t, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT &&
              ct_scene_build(p.scene, NULL, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
-  close_plates(&p);
 
   ct_scene *empty = new_scene();
   not_built(empty, t, CT_ERROR_ARGUMENT, "no bodies", "a scene without bodies");
-  ct_scene_free(empty);
   ct_scene_free(NULL);
 }
 
@@ -135,7 +126,6 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
   }
   tap_ok(status == want && e.code == want && e.body == 0 && strstr(e.text, word) != NULL,
          "%s: refused, %s", what, e.text);
-  ct_scene_free(scene);
 }
 
 static void bodies(void)
@@ -167,15 +157,12 @@ static void bodies(void)
   m->elements[3] = 900;
   no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "node 900",
           "a node that does not exist");
-  ct_mesh_free(m);
-  ct_mesh_free(q);
 
   // A node that no element uses has no mass.
   ct_mesh *loose = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   loose->element_count = 1;
   no_body(loose, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "no element",
           "a node without element");
-  ct_mesh_free(loose);
 
   ct_scene *scene = new_scene();
   tap_ok(ct_scene_add_body(scene, &(ct_scene_body){.material = STEEL}, NULL, NULL) ==
@@ -183,7 +170,6 @@ static void bodies(void)
              ct_scene_add_body(scene, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
              ct_scene_create(NULL, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
-  ct_scene_free(scene);
 }
 
 static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_status want,
@@ -238,24 +224,20 @@ static void contacts(void)
   wrong[5] = p.left->node_count; // of the other body, once the bodies stand one after another
   c = good, c.faces_a = wrong;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "node", "a face with a node of the other body");
-  close_plates(&p);
 
   p = two_plates(0.0);
   memcpy(wrong, fb, sizeof wrong);
   wrong[5] = -1; // the last node of the body before
   c = good, c.faces_b = wrong;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "node", "a face with a negative node number");
-  close_plates(&p);
 
   p = two_plates(0.0);
   c = good, c.options.method = (ct_method)77;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "77", "an unknown search");
-  close_plates(&p);
 
   p = two_plates(0.0);
   c = good, c.beta = INFINITY;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "penalty", "an infinite beta");
-  close_plates(&p);
 
   // Two contacts with a common face on each side are one too many; a face may meet several others.
   p = two_plates(0.0);
@@ -271,7 +253,6 @@ static void contacts(void)
   c = good, c.faces_a = &fa[4 * (good.face_count_a - 1)], c.face_count_a = 1;
   tap_ok(ct_scene_add_contact(p.scene, &c, &e) == CT_OK,
          "another face of the first surface may meet the same second surface");
-  close_plates(&p);
 }
 
 /* The points of a contact of a small box with one of a larger one: their number, and where their
@@ -298,8 +279,6 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
     for (int a = 0; a < 3; a++) centre[a] += points[q].weight * points[q].position[a];
   }
   for (int a = 0; a < 3; a++) centre[a] /= area;
-  free(points);
-  close_run(state, scene, NULL);
   return count;
 }
 
@@ -326,8 +305,6 @@ static void sides(void)
     tap_ok(count == 4 + 4 * faces[i / 2] && off < 1e-13, "side %c_%s: %d faces in its plane",
            "xyz"[i / 2], i % 2 ? "max" : "min", faces[i / 2]);
   }
-  ct_mesh_free(small);
-  ct_mesh_free(large);
 }
 
 static void supports(void)
@@ -352,20 +329,17 @@ static void supports(void)
            "node %d of a body with nodes 0 to 49: refused, %s", (int)s.nodes[0], e.text);
     if (status == CT_OK) break;
   }
-  close_plates(&p);
 
   p = two_plates(0.0);
   must(ct_scene_add_support, p.scene, &good);
   s = good, s.velocity[0] = 1.0;
   must(ct_scene_add_support, p.scene, &s);
   not_built(p.scene, t, CT_ERROR_ARGUMENT, "velocity", "two velocities for one node");
-  close_plates(&p);
 
   p = two_plates(0.0);
   s = good, s.fixed[0] = 0;
   must(ct_scene_add_support, p.scene, &s);
   not_built(p.scene, t, CT_ERROR_ARGUMENT, "component", "a support without components");
-  close_plates(&p);
 }
 
 /* Adding to a scene after it was built, and building again. */
@@ -394,7 +368,6 @@ static void built_twice(void)
                 : k / 4   ? 1.0
                           : 0.25,
                 1 + k / 4, 4.0);
-  close_plates(&p); // a scene that grew after its last build: a leak ends the sanitized program
 }
 
 /* Two plates with an effect that acts at t = 0, a different one in each trial. */
@@ -434,10 +407,7 @@ static void started(void)
     differ += !same_state(made, state) || steps != count || later->dt != problem->dt ||
               memcmp(&stable, &alone, sizeof stable) != 0;
     moved += state->velocity[2] != 0.0 || state->velocity[0] != 1000.0;
-    ct_state_free(state);
-    ct_state_free(made);
-    close_plates(&p);
-    close_plates(&q);
+    free_state(state);
   }
   tap_ok(differ == 0 && moved > 12,
          "24 scenes with the state of their stable step: the bits of one made later (%d differ)",
@@ -450,7 +420,6 @@ static void started(void)
   tap_ok(ct_scene_start(p.scene, &t, &problem, &steps, NULL, &state, NULL) == CT_ERROR_STEP &&
              problem == NULL && state == NULL && steps == -1,
          "a refused step does not change problem, state and count");
-  close_plates(&p);
 }
 
 /* The problem as requested: nodes one body after another, masses, velocities, names. */
@@ -485,8 +454,6 @@ static void contents(void)
   tap_ok(strcmp(problem->effects[0]->label, "solid") == 0 &&
              strcmp(problem->effects[1]->label, "contact") == 0 && problem->effect_count == 2,
          "two effects, and none that was not requested");
-  ct_mesh_free(far);
-  close_plates(&p);
 }
 
 /* A spring on all nodes or a dashpot on some, as a host's effect: force -c times displacement or
@@ -579,7 +546,7 @@ static void own_effects(void)
          "there is no fourth contribution: %s", e.text);
   advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
-  ct_state_free(state);
+  free_state(state);
   must(ct_scene_set_run_settings, p.scene, &(ct_run_settings){.clock = ticks});
   problem = build(p.scene, t, &steps, &with);
   state = new_state(problem);
@@ -589,7 +556,7 @@ static void own_effects(void)
   tap_ok(each_once,
          "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each "
          "effect, because the first forces are computed twice if one depends on velocity");
-  ct_state_free(state);
+  free_state(state);
   tap_ok(freed == 0, "building twice keeps it");
   filled.nodes = outside;
   must(ct_effect_create, &filled, &effect);
@@ -603,7 +570,7 @@ static void own_effects(void)
   filled.nodes = nodes, filled.calls = &forceless;
   tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "force"),
          "no force: %s", e.text);
-  close_plates(&p);
+  free_scene(p.scene);
   tap_ok(freed == 2, "the scene frees it once");
 }
 
@@ -643,8 +610,7 @@ static double swing(double factor, double w, double d)
     advance(&problem, state, 1);
     top = fmax(top, fabs(state->displacement[0]) * sqrt(w + d * d));
   }
-  ct_state_free(state);
-  ct_mesh_free(mesh);
+  free_state(state);
   return top;
 }
 
@@ -672,9 +638,7 @@ static ct_scene *prepared(ct_brick_kind kind, const ct_mesh *mesh, const ct_box 
   ct_scene_time time = {.end = 1e-7, .fraction = 0.5};
   ct_status status = ct_scene_add_body(scene, &def, NULL, e);
   if (status == CT_OK) status = ct_scene_build(scene, &time, problem, &steps, stable, e);
-  if (status == CT_OK) return scene;
-  ct_scene_free(scene);
-  return NULL;
+  return status == CT_OK ? scene : NULL;
 }
 
 /* Move the nodes inside of a box, by up to a part of an edge. */
@@ -688,7 +652,7 @@ static ct_mesh *moved_box(ct_brick_kind kind, const ct_box *box)
       if (*x > box->origin[c] + 0.4 * size && *x < box->origin[c] + box->size[c] - 0.4 * size)
         *x += (kind == CT_HEX8 ? 0.1 : 0.02) * size * sin(1.0 + 7.0 * n + c);
     }
-  return mesh;
+  return later_mesh(mesh);
 }
 
 /* The set-up is the same for any number of threads, and so are its errors. */
@@ -720,10 +684,8 @@ static void test_threads(void)
                  !memcmp(one->inverse_mass, other->inverse_mass, 3 * n * sizeof(double)) &&
                  s.dt == t.dt && s.dt_courant == t.dt_courant,
              "... the same masses and the same step");
-      ct_scene_free(scene);
     }
     tap_ok(alone != NULL, "hex%d, moved %d: built", kind == CT_HEX8 ? 8 : 20, bodies[b].moved);
-    ct_scene_free(alone);
     // Two elements in different shares are turned inside out: the first one is named, and both.
     for (int bad = 0; mesh != NULL && bad < 2; bad++) {
       int32_t *node = &mesh->elements[ct_brick_node_count(kind) *
@@ -740,7 +702,6 @@ static void test_threads(void)
     tap_ok(none[0] == NULL && none[1] == NULL && first.element == mesh->element_count / 3 &&
                second.element == first.element && !strcmp(first.text, second.text),
            "three threads give the same error as one: %s", second.text);
-    ct_mesh_free(mesh);
   }
 }
 
@@ -748,18 +709,16 @@ static void test_threads(void)
 static void test_copied_mesh(void)
 {
   plates p = two_plates(4.0);
-  ct_mesh *copy = NULL;
   ct_error e = {0};
   set_threads(p.scene, 2);
   const ct_problem *problem =
       build(p.scene, (ct_scene_time){.end = 1e-9, .courant = 0.1}, NULL, NULL);
-  must(ct_mesh_create_copy, problem->bodies[0].mesh, &copy);
+  ct_mesh *copy = copy_mesh(problem->bodies[0].mesh);
   tap_ok(problem->bodies[0].mesh->settings == &problem->settings &&
              problem->settings.threads == 2 && copy->settings == NULL,
          "the settings of a run are in its problem, and a body's mesh has them; a copy has none");
-  close_plates(&p);
+  free_scene(p.scene);
   tap_ok(ct_mesh_check(copy, &e) == CT_OK, "a copy is checked without the scene");
-  ct_mesh_free(copy);
 }
 
 /* Forces of a small and a larger body go through the same rings, one a thread. */
@@ -792,11 +751,12 @@ static void test_rings(void)
              !memcmp(state[0]->velocity, state[1]->velocity,
                      3 * (size_t)state[0]->node_count * sizeof(double)),
          "a small and a larger box: eight threads give the same motion as one");
-  for (int i = 0; i < 2; i++) ct_state_free(state[i]), ct_scene_free(scene[i]);
+  for (int i = 0; i < 2; i++) free_state(state[i]), free_scene(scene[i]);
 }
 
 int main(void)
 {
+  free_at_end();
   times();
   bodies();
   contacts();

@@ -83,7 +83,6 @@ static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double 
   tap_ok(unlike == 0,
          "%s: the nearest is the nearest of all, the first of equals (%.1f of %d examined)", what,
          (double)asked / queries, count);
-  free(found);
 }
 
 static void random_boxes(int count, int lattice, const char *what)
@@ -117,10 +116,8 @@ static void random_boxes(int count, int lattice, const char *what)
     snprintf(name, sizeof name, "%s, %s", what, MOVE[m].name);
     against_all(tree, moved, extra, count, 50.0 * MOVE[m].scale, lattice && MOVE[m].scale >= 1.0,
                 name);
-    free(moved);
   }
   ct_box_tree_free(tree);
-  free_all(boxes, extra);
 }
 
 /* Few boxes, equal boxes, and distances from a box (eq:box-distance). */
@@ -307,13 +304,13 @@ static void patchwork_make(patchwork *p, ct_face_kind kind, int n, double wave)
   p->surface = (ct_surface){kind, m * m, count, p->faces, p->x};
 }
 
-static void patchwork_free(patchwork *p) { free_all(p->x, p->faces); }
+LATER(search)
 
 static ct_search *search_of(const ct_surface *surface)
 {
   ct_search *search = NULL;
   must(ct_search_create, surface, &search);
-  return search;
+  return later_search(search);
 }
 
 /* Nearest distance by projecting on every face. */
@@ -401,9 +398,6 @@ static void nearest_faces(int k)
   tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
          "%s: after a large deformation and back (%d builds), the same bits", KIND[k].name,
          (int)ct_search_builds(search));
-  free_all(moved, points, out, again, start);
-  ct_search_free(search);
-  patchwork_free(&p);
 }
 
 /* Triangles whose distance and sign are known: the unit cube. */
@@ -464,7 +458,6 @@ static void cube(ct_face_kind kind)
               "xyz"[c]);
   tap_ok(b.normal[0] == 0.0 && fabs(b.normal[1] - sqrt(0.5)) < 1e-15 && b.where == CT_EDGE,
          "a cube %s: the normal at an edge", name);
-  ct_search_free(search);
 }
 
 /* The classic trap of signs: a spike, where the face found first points away from the point. */
@@ -483,7 +476,6 @@ static void spike(void)
     wrong += !(got.signed_distance > 0.0) || got.where != CT_VERTEX;
   }
   tap_ok(wrong == 0, "points above the tip of a needle are outside, whichever face is found");
-  ct_search_free(search);
 }
 
 /* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with one further node in the
@@ -605,7 +597,6 @@ static void curved_corners(ct_face_kind kind, double middles)
       corners += got.where == CT_VERTEX;
       wrong += (winding(&s.surface, point) > 0.5) != (got.signed_distance < 0.0);
     }
-    ct_search_free(search);
   }
   tap_ok(wrong == 0 && corners > 100,
          "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d "
@@ -647,7 +638,6 @@ static void quarter_point_corner(ct_face_kind kind)
   tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0,
          "%s: a corner of quarter points is found", kind == CT_Q8 ? "Q8" : "T6");
   tap_close(off, 0.0, 1e-14, "%s: its normal is that of the cube", kind == CT_Q8 ? "Q8" : "T6");
-  ct_search_free(search);
 }
 
 /* A sphere of Q8 faces, refined: distances converge to those of the sphere. */
@@ -676,8 +666,6 @@ static double sphere_error(int n)
     ct_search_nearest(search, 1, point, NULL, NULL, &got, NULL);
     off = worst(off, got.signed_distance - (sqrt(r) - 1.0));
   }
-  ct_search_free(search);
-  free_all(x, faces);
   return off;
 }
 
@@ -715,7 +703,6 @@ static void triangles(void)
     double y[3];
     ct_segment_point(&face, xi, y);
     for (int c = 0; c < 3; c++) at = fmax(at, fabs(y[c] - point[c] - d[c]));
-    ct_search_free(search);
   }
   tap_close(off, 0.0, 1e-13,
             "the distance from a triangle in closed form is that of the general projection, "
@@ -782,7 +769,6 @@ static void refused(void)
   ct_search_nearest(search, 1, point, NULL, NULL, &out, NULL);
   tap_ok(out.status == CT_INVALID,
          "a surface that has shrunk to a point has no nearest face with a normal");
-  ct_search_free(search);
 
   tap_ok(try_create((ct_surface){CT_T3, 0, 0, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT,
          "an empty surface is refused: %s", e.text);
@@ -803,8 +789,6 @@ static void refused(void)
   tap_ok(ct_search_create(NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_builds(NULL) == 0 &&
              isnan(ct_search_cost(NULL)),
          "null pointers everywhere");
-  free(x);
-  patchwork_free(&p);
 }
 
 /* The same face many times, and many faces in one plane. */
@@ -823,7 +807,6 @@ static void repeated(void)
   tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 &&
              out[1].signed_distance == -2.0,
          "of fifty equal faces the first is returned, for any start");
-  ct_search_free(search);
 }
 
 /* The cost of a tree (eq:tree-cost). The tree is kept while a surface moves as one, and rebuilt
@@ -848,9 +831,6 @@ static void rebuilding(void)
   must(ct_search_move, search, x);
   tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0,
          "a surface with shuffled nodes gets a new one");
-  free(x);
-  ct_search_free(search);
-  patchwork_free(&p);
 }
 
 /* Closed boxes of bilinear and of quadratic faces, as they are and with each face reversed, and
@@ -875,11 +855,11 @@ static void inside_out(ct_brick_kind kind, const char *name)
          "%s: a closed box, inside out, and open: %d, %d, %d", name, (int)found[0], (int)found[1],
          (int)found[2]);
   tap_ok(ct_search_inside_out(NULL, found, NULL) == CT_ERROR_ARGUMENT, "no search is refused");
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   random_boxes(1, 0, "one box");
   random_boxes(2, 0, "two boxes");
   random_boxes(5, 0, "five boxes");

@@ -31,7 +31,7 @@ static ct_mesh *mesh_form(ct_brick_kind kind, const form *f, int layers, int n, 
   ct_mesh *m = NULL;
   must(create, kind, f, layers, 4 * n, across, &m);
   must(ct_mesh_check, m);
-  return m;
+  return later_mesh(m);
 }
 
 /* Numbers of vertices and edges in closed form: of the square of n cells, of the surface of the
@@ -53,7 +53,6 @@ static void counts(ct_brick_kind kind, const form *f, int L, int n, int across)
   tap_ok(m->element_count == cells && m->node_count == vertices + (kind == CT_HEX20 ? edges : 0),
          "%s of %s, %d layers, %d: %d elements, %d nodes", f->name, KIND[kind], L, 4 * n,
          (int)m->element_count, (int)m->node_count);
-  ct_mesh_free(m);
 }
 
 typedef struct side {
@@ -138,8 +137,6 @@ static void conforming(ct_brick_kind kind, const form *f, int L, int n, int acro
          f->name, KIND[kind], many, unlike, unused);
   tap_ok(outer == ends && off == 0, "%s of %s: %d outer sides, whose nodes are on it, off by %.2g",
          f->name, KIND[kind], outer, error);
-  free_all(sides, used);
-  ct_mesh_free(m);
 }
 
 /* The nodes are the same set, bit by bit, under all permutations and signs of the axes; of those of
@@ -173,8 +170,6 @@ static void symmetric(ct_brick_kind kind, const form *f, int L, int n)
   tap_ok(faults == 0 && twins == 0,
          "%s of %s, %d around: mirrored and turned nodes are the same, bit by bit (%d are not)",
          f->name, KIND[kind], 4 * n, faults);
-  free_all(set, image);
-  ct_mesh_free(m);
 }
 
 /* Least det J of all elements on a lattice of points, over that at the element's centre. */
@@ -234,7 +229,6 @@ static void volume_and_area(const ct_mesh *m, double *volume, double *area)
       *area += W[q % 5] * W[q / 5] * sqrt(square);
     }
   }
-  free(sides);
 }
 
 /* Volume and area converge to those of the sphere or circle with the square of the size of the
@@ -255,8 +249,6 @@ static void converges(ct_brick_kind kind, const form *f)
               f->name, KIND[kind], 4 * n);
     for (int i = 0; i < 2; i++) off[i][k] = fabs(got[i] / want[i] - 1.0);
     least = fmin(least, least_determinant(m));
-    free(mass);
-    ct_mesh_free(m);
   }
   double order = kind == CT_HEX8 ? 2.0 : 4.0;
   for (int i = 0; i < 2; i++) {
@@ -273,7 +265,6 @@ static double volume_of(ct_brick_kind kind, const form *f, int n)
   double volume, area;
   ct_mesh *m = mesh_form(kind, f, 1, n, 1);
   volume_and_area(m, &volume, &area);
-  ct_mesh_free(m);
   return volume;
 }
 
@@ -305,7 +296,6 @@ static void core_corners(void)
                (k == 2 || fabs(fabs(x[2]) - at) < 1e-15);
     }
     tap_ok(found == 8, "%s: the core has its 8 corners, %d", FORMS[k].name, found);
-    ct_mesh_free(m);
   }
 }
 
@@ -327,8 +317,6 @@ static void equal_arcs(void)
     }
   tap_ok(least > 0.98 * PI / 32 && most < 1.02 * PI / 32, "arcs are %.4f to %.4f of equal ones",
          least * 32 / PI, most * 32 / PI);
-  free(sides);
-  ct_mesh_free(m);
 }
 
 /* A centre moves all nodes, and a radius scales them. */
@@ -343,8 +331,6 @@ static void moved(ct_brick_kind kind)
     for (int i = 0; i < 3 * a->node_count; i++)
       off = worst(off, b->nodes[i] - (2.0 * a->nodes[i] + to.centre[i % 3]));
     tap_ok(off == 0.0, "%s of %s: moved and twice as large", to.name, KIND[kind]);
-    ct_mesh_free(a);
-    ct_mesh_free(b);
   }
 }
 
@@ -360,6 +346,7 @@ static void refused(ct_brick_kind kind, form f, int layers, int around, int acro
 
 int main(void)
 {
+  free_at_end();
   for (int kind = 0; kind < CT_BRICK_COUNT; kind++) {
     for (int k = 0; k < 3; k++) {
       counts((ct_brick_kind)kind, &FORMS[k], 1, 1, 1);

@@ -60,12 +60,9 @@ static void failure(void)
       off = worst(off, fabs(state->displacement[3 * n] - u));
     right += status == CT_ERROR_UNSUPPORTED && state->step == k && off == 0.0 &&
              state->element_updates[0] == 0;
-    ct_state_free(state);
   }
   tap_ok(right == 5, "a flight ends with an error: all nodes are at their last positions, %d of 5",
          right);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 static ct_status pull_force(const ct_effect *effect, const ct_view *view, double *force,
@@ -98,12 +95,9 @@ static void front(ct_solid_kernel kernel)
     right +=
         state->element_updates[0] == expected && state->element_updates[1] == 256 * k - expected;
     expected += 32 * ((k + 7) / 8);
-    ct_state_free(state);
   }
   tap_ok(right == 39, "kernel %d: the front passes one element per step, %d of 39 series",
          (int)kernel, right);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 /* Elements whose nodes all have one displacement have no force: the basis of sleeping. */
@@ -131,12 +125,11 @@ static void no_force(const form *f)
   tap_ok(zeros == TRIALS * dofs, "%s: no force in %d translations", f->name, TRIALS);
   effect->calls->free_scratch(scratch);
   ct_effect_free(effect);
-  free_all(u, force);
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   for (int i = 0; i < FORM_COUNT; i++) no_force(&FORMS[i]);
   front(CT_KERNEL_BOX);
   front(CT_KERNEL_GENERAL);

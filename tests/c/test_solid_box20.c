@@ -25,10 +25,6 @@ static void beside_the_general_kernel(void)
       off = worst(off, largest_difference(f, g, 3 * m->node_count) / largest(g, 3 * m->node_count));
       energy_off = worst(energy_off, energy / want - 1.0);
       bound_off = worst(bound_off, block_frequency(&box) - block_frequency(&general));
-      close_block(&box);
-      close_block(&general);
-      free_all(u, f, g);
-      ct_mesh_free(m);
     }
     tap_ok(off < 1e-13 && energy_off < 1e-13,
            "nu = %g, edges 1 : 2 : 7: the general kernel's forces to %.2g, its energy to %.2g",
@@ -57,9 +53,6 @@ static void translations(void)
     zeros &= block_force(&box, u, f) == 0.0 && largest(f, n) == 0.0;
   }
   tap_ok(zeros, "a translation, also one of 1e300, gives exactly no force and no energy");
-  close_block(&box);
-  free_all(u, f, g);
-  ct_mesh_free(m);
 }
 
 /* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no
@@ -84,10 +77,6 @@ static void exchanged_axes(void)
   for (int i = 0; i < 60; i++) off = worst(off, f[i] - g[3 * image[i / 3] + (i + 1) % 3]);
   tap_ok(off < 1e-14 * largest(f, 60), "exchanged axes: exchanged forces, off by %.2g",
          off / largest(f, 60));
-  close_block(&box);
-  close_block(&turned);
-  ct_mesh_free(m);
-  ct_mesh_free(t);
 }
 
 /* The kernel of a body, or -1 with the status UNSUPPORTED. */
@@ -137,12 +126,12 @@ static void choice(void)
   must(ct_mesh_create_ring, CT_HEX20, &ring, &round);
   tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL,
          "a ring gets the general one");
-  ct_mesh_free(round);
-  ct_mesh_free(m);
+  free_mesh(round);
 }
 
 int main(void)
 {
+  free_at_end();
   beside_the_general_kernel();
   translations();
   exchanged_axes();

@@ -71,7 +71,6 @@ static double volume_of(const ct_mesh *m)
   double *mass = numbers(m->node_count), volume = 0.0;
   must(ct_mass_lumped, m, 1.0, CT_LUMP_DEFAULT, mass);
   for (int n = 0; n < m->node_count; n++) volume += mass[n];
-  free(mass);
   return volume;
 }
 
@@ -112,9 +111,6 @@ static void patch_test(ct_brick_kind kind, ct_law law)
          KIND[kind], LAW[law], inner / top);
   tap_close(energy / (density * volume_of(m)), 1.0, 1e-12, "%s, %s patch: energy", KIND[kind],
             LAW[law]);
-  close_block(&solid);
-  free_all(is_outer, outer, stress, u, f);
-  ct_mesh_free(m);
 }
 
 /* A rotation about a general axis. */
@@ -159,9 +155,6 @@ static void turned(ct_brick_kind kind, ct_law law)
   tap_ok(off[0] < 1e-12 && off[1] < 1e-12,
          "%s, %s: rotated twelve times, energy changes by %.2g, force by %.2g", KIND[kind],
          LAW[law], off[0], off[1]);
-  close_block(&solid);
-  free_all(u, v, f, g);
-  ct_mesh_free(m);
 }
 
 /* Force = - gradient of the energy, by central differences of fourth order; tangent = - gradient of
@@ -202,8 +195,6 @@ static void gradients(ct_brick_kind kind, ct_law law)
   must(ct_solid_element_omega2_bound, kind, x, u, &material, mass, &w);
   tap_close(w / jacobi_largest(n, A), 1.0, 1e-7, "%s, %s: largest eigenvalue of the tangent",
             KIND[kind], LAW[law]);
-  free(A);
-  ct_mesh_free(m);
 }
 
 /* For small displacements force and energy become the linear ones: the difference falls as the
@@ -223,8 +214,6 @@ static void small_strain(ct_brick_kind kind, ct_law law)
     double W = block_force(&large, v, f), want = block_force(&small, v, g);
     off[i] = largest_difference(f, g, n) / largest(g, n);
     energy_off[i] = fabs(W / want - 1.0);
-    close_block(&large);
-    close_block(&small);
   }
   tap_ok(off[0] / off[1] > 8.0 && off[0] / off[1] < 12.0 && off[1] > 1e-7,
          "%s, %s: ten times smaller, ten times closer to the linear force (%.3g)", KIND[kind],
@@ -232,8 +221,6 @@ static void small_strain(ct_brick_kind kind, ct_law law)
   tap_ok(off[2] < 1e-7 && energy_off[2] < 1e-7 && off[3] < 5e-11 && energy_off[3] < 5e-11,
          "%s, %s: tiny displacements, force off by %.2g, energy by %.2g", KIND[kind], LAW[law],
          off[3], energy_off[3]);
-  free_all(u, v, f, g);
-  ct_mesh_free(m);
 }
 
 /* Stretch b of the free sides of a bar with the stretch a, and its force P per undeformed area. */
@@ -292,9 +279,6 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
   tap_ok(off[0] < 1e-9 && off[1] < 1e-9,
          "%s, %s: stretched by 0.6 to 2, end force and stress off by %.2g, lateral stress %.2g",
          KIND[kind], LAW[law], off[0], off[1]);
-  close_block(&solid);
-  free_all(u, f, stress, end);
-  ct_mesh_free(m);
 }
 
 /* A batch of any size against the readable form (eq:large-reference-stress); the order of elements
@@ -319,9 +303,6 @@ static void kernels(ct_brick_kind kind, ct_law law)
     ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
     must(solid.effect->calls->force, solid.effect, &view, g);
     same &= memcmp(f, g, (size_t)n * sizeof *f) == 0;
-    close_block(&solid);
-    free_all(u, f, g);
-    ct_mesh_free(m);
   }
   tap_ok(off < 1e-13 && energy_off < 1e-13,
          "%s, %s: kernels against the readable form, force off by %.2g, energy by %.2g", KIND[kind],
@@ -343,12 +324,7 @@ static int64_t mirror_faults_of(ct_mesh *m, ct_law law)
     double energy = block_force(&here, u, f);
     faults += energy != block_force(&there, v, g);
     faults += mirror_faults(f, g, m->node_count, axis);
-    close_block(&here);
-    close_block(&there);
-    ct_mesh_free(image);
   }
-  free_all(u, v, f, g);
-  ct_mesh_free(m);
   return faults;
 }
 
@@ -391,13 +367,10 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
     block_force(&solid, v, g);
     for (int i = 0; faults == 0 && i < n; i++)
       faults += !(g[3 * image[i / 3] + i % 3] == (i % 3 == axis ? -f[i] : f[i]));
-    free(image);
   }
   tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind],
          LAW[law], faults);
-  close_block(&solid);
-  free_all(u, v, f, g);
-  ct_mesh_free(m);
+  free_mesh(m);
 }
 
 static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material,
@@ -410,7 +383,6 @@ static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *m
                      axis[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3] +
                      0.05 * sin(3.0 * m->nodes[3 * n + c]);
   add_moving_body(scene, "block", m, material, CT_KERNEL_AUTO, v);
-  free(v);
 }
 
 /* One run of a free block that spins, stretches and vibrates; the width of the band of its energy,
@@ -437,7 +409,6 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
     *balance = worst(*balance, energy.balance / energy.kinetic);
     for (int c = 0; c < 3; c++) *drift = worst(*drift, (now.L[c] - start.L[c]) / size);
   }
-  close_run(state, scene, NULL);
   return (high - low) / first;
 }
 
@@ -464,7 +435,6 @@ static void spinning(ct_brick_kind kind, ct_law law)
          "times the first",
          KIND[kind], LAW[law], spread[0], spread[1], spread[2], order[0], order[1],
          spread[3] / spread[0]);
-  ct_mesh_free(m);
 }
 
 /* The bound on ω² at a deformed state against the largest eigenvalue of the assembled tangent by
@@ -495,15 +465,12 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
     double real = true_frequency(problem, u, 1e-6, -1, 300);
     least = fmin(least, omega_squared[1] / real), most = fmax(most, omega_squared[1] / real);
     stiffer = fmax(stiffer, omega_squared[1] / omega_squared[0]);
-    free(u);
   }
   tap_ok(least > 1.0 && most < 2.5,
          "%s, %s: bound over true eigenvalue of the tangent %.3f to %.3f", KIND[kind], LAW[law],
          least, most);
   tap_ok(stiffer > 1.2, "%s, %s: the tangent becomes stiffer, up to %.3g times", KIND[kind],
          LAW[law], stiffer);
-  close_block(&solid);
-  close_run(state, scene, m);
 }
 
 /* An inverted element ends the run; the error has its number and its body's. */
@@ -528,10 +495,7 @@ static void inside_out(ct_brick_kind kind, ct_law law)
     else
       tap_ok(status == CT_ERROR_BLOWUP || status == CT_INVALID,
              "%s, %s: NaN in the displacement is an error: %s", KIND[kind], LAW[law], e.text);
-    ct_state_free(state);
   }
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 static void refusals(void)
@@ -564,7 +528,6 @@ static void refusals(void)
   must(ct_solid_element_omega2_bound, CT_HEX8, x, u, &b.material, mass, &linear[0]);
   must(ct_solid_element_omega2_bound, CT_HEX8, x, NULL, &b.material, mass, &linear[1]);
   tap_ok(linear[0] == linear[1], "the tangent of the linear law is its stiffness");
-  ct_mesh_free(m);
 }
 
 static void velocities(void)
@@ -583,12 +546,11 @@ static void velocities(void)
   must(ct_scene_add_body, scene, &block, NULL);
   const ct_problem *problem = join_scene(scene);
   tap_ok(memcmp(problem->initial_velocity, v, sizeof v) == 0, "each node starts with its velocity");
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   for (int kind = 0; kind < 2; kind++)
     for (int l = CT_LINEAR + 1; l < CT_LAW_COUNT; l++) {
       const ct_brick_kind k = (ct_brick_kind)kind;

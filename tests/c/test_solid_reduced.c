@@ -60,9 +60,6 @@ static void kernel(void)
     ct_view view = {.settings = &TWO, .displacement = u, .scratch = solid.scratch};
     must(solid.effect->calls->force, solid.effect, &view, g);
     tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0, "two threads: the same bits");
-    close_block(&solid);
-    free_all(u, f, g);
-    ct_mesh_free(m);
   }
 }
 
@@ -87,7 +84,6 @@ static void gradient(void)
   }
   tap_ok(off < 1e-13 * largest(f, 24),
          "the force is minus the gradient of both energies, off by %.2g", off / largest(f, 24));
-  ct_mesh_free(m);
 }
 
 /* A linear displacement on a distorted mesh: constant stress, no force inside, no hourglass energy
@@ -130,9 +126,6 @@ static void patch(void)
             "patch: the energy is that of the constant strain");
   tap_ok(hourglass < 1e-24 * strain, "patch: no hourglass energy, %.2g of the strain's",
          hourglass / strain);
-  close_block(&solid);
-  free_all(u, f, outer, is_outer);
-  ct_mesh_free(m);
 }
 
 /* Translations and small rotations: no force; and no other mechanism: six zero eigenvalues of
@@ -171,7 +164,6 @@ static void rigid(void)
     motion = worst(motion, largest(f, 24));
   }
   tap_ok(motion < 1e-14, "rigid motions: forces of at most %.2g", motion);
-  ct_mesh_free(m);
 }
 
 /* The amplitude a of ηζ on a cube of edge h costs (2/3) Q E h a², with Q = 1 what the beam with the
@@ -197,7 +189,6 @@ static void modes(void)
          "the twelve hourglass modes of a cube cost 2/3 Q E h a^2, off by %.2g, and strain "
          "nothing",
          wrong);
-  ct_mesh_free(m);
 }
 
 /* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over
@@ -219,9 +210,6 @@ static void curvature(void)
     double energy = block_force(&solid, u, f) + hourglass_energy(&solid, u),
            exact = 0.5 * (n * n * n / 12.0) * c * c * 6.0;
     off = worst(off, energy / exact - (1.0 - (1.0 - 0.3) / (n * n)));
-    close_block(&solid);
-    free_all(u, f);
-    ct_mesh_free(beam);
   }
   tap_ok(off < 1e-13,
          "bent beams of 1 to 4 cubes: the energy is 1 - (1 - Q) / n^2 of the beam's, off by %.2g",
@@ -264,8 +252,6 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
     rr = next;
   }
   for (int i = 0; i < ends; i++) mean += u[3 * end[i] + 1] / ends;
-  close_block(&solid);
-  free_all(u, r, d, q, end, root, fixed, faces);
   return mean;
 }
 
@@ -293,7 +279,6 @@ static void cantilever(void)
              n, Q[c], ratio, simple, full[k]);
       worst_off = worst(worst_off, ratio / simple - 1.0);
     }
-    ct_mesh_free(beam);
   }
   tap_ok(worst_off < 0.03,
          "cantilevers of 1, 2, 4 cubes: the stated error of the coefficient, and at most %.3f "
@@ -326,7 +311,6 @@ static void frequencies(void)
     double ratio = w / jacobi_largest(24, A);
     low = fmin(low, ratio);
     high = fmax(high, ratio);
-    ct_mesh_free(m);
   }
   tap_ok(low >= 1.0 - 1e-13 && high < 1.0 + 1e-11,
          "20 distorted elements: bound over Jacobi's eigenvalue in 1%+.2g ... 1%+.2g", low - 1.0,
@@ -367,9 +351,6 @@ static void ledger(void)
   tap_ok(spread < 1e-12 && balance < 1e-12,
          "energy is conserved to %.2g and the work balance closes to %.2g over %d steps", spread,
          balance, (int)steps);
-  close_run(state, scene, NULL);
-  free(v);
-  ct_mesh_free(m);
 }
 
 static void refusals(void)
@@ -408,8 +389,6 @@ static void refusals(void)
   }
   tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.3, f, NULL, &e) == CT_ERROR_GEOMETRY,
          "a folded element is refused: %s", e.text);
-  ct_mesh_free(m);
-  ct_mesh_free(q);
 }
 
 /* Operations of the reduced kernel over those of full integration. */
@@ -422,15 +401,14 @@ static void cost(void)
     block solid = open_block(m, &STEEL, k == 0 ? CT_KERNEL_GENERAL : CT_KERNEL_REDUCED);
     ct_solid_kernel kernel;
     ct_solid_body_plan(solid.effect, 0, &kernel, &flops[k], &bytes, NULL);
-    close_block(&solid);
   }
   tap_ok(flops[0] / flops[1] > 1.5, "full integration takes %.2f times the operations",
          flops[0] / flops[1]);
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   kernel();
   gradient();
   patch();

@@ -50,7 +50,6 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   tap_ok(e.strain == 0.0 && e.contact == 0.0 && e.external == 0.0 && e.balance == 0.0,
          "%s, free flight: no strain energy, no contact, balance exactly 0", name);
   close_run(state, scene, m);
-  ct_mesh_free(other);
 }
 
 /* The discrete oscillator (eq:leapfrog, eq:leapfrog-start, eq:step-oscillator). The dilatation of a
@@ -120,7 +119,7 @@ static void second_order(ct_brick_kind kind)
     else
       error[0][k] = largest_difference(state->displacement, fine_u, n),
       error[1][k] = largest_difference(v, fine_v, n);
-    ct_state_free(state);
+    free_state(state);
   }
   for (int i = 0; i < 2; i++) {
     double order = log(error[i][1] / error[i][2]) / log(2.0);
@@ -128,9 +127,6 @@ static void second_order(ct_brick_kind kind)
            "kind %d: %s at t = 1 has order %.3f in dt (errors %.2g %.2g %.2g)", kind,
            i == 0 ? "displacement" : "velocity", order, error[i][0], error[i][1], error[i][2]);
   }
-  free_all(v0, fine_u, fine_v, v);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 /* Largest total kinetic energy over a run, or infinity when it stops being finite. */
@@ -146,7 +142,7 @@ static double largest_kinetic(const ct_problem *q, int64_t blocks, int64_t steps
       sum += q->mass[i / 3] * state->velocity[i] * state->velocity[i];
     top = status == CT_OK ? worst(top, sum) : INFINITY;
   }
-  ct_state_free(state);
+  free_state(state);
   return top;
 }
 
@@ -180,9 +176,6 @@ static void stability(ct_brick_kind kind)
   top = largest_kinetic(&q, 100, 30);
   tap_ok(top > 1e6 * start, "kind %d: at 1.02 of the true limit it grows without bound, %.2g", kind,
          top / start);
-  free_all(v, zero);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
 }
 
 /* Contact force along x on the first body, over its area. */
@@ -224,8 +217,6 @@ static void bar_run(const char *name, ct_scene *scene, double end, double area,
   tap_ok(fabs(e.total / start - 1.0) < 0.02 && fabs(e.balance) < 1e-12 * start,
          "%s: energy at the end %.4f of the first, work balance %.2g", name, e.total / start,
          e.balance / start);
-  ct_state_free(state);
-  free(force);
 }
 
 static void two_bars(void)
@@ -238,9 +229,6 @@ static void two_bars(void)
   add_body(scene, "right", right, &m, CT_KERNEL_AUTO, -0.1, 0, 0);
   add_contact(scene, 0, left, 0.0, 1, right, 0.0, 0, 1.0);
   bar_run("two equal bars", scene, 24.0, 0.25, want, 2.0, 18.0);
-  ct_scene_free(scene);
-  ct_mesh_free(left);
-  ct_mesh_free(right);
 }
 
 static void bar_on_wall(void)
@@ -254,9 +242,6 @@ static void bar_on_wall(void)
   add_contact(scene, 0, bar, 5.0, 1, wall, 0.0, 0, 1.0);
   add_support(scene, 1, wall, -1, 0.0, "xyz", 0.0);
   bar_run("bar on a rigid wall", scene, 1.4, 0.25, want, 0.55, 1.12);
-  ct_scene_free(scene);
-  ct_mesh_free(bar);
-  ct_mesh_free(wall);
 }
 
 /* Two distorted bodies with unlike meshes that collide askew; `axis` 0 ... 2 mirrors everything in
@@ -276,11 +261,10 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
   double velocity[2][3] = {{0.5, 0.0625, -0.125}, {-0.25, 0, 0.25}};
   bodies_seed = 4711;
   for (int s = 0; s < 2; s++) {
-    must(ct_mesh_create_copy, flat[s], &shape[s]);
+    shape[s] = copy_mesh(flat[s]);
     if (kernel == CT_KERNEL_GENERAL) distort(shape[s], 0.02);
     for (int k = 0; axis >= 0 && k < 2; k++) {
       ct_mesh **m = k == 0 ? &flat[s] : &shape[s], *image = mirror_mesh(*m, axis);
-      ct_mesh_free(*m);
       *m = image;
     }
     if (axis >= 0) velocity[s][axis] = -velocity[s][axis];
@@ -294,10 +278,6 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
   c.own = *c.problem;
   c.own.dt = floor(stable.dt * 0.7 * 1048576.0) / 1048576.0;
   c.own.settings.threads = threads;
-  for (int s = 0; s < 2; s++) {
-    ct_mesh_free(flat[s]);
-    ct_mesh_free(shape[s]);
-  }
   return c;
 }
 
@@ -352,7 +332,7 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
     collision image = collide(kind, kernel, axis, 1);
     ct_state *mirrored = new_state(&image.own);
     image.own.dt = one.own.dt;
-    ct_state_free(mirrored);
+    free_state(mirrored);
     mirrored = new_state(&image.own);
     advance(&image.own, mirrored, RUN);
     int64_t faults =
@@ -363,18 +343,16 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
            (int)faults, 6 * whole->node_count);
     close_run(mirrored, image.scene, NULL);
   }
-  ct_state_free(whole);
-  ct_state_free(threads);
-  ct_state_free(half);
+  free_state(whole);
+  free_state(threads);
+  free_state(half);
   close_run(rest, one.scene, NULL);
-  ct_scene_free(two.scene);
 }
 
 /* A body against its own mirror image: both halves of one run are images of each other. */
 static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
-  ct_mesh *flat = box_mesh(kind, 0, 0, 0, 1, 1, 1, 4, 2, 3), *right = NULL;
-  must(ct_mesh_create_copy, flat, &right);
+  ct_mesh *flat = box_mesh(kind, 0, 0, 0, 1, 1, 1, 4, 2, 3), *right = copy_mesh(flat);
   if (kernel == CT_KERNEL_GENERAL) distort_inside(right, 0.04);
   ct_mesh *left = mirror_mesh(right, 0), *flat_left = mirror_mesh(flat, 0);
   ct_scene *scene = one_body(right, &SOFT, kernel, -0.5, 0.01, -0.02);
@@ -400,10 +378,6 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   tap_ok(a.p[0] == -b.p[0] && a.p[1] == b.p[1] && a.contact_impulse[0] == -b.contact_impulse[0] &&
              a.L[0] == b.L[0] && a.L[1] == -b.L[1],
          "%s, impact on the mirror image: so have their momenta", name);
-  close_run(state, scene, flat);
-  ct_mesh_free(flat_left);
-  ct_mesh_free(left);
-  ct_mesh_free(right);
 }
 
 /* Bodies that overlap at t = 0 have a force then: the first half kick goes back from the given
@@ -444,7 +418,7 @@ static void loaded_start(void)
          now.balance / first.kinetic);
   tap_close(a.p[0] - 0.25 * 1.5, a.contact_impulse[0], 1e-14,
             "loaded start: change of momentum is the contact's impulse");
-  ct_state_free(state);
+  free_state(state);
   // Errors of the displacement at t = 1/16, while all points stay in contact: order 2 only with the
   // half kick.
   double *fine = numbers(3 * p->node_count);
@@ -455,15 +429,11 @@ static void loaded_start(void)
     advance(&q, state, count);
     if (k == 0) memcpy(fine, state->displacement, 3 * (size_t)p->node_count * sizeof *fine);
     else error[k - 1] = largest_difference(state->displacement, fine, 3 * p->node_count);
-    ct_state_free(state);
+    free_state(state);
   }
   order = log(error[0] / error[1]) / log(2.0);
   tap_ok(order > 1.9 && order < 2.1, "loaded start: order %.3f in dt (errors %.2g %.2g)", order,
          error[0], error[1]);
-  free_all(fine, f, v);
-  ct_scene_free(scene);
-  ct_mesh_free(left);
-  ct_mesh_free(right);
 }
 
 /* A step that is much too long: the run ends with an error that names body, node and time, not with
@@ -491,9 +461,6 @@ static void blowup(int with_contact)
          (int)e.body, (int)e.point);
   if (!with_contact) tap_ok(e.body == 1, "the error names the body that moved");
   close_run(state, scene, NULL);
-  free(v);
-  ct_mesh_free(left);
-  ct_mesh_free(right);
 }
 
 static void refusals(void)
@@ -539,16 +506,11 @@ static void refusals(void)
   must(ct_stable, p, state, &later);
   tap_ok(memcmp(&at_start, &later, sizeof later) == 0,
          "a linear body has the same stable step at any time");
-  ct_state_free(state);
-  ct_state_free(unlike);
-  close_run(NULL, scene, NULL);
-  ct_scene_free(other);
-  ct_mesh_free(m);
-  ct_mesh_free(two);
 }
 
 int main(void)
 {
+  free_at_end();
   free_flight(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   free_flight(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   free_flight(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");

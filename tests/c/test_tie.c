@@ -37,7 +37,6 @@ static void add_tie(ct_scene *scene, const ct_mesh *a, const ct_mesh *b, double 
   ct_tie_def def = tie_of(scene, a, at, b, at, swapped, faces);
   def.epsilon = epsilon;
   add_made(scene, ct_tie_create_effect, &def);
-  free(faces[0]), free(faces[1]);
 }
 
 /* A force of a row is -½ k (g_{n+1} + g_{n-1}), of either sign; its work is what its store ½ (Π_n +
@@ -92,14 +91,7 @@ static glued glue(ct_brick_kind kind_a, ct_brick_kind kind_b, int swapped, int t
   g.problem = build(g.scene, (ct_scene_time){.end = 3.0, .fraction = 0.9, .force_tolerance = 1e-12},
                     NULL, NULL);
   g.state = new_state(g.problem);
-  free(v[0]), free(v[1]);
   return g;
-}
-
-static void unglue(glued *g)
-{
-  close_run(g->state, g->scene, g->a);
-  ct_mesh_free(g->b);
 }
 
 /* Total energy, momentum and angular momentum of two glued blocks stay what they are
@@ -135,7 +127,6 @@ static void books(ct_brick_kind kind_a, ct_brick_kind kind_b, const char *name)
   tap_ok(exchanged > 0.01 && stored > 1e-4 * first.total,
          "%s: the blocks exchange momentum (%.2g), the tie stores energy (%.2g of it)", name,
          exchanged, stored / first.total);
-  unglue(&g);
 }
 
 /* Same bits with threads, with the surfaces in the other order. */
@@ -151,7 +142,6 @@ static void bits(void)
   tap_ok(memcmp(one.state->displacement, other.state->displacement, n) == 0 &&
              memcmp(one.state->velocity, other.state->velocity, n) == 0,
          "exchanged surfaces give the same bits");
-  unglue(&one), unglue(&two), unglue(&other);
 }
 
 /* The stable step is that of the bodies, whatever the stiffness of the tie. */
@@ -167,8 +157,6 @@ static void step_of_the_bodies(void)
     if (tied) add_tie(scene, a, b, 1.0, 1e9, 0);
     build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9}, NULL, &stable);
     dt[tied] = stable.dt;
-    ct_scene_free(scene);
-    ct_mesh_free(a), ct_mesh_free(b);
   }
   tap_ok(dt[0] == dt[1] && dt[0] > 0.0, "the step is that of the bodies, %.3g", dt[0]);
 }
@@ -206,9 +194,6 @@ static double reflected(int cells_b)
       const double w = state->velocity[3 * n + c];
       kinetic[n >= a->node_count] += 0.5 * problem->mass[n] * w * w;
     }
-  close_run(state, scene, a);
-  ct_mesh_free(b);
-  free(v), free(u);
   return kinetic[0] / (kinetic[0] + kinetic[1]);
 }
 
@@ -252,13 +237,11 @@ static void refusals(void)
   def.epsilon = 1e3, def.face_count[1] = 0;
   tap_ok(ct_tie_create_effect(&def, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "no faces: %s", e.text);
-  free(faces[0]), free(faces[1]);
-  ct_scene_free(scene);
-  ct_mesh_free(a), ct_mesh_free(b);
 }
 
 int main(void)
 {
+  free_at_end();
   law();
   books(CT_HEX8, CT_HEX8, "hex8");
   books(CT_HEX20, CT_HEX8, "hex20 and hex8");

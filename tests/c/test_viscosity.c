@@ -85,9 +85,6 @@ static void uniform_compression(void)
   tap_ok(largest(f, n) < 1e-13 * q,
          "a rotation causes no force except rounding, %.2g of the pressure", largest(f, n) / q);
   ct_effect_free(effect);
-  ct_scene_free(scene);
-  free_all(v, f);
-  ct_mesh_free(m);
 }
 
 /* The forces of a distorted mesh against the formulas of one element, their work and resultant, and
@@ -128,7 +125,6 @@ static void kernel(void)
   tap_ok(work < 0.0 && largest(resultant, 3) < 1e-13 * largest(f, n),
          "it removes energy, %.3g, and no momentum, %.2g", work, largest(resultant, 3));
   ct_effect_free(effect);
-  ct_scene_free(scene);
   for (int axis = 0; axis < 3; axis++) {
     ct_mesh *image = mirror_mesh(m, axis);
     ct_scene *a = new_scene(), *b = new_scene();
@@ -141,15 +137,9 @@ static void kernel(void)
     tap_ok(faults == 0 && fabs(rate_of(right, v) / rate_of(left, w) - 1.0) < 1e-14,
            "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)faults,
            n);
-    free(w);
     ct_effect_free(right);
     ct_effect_free(left);
-    ct_scene_free(a);
-    ct_scene_free(b);
-    ct_mesh_free(image);
   }
-  free_all(v, f, g);
-  ct_mesh_free(m);
 }
 
 /* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power
@@ -165,8 +155,6 @@ static void bound(void)
     double closed = 12.0 * (Q[k][0] + (Q[k][1] > 0.0 ? 0.06 : 0.0)) / 2.0;
     tap_close(rate_of(effect, cube->nodes) / closed, 1.0, 1e-12, "cube: the rate is 12 Q c1 / h");
     ct_effect_free(effect);
-    ct_scene_free(scene);
-    ct_mesh_free(cube);
   }
   for (int part = 0; part < 2; part++) {
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 3, 3, 3, 3, 3, 3);
@@ -196,9 +184,6 @@ static void bound(void)
            "%s part: the bound of the rate is %.3f of the largest eigenvalue of M^-1 C",
            part == 0 ? "linear" : "quadratic", rate / quotient);
     ct_effect_free(effect);
-    ct_scene_free(scene);
-    free_all(v0, d, v, f0, f, mass);
-    ct_mesh_free(m);
   }
 }
 
@@ -232,8 +217,6 @@ static double rod(double linear, double quadratic, double courant, double v0, do
   double *sigma = numbers(6 * CELLS);
   must(ct_solid_stress, m, &ROD, state->displacement, sigma);
   for (int i = 0; i < CELLS; i++) stress[i] = sigma[6 * i];
-  free(sigma);
-  close_run(state, scene, m);
   return work;
 }
 
@@ -352,7 +335,6 @@ static void stability(void)
            "of the first, %.3f removed, balance %.1g",
            options.linear, options.quadratic, stable.dt / stable.dt_courant, most / first,
            -work / first, balance);
-    close_run(state, scene, m);
   }
 }
 
@@ -390,13 +372,11 @@ static void refusals(void)
   tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->calls->energy == NULL,
          "of one body only: its nodes, and no stored energy");
   ct_effect_free(effect);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
-  ct_mesh_free(q);
 }
 
 int main(void)
 {
+  free_at_end();
   uniform_compression();
   kernel();
   bound();
