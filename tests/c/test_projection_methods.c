@@ -131,19 +131,6 @@ static void one_step(void)
   }
 }
 
-/* Steepest descent (eq:steepest-length) with exact steps on the parabola f = x^2 + c y^2 from the
- * worst start shrinks the error by (c - 1) / (c + 1) a step. */
-static void zigzag(void)
-{
-  double c = 9, start[2] = {0.9, 0.1}, point[3] = {0, 0, 0};
-  ct_face flat = parabolic_face(CT_Q4, 0, 0);
-  for (int i = 0; i < 4; i++) flat.node[i][1] *= 3;
-  ct_projection out;
-  path p = walk(CT_STEEPEST_DESCENT, &flat, point, start, &out);
-  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-12,
-            "steepest descent zigzags at the rate of theory");
-}
-
 /* Frame, curvatures and step back of a local shape (eq:projection-frame, eq:projection-curvatures,
  * eq:projection-pull-back), and principal curvatures (eq:torus-principal). A sheared net on a
  * saddle, z = r x y: the principal directions are the diagonals and the tangents are not
@@ -180,21 +167,6 @@ static void broyden_is_the_secant_rule(void)
     off_rule = worst(off_rule, p.xi[i + 1][0] - next);
   }
   tap_close(off_rule, 0, 1e-12, "broyden in one dimension is the secant rule");
-}
-
-/* The first moves of Nelder and Mead on a plane, by hand: expansion (eq:nelder-expansion) and
- * contraction (eq:nelder-contraction). */
-static void nelder_mead_by_hand(void)
-{
-  ct_face flat = parabolic_face(CT_Q4, 0, 0);
-  double far[3] = {50, 0, 0}, near[3] = {0, -0.2, 0}, start[2] = {0, 0};
-  ct_projection out;
-  path p = walk(CT_NELDER_MEAD, &flat, far, start, &out);
-  tap_close(fmax(fabs(p.xi[1][0] - 1.75), fabs(p.xi[1][1] - 7 * sqrt(3) / 12)), 0, 1e-14,
-            "nelder_mead expands towards a far point");
-  p = walk(CT_NELDER_MEAD, &flat, near, start, &out);
-  tap_close(fmax(fabs(p.xi[1][0]), fabs(p.xi[1][1] - sqrt(3) / 12)), 0, 1e-14,
-            "and contracts about a near one");
 }
 
 /* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two
@@ -490,10 +462,8 @@ int main(void)
   }
   orders();
   one_step();
-  zigzag();
   sheared_and_twisted();
   broyden_is_the_secant_rule();
-  nelder_mead_by_hand();
   nelder_mead_changes_its_form();
   nelder_mead_against_the_equations();
   line_searches_against_the_equations();
