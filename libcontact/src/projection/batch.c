@@ -1,7 +1,6 @@
 #include "projection_internal.h"
 #include "../base/error.h"
 
-
 /* The widest kernel for this machine. */
 static ct_batch_kernel *widest_kernel(void)
 {
