@@ -35,7 +35,8 @@ enum { NODES = 9, ROWS = 6, DOFS = 3 * NODES };
 
 /* One point with friction, its numbers in the order of slip.h. */
 typedef struct point {
-  double normal[3], k, e[3], before[3], force[3], reserve, stuck, work, lag, lever[3], weight[8][3];
+  double normal[3], k, e[3], before[3], force[3], reserve, stuck, beyond[3], opened, work, lag,
+      lever[3], weight[8][3];
   ct_slips of;
   ct_slip slip;
 } point;
@@ -233,7 +234,6 @@ static void run_linear(linear *t, int steps, int rounds, int randomly, account *
       point *p = &t->slip[j];
       lost[j] = step % 17 == 16 && pick(10) == 0;
       if (randomly) p->of.mu = pow(10.0, -0.5 + 2.5 * uniform(1.0));
-      for (int k = 0; k < 3; k++) p->force[k] = -p->k * p->e[k];
       p->work = 0.0;
       if (c->other_count == 0)
         for (int k = 0; k < 3; k++)
@@ -462,11 +462,24 @@ static double entry(const linear *t, int j, int i)
   return 0.0;
 }
 
+/* W T in row j: the motion by the tangential forces of all points. */
+static void motion_by_forces(linear *t, int j, double out[3])
+{
+  double f[DOFS] = {0.0}, normal[ROWS];
+  for (int q = 0; q < t->rows; q++) {
+    normal[q] = t->row[q].force, t->row[q].force = 0.0;
+    push(t, q, f);
+    t->row[q].force = normal[q];
+  }
+  for (int d = 0; d < DOFS; d++) f[d] *= t->dt * t->dt / t->mass[d / 3];
+  tangential_motion(t, j, f, out);
+}
+
 /* Forces and slips of one step satisfy the conditions of the minimum. (eq:slip-bound,
- * eq:slip-iteration, eq:slip-residual, eq:slip-set, eq:slip-row) */
+ * eq:slip-iteration, eq:slip-residual, eq:slip-set, eq:slip-row, eq:slip-start) */
 static void solution(double spread)
 {
-  double off = 0.0, bound = 0.0, slope = 0.0;
+  double off = 0.0, bound = 0.0, slope = 0.0, start = 0.0;
   int slips = 0, sticks = 0;
   for (int k = 0; k < 60; k++) {
     linear t;
@@ -480,7 +493,7 @@ static void solution(double spread)
       const point *p = &t.slip[j];
       ct_slip_set set = {.limit = of->limit[r], .most = of->most[r]};
       ct_columns_get(&of->c, r, set.c);
-      double D = 0.0, du[DOFS], motion[3], slip[3], T[3], size = 0.0;
+      double D = 0.0, du[DOFS], motion[3], slip[3], T[3], WT[3], size = 0.0;
       if (row->row->force == 0.0) continue;
       for (int i = 0; i < NODES; i++) {
         double all = 0.0;
@@ -500,6 +513,9 @@ static void solution(double spread)
         T[i] = p->force[i] - slip[i] / (D + C);
         size = fmax(size, fabs(p->force[i]));
       }
+      motion_by_forces(&t, j, WT);
+      for (int i = 0; i < 3; i++) // W T - (D - C) T, with C in D
+        start = worst(start, (p->beyond[i] - (WT[i] - D * p->force[i])) / (D * of->size_of_force));
       ct_slip_project(&set, T);
       for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size_of_force);
       slips += p->stuck == 0.0, sticks += p->stuck != 0.0;
@@ -512,6 +528,7 @@ static void solution(double spread)
          "normals %.1f apart: forces of %d sliding points and %d sticking ones are minimal (%.1e)",
          spread, slips, sticks, off);
   tap_ok(bound < 1e-12, "and the bound of each row is that of a dense matrix (%.1e)", bound);
+  tap_ok(start < 1e-12, "each point stores how its motion differs from the bound's (%.1e)", start);
   tap_ok(slope < 1e-3, "no slip is along its force (%.1e)", slope);
 }
 

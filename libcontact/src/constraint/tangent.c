@@ -274,15 +274,42 @@ static step step_of(const ct_tangent *t, int k, double *rho)
   return (step){next * last, 2.0 * next / half, 0.0};
 }
 
+/* Take the forces `aim` after their projection. */
+static void take_aim(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  t->most_force = project(t, &t->aim, &t->T);
+  ct_pieces_largest(s->pieces, &t->most_force, 1);
+  t->pushed = t->current = t->shifted = 0;
+}
+
 /* Take the forces of a step. */
 static void take_step(ct_solver *s, step by)
 {
   ct_tangent *t = s->tangent;
   for (int c = 0; c < 3; c++)
     aim_at(t->count, by, t->T.x[c], t->slip.x[c], t->scale, t->T0.x[c], t->slip0.x[c], t->aim.x[c]);
-  t->most_force = project(t, &t->aim, &t->T);
-  ct_pieces_largest(s->pieces, &t->most_force, 1);
-  t->pushed = t->current = t->shifted = 0;
+  take_aim(s);
+}
+
+/* One component of the forces with which the iteration begins, before their projection. */
+CT_CLONES
+static void start_at(int64_t count, const double *scale, const double *q, const double *beyond,
+                     double *restrict aim)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++)
+    // -- -D⁻¹ (q + W₋ T₋ - (D₋ - C₋) T₋) (eq:slip-start)
+    aim[j] = -scale[j] * (q[j] + beyond[j]);
+}
+
+/* Take the forces with which the iteration begins; at t = 0 they are given. */
+static void take_start(ct_solver *s)
+{
+  ct_tangent *t = s->tangent;
+  if (s->starts) return;
+  for (int c = 0; c < 3; c++) start_at(t->count, t->scale, t->q.x[c], t->beyond.x[c], t->aim.x[c]);
+  take_aim(s);
 }
 
 /* Solve for the tangential forces with the present normal ones. Allowed forces that already meet
@@ -325,6 +352,14 @@ static void follow(const ct_solver *s, double *restrict shift, double *restrict 
   size[0] = most, size[1] = top;
 }
 
+/* The numbers of the points of all active rows, into `terms`. */
+static void spread_points(ct_solver *s, const double *numbers)
+{
+  ct_copy(s->terms, numbers, (size_t)s->point_count * sizeof *s->terms);
+  for (int64_t r = s->point_count; r < s->count; r++)
+    s->terms[r] = numbers[s->opened[r - s->point_count]];
+}
+
 /* The gaps of all active rows that the tangential forces open, into `terms`. Returns 0 if they are
  * not finite. */
 static int find_opened(ct_solver *s)
@@ -336,9 +371,7 @@ static int find_opened(ct_solver *s)
     return 1;
   }
   if (!ct_tangent_apply(s)) return 0;
-  ct_copy(s->terms, t->opened, (size_t)s->point_count * sizeof *s->terms);
-  for (int64_t r = s->point_count; r < s->count; r++)
-    s->terms[r] = t->opened[s->opened[r - s->point_count]];
+  spread_points(s, t->opened);
   return 1;
 }
 
@@ -356,6 +389,21 @@ static int shift_gaps(ct_solver *s, double *change)
   ct_pieces_largest(s->pieces, most, 2);
   *change = most[0] > 0.0 ? most[0] / most[1] : 0.0;
   return 1;
+}
+
+/* Let the gaps follow the tangential forces of the last step, as far as these opened them. */
+static void shift_first(ct_solver *s)
+{
+  const ct_tangent *t = s->tangent;
+  double unused[2];
+  if (!t->coupled) return;
+  if (t->active) spread_points(s, t->was_opened);
+  for (int64_t r = 0; r < s->count && !t->active; r++) {
+    const ct_slip *slip = s->active[r]->slip;
+    s->terms[r] = slip == NULL ? 0.0 : *ct_slip_number(slip, CT_SLIP_OPENED);
+  }
+  for (int64_t r = 0; r < s->count && s->fraction != 1.0; r++) s->terms[r] *= s->fraction;
+  follow(s, t->shift, s->free, s->gradient, unused);
 }
 
 /* a · b of all rows. */
@@ -420,14 +468,15 @@ static int has_new_limits(ct_solver *s)
 int ct_tangent_begin(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  double change;
   t->tolerance = fmax(TOLERANCE, s->tolerance);
   t->pushed = t->current = t->shifted = 0;
   ct_tangent_list(s);
   if (!t->some) return 1;
   ct_clear(t->shift, (size_t)s->count);
+  if (!t->coupled) ct_clear(t->opened, (size_t)t->count);
   ct_copy(t->drift, s->increment, WIDE * (size_t)s->node_count * sizeof *t->drift);
-  return ct_tangent_fix_laws(s) && shift_gaps(s, &change);
+  shift_first(s);
+  return ct_tangent_fix_laws(s);
 }
 
 /* Iterate until the points together lose energy (eq:slip-loss). Points that stick follow the
@@ -456,6 +505,7 @@ int ct_tangent_solve(ct_solver *s, int pass, double *change)
   if (pass == 0) ct_tangent_fix_chords(t);
   if (pass == 0 || (pass == 1 && has_new_limits(s))) fix_limits(s);
   if (!find_drift(s)) return 0;
+  if (pass == 0) take_start(s);
   const int converged = find_forces(s);
   s->converged = s->converged && converged;
   return converged >= 0 && shift_gaps(s, change);

@@ -113,10 +113,11 @@ static void place_numbers(ct_tangent *t)
     const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
     t->given[i] = shared ? ct_slip_number(t->rows[0].slip, i) : t->own[i];
   }
-  ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T};
-  static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE};
-  for (int v = 0; v < 4; v++) memcpy(vectors[v]->x, &t->given[FIRST[v]], sizeof vectors[v]->x);
-  t->k = t->given[CT_SLIP_K];
+  ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T, &t->beyond};
+  static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE,
+                              CT_SLIP_BEYOND};
+  for (int v = 0; v < 5; v++) memcpy(vectors[v]->x, &t->given[FIRST[v]], sizeof vectors[v]->x);
+  t->k = t->given[CT_SLIP_K], t->was_opened = t->given[CT_SLIP_OPENED];
   t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
 }
 
@@ -199,7 +200,7 @@ void ct_tangent_list(ct_solver *s)
   }
   place_numbers(t);
   read_points(t);
-  double facts[] = {t->count > 0, are_coupled(s), make_tangential(t),
+  double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0,
                     actives < t->count || actives < s->point_count};
   ct_pieces_largest(s->pieces, facts, 4);
   t->some = facts[0] > 0.0, t->coupled = facts[1] > 0.0, t->most_force = facts[2];

@@ -35,10 +35,12 @@ typedef struct ct_tangent {
   double *size;                 /* β of the nodes of each row, CT_ROW_NODES (eq:slip-bound) */
   double *own[CT_SLIP_GIVEN];   /* memory for the numbers of the points, ... */
   double *given[CT_SLIP_GIVEN]; /* ... in use for T, and for others that do not stand side by side;
-                                   the next seven refer to them */
+                                   the next nine refer to them */
   ct_columns normal;            /* unit normal */
   ct_columns e, e0;             /* elastic slips e_n and e_{n-1} */
   ct_columns T;                 /* the forces */
+  ct_columns beyond;            /* W T - (D - C) T of the last step */
+  double *was_opened;           /* the gaps that its forces opened */
   double *k, *reserve, *stuck;  /* stiffness; R of the last step; 1 where the point stuck in it */
   ct_columns image;             /* W times the forces */
   double *opened;               /* the gaps that the forces open */

@@ -134,6 +134,17 @@ static double part_of_reserves(ct_solver *s)
   return wanted > t->lost ? fmax(t->lost, 0.0) / wanted : 1.0;
 }
 
+/* One component of the part of W T beyond (D - C) T, in this number of such steps. */
+CT_CLONES
+static void find_beyond(int64_t count, double steps, const double *image, const double *scale,
+                        const double *C, const double *T, double *restrict beyond)
+{
+#pragma omp simd
+  for (int64_t j = 0; j < count; j++)
+    // -- W T - (D - C) T (eq:slip-start)
+    beyond[j] = steps * (image[j] - (1.0 / scale[j] - C[j]) * T[j]);
+}
+
 /* What the points store of the rows: for those without a force nothing, as for new points. */
 CT_CLONES
 CT_CHOICES
@@ -169,7 +180,9 @@ CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count)
   const double *from[COUNT];
   for (int v = 0; v < 3; v++)
     for (int c = 0; c < 3; c++) from[3 * v + c] = vectors[v]->x[c];
+  for (int c = 0; c < 3; c++) from[CT_SLIP_BEYOND - FIRST + c] = t->beyond.x[c];
   from[CT_SLIP_RESERVE - FIRST] = t->reserve, from[CT_SLIP_STUCK - FIRST] = t->stuck;
+  from[CT_SLIP_OPENED - FIRST] = t->opened;
   from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
   for (int i = COUNT - 1; i >= 0; i--) // e_n, before e_{n+1} takes its place
     write_number(count, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j].slip, FIRST + i));
@@ -190,6 +203,11 @@ void ct_tangent_store(ct_solver *s)
   ct_tangent *t = s->tangent;
   if (!t->some) return;
   const double part = part_of_reserves(s);
+  // At t = 0 forces act for half a step.
+  const double steps = 1.0 / s->fraction;
+  for (int c = 0; c < 3; c++)
+    find_beyond(t->count, steps, t->image.x[c], t->scale, t->C, t->T.x[c], t->beyond.x[c]);
+  for (int64_t j = 0; j < t->count && steps != 1.0; j++) t->opened[j] *= steps;
   find_stored(t, part);
   write_all(t);
 }

@@ -160,7 +160,7 @@ enum {
   E = offsetof(ct_slip_record, e) / sizeof(double),
   BEFORE = offsetof(ct_slip_record, before) / sizeof(double),
   RESERVE = offsetof(ct_slip_record, reserve) / sizeof(double),
-  STUCK = offsetof(ct_slip_record, stuck) / sizeof(double),
+  STUCK = offsetof(ct_slip_record, stuck) / sizeof(double), // and the next four, as of a slip
   FORCE = offsetof(ct_slip_record, force) / sizeof(double),
   QUADS = CT_FRICTION_RECORD / 4,
   NORMAL = offsetof(ct_point, row.normal), /* of a point, in bytes, as the next one */
@@ -327,20 +327,13 @@ static void turn_axes(const ct_contact *obstacle, ct_face_axes *axes)
       for (int l = 0; l < CT_BATCH; l++) axes->a[i][c][l] = obstacle->carried.turn[c][i];
 }
 
-/* Elastic slips of all lanes, and the forces that would hold them. */
+/* Elastic slips of all lanes. */
 CT_INLINE void find_slips(double (*const t)[3][CT_BATCH], const ct_friction_memory *s,
                           int64_t first, batch *b)
 {
   const int64_t stride = s->slips.stride;
-  double *e = ct_friction_numbers(s, CT_SLIP_E, first),
-         *k = ct_friction_numbers(s, CT_SLIP_K, first);
-  recall(t, b->n, &b->last[E], stride, e);
-  recall(t, b->n, &b->last[BEFORE], stride, e + stride * (CT_SLIP_BEFORE - CT_SLIP_E));
-  for (int c = 0; c < 3; c++, e += stride)
-#pragma omp simd
-    for (int l = 0; l < CT_BATCH; l++)
-      // -- -k e (eq:slip-law)
-      e[stride * (CT_SLIP_FORCE - CT_SLIP_E) + l] = -k[l] * e[l];
+  recall(t, b->n, &b->last[E], stride, ct_friction_numbers(s, CT_SLIP_E, first));
+  recall(t, b->n, &b->last[BEFORE], stride, ct_friction_numbers(s, CT_SLIP_BEFORE, first));
 }
 
 /* Give eight listed points what does not hang on their faces. */
@@ -352,7 +345,8 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
   const int64_t to = s->slips.stride;
   for (int c = 0; c < 3; c++) memcpy(normal + to * c, b->n[c], sizeof b->n[c]);
   memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
-  memcpy(normal + to * CT_SLIP_STUCK, b->last[STUCK], sizeof b->last[STUCK]);
+  for (int i = 0; i < 5; i++)
+    memcpy(normal + to * (CT_SLIP_STUCK + i), b->last[STUCK + i], sizeof b->last[STUCK + i]);
   for (int c = 0; c < 3 && !data->rigid; c++)
     memcpy(normal + to * (CT_SLIP_LEVER + c), b->d[c], sizeof b->d[c]);
   for (int l = 0; l < CT_BATCH; l++)
@@ -453,7 +447,8 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
   else if (nodes == 4) find_turns(4, of, stride, turn, most);
   else find_turns(8, of, stride, turn, most);
   memcpy(record[RESERVE], of + stride * CT_SLIP_RESERVE, sizeof record[RESERVE]);
-  memcpy(record[STUCK], of + stride * CT_SLIP_STUCK, sizeof record[STUCK]);
+  for (int i = 0; i < 5; i++)
+    memcpy(record[STUCK + i], of + stride * (CT_SLIP_STUCK + i), sizeof record[STUCK + i]);
   for (int c = 0; c < 3; c++)
     memcpy(record[FORCE + c], of + stride * (CT_SLIP_FORCE + c), sizeof record[FORCE + c]);
 }
