@@ -183,39 +183,34 @@ static int find_drift(ct_solver *s)
   return 1;
 }
 
-/* One component of the slips of the step, and of the forces to which a unit step down them leads,
- * before their projection. */
-CT_CLONES
-static void find_slip(int64_t count, const double *image, const double *C, const double *T,
-                      const double *q, const double *scale, double *restrict slip,
-                      double *restrict aim)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) {
-    // -- (W + C) T + q (eq:slip-residual)
-    slip[j] = (image[j] + C[j] * T[j]) + q[j];
-    aim[j] = T[j] - scale[j] * slip[j];
-  }
-}
-
-/* Largest change of a force from `T` to the forces `aim` after their projection on discs alone, and
- * the largest force then; NaN if one is. Returns whether a force is beyond its chord. */
+/* The slips of the step, and the forces `aim` to which a unit step down them leads, before their
+ * projection. Writes the largest change of a force by this after a projection on discs alone, and
+ * the largest force then, at least the given one; NaN if one is. Returns whether a force is beyond
+ * its chord. */
 CT_CLONES
 static int measure(const ct_tangent *t, double size[2])
 {
-  const double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], *cx = t->c.x[0], *cy = t->c.x[1],
-               *cz = t->c.x[2], *limit = t->limit, *chord = t->most, *aimx = t->aim.x[0],
-               *aimy = t->aim.x[1], *aimz = t->aim.x[2];
+  const ct_columns image = t->image, T = t->T, q = t->q, slip = t->slip, aim = t->aim, c = t->c;
+  const double *limit = t->limit, *chord = t->most, *C = t->C, *scale = t->scale;
   double most = 0.0, top = 0.0, sum = 0.0, any = 0.0;
 #pragma omp simd reduction(max : most, top, any) reduction(+ : sum)
   for (int64_t j = 0; j < t->count; j++) {
-    const double size2 = (aimx[j] * aimx[j] + aimy[j] * aimy[j]) + aimz[j] * aimz[j],
-                 part = ct_slip_part(limit[j], size2), X = aimx[j] * part, Y = aimy[j] * part,
-                 Z = aimz[j] * part, over = ((X * cx[j] + Y * cy[j]) + Z * cz[j]) - chord[j];
-    any = ct_larger(over, any);
-    most = ct_larger(ct_larger(ct_larger(fabs(X - x[j]), fabs(Y - y[j])), fabs(Z - z[j])), most);
-    top = ct_larger(ct_larger(ct_larger(fabs(X), fabs(Y)), fabs(Z)), top);
-    sum += (X + Y) + Z;
+    double to[3], change = 0.0, force = 0.0;
+    for (int k = 0; k < 3; k++) {
+      // -- (W + C) T + q (eq:slip-residual)
+      const double own = (image.x[k][j] + C[j] * T.x[k][j]) + q.x[k][j];
+      slip.x[k][j] = own;
+      aim.x[k][j] = to[k] = T.x[k][j] - scale[j] * own;
+    }
+    const double part = ct_slip_part(limit[j], (to[0] * to[0] + to[1] * to[1]) + to[2] * to[2]);
+    for (int k = 0; k < 3; k++) {
+      to[k] *= part;
+      change = ct_larger(fabs(to[k] - T.x[k][j]), change);
+      force = ct_larger(fabs(to[k]), force);
+    }
+    any = ct_larger(((to[0] * c.x[0][j] + to[1] * c.x[1][j]) + to[2] * c.x[2][j]) - chord[j], any);
+    most = ct_larger(change, most), top = ct_larger(force, top);
+    sum += (to[0] + to[1]) + to[2];
   }
   size[0] = isnan(sum) ? NAN : most, size[1] = ct_larger(top, size[1]);
   return any > 0.0;
@@ -226,9 +221,6 @@ static int measure(const ct_tangent *t, double size[2])
 static void find_slips(const ct_tangent *t, double size[2])
 {
   const double least = size[1];
-  for (int c = 0; c < 3; c++)
-    find_slip(t->count, t->image.x[c], t->C, t->T.x[c], t->q.x[c], t->scale, t->slip.x[c],
-              t->aim.x[c]);
   if (!measure(t, size)) return;
   project(t, &t->aim, &t->next);
   size[0] = 0.0, size[1] = least;

@@ -39,50 +39,27 @@ int ct_tangent_fix_laws(ct_solver *s)
   return 1;
 }
 
-/* One component of the slips of the last step, the sizes of their terms, and theirs; `keep` is 0
- * for the first component, and then 1. */
-CT_CLONES
-static void find_chords(int64_t count, double keep, const double *last, const double *e,
-                        const double *e0, double *restrict c, double *restrict size,
-                        double *restrict length)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) {
-    // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
-    c[j] = last[j] - (e[j] - e0[j]);
-    size[j] = ct_larger(fabs(last[j]) + fabs(e[j]) + fabs(e0[j]), keep * size[j]);
-    length[j] = ct_larger(fabs(c[j]), keep * length[j]);
-  }
-}
-
-/* A point that moved by rounding has not slipped; nor has one that stuck. The length is at most
- * the size. */
-CT_CLONES
-static void drop_chords(int64_t count, const double *stuck, const double *size,
-                        const double *length, double *restrict c)
-{
-  static const double ROUNDING = 1e-13;
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) {
-    const double own = c[j];
-    c[j] = length[j] > (ROUNDING + 2.0 * stuck[j]) * size[j] ? own : 0.0;
-  }
-}
-
-/* Twice the reserves (eq:slip-set). */
+/* The slips of the last step and twice the reserves. A point that moved by rounding has not slipped;
+ * nor has one that stuck, as the length of a slip is at most the size of its terms. */
 CT_CLONES
 CT_CHOICES
-static void find_most(int64_t count, const double *reserve, double *restrict most)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) most[j] = 2.0 * ct_larger(reserve[j], 0.0);
-}
-
 void ct_tangent_fix_chords(const ct_tangent *t)
 {
-  double *size = t->terms, *length = t->wanted;
-  for (int c = 0; c < 3; c++)
-    find_chords(t->count, c > 0, t->last.x[c], t->e.x[c], t->e0.x[c], t->c.x[c], size, length);
-  for (int c = 0; c < 3; c++) drop_chords(t->count, t->stuck, size, length, t->c.x[c]);
-  find_most(t->count, t->reserve, t->most);
+  static const double ROUNDING = 1e-13;
+  const ct_columns last = t->last, e = t->e, e0 = t->e0, chord = t->c;
+  const double *stuck = t->stuck, *reserve = t->reserve;
+  double *most = t->most;
+#pragma omp simd
+  for (int64_t j = 0; j < t->count; j++) {
+    double c[3], size = 0.0, length = 0.0;
+    for (int k = 0; k < 3; k++) {
+      // -- c = D₋ - (e_n - e_{n-1}), the slip of the last step (eq:slip-set)
+      c[k] = last.x[k][j] - (e.x[k][j] - e0.x[k][j]);
+      size = ct_larger(fabs(last.x[k][j]) + fabs(e.x[k][j]) + fabs(e0.x[k][j]), size);
+      length = ct_larger(fabs(c[k]), length);
+    }
+    const double has = length > (ROUNDING + 2.0 * stuck[j]) * size ? 1.0 : 0.0;
+    for (int k = 0; k < 3; k++) chord.x[k][j] = has == 0.0 ? 0.0 : c[k];
+    most[j] = 2.0 * ct_larger(reserve[j], 0.0);
+  }
 }

@@ -79,16 +79,36 @@ static int are_coupled(const ct_solver *s)
   return 0;
 }
 
-/* Add a row to the list; `head` is the first of those before it with the same nodes, or null.
+/* Write a row of the list; `head` is the first of those before it with the same nodes, or null.
  * Returns that of the next row. */
-static ct_tangent_row *list_row(const ct_solver *s, ct_constraint *c, ct_tangent_row *head)
+CT_INLINE ct_tangent_row *list_row(const int32_t *places, ct_constraint *c, ct_tangent_row *r,
+                                   ct_tangent_row *head)
 {
-  ct_tangent *t = s->tangent;
-  ct_tangent_row *r = &t->rows[t->count++];
-  *r = (ct_tangent_row){c, c->slip, &s->entry_place[c->slip->place], 1, 1};
+  r->row = c, r->slip = c->slip, r->place = &places[c->slip->place];
+  r->alike = r->together = 1;
   if (head == NULL || head->place != r->place) return r;
   head->alike++;
   return head;
+}
+
+/* List the rows. Returns the number of those with friction among the active ones. */
+static int64_t list_rows(ct_solver *s)
+{
+  ct_constraint **active = s->active, **end = s->active + s->point_count;
+  ct_tangent_row *r = s->tangent->rows, *head = NULL;
+  int64_t actives = 0;
+  for (ct_constraint **at = s->rows, **last = at + s->first[s->set_count]; at < last; at++) {
+    ct_constraint *c = *at;
+    const int is_active = active < end && *active == c;
+    active += is_active;
+    if (c->slip == NULL) continue;
+    actives += is_active;
+    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement)))
+      head = list_row(s->entry_place, c, r++, head);
+    else ct_slip_open(c->slip);
+  }
+  s->tangent->count = r - s->tangent->rows;
+  return actives;
 }
 
 int64_t ct_tangent_run(const ct_tangent *t, int64_t j)
@@ -184,20 +204,8 @@ static void find_last(ct_solver *s)
 void ct_tangent_list(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
-  ct_constraint **active = s->active, **end = s->active + s->point_count;
-  ct_tangent_row *head = NULL;
-  int64_t actives = 0; // rows with friction among the active ones
-  t->count = t->some_move = 0;
-  for (int64_t j = 0; j < s->first[s->set_count]; j++) {
-    ct_constraint *c = s->rows[j];
-    const int is_active = active < end && *active == c;
-    active += is_active;
-    if (c->slip == NULL) continue;
-    actives += is_active;
-    if (is_active || (c->force > 0.0 && !ct_law_has_rows(c->enforcement)))
-      head = list_row(s, c, head);
-    else ct_slip_open(c->slip);
-  }
+  const int64_t actives = list_rows(s);
+  t->some_move = 0;
   place_numbers(t);
   read_points(t);
   double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0,
