@@ -31,7 +31,9 @@ int ct_tangent_fix_laws(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (!ct_tangent_bound(s)) return 0;
-  ct_law_dampings(t->count, t->zeta, t->k, t->scale, s->fraction, t->terms);
+  for (int64_t j = 0; j < t->count && !t->active; j++) t->zeta[j] = t->rows[j].row->dissipation;
+  const double *zeta = t->active ? s->laws.dissipation : t->zeta;
+  ct_law_dampings(t->count, zeta, t->k, t->scale, s->fraction, t->terms);
   double slowest = fix_springs(t->count, t->widening, t->k, t->terms, t->C, t->kappa, t->scale);
   // -- The smallest eigenvalue of D⁻¹ (W + C) is at least that of D⁻¹ C (eq:slip-iteration)
   ct_pieces_largest(s->pieces, &slowest, 1);

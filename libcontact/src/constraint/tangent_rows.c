@@ -141,9 +141,9 @@ static void place_numbers(ct_tangent *t)
   t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
 }
 
-/* Read the numbers of the points of all rows. */
+/* Read the numbers of the points of all rows; forces only where the iteration begins with them. */
 CT_CLONES
-static void read_points(ct_tangent *t)
+static void read_points(ct_tangent *t, int starts)
 {
   for (int64_t j = 0, count; j < t->count; j += count) {
     const ct_slip *first = t->rows[j].slip;
@@ -152,14 +152,14 @@ static void read_points(ct_tangent *t)
     for (int i = 0; i < CT_SLIP_GIVEN; i++) {
       const double *from = ct_slip_number(first, i);
       double *to = &t->given[i][j];
-      if (to == from) continue;
+      const int is_force = i >= CT_SLIP_FORCE && i < CT_SLIP_FORCE + 3;
+      if (to == from || (is_force && !starts)) continue;
 #pragma omp simd
       for (int64_t n = 0; n < count; n++) to[n] = from[n];
     }
     const double mu = first->of->mu;
     for (int64_t n = 0; n < count; n++) t->mu[j + n] = mu;
   }
-  for (int64_t j = 0; j < t->count; j++) t->zeta[j] = t->rows[j].row->dissipation;
 }
 
 /* Remove the normal parts of the forces. Returns the largest component. */
@@ -207,7 +207,7 @@ void ct_tangent_list(ct_solver *s)
   const int64_t actives = list_rows(s);
   t->some_move = 0;
   place_numbers(t);
-  read_points(t);
+  read_points(t, s->starts);
   double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0,
                     actives < t->count || actives < s->point_count};
   ct_pieces_largest(s->pieces, facts, 4);

@@ -53,7 +53,9 @@ typedef struct ct_tangent {
   ct_columns c;                 /* slip of the last step, of the sets (eq:slip-set) */
   double *limit, *most;         /* of the sets */
   double *C, *kappa;            /* of the laws (eq:slip-residual) */
-  double *mu, *zeta;            /* coefficients of friction; damping ratios of the laws' dashpots */
+  double *mu;                   /* coefficients of friction */
+  double *zeta;                 /* damping ratios of the laws' dashpots, of rows that are not the
+                                   active ones */
   double *work, *lag;           /* of the forces of this step, as of ct_slip */
   double *loss;                 /* S₋ - S₊ - W without the next reserve */
   double lost;                  /* their sum */

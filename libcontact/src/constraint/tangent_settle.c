@@ -39,39 +39,33 @@ static void find_wanted(const ct_tangent *t, double may_stick, double *restrict 
   }
 }
 
-/* One component of the elastic slips at the end of the step. */
-CT_CLONES
-static void find_ends(int64_t count, const double *C, const double *T, const double *kappa,
-                      const double *e0, const double *slip, const double *wanted,
-                      double *restrict end)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++) {
-    const double law = -C[j] * T[j] - kappa[j] * e0[j], own = wanted[j] < 0.0 ? slip[j] : 0.0;
-    // -- e_n + D₊ where it sticks, D₊ being Δs - C T - e_n - κ e_{n-1} (eq:slip-residual)
-    end[j] = law + own;
-  }
-}
-
-/* The energies of all rows. */
+/* The elastic slips at the end of the step, and the energies of all rows. */
 CT_CLONES
 static void find_works(const ct_tangent *t)
 {
+  const ct_columns T = t->T, e = t->e, e0 = t->e0, slip = t->slip, last = t->last, end = t->end;
+  const double *C = t->C, *kappa = t->kappa, *k = t->k, *reserve = t->reserve, *wanted = t->wanted;
+  double *work = t->work, *lag = t->lag, *loss = t->loss;
 #pragma omp simd
   for (int64_t j = 0; j < t->count; j++) {
-    const double spring = t->C[j] * ct_columns_dot(&t->T, &t->T, j) +
-                          (ct_columns_dot(&t->T, &t->e, j) +
-                           t->kappa[j] * ct_columns_dot(&t->T, &t->e0, j)),
-                 after = ct_columns_dot(&t->T, &t->slip, j) - spring,
-                 earlier = ct_columns_dot(&t->T, &t->last, j);
+    double own[3];
+    for (int c = 0; c < 3; c++) {
+      const double law = -C[j] * T.x[c][j] - kappa[j] * e0.x[c][j],
+                   stays = wanted[j] < 0.0 ? slip.x[c][j] : 0.0;
+      // -- e_n + D₊ where it sticks, D₊ being Δs - C T - e_n - κ e_{n-1} (eq:slip-residual)
+      end.x[c][j] = own[c] = law + stays;
+    }
+    const double spring = C[j] * ct_columns_dot(&T, &T, j) +
+                          (ct_columns_dot(&T, &e, j) + kappa[j] * ct_columns_dot(&T, &e0, j)),
+                 after = ct_columns_dot(&T, &slip, j) - spring,
+                 earlier = ct_columns_dot(&T, &last, j),
+                 ended = (own[0] * own[0] + own[1] * own[1]) + own[2] * own[2];
     // -- ½ T · (D₊ + D₋) (eq:slip-work)
-    t->work[j] = 0.5 * (after + earlier);
+    work[j] = 0.5 * (after + earlier);
     // -- ¼ T · (D₊ - D₋) (eq:slip-held)
-    t->lag[j] = 0.25 * (after - earlier);
+    lag[j] = 0.25 * (after - earlier);
     // -- ½ (Π(e_{n-1}) - Π(e_{n+1})) + R₋ - W (eq:slip-loss)
-    t->loss[j] =
-        0.25 * t->k[j] * (ct_columns_dot(&t->e0, &t->e0, j) - ct_columns_dot(&t->end, &t->end, j)) +
-        (t->reserve[j] - t->work[j]);
+    loss[j] = 0.25 * k[j] * (ct_columns_dot(&e0, &e0, j) - ended) + (reserve[j] - work[j]);
   }
 }
 
@@ -93,9 +87,6 @@ double ct_tangent_settle(ct_solver *s, double may_stick)
 {
   ct_tangent *t = s->tangent;
   find_wanted(t, may_stick, t->wanted);
-  for (int c = 0; c < 3; c++)
-    find_ends(t->count, t->C, t->T.x[c], t->kappa, t->e0.x[c], t->slip.x[c], t->wanted,
-              t->end.x[c]);
   find_works(t);
   return find_loss(s);
 }
@@ -145,35 +136,43 @@ static void find_beyond(int64_t count, double steps, const double *image, const 
     beyond[j] = steps * (image[j] - (1.0 / scale[j] - C[j]) * T[j]);
 }
 
-/* What the points store of the rows: for those without a force nothing, as for new points. */
+/* What the points store of the rows: for those without a force nothing, as for new points. Returns
+ * whether all have one. */
 CT_CLONES
 CT_CHOICES
-static void find_stored(const ct_tangent *t, double part)
+static int find_stored(const ct_tangent *t, double part)
 {
   const double *x = t->T.x[0], *y = t->T.x[1], *z = t->T.x[2], *limit = t->limit,
                *wanted = t->wanted;
-  double *reserve = t->reserve, *stuck = t->stuck, *acts = t->terms;
-#pragma omp simd
+  double *reserve = t->reserve, *stuck = t->stuck, *acts = t->terms, all = 1.0;
+#pragma omp simd reduction(min : all)
   for (int64_t j = 0; j < t->count; j++) {
-    const double size = (fabs(x[j]) + fabs(y[j])) + fabs(z[j]), R = wanted[j];
-    acts[j] = limit[j] + size > 0.0 ? 1.0 : 0.0; // without a branch
+    const double size = (fabs(x[j]) + fabs(y[j])) + fabs(z[j]), R = wanted[j],
+                 own = limit[j] + size > 0.0 ? 1.0 : 0.0; // without a branch
+    acts[j] = own;
+    all = own < all ? own : all;
     reserve[j] = R > 0.0 ? part * R : 0.0;
     stuck[j] = R < 0.0 ? 1.0 : 0.0;
   }
+  return all > 0.0;
 }
 
 /* Write one number of the points of some rows, 0 where they do not act; in place, too. */
-CT_INLINE void write_number(int64_t count, const double *acts, const double *from, double *to)
+CT_INLINE void write_number(int64_t count, int all, const double *acts, const double *from,
+                            double *to)
 {
+  if (all && from == to) return;
+  if (all) ct_copy(to, from, (size_t)count * sizeof *to);
 #pragma omp simd
-  for (int64_t n = 0; n < count; n++) {
+  for (int64_t n = 0; n < (all ? 0 : count); n++) {
     const double own = from[n];
     to[n] = acts[n] != 0.0 ? own : 0.0;
   }
 }
 
-/* Write the forces of the rows from `j` on, the elastic slips and the reserves of their points. */
-CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count)
+/* Write the forces of the rows from `j` on, the elastic slips and the reserves of their points;
+ * `all`: whether all rows act. */
+CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count, int all)
 {
   enum { FIRST = CT_SLIP_E, COUNT = CT_SLIP_LAG + 1 - FIRST };
   const ct_columns *vectors[] = {&t->end, &t->e, &t->T};
@@ -185,16 +184,17 @@ CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count)
   from[CT_SLIP_OPENED - FIRST] = t->opened;
   from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
   for (int i = COUNT - 1; i >= 0; i--) // e_n, before e_{n+1} takes its place
-    write_number(count, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j].slip, FIRST + i));
+    write_number(count, all, &t->terms[j], &from[i][j],
+                 ct_slip_number(t->rows[j].slip, FIRST + i));
 }
 
 /* The same of all rows. */
 CT_CLONES
-static void write_all(const ct_tangent *t)
+static void write_all(const ct_tangent *t, int all)
 {
   for (int64_t j = 0, count; j < t->count; j += count) {
     count = ct_tangent_run(t, j);
-    write_points(t, j, count);
+    write_points(t, j, count, all);
   }
 }
 
@@ -208,6 +208,5 @@ void ct_tangent_store(ct_solver *s)
   for (int c = 0; c < 3; c++)
     find_beyond(t->count, steps, t->image.x[c], t->scale, t->C, t->T.x[c], t->beyond.x[c]);
   for (int64_t j = 0; j < t->count && steps != 1.0; j++) t->opened[j] *= steps;
-  find_stored(t, part);
-  write_all(t);
+  write_all(t, find_stored(t, part));
 }
