@@ -352,9 +352,30 @@ static void chebyshev(void)
   tap_ok(off < 1e-12, "steps have the polynomials of Chebyshev, to %.0e", off);
 }
 
+/* Where one factor tells what the forces do, the iteration begins with the solution of
+ * (w + C) T + q = 0; w is 0 to D - C, and this at a new point. (eq:slip-start) */
+static void start(void)
+{
+  const double w[4] = {0.7, 2.0, -1.0, 0.3}, want[4] = {0.7, 1.5, 0.0, 1.5}, C = 0.25;
+  double off = 0.0, T[3], q[3], image[3], aim[3];
+  for (int k = 0; k < 4; k++) {
+    double scale = 1.0 / (1.5 + C), c = C;
+    ct_tangent t = {.count = 1, .C = &c, .scale = &scale};
+    for (int i = 0; i < 3; i++) {
+      T[i] = k == 3 ? 0.0 : 1.0 + i, q[i] = 0.5 - 0.7 * i, image[i] = w[k] * T[i];
+      t.T.x[i] = &T[i], t.q.x[i] = &q[i], t.was_image.x[i] = &image[i], t.aim.x[i] = &aim[i];
+    }
+    start_at(&t);
+    for (int i = 0; i < 3; i++)
+      off = fmax(off, fabs((image[i] + want[k] * (aim[i] - T[i])) + C * aim[i] + q[i]));
+  }
+  tap_ok(off < 1e-14, "the iteration begins where one factor leads, to %.0e", off);
+}
+
 int main(void)
 {
   chebyshev();
+  start();
   sticks(CT_HEX8, "hex8");
   slides(CT_HEX8, 1e-3, "hex8");
   slides(CT_HEX20, 0.1, "hex20");

@@ -35,7 +35,7 @@ enum { NODES = 9, ROWS = 6, DOFS = 3 * NODES };
 
 /* One point with friction, its numbers in the order of slip.h. */
 typedef struct point {
-  double normal[3], k, e[3], before[3], force[3], reserve, stuck, beyond[3], opened, work, lag,
+  double normal[3], k, e[3], before[3], force[3], reserve, stuck, image[3], opened, work, lag,
       lever[3], weight[8][3];
   ct_slips of;
   ct_slip slip;
@@ -514,8 +514,8 @@ static void solution(double spread)
         size = fmax(size, fabs(p->force[i]));
       }
       motion_by_forces(&t, j, WT);
-      for (int i = 0; i < 3; i++) // W T - (D - C) T, with C in D
-        start = worst(start, (p->beyond[i] - (WT[i] - D * p->force[i])) / (D * of->size_of_force));
+      for (int i = 0; i < 3; i++)
+        start = worst(start, (p->image[i] - WT[i]) / (D * of->size_of_force));
       ct_slip_project(&set, T);
       for (int i = 0; i < 3; i++) off = worst(off, (T[i] - p->force[i]) / of->size_of_force);
       slips += p->stuck == 0.0, sticks += p->stuck != 0.0;
@@ -528,7 +528,7 @@ static void solution(double spread)
          "normals %.1f apart: forces of %d sliding points and %d sticking ones are minimal (%.1e)",
          spread, slips, sticks, off);
   tap_ok(bound < 1e-12, "and the bound of each row is that of a dense matrix (%.1e)", bound);
-  tap_ok(start < 1e-12, "each point stores how its motion differs from the bound's (%.1e)", start);
+  tap_ok(start < 1e-12, "each point stores its motion by all forces (%.1e)", start);
   tap_ok(slope < 1e-3, "no slip is along its force (%.1e)", slope);
 }
 

@@ -14,12 +14,13 @@ enum {
   CT_SLIP_K = CT_SLIP_NORMAL + 3,      /* stiffness of the tangential spring [force / length] */
   CT_SLIP_E,                           /* elastic slip e_n; afterwards e_{n+1} */
   CT_SLIP_BEFORE = CT_SLIP_E + 3,      /* e_{n-1}; afterwards e_n */
-  CT_SLIP_FORCE = CT_SLIP_BEFORE + 3,  /* at t = 0 where the iteration begins; afterwards T, the
-                                          force on the point's own face */
+  CT_SLIP_FORCE = CT_SLIP_BEFORE + 3,  /* T of the last step, at t = 0 that with which the iteration
+                                          begins; afterwards T, the force on the point's own face */
   CT_SLIP_RESERVE = CT_SLIP_FORCE + 3, /* R of the last step; afterwards of this one */
   CT_SLIP_STUCK,                       /* whether the point stuck in that step, 1 or 0 */
-  CT_SLIP_BEYOND, /* W T - (D - C) T of that step; then of this (eq:slip-start) */
-  CT_SLIP_OPENED = CT_SLIP_BEYOND + 3, /* by how much all forces T opened the gap, likewise */
+  CT_SLIP_IMAGE,                       /* W T of that step, its motion by all forces T, if it were a
+                                          whole one; afterwards of this one */
+  CT_SLIP_OPENED = CT_SLIP_IMAGE + 3,  /* by how much these opened the gap, likewise */
   CT_SLIP_WORK,                        /* of T between the middles of two steps (eq:slip-work) */
   CT_SLIP_LAG,   /* correction of the leapfrog's energy at t_n by T (eq:slip-held) */
   CT_SLIP_LEVER, /* d = ȳ - y, from the point to its partner */

@@ -284,15 +284,24 @@ static void take_step(ct_solver *s, step by)
   take_aim(s);
 }
 
-/* One component of the forces with which the iteration begins, before their projection. */
+/* The forces with which the iteration begins, before their projection: those without slip if the
+ * forces T₋ of the last step and their image changed by one factor at each point. */
 CT_CLONES
-static void start_at(int64_t count, const double *scale, const double *q, const double *beyond,
-                     double *restrict aim)
+static void start_at(const ct_tangent *t)
 {
+  const ct_columns T = t->T, image = t->was_image, q = t->q, aim = t->aim;
+  const double *C = t->C, *scale = t->scale;
 #pragma omp simd
-  for (int64_t j = 0; j < count; j++)
-    // -- -D⁻¹ (q + W₋ T₋ - (D₋ - C₋) T₋) (eq:slip-start)
-    aim[j] = -scale[j] * (q[j] + beyond[j]);
+  for (int64_t j = 0; j < t->count; j++) {
+    const double square = ct_columns_dot(&T, &T, j), most = 1.0 / scale[j] - C[j],
+                 // -- w = T₋ · (W T)₋ / T₋ · T₋, from 0 to D - C (eq:slip-start)
+        own = ct_columns_dot(&T, &image, j) / square, positive = own > 0.0 ? own : 0.0,
+                 least = positive < most ? positive : most, w = square > 0.0 ? least : most,
+                 divisor = w + C[j];
+    for (int c = 0; c < 3; c++)
+      // -- -(q + (W T)₋ - w T₋) / (w + C) (eq:slip-start)
+      aim.x[c][j] = -((q.x[c][j] + image.x[c][j]) - w * T.x[c][j]) / divisor;
+  }
 }
 
 /* Take the forces with which the iteration begins; at t = 0 they are given. */
@@ -300,7 +309,7 @@ static void take_start(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
   if (s->starts) return;
-  for (int c = 0; c < 3; c++) start_at(t->count, t->scale, t->q.x[c], t->beyond.x[c], t->aim.x[c]);
+  start_at(t);
   take_aim(s);
 }
 

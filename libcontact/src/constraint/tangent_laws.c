@@ -41,8 +41,8 @@ int ct_tangent_fix_laws(ct_solver *s)
   return 1;
 }
 
-/* The slips of the last step and twice the reserves. A point that moved by rounding has not slipped;
- * nor has one that stuck, as the length of a slip is at most the size of its terms. */
+/* The slips of the last step and twice the reserves. A point that moved by rounding has not
+ * slipped; nor has one that stuck, as the length of a slip is at most the size of its terms. */
 CT_CLONES
 CT_CHOICES
 void ct_tangent_fix_chords(const ct_tangent *t)

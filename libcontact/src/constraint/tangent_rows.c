@@ -133,17 +133,17 @@ static void place_numbers(ct_tangent *t)
     const int shared = t->one_run && (i < CT_SLIP_FORCE || i >= CT_SLIP_FORCE + 3);
     t->given[i] = shared ? ct_slip_number(t->rows[0].slip, i) : t->own[i];
   }
-  ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T, &t->beyond};
+  ct_columns *const vectors[] = {&t->normal, &t->e, &t->e0, &t->T, &t->was_image};
   static const int FIRST[] = {CT_SLIP_NORMAL, CT_SLIP_E, CT_SLIP_BEFORE, CT_SLIP_FORCE,
-                              CT_SLIP_BEYOND};
+                              CT_SLIP_IMAGE};
   for (int v = 0; v < 5; v++) memcpy(vectors[v]->x, &t->given[FIRST[v]], sizeof vectors[v]->x);
   t->k = t->given[CT_SLIP_K], t->was_opened = t->given[CT_SLIP_OPENED];
   t->reserve = t->given[CT_SLIP_RESERVE], t->stuck = t->given[CT_SLIP_STUCK];
 }
 
-/* Read the numbers of the points of all rows; forces only where the iteration begins with them. */
+/* Read the numbers of the points of all rows. */
 CT_CLONES
-static void read_points(ct_tangent *t, int starts)
+static void read_points(ct_tangent *t)
 {
   for (int64_t j = 0, count; j < t->count; j += count) {
     const ct_slip *first = t->rows[j].slip;
@@ -152,8 +152,7 @@ static void read_points(ct_tangent *t, int starts)
     for (int i = 0; i < CT_SLIP_GIVEN; i++) {
       const double *from = ct_slip_number(first, i);
       double *to = &t->given[i][j];
-      const int is_force = i >= CT_SLIP_FORCE && i < CT_SLIP_FORCE + 3;
-      if (to == from || (is_force && !starts)) continue;
+      if (to == from) continue;
 #pragma omp simd
       for (int64_t n = 0; n < count; n++) to[n] = from[n];
     }
@@ -207,7 +206,7 @@ void ct_tangent_list(ct_solver *s)
   const int64_t actives = list_rows(s);
   t->some_move = 0;
   place_numbers(t);
-  read_points(t, s->starts);
+  read_points(t);
   double facts[] = {t->count > 0, are_coupled(s), s->starts ? make_tangential(t) : 0.0,
                     actives < t->count || actives < s->point_count};
   ct_pieces_largest(s->pieces, facts, 4);

@@ -39,7 +39,7 @@ typedef struct ct_tangent {
   ct_columns normal;            /* unit normal */
   ct_columns e, e0;             /* elastic slips e_n and e_{n-1} */
   ct_columns T;                 /* the forces */
-  ct_columns beyond;            /* W T - (D - C) T of the last step */
+  ct_columns was_image;         /* W T of the last step */
   double *was_opened;           /* the gaps that its forces opened */
   double *k, *reserve, *stuck;  /* stiffness; R of the last step; 1 where the point stuck in it */
   ct_columns image;             /* W times the forces */

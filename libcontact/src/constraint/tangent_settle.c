@@ -125,17 +125,6 @@ static double part_of_reserves(ct_solver *s)
   return wanted > t->lost ? fmax(t->lost, 0.0) / wanted : 1.0;
 }
 
-/* One component of the part of W T beyond (D - C) T, in this number of such steps. */
-CT_CLONES
-static void find_beyond(int64_t count, double steps, const double *image, const double *scale,
-                        const double *C, const double *T, double *restrict beyond)
-{
-#pragma omp simd
-  for (int64_t j = 0; j < count; j++)
-    // -- W T - (D - C) T (eq:slip-start)
-    beyond[j] = steps * (image[j] - (1.0 / scale[j] - C[j]) * T[j]);
-}
-
 /* What the points store of the rows: for those without a force nothing, as for new points. Returns
  * whether all have one. */
 CT_CLONES
@@ -175,17 +164,16 @@ CT_INLINE void write_number(int64_t count, int all, const double *acts, const do
 CT_INLINE void write_points(const ct_tangent *t, int64_t j, int64_t count, int all)
 {
   enum { FIRST = CT_SLIP_E, COUNT = CT_SLIP_LAG + 1 - FIRST };
-  const ct_columns *vectors[] = {&t->end, &t->e, &t->T};
   const double *from[COUNT];
-  for (int v = 0; v < 3; v++)
-    for (int c = 0; c < 3; c++) from[3 * v + c] = vectors[v]->x[c];
-  for (int c = 0; c < 3; c++) from[CT_SLIP_BEYOND - FIRST + c] = t->beyond.x[c];
+  for (int c = 0; c < 3; c++) {
+    from[CT_SLIP_E - FIRST + c] = t->end.x[c], from[CT_SLIP_BEFORE - FIRST + c] = t->e.x[c];
+    from[CT_SLIP_FORCE - FIRST + c] = t->T.x[c], from[CT_SLIP_IMAGE - FIRST + c] = t->image.x[c];
+  }
   from[CT_SLIP_RESERVE - FIRST] = t->reserve, from[CT_SLIP_STUCK - FIRST] = t->stuck;
   from[CT_SLIP_OPENED - FIRST] = t->opened;
   from[CT_SLIP_WORK - FIRST] = t->work, from[CT_SLIP_LAG - FIRST] = t->lag;
   for (int i = COUNT - 1; i >= 0; i--) // e_n, before e_{n+1} takes its place
-    write_number(count, all, &t->terms[j], &from[i][j],
-                 ct_slip_number(t->rows[j].slip, FIRST + i));
+    write_number(count, all, &t->terms[j], &from[i][j], ct_slip_number(t->rows[j].slip, FIRST + i));
 }
 
 /* The same of all rows. */
@@ -205,8 +193,9 @@ void ct_tangent_store(ct_solver *s)
   const double part = part_of_reserves(s);
   // At t = 0 forces act for half a step.
   const double steps = 1.0 / s->fraction;
-  for (int c = 0; c < 3; c++)
-    find_beyond(t->count, steps, t->image.x[c], t->scale, t->C, t->T.x[c], t->beyond.x[c]);
-  for (int64_t j = 0; j < t->count && steps != 1.0; j++) t->opened[j] *= steps;
+  for (int64_t j = 0; j < t->count && steps != 1.0; j++) {
+    t->opened[j] *= steps;
+    for (int c = 0; c < 3; c++) t->image.x[c][j] *= steps;
+  }
   write_all(t, find_stored(t, part));
 }

@@ -29,8 +29,8 @@ typedef struct ct_slip_record {
   double other;    /* face of the other side plus one, 1 at an obstacle; 0: open */
   double place[2]; /* parameters of the closest point on that face */
   ct_slip_memory e, before;
-  double reserve, stuck, beyond[3], opened;
-  double force[3]; /* with which the first step begins again */
+  double reserve, stuck, image[3], opened;
+  double force[3];
 } ct_slip_record;
 
 /* And behind all points: whether there was an earlier call, and what they stored at the middle of

@@ -213,7 +213,7 @@ CT_INLINE void forget(const ct_friction_call *now, batch *b)
   }
   for (int l = 0; l < CT_BATCH && all == 0.0; l++)
     if (!(other[l] >= 1.0 && other[l] <= now->most_face[b->at[l].s]))
-      for (int i = OTHER; i < FORCE; i++) b->last[i][l] = 0.0;
+      for (int i = OTHER; i < CT_FRICTION_RECORD; i++) b->last[i][l] = 0.0;
 }
 
 /* Four numbers of four lanes, side by side. */
@@ -347,6 +347,8 @@ CT_INLINE void give_points(const ct_friction_call *now, ct_friction_memory *s, i
   memcpy(normal + to * CT_SLIP_RESERVE, b->last[RESERVE], sizeof b->last[RESERVE]);
   for (int i = 0; i < 5; i++)
     memcpy(normal + to * (CT_SLIP_STUCK + i), b->last[STUCK + i], sizeof b->last[STUCK + i]);
+  for (int c = 0; c < 3; c++)
+    memcpy(normal + to * (CT_SLIP_FORCE + c), b->last[FORCE + c], sizeof b->last[FORCE + c]);
   for (int c = 0; c < 3 && !data->rigid; c++)
     memcpy(normal + to * (CT_SLIP_LEVER + c), b->d[c], sizeof b->d[c]);
   for (int l = 0; l < CT_BATCH; l++)
@@ -380,9 +382,6 @@ void ct_friction_prepare(const ct_friction_call *now, ct_friction_memory *s, int
     else find_all_frames(0, changed, s, first, &b);
     find_slips(changed ? b.then.t : b.now.t, s, first, &b);
   }
-  for (int c = 0; c < 3 && !(now->at->before > 0.0); c++)
-    memcpy(ct_friction_numbers(s, CT_SLIP_FORCE + c, first), b.last[FORCE + c],
-           sizeof b.last[FORCE + c]);
 }
 
 /* Components of eight slips along the axes of their faces, or if `turned` is 0 those of space; and
