@@ -112,36 +112,50 @@ from mpi4py import MPI
 def resident(key):
     found = [line for line in open("/proc/self/status") if line.startswith(key)]
     return int(found[0].split()[1]) / 1024
-def run(cells):
+def run(cells, touches):
     scene = ct.Scene({"units": {"length": "m", "mass": "kg", "time": "s"},
         "material": [{"name": "soft", "young": 900, "poisson": 0.3, "density": 1}], "time": {"end": 1},
         "body": [{"name": name, "material": "soft", "velocity": [0, 0, v],
             "box": {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [cells] * 3}}
             for name, z, v in (("low", -1, 0.5), ("high", 0, -0.5))],
-        "contact": [{"surfaces": ["low.z_max", "high.z_min"]}]})
+        "contact": [{"surfaces": ["low.z_max", "high.z_min"]}] * touches})
     until = 8 * scene._built(None).dt if comm.rank == 0 else None
     scene.run(progress=False, output=False, until=until, comm=comm, partition="coordinates")
 comm = MPI.COMM_WORLD
-run(2)
+run(2, 1)
 start = resident("VmRSS")
-run(int(sys.argv[1]))
-rows = comm.gather((resident("VmHWM") - start, resident("VmRSS") - start))
+run(int(sys.argv[1]), int(sys.argv[2]))
+rows = comm.gather(resident("VmHWM") - start)
 if comm.rank == 0:
-    others = [f"{max(column):14.0f}" for column in zip(*rows[1:])] or 2 * [f"{'-':>14}"]
-    print(f"{comm.size:9} {rows[0][0]:14.0f}", *others, f"{sum(row[0] for row in rows):14.0f}")
+    print(rows[0], max(rows[1:], default=0.0), sum(rows))
 """
 
 
+def grown(pieces: int, cells: int, contact: int = 1) -> tuple[float, ...]:
+    """Memory of the processes above that of Python in MB: of the first one, of the others, of all."""
+    launcher = Path(sys.executable).with_name("mpiexec")
+    command = [str(launcher), "-n", str(pieces), sys.executable, "-W", "ignore", "-m", "mpi4py"]
+    command += ["-c", PROGRAM, str(cells), str(contact)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    return tuple(map(float, done.stdout.split()))
+
+
 def memory() -> None:
-    """Memory of the processes above that of Python: of the first one, of the others, of all."""
-    cells, launcher = 48, Path(sys.executable).with_name("mpiexec")
-    print(
-        f"two blocks of {cells}^3\nprocesses      first, MB     others, MB    at the end     of all, MB",
-        flush=True,
-    )
+    """Memory for one model, and of a larger one for an element of a share and for a face of the surfaces."""
+    cells, large = 48, 80
+    print(f"two blocks of {cells}^3\nprocesses      first, MB     others, MB     of all, MB")
     for pieces in PIECES:
-        command = [str(launcher), "-n", str(pieces), sys.executable, "-W", "ignore", "-m", "mpi4py"]
-        subprocess.run([*command, "-c", PROGRAM, str(cells)], check=True)
+        first, others, everything = grown(pieces, cells)
+        there = f"{others:14.0f}" if pieces > 1 else f"{'-':>14}"
+        print(f"{pieces:9} {first:14.0f} {there} {everything:14.0f}", flush=True)
+    heads = ("others, MB", "no contact, MB", "bytes/element", "bytes/face")
+    print(f"\ntwo blocks of {large}^3\nprocesses", *(f"{head:>14}" for head in heads))
+    for pieces in PIECES[2:]:
+        touching, bare = grown(pieces, large)[1], grown(pieces, large, 0)[1]
+        element = bare * 2**20 * pieces / (2 * large**3)
+        face = (touching - bare) * 2**20 / (2 * large**2)
+        row = f"{touching:14.0f} {bare:14.0f} {element:14.0f} {face:14.0f}"
+        print(f"{pieces:9} {row}", flush=True)
 
 
 def main() -> None:

@@ -1,6 +1,7 @@
 """What pieces compute and exchange: counts of a cube, the same in closed form, and a model of larger ones."""
 
 from math import prod
+from pathlib import Path
 
 from libcontact.pieces import planned
 from libcontact.problem import memory_estimate, new_state
@@ -47,6 +48,9 @@ ELEMENTS, CORES, SPEED, BANDWIDTH, SUM, SUMS = 1e9, 64, 20e6, 1e10, 1e-5, 100
 SURFACE = 2e6 * 8 * (3 + 6 + 2) / BANDWIDTH
 # Bytes of the problem for a node and an element: ten numbers and the coordinates of the mesh; nodes of elements.
 PROBLEM = 8 * (10 + 3) + 4 * 8
+# Measured bytes of another process for an element of its share, and for a face of the surfaces.
+LINES = Path(__file__).with_name("pieces_memory.out").read_text().splitlines()
+ELEMENT, FACE = map(float, LINES[-1].split()[-2:])
 whole = memory_estimate(int(ELEMENTS), int(ELEMENTS), 8) / 1e9
 print(
     "\n10^9 elements     compute  messages     sums   surface  efficiency   GB of the first, of another machine"
@@ -57,8 +61,9 @@ for machines in (10, 100, 1000):
     compute = elements / (CORES * SPEED)
     messages, sums = 24 * received / BANDWIDTH, SUMS * SUM
     efficiency = ELEMENTS / machines / (CORES * SPEED) / (compute + messages + sums + SURFACE)
-    part = (whole - PROBLEM) / machines
+    first = whole + (whole - PROBLEM) / machines
+    other = ELEMENT * ELEMENTS / machines / 1e9 + FACE * 2e6 / 1e9
     print(
         f"{machines:5} machines {1e3 * compute:8.2f} ms {1e3 * messages:6.2f} ms {1e3 * sums:5.2f} ms"
-        f" {1e3 * SURFACE:6.2f} ms {efficiency:9.0%} {whole + part:10.0f} {PROBLEM + part:8.0f}"
+        f" {1e3 * SURFACE:6.2f} ms {efficiency:9.0%} {first:10.0f} {other:8.1f}"
     )
