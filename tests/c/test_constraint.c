@@ -544,10 +544,11 @@ static void kept_rows(void)
          below, kept);
 }
 
-/* List other rows of each set, some of them over another face; or drop the last one. */
+/* List other rows of each set, many or few, some over another face; or drop the last one. */
 static void list_others(rows *r, int drop)
 {
   int64_t *first = r->s->first, count = 0;
+  const int many = 1 + pick(3);
   if (drop && first[2] > first[1]) {
     first[2]--;
     return;
@@ -557,7 +558,7 @@ static void list_others(rows *r, int drop)
     if (r->row[k].other_count == r->row[j].other_count && pick(3) == 0)
       r->row[j].other = r->other[k];
     if (j == ROWS / 2) first[1] = count;
-    if (pick(4) > 0) r->s->rows[count++] = &r->row[j];
+    if (pick(4) < many) r->s->rows[count++] = &r->row[j];
   }
   first[2] = count;
 }
@@ -570,12 +571,13 @@ static void changing_rows(void)
   int miscounted = 0;
   rows r;
   fill(&r);
-  for (int step = 0; step < 300; step++) {
+  for (int step = 0; step < 3000; step++) {
     double x[CT_SOLVER_WIDE * NODES] = {0.0}, out[ROWS];
     int32_t counts[NODES] = {0};
     list_others(&r, step % 3 == 2);
     for (int d = 0; d < DOFS; d++) x[CT_SOLVER_WIDE * (d / 3) + d % 3] = uniform(1.0);
     ct_matrix_fill(r.s);
+    memcpy(r.s->first_point, r.s->first, 3 * sizeof *r.s->first); // none is dropped
     ct_matrix_times(r.s, r.s->first[2], x, out);
     for (int64_t i = 0; i < r.s->first[2]; i++) {
       const ct_constraint *c = r.s->rows[i];

@@ -123,7 +123,9 @@ CT_INLINE int64_t fill_rows(const ct_solver *s, int32_t set, int64_t r, ct_group
   const int32_t *number = &s->place[s->first_node[set]];
   const int64_t end = s->first[set + 1], some = end - r < ROWS ? end : r + ROWS;
   ct_group *g = *to;
+  const ct_group *last = &s->groups[s->group_count];
   for (ct_constraint *const *row = &s->rows[r]; r < some; row += g[-1].rows, r += g[-1].rows) {
+    d->begin |= g >= last; // the last step had no such group, and places may have been overwritten
     const int32_t own = row[0]->own_count, other = row[0]->other_count;
     // The four points of a face are a group although a station follows them on its nodes.
     const int64_t most = own == 4 && end - r > 4 ? 4 : end - r;
