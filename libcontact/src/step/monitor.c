@@ -294,7 +294,9 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   if (is_good(monitor, state)) return CT_OK;
   // Known forces may be older than the last change of the state by its host.
   ct_series_begin(state, 0);
-  return examine(monitor, state, error);
+  ct_error own = {.body = -1, .element = -1, .point = -1};
+  const ct_status status = examine(monitor, state, &own);
+  return ct_run_complete(monitor->problem, state, status, &own, error);
 }
 
 /* Whether the state is that of the last check, with all inputs of its forces. */

@@ -57,9 +57,7 @@ static ct_status check(const ct_observers *by, ct_state *state, int last, ct_err
   return status;
 }
 
-/* The error of a run, with time and body; what a host's function left out is known from the status.
- */
-static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
+ct_status ct_run_complete(const ct_problem *problem, const ct_state *state, ct_status status,
                           const ct_error *own, ct_error *error)
 {
   if (status == CT_OK || error == NULL) return status;
@@ -95,5 +93,5 @@ ct_status ct_run(const ct_problem *problem, ct_state *state, int64_t count,
     if (status == CT_OK) status = check(&by, state, count == 0, &own);
   }
   ct_series_end(state);
-  return complete(problem, state, status, &own, error);
+  return ct_run_complete(problem, state, status, &own, error);
 }

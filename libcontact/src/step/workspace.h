@@ -111,6 +111,11 @@ ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t co
 /* End a series: its host may now read and change the state. */
 void ct_series_end(ct_state *state);
 
+/* The error of a run or of a check, with time and body; what a host's function left out is known
+ * from the status. Returns `status`. */
+ct_status ct_run_complete(const ct_problem *problem, const ct_state *state, ct_status status,
+                          const ct_error *own, ct_error *error);
+
 /* Report the first node whose motion is not finite (CT_ERROR_BLOWUP). */
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
 
