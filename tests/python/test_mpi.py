@@ -260,6 +260,26 @@ def test_one_process_that_fails_alone_ends_all_with_its_message(case, tmp_path):
     assert "in another piece" not in done.stderr
 
 
+OTHERS = {
+    "contact": "scene = ct.Scene.load(FILE, {'contact[0].friction': 0.25})",
+    "effects": "scene.add_effect('pull', 'left', [0], lambda view: 0 * view.velocity)",
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_another_scene_on_another_process_is_refused(case, tmp_path):
+    program = tmp_path / "differs.py"
+    program.write_text(
+        "import libcontact as ct\nfrom mpi4py import MPI\n"
+        f"FILE, COMM = {str(PLATES)!r}, MPI.COMM_WORLD\nscene = ct.Scene.load(FILE)\n"
+        f"if COMM.rank == 1:\n    {OTHERS[case]}\n"
+        "try:\n    scene.run(output=False, comm=COMM)\n"
+        "except ct.SceneError as error:\n    print(error)\n"
+    )
+    told = launched(2, sys.executable, "-m", "mpi4py", program).stdout
+    assert case in told and told.count("is not that of the first process") == 2  # both tell it
+
+
 @pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def test_the_file_of_four_processes_is_that_of_one(scene, tmp_path):
     """The first process gathers the records; the one file has the same bits, so VTK reads it as any other."""

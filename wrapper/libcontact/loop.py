@@ -589,7 +589,7 @@ class Loop:
         pieces, problem, looks = self.pieces, self.problem, self.time.look_every
         assert pieces is not None
         if self.piece is None:
-            pieces.tell("cut", problem.dt)
+            pieces.tell("cut", (problem.dt, self.scene_text, problem.effects))
             pieces.divide(problem)
             self.piece = pieces.cut(problem, self.state)
         piece = self.piece
@@ -742,9 +742,10 @@ def _run_piece(
     pieces.alike(lambda: _check(problem, lib.ct_run(*given, error), error), stop)
 
 
-def follow(pieces: Pieces, built: Callable[[float, Part | None], Problem]) -> Run:
+def follow(pieces: Pieces, built: Callable[[float, str, list[str], Part | None], Problem]) -> Run:
     """The part of a process other than the first one in a run: it steps its piece as that one tells, and has no
-    whole state. ``built`` returns a part of the problem, with a step. Returns the Run, without states."""
+    whole state. ``built`` returns a part of the problem, with a step, if the first process has the same scene. Returns
+    the Run, without states."""
     problem: Any = None
     piece: Any = None
     probes: Any = None
@@ -756,7 +757,7 @@ def follow(pieces: Pieces, built: Callable[[float, Part | None], Problem]) -> Ru
             try:
                 if what == "cut":
                     problem = piece = probes = None  # whose memory is free for the next ones
-                    problem = pieces.built(partial(built, value))
+                    problem = pieces.built(partial(built, *value))
                     probes, piece = Histories(problem), pieces.cut(problem)
                 elif what == "run":
                     _run_piece(pieces, problem, piece, value, probes, stop)

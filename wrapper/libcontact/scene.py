@@ -570,11 +570,22 @@ class Scene:
         loop, path = self._prepared(*given)
         return loop.run(progress, path)
 
-    def _followed(self, threads: int | None, dt: float, part: Part | None) -> Problem:
-        """The C problem of another process, or its part, with a step that the first one has checked."""
-        parts = self._whole()
+    def _followed(
+        self, threads: int | None, dt: float, text: str, effects: list[str], part: Part | None
+    ) -> Problem:
+        """The C problem of another process, or its part, with a step that the first one has checked, whose scene has
+        this ``text`` and these ``effects``."""
+        parts, other = self._whole(), "is not that of the first process"
+        one, own = (_model(tomllib.loads(each)) for each in (text, self.toml(arrays=False)))
+        for key in {**one, **own}:
+            if one.get(key) != own.get(key):
+                raise SceneError(f"{other}; give all processes the same scene", key, self._file)
         wanted = parts.run.threads if threads is None else threads
-        return Problem(parts, self._file, wanted, self._own, dt, False, part)
+        problem = Problem(parts, self._file, wanted, self._own, dt, False, part)
+        if problem.effects != effects:
+            reason = f"the list of effects {problem.effects} {other}, {effects}"
+            raise SceneError(reason, file=self._file)
+        return problem
 
     def _prepared(
         self,
@@ -703,6 +714,13 @@ def _shape_of(body: dict[str, Any]) -> str:
     if "inertia" in body:
         return "mass and moments of inertia"
     return str(body["mesh"]) if "mesh" in body else f"{len(body['elements'])} elements"
+
+
+def _model(data: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a scene that all processes of a run share; each may have its own files and threads."""
+    shared = {key: value for key, value in data.items() if key not in ("title", "output", "run")}
+    bodies = [{**body, "mesh": "mesh" in body} for body in data["body"]]
+    return {**shared, "body": bodies}
 
 
 def _toml(data: dict[str, Any], arrays: bool = True) -> str:
