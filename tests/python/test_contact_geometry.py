@@ -218,6 +218,29 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
             assert len(told) == 1 and 'surfaces = ["plate.outer", "block.outer"]' in str(told[0])
 
 
+def test_the_warning_of_a_corner_that_leads_names_the_points_that_help():
+    """The lowest node of a coarse ball meets a plate before the Gauss points of its faces, and is a Lobatto point."""
+    told = {}
+    for points in ("gauss", "lobatto"):
+        scene = ct.Scene(title="a coarse ball", units=METRES)
+        scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+        scene.add_body("plate", material="soft", box=box_of([-1, -1, -0.2], [2, 2, 0.2], [8, 8, 1]))
+        scene.add_body(
+            "ball",
+            material="soft",
+            ball={"centre": [0.03, 0.02, 0.41], "radius": 0.4, "cells": [1, 8]},
+            velocity=[0, 0, -0.5],
+        )
+        scene.add_contact("plate.z_max", "ball.outer", points=points)
+        scene.set_time(end=0.6, fraction=0.5).set_output(every=1, fields=[])
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            scene.run()
+        told[points] = [str(each.message) for each in caught if "corner" in str(each.message)]
+    assert not told["lobatto"]
+    assert len(told["gauss"]) == 1 and 'points = "lobatto"' in told["gauss"][0]
+
+
 def test_restart_continues_with_the_same_bits(tmp_path):
     """History and start gaps are in the restart: a kept overlap, a removal in progress, thin plates pressed past half
     their thickness."""

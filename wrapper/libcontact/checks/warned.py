@@ -297,7 +297,10 @@ class Borders(Observer):
             self._first[i] = found["deepest"]
         if not found["deepest"] > self._first[i] + self.DEEP * edge:
             return ""
-        return f"a corner of {found['surface']} is {found['deepest']:.3g} inside the other surface at t = {state.time:.6g}, where no contact point is: the bodies pass into each other beside the surfaces, or between their points, where finer faces help"
+        finer = "finer faces help"
+        if self._problem.parts.contact[i].points == "gauss":
+            finer = 'finer faces or points = "lobatto" help'
+        return f"a corner of {found['surface']} is {found['deepest']:.3g} inside the other surface at t = {state.time:.6g}, where no contact point is: the bodies pass into each other beside the surfaces, or between their points, where {finer}"
 
 
 # Surfaces that face away from each other.
