@@ -112,10 +112,11 @@ class Answer:
         return np.array([self.run.state[name].displacement.mean(0) for name in names])
 
     def peak(self, names: list[str], layer: float) -> float:
-        """Largest force on a body, as a mean over a tenth of the run and the vibration of a layer at least."""
+        """Largest force on a body, as a mean over a tenth of the run and the vibration of a layer at least, if the
+        run takes longer than that."""
         times = self.run.time
         at = np.linspace(times[0], times[-1], 40)
-        most, over = 0.0, max(4, math.ceil(layer / (at[1] - at[0])))
+        most, over = 0.0, min(max(4, math.ceil(layer / (at[1] - at[0]))), len(at) - 1)
         for name in names:
             p = self.run.body_momentum(name)["p"]
             own = np.stack([np.interp(at, times, p[:, c]) for c in range(3)], -1)
