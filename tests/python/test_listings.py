@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from commands import captured
 
+import libcontact as ct
+
 ROOT = Path(__file__).resolve().parents[2]
 STAGE = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "stage"
 CC = shlex.split(os.environ.get("CC", "cc"))
@@ -75,6 +77,20 @@ def test_the_number_of_the_reader_in_a_hurry(tmp_path):
     soft, default = found[::2], found[1::2]
     assert abs(soft[2] / soft[0] - 1.17) < 0.01
     assert max(default) / min(default) < 1.02 and abs(default[2] / hertz - 1.06) < 0.01
+
+
+def test_the_part_of_the_readme_comes_back(tmp_path):
+    """The scene of the README runs: its part leaves the floor with the speed that its vibration leaves it, and
+    momentum and energy agree with its impact."""
+    (scene,) = re.findall(
+        r"^```toml\n(.*?)^```$", PAGES[0].read_text(encoding="utf-8"), re.M | re.S
+    )
+    (tmp_path / "drop.toml").write_text(scene, encoding="utf-8")
+    run = ct.Scene.load(tmp_path / "drop.toml").run(output=False)
+    mass, speed = 7800 * 0.1 * 0.1 * 0.02, run.body_momentum("part")["p"][:, 2]
+    assert speed[0] == pytest.approx(-mass) and 0.5 * mass < speed[-1] <= mass
+    kept = run.energy["kinetic"][-1] + run.energy["strain"][-1]
+    assert kept == pytest.approx(0.5 * mass, rel=1e-3)
 
 
 def commands_of(page):

@@ -362,7 +362,7 @@ def _contact_text(contact: dict[str, Any], labels: dict[str, str]) -> str:
         origin = "the default"
     gap, nearest = contact["initial_gap"], f"no point is near {other}"
     if gap is not None:
-        nearest = f"the smallest gap is {gap:.4g} {labels['length']}"
+        nearest = f"the smallest gap of a contact point is {gap:.4g} {labels['length']}"
     return CONTACT.format(
         **{**labels, **contact},
         pair=pair_name(contact["surfaces"]),
