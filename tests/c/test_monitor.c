@@ -341,7 +341,6 @@ static void named(int bad)
   tap_ok(status != CT_OK && e.body == 1 && strstr(e.text, "second") && strstr(e.text, "(step ") &&
              (bad || strstr(e.text, "element 3")),
          "the check: %s", e.text);
-  ct_state_free(alone);
   status = ct_run(state->problem, state, 4, (ct_observer[]){ct_monitor_observer(monitor)}, 1, &e);
   if (bad)
     tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 &&
