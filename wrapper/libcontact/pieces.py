@@ -220,9 +220,8 @@ class Pieces:
         self._sum = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.SUM))
         self._largest = exchanged(lambda values: comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX))
         self._exchange = _transfer(self._send)
-        self._owners: Ints | None = (
-            None  # of the elements, on the first process, if the others have parts
-        )
+        # Of the elements, on the first process, if the others have parts.
+        self._owners: Ints | None = None
         self._common: BaseException | None = None  # the last error that all processes raise
         # Whether a process was asked to stop before the last call of `alike`.
         self.interrupted = False
@@ -249,9 +248,9 @@ class Pieces:
 
     def divide(self, problem: Problem) -> None:
         """Give each other process its part of the problem; the first one calls."""
-        owners = self.first(lambda: owners_of(problem, self.size, self.partition), tell=False)
-        self.comm.bcast(can_be_parted(problem))
-        if can_be_parted(problem):
+        self._owners = None
+        if self.comm.bcast(can_be_parted(problem)):
+            owners = self.first(lambda: owners_of(problem, self.size, self.partition), tell=False)
             self._owners = owners
             self.alike(lambda: self._send_parts(problem, owners))
         else:
@@ -271,8 +270,10 @@ class Pieces:
 
     def built(self, build: Callable[[Part | None], Problem]) -> Problem:
         """The problem of another process than the first one, of the part that this one sends, or the whole."""
-        self.first(lambda: None)
-        part = self.comm.recv(source=0) if self.comm.bcast(None) else None
+        part = None
+        if self.comm.bcast(None):
+            self.first(lambda: None)  # who owns what
+            part = self.comm.recv(source=0)
         return self.alike(lambda: build(part))
 
     def cut(self, problem: Problem, state: Any = None) -> Any:

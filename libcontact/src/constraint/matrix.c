@@ -260,8 +260,7 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
 }
 
 /* Add the sums of the other pieces at the nodes that they share with this one, of the components
- * first ... first
- * + some - 1; `moved` is free until then. */
+ * first ... first + some - 1; `moved` is free until then. */
 CT_INLINE void join_nodes(ct_solver *s, int first, int some)
 {
   double *joined = s->moved;

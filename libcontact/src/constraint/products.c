@@ -262,11 +262,13 @@ CT_INLINE void add_rows(row_part part, double coarse, int32_t own, int32_t other
   const int32_t quads = ct_quads_of(own) + ct_quads_of(other), step = 4 * (1 + quads);
   const ct_quad none = {0.0};
   ct_quad sum[3 * PARTS * MOST_QUADS];
-  const int four = face && rows == 4;
-  if (four) add_row(part, quads, 1, coarse, step, G, force, sum);
-  for (int32_t i = 0; !four && i < 3 * PARTS * quads; i++) sum[i] = none;
-  for (int32_t r = 0; !four && r < rows; r++)
-    add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+  if (face && rows == 4) {
+    add_row(part, quads, 1, coarse, step, G, force, sum);
+  } else {
+    for (int32_t i = 0; i < 3 * PARTS * quads; i++) sum[i] = none;
+    for (int32_t r = 0; r < rows; r++)
+      add_row(part, quads, 0, coarse, step, G + r * step, force + r, sum);
+  }
   add_nodes(part, own, other, place, sum, sums);
 }
 

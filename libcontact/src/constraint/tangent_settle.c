@@ -150,10 +150,12 @@ static int find_stored(const ct_tangent *t, double part)
 CT_INLINE void write_number(int64_t count, int all, const double *acts, const double *from,
                             double *to)
 {
-  if (all && from == to) return;
-  if (all) ct_copy(to, from, (size_t)count * sizeof *to);
+  if (all) {
+    if (from != to) ct_copy(to, from, (size_t)count * sizeof *to);
+    return;
+  }
 #pragma omp simd
-  for (int64_t n = 0; n < (all ? 0 : count); n++) {
+  for (int64_t n = 0; n < count; n++) {
     const double own = from[n];
     to[n] = acts[n] != 0.0 ? own : 0.0;
   }

@@ -445,9 +445,8 @@ CT_INLINE void find_records(const ct_friction_memory *s, int64_t first, double (
   if (nodes == 0) find_turns(0, of, stride, turn, most);
   else if (nodes == 4) find_turns(4, of, stride, turn, most);
   else find_turns(8, of, stride, turn, most);
-  memcpy(record[RESERVE], of + stride * CT_SLIP_RESERVE, sizeof record[RESERVE]);
-  for (int i = 0; i < 5; i++)
-    memcpy(record[STUCK + i], of + stride * (CT_SLIP_STUCK + i), sizeof record[STUCK + i]);
+  for (int i = 0; i < 6; i++) // and what follows on it, as in a slip
+    memcpy(record[RESERVE + i], of + stride * (CT_SLIP_RESERVE + i), sizeof record[RESERVE + i]);
   for (int c = 0; c < 3; c++)
     memcpy(record[FORCE + c], of + stride * (CT_SLIP_FORCE + c), sizeof record[FORCE + c]);
 }

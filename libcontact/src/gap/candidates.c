@@ -204,8 +204,10 @@ static int reaches_deepest(const ct_side *side, double near)
     for (int64_t f = run.first; f < run.end; f++) {
       const ct_point *p = &side->points[f * points];
       double deepest = 0.0;
-      for (int q = 0; q < points; q++)
-        if (-p[q].known > deepest && p[q].status == CT_POINT_INSIDE) deepest = -p[q].known;
+      for (int q = 0; q < points; q++) {
+        const double deep = depth_of(&p[q]);
+        if (deep > deepest) deepest = deep;
+      }
       if (deepest > 0.0 && deepest + near > side->listed[f]) return 0;
     }
   return 1;
