@@ -360,8 +360,8 @@ CT_INLINE void settle(const ct_pass *p, block *b)
 {
   const double inside = 1.0 - p->project.tolerance, depth = p->depth,
                coincident = ct_side_coincident(p->side);
-  int sure = 1, touches = 0;
-#pragma omp simd reduction(& : sure) reduction(| : touches)
+  int doubt = 0, touches = 0;
+#pragma omp simd reduction(| : doubt, touches)
   for (int l = 0; l < CT_WARM; l++) {
     const int32_t status = b->status[l];
     // -- Inside its face, and no other face is as near (eq:warm-lanes)
@@ -371,10 +371,10 @@ CT_INLINE void settle(const ct_pass *p, block *b)
         ((status == CT_OK) | (status == CT_NOT_CERTIFIED) | (status == CT_ITERATION_LIMIT));
     const int enters = (b->gap[l] < 0.0) & (b->last[l] != CT_POINT_INSIDE);
     b->inside[l] = in, b->enters[l] = enters;
-    sure &= in & !enters;
+    doubt |= (!in) | enters;
     touches |= !(fabs(b->gap[l]) > coincident);
   }
-  b->sure = sure, b->touches = touches;
+  b->sure = !doubt, b->touches = touches;
 }
 
 CT_CLONES
