@@ -72,7 +72,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml tutorials/scenes/*.inp) wrapper/libcontact/py.typed wrapper/libcontact/planning/prices.csv wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format count count-book lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
+.PHONY: help all format lib archives install wheel wheels check-cross figures test docs slides pdf measured bench stability accuracy check-c fuzz kill zoo coverage threads memory tidy info clean setup book-tools notebook-tools
 .PHONY: page test-page page-tools _page _test-page mpi install-mpi test-mpi _test-mpi check-mpi _check-mpi _zoo _figures _test _docs _slides _pdf _measured _bench _stability _accuracy _wheel _wheels _check-cross _check-c _fuzz _kill _memory test-hosts _test-hosts
 .DELETE_ON_ERROR:
 
@@ -107,8 +107,6 @@ help:
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
 	@echo "make tidy             clang's warnings, clang-tidy and codespell"
-	@echo "make count            size of the project; REVISIONS=\"A B\" compares revisions"
-	@echo "make count-book       words, figures, equations, listings of each chapter; REVISION=A of a revision"
 	@echo "make clean            remove build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -506,12 +504,6 @@ tidy: $(VENV)/.tidy
 	$(Q)printf '%s\n' $(CORE_SOURCES) $(GSL_SOURCES) $(HDF5_SOURCES) | xargs -P $$(getconf _NPROCESSORS_ONLN) -n 1 sh -c '$(VENV)/bin/clang-tidy --quiet "$$0" -- $(TIDY_FLAGS) 2>/dev/null'
 	@echo "  codespell"
 	$(Q)$(VENV)/bin/codespell $$(git ls-files)
-
-count: $(VENV)/.test
-	$(VENV)/bin/python tools/count.py $(REVISIONS)
-
-count-book: $(VENV)/.test
-	$(VENV)/bin/python tools/count_book.py $(REVISION)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

@@ -18,9 +18,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-sys.path += [str(DOCS.parent / "tools"), str(DOCS / "_ext")]
+sys.path.append(str(DOCS / "_ext"))
 
-import count_book  # noqa: E402
+import pagesource  # noqa: E402
 from exercises import without_answers  # noqa: E402
 from tqdm import tqdm  # noqa: E402
 
@@ -65,7 +65,7 @@ def telling(docs: Path = DOCS) -> Runs:
     """What gives an answer away: its runs of words, without those that stand elsewhere in the sources of the book."""
     folder, found, known = docs / "exercises", {}, set[tuple[str, ...]]()
     for file in folder.glob("*.rst"):
-        for one in count_book.exercises(file.read_text(encoding="utf-8")):
+        for one in pagesource.exercises(file.read_text(encoding="utf-8")):
             known.update(run for part in parts(one.question) for run in runs(part))
             found |= {run: one.label for part in parts(one.answer) for run in runs(part)}
     tops = [docs, *(docs.parent / name for name in SOURCES)]

@@ -5,22 +5,20 @@
     .. syllabus:: six
     .. pdfs::
 
-Words, equations and listings of a section are counted in its source, as ``tools/count_book.py`` counts them; the
-minutes of exercises are their own.
+Words, equations and listings of a section are counted in its source (``pagesource.py``); the minutes of exercises are
+their own.
 """
 
 from __future__ import annotations
 
 import re
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any, NamedTuple
 
-DOCS = Path(__file__).resolve().parents[1]
-sys.path.append(str(DOCS.parent / "tools"))
+import pagesource
 
-import count_book  # noqa: E402
+DOCS = Path(__file__).resolve().parents[1]
 
 MARKS = ("course", "may be skipped", "for the curious")
 
@@ -70,11 +68,11 @@ def sections(text: str) -> list[Section]:
     parts = re.split(r"^(?=\S.*\n-{3,}$)", text, flags=re.M)
     found = []
     for i, part in enumerate(parts):
-        blocks = count_book.blocks(part)
+        blocks = pagesource.blocks(part)
         found.append(
             Section(
                 part.partition("\n")[0] if i else "",
-                count_book.words(blocks[-1][2]),
+                pagesource.words(blocks[-1][2]),
                 sum(name == "math" for name, _, _ in blocks),
                 sum(name in ("weave", "literalinclude") for name, _, _ in blocks),
             )
@@ -85,8 +83,8 @@ def sections(text: str) -> list[Section]:
 def exercises(docs: Path, chapter: str) -> dict[str, int]:
     """Minutes of the exercises of a chapter."""
     page = (docs / f"{chapter}.rst").read_text(encoding="utf-8")
-    files = count_book.included(docs, page)
-    asked = [one for file in files for one in count_book.exercises(file.read_text())]
+    files = pagesource.included(docs, page)
+    asked = [one for file in files for one in pagesource.exercises(file.read_text())]
     return {one.label: one.minutes for one in asked}
 
 

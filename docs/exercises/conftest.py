@@ -12,7 +12,7 @@ import re
 import sys
 from pathlib import Path
 
-import count_book
+import pagesource
 import pytest
 
 HERE = Path(__file__).parent
@@ -27,7 +27,7 @@ for name in ("wall", "bar", "plates"):
 EXERCISES = {
     one.label: one
     for page in HERE.glob("*.rst")
-    for one in count_book.exercises(page.read_text(encoding="utf-8"))
+    for one in pagesource.exercises(page.read_text(encoding="utf-8"))
 }
 CHAPTERS = {
     label.label: page.read_text(encoding="utf-8").partition(".. include:: /exercises/")[0]
@@ -37,8 +37,8 @@ CHAPTERS = {
         *DOCS.glob("stability/*.rst"),
         DOCS / "start" / "prerequisites.rst",
     ]
-    for file in count_book.included(DOCS, page.read_text(encoding="utf-8"))
-    for label in count_book.exercises(file.read_text(encoding="utf-8"))
+    for file in pagesource.included(DOCS, page.read_text(encoding="utf-8"))
+    for label in pagesource.exercises(file.read_text(encoding="utf-8"))
 }
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import answers
 import books
-import count_book
+import pagesource
 import pytest
 from parts import parts
 
@@ -22,14 +22,14 @@ COURSE = [*BOOK["week/index"], *BOOK["theory/index"], "theory/enforcement"]
 
 @pytest.mark.parametrize("chapter", COURSE)
 def test_each_chapter_of_the_course_has_four(chapter):
-    counts = count_book.count_exercises(DOCS, (DOCS / f"{chapter}.rst").read_text())
-    assert counts["hand"] + counts["program"] + counts["error"] >= 4
+    files = pagesource.included(DOCS, (DOCS / f"{chapter}.rst").read_text())
+    assert sum(len(pagesource.exercises(file.read_text())) for file in files) >= 4
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_each_answer_has_its_test(file):
     """And each test its exercise, each kind "error" its program and a diff that mends it."""
-    exercises = count_book.exercises(file.read_text())
+    exercises = pagesource.exercises(file.read_text())
     tests = file.with_name(f"answers_{file.stem}.py").read_text()
     assert [one.test for one in exercises] == re.findall(r"^def (test_\w+)\(", tests, re.M)
     for one in exercises:
@@ -45,9 +45,9 @@ def test_each_answer_has_its_test(file):
 
 def test_each_file_belongs_to_one_chapter():
     included = [
-        path for page in DOCS.rglob("*.rst") for path in count_book.included(DOCS, page.read_text())
+        path for page in DOCS.rglob("*.rst") for path in pagesource.included(DOCS, page.read_text())
     ]
-    labels = [one.label for file in FILES for one in count_book.exercises(file.read_text())]
+    labels = [one.label for file in FILES for one in pagesource.exercises(file.read_text())]
     assert sorted(included) == FILES and len(labels) == len(set(labels))
     programs = {program.stem for program in (FOLDER / "programs").glob("*.py")}
     assert programs <= set(labels)
@@ -148,7 +148,7 @@ def test_an_answer_is_found_in_every_kind_of_file(tmp_path):
 
 def test_every_answer_has_words_of_its_own():
     own = set(answers.telling().values())
-    asked = {one.label for file in FILES for one in count_book.exercises(file.read_text())}
+    asked = {one.label for file in FILES for one in pagesource.exercises(file.read_text())}
     assert own == asked | {path.stem for path in (DOCS.parent / "tutorials").glob("*.py")}
 
 
