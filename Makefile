@@ -85,7 +85,7 @@ help:
 	@echo "make pdf              the course, the book and the reference as PDFs (made by Chromium), in build/docs/html"
 	@echo "make page             the laboratories of the book, with the library in WebAssembly, in build/page: opens from a disk"
 	@echo "make measured         compute the numbers that the book quotes again, into docs/measured.json"
-	@echo "make bench            measurements of speed, tables and pictures, in build/bench"
+	@echo "make bench            measurements of speed: tables, and a picture of the projections, in build/bench"
 	@echo "make stability        hard cases, each with its classification, in build/stability"
 	@echo "make accuracy         errors and run times of every method, in build/accuracy; continues after an interruption (ACCURACY=--reduced: minutes)"
 	@echo "make lib              the C libraries, in build/lib"
@@ -409,7 +409,7 @@ $(VENV)/.hosts: wrapper/requirements/hosts.txt $(VENV)/.base
 test-hosts: setup
 	@+$(MAKE) --no-print-directory _$@
 _test-hosts: $(VENV)/.wrapper $(VENV)/.test $(VENV)/.hosts
-	@LIBCONTACT_HOSTS=1 $(VENV)/bin/python -m pytest -q tests/python/test_hosts.py tests/python/test_contact.py
+	@LIBCONTACT_HOSTS=1 $(VENV)/bin/python -m pytest -q tests/python/test_hosts.py
 
 # The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60

@@ -111,38 +111,5 @@ def report(result: dict) -> str:
     return "\n".join(lines)
 
 
-def draw(result: dict, path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(
-        2, (len(result) + 2) // 2, figsize=(13, 6.5), constrained_layout=True
-    )
-    names = list(dict.fromkeys(part for row in result.values() for part in row["parts"]))
-    colours = dict(zip(names, plt.get_cmap("tab20").colors))
-    for axis, (scene, row) in zip(axes.flat, result.items()):
-        bottom = {"predicted": 0.0, "measured": 0.0}
-        for part, cost in row["parts"].items():
-            heights = [1e3 * cost[key] for key in bottom]
-            axis.bar(
-                list(bottom),
-                heights,
-                bottom=[1e3 * value for value in bottom.values()],
-                color=colours[part],
-            )
-            bottom = {key: bottom[key] + cost[key] for key in bottom}
-        axis.set_title(f"{scene.replace('_', ' ')}, {row['steps']} steps", fontsize=9)
-        axis.set_ylabel("ms")
-    for axis in axes.flat[len(result) :]:
-        axis.axis("off")
-    axes.flat[-1].legend(
-        [plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names],
-        names,
-        frameon=False,
-        loc="center",
-    )
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
-
-
 if __name__ == "__main__":
     print(report(measure()))

@@ -58,25 +58,3 @@ def report(rows: list[dict]) -> str:
             f"{row['beta']:6g} {row['difference_percent']:9.2f} % {row['energy_deviation']:9.1e} {row['stable_courant']:7.3f}"
         )
     return "\n".join(lines)
-
-
-def draw(rows: list[dict], path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    fig, axes = plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
-    keys = [
-        ("difference_percent", "mean difference from the reference [%]", "log"),
-        ("energy_deviation", "largest deviation of the energy", "log"),
-        ("stable_courant", "stable Courant number", "linear"),
-    ]
-    for ax, (key, label, scale) in zip(axes, keys):
-        ax.plot(
-            [row["beta"] for row in rows],
-            [max(row[key], 1e-16) for row in rows],
-            "o-",
-            color="tab:red",
-        )
-        ax.set(xscale="log", yscale=scale, xlabel="β", ylabel=label)
-        ax.grid(alpha=0.3)
-    fig.savefig(path, dpi=150)
-    plt.close(fig)

@@ -138,24 +138,3 @@ def report(result: dict) -> str:
         f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a matrix product runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s"
     )
     return "\n".join(lines)
-
-
-def draw(result: dict, path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    names = ["libcontact", *result["peers"]]
-    values = [
-        result["us_per_update_one_plate"],
-        *(row["us_per_update"] for row in result["peers"].values()),
-    ]
-    fig, ax = plt.subplots(figsize=(7, 1.2 + 0.5 * len(names)), layout="constrained")
-    bars = ax.barh(names, values, color=["tab:red"] + ["tab:gray"] * (len(names) - 1))
-    ax.bar_label(bars, [f"{v:.3f} µs ({v / values[0]:.0f} x)" for v in values], padding=4)
-    ax.set(
-        xscale="log",
-        xlabel="µs per element update, one core (one plate of 10 000 hex8, no contact)",
-        xlim=(values[0] / 2, max(values) * 6),
-    )
-    ax.invert_yaxis()
-    fig.savefig(path, dpi=150)
-    plt.close(fig)

@@ -120,28 +120,6 @@ def report(result: dict) -> str:
     return "\n".join(lines)
 
 
-def draw(result: dict, path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.4), constrained_layout=True)
-    names = [savings for savings in SAVINGS if savings != "-" and "p" not in savings]
-    for axis, key, label in zip(axes, ("seconds", "bytes"), ("times faster", "times less memory")):
-        for k, savings in enumerate(names):
-            ratios = [rows["-"][key] / rows[savings][key] for rows in result.values()]
-            axis.bar(
-                [i + 0.2 * (k - 1.5) for i in range(len(ratios))],
-                ratios,
-                0.18,
-                label=SAVINGS[savings],
-            )
-        axis.axhline(1.0, color="black", linewidth=0.8)
-        axis.set_xticks(range(len(result)), list(result))
-        axis.set_ylabel(label)
-    axes[0].legend(frameon=False)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
-
-
 # The table of the book: the pairs that are compared.
 TABLE = ROOT / "docs" / "theory" / "savings.csv"
 RATIOS = {

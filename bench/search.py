@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import statistics
 import time
-from pathlib import Path
 
 import numpy as np
 
@@ -159,28 +158,3 @@ def report(result: dict) -> str:
             f"  {kind}: {row['median']:.2f} times as fast as libigl on triangles ({row['range'][0]:.2f} to {row['range'][1]:.2f} in {RUNS} pairs)"
         )
     return "\n".join(lines)
-
-
-def draw(result: dict, path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    names = {
-        "T3": "libcontact, triangles",
-        "Q8": "libcontact, Q8 faces",
-        "libigl": "libigl, triangles",
-    }
-    keys = [key for key in names if key in result["median"]]
-    values = [result["median"][key] for key in keys]
-    fig, ax = plt.subplots(figsize=(7, 1.2 + 0.5 * len(keys)), layout="constrained")
-    bars = ax.barh(
-        [names[key] for key in keys],
-        values,
-        color=["tab:gray" if key == "libigl" else "tab:red" for key in keys],
-    )
-    ax.bar_label(bars, [f"{value:.2f} µs" for value in values], padding=4)
-    ax.set(
-        xlabel="µs of CPU time per point, one thread (10$^5$ faces)", xlim=(0, 1.25 * max(values))
-    )
-    ax.invert_yaxis()
-    fig.savefig(path, dpi=150)
-    plt.close(fig)

@@ -1,7 +1,7 @@
 """
 The time of a whole run in its parts (process start, set-up, solid, contact and obstacle, time loop,
 records, file) for two plates, a block and a general mesh; growth of time and memory with the number of
-elements; speed-up by a second thread; and the same plate in other codes.
+elements; and speed-up by a second thread.
 
 ``python whole.py SCENE CELLS STEPS THREADS`` runs one scene in a process of its own and prints one JSON
 object. With 0 threads it is the run of a user: one thread, sleeping elements, and a second run for the
@@ -51,11 +51,9 @@ def scene_of(name: str, cells: int, steps: int) -> Any:
     """A scene by its name, with a record every tenth of the run."""
     import libcontact as ct
 
-    if name in ("plates", "free plates"):
+    if name == "plates":
         data = ct.Scene.load(HERE.parent / "tutorials" / "scenes" / "plates.toml").data
         data["contact"] = [{"surfaces": ["left.x_max", "right.x_min"]}]
-        if name == "free plates":
-            del data["contact"]
         data["time"] = {"end_c1t_over": {"length": 2.5, "value": 0.56}, "fraction": 0.98}
         return ct.Scene(data | {"output": {"fields": []}})
     scene = ct.Scene(title=name, units={"length": "mm", "mass": "t", "time": "s"})
@@ -97,7 +95,7 @@ def one(name: str, cells: int, steps: int, threads: int) -> dict[str, Any]:
     )
     whole = time.perf_counter() - began
     peak = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-    costs, elements, file = run.costs, 2 * cells**2 if "plates" in name else cells**3, 0.0
+    costs, elements, file = run.costs, 2 * cells**2 if name == "plates" else cells**3, 0.0
     if not threads:
         with tempfile.TemporaryDirectory() as folder:
             again = scene.run(progress=False, output=Path(folder) / "run.vtkhdf")
@@ -149,15 +147,12 @@ def exponent(rows: list[dict[str, Any]], values: list[float]) -> float:
 
 
 def measure() -> dict[str, Any]:
-    from plates import peer
-
     scenes = {name: fastest(RUNS, name, cells, STEPS, 0) for name, cells in CELLS.items()}
     growth = [fastest(runs, "block", cells, steps, 1) for cells, (steps, runs) in GROWTH.items()]
     threads = {
         name: [step_of(fastest(RUNS, name, cells, THREAD_STEPS, n)) for n in (1, 2)]
         for name, cells in CELLS.items()
     }
-    plates = fastest(RUNS, "free plates", CELLS["plates"], STEPS, 1)
     return {
         "scenes": scenes,
         "growth": growth,
@@ -167,8 +162,6 @@ def measure() -> dict[str, Any]:
             "memory": exponent(growth, [row["memory"] for row in growth]),
         },
         "threads": threads,
-        "ours": 1e9 * step_of(plates) / plates["elements"],
-        "peers": {code: peer(code, STEPS) for code in ("scipy", "akantu")},
     }
 
 
@@ -192,77 +185,7 @@ def report(result: dict[str, Any]) -> str:
         lines.append(
             f"  {SCENES[name]}: {1e3 * first:.2f}, {1e3 * second:.2f}, {first / second:.2f} times"
         )
-    lines.append(
-        f"  libcontact, plates without contact: {result['ours']:.0f} ns per step and element"
-    )
-    for code, row in result["peers"].items():
-        lines.append(
-            f"  {code}, one plate: set-up {row['setup']:.2f} s, {1e3 * row['us_per_update']:.0f} ns per step and element"
-            if row
-            else f"  {code}: not installed here"
-        )
     return "\n".join(lines)
-
-
-def draw_threads(axes: Any, threads: dict[str, list[float]]) -> None:
-    """How many times faster two threads are than one."""
-    gain = [first / second for first, second in threads.values()]
-    ticks = [SCENES[name].replace(", ", "\n", 1) for name in threads]
-    bars = axes.barh(ticks, gain, color="tab:green", height=0.6)
-    axes.bar_label(bars, [f"{value:.2f}" for value in gain], padding=3)
-    axes.axvline(1.0, color="0.5", lw=0.8)
-    axes.axvline(2.0, color="0.5", lw=0.8, ls="--")
-    axes.set(xlim=(0, 2.2), xlabel="times one thread", title="Speed-up by a second thread")
-    axes.invert_yaxis()
-
-
-def draw_peers(axes: Any, result: dict[str, Any]) -> None:
-    """Nanoseconds per step and element of plates without contact, here and in other codes."""
-    times = {"libcontact": result["ours"]}
-    names = {"scipy": "SciPy, assembled", "akantu": "Akantu"}
-    for code, row in result["peers"].items():
-        if row:
-            times[names[code]] = 1e3 * row["us_per_update"]
-    bars = axes.barh(list(times), list(times.values()), color="tab:blue", height=0.6)
-    axes.bar_label(bars, [f"{value:.0f}" for value in times.values()], padding=3)
-    axes.set(xscale="log", xlabel="ns per step and element", title="A plate in other codes")
-    axes.set_xlim(right=3 * max(times.values()))
-    axes.invert_yaxis()
-
-
-def draw(result: dict[str, Any], path: Path) -> None:
-    import matplotlib.pyplot as plt
-
-    fig, ((left, right), (low, other)) = plt.subplots(
-        2, 2, figsize=(12, 8), layout="constrained", width_ratios=[3, 2], height_ratios=[3, 2]
-    )
-    names, rows = list(result["scenes"]), list(result["scenes"].values())
-    base = np.zeros(len(rows))
-    for part in PARTS:
-        values = np.array([100 * row[part] / total(row) for row in rows])
-        ticks = [label(name, row).replace(", ", "\n") for name, row in zip(names, rows)]
-        left.barh(ticks, values, left=base, label=part)
-        base += values
-    left.set(xlabel="% of the whole run", title="Parts of a run", xlim=(0, 100))
-    left.invert_yaxis()
-    left.legend(ncols=4, loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False)
-    growth = result["growth"]
-    n = np.array([row["elements"] for row in growth])
-    for what, values in (
-        ("set-up [s]", [row["set-up"] for row in growth]),
-        ("step [s]", [step_of(row) for row in growth]),
-        ("memory [GB]", [row["memory"] / 1e9 for row in growth]),
-    ):
-        power = result["exponents"][what.split(" [")[0]]
-        right.loglog(n, values, "o-", label=f"{what}, grows like $N^{{{power:.2f}}}$")
-    right.set(xlabel="elements of a block", title="How it grows")
-    right.margins(y=0.3)
-    right.legend(loc="upper left")
-    right.grid(alpha=0.3)
-    draw_threads(low, result["threads"])
-    draw_peers(other, result)
-    fig.savefig(path, dpi=150)
-    plt.close(fig)
 
 
 if __name__ == "__main__":
