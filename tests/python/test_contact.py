@@ -1,5 +1,4 @@
-"""The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals;
-scikit-fem as a host."""
+"""The contact of a host with its own time loop: a step by hand, rods compared with their closed form, refusals."""
 
 import threading
 import warnings
@@ -312,72 +311,6 @@ def test_refusals():
     with pytest.raises(ct.ArgumentError, match="not finite") as refused:
         contact.step(0.1, (SQUARE, SQUARE + [[np.nan, 0, 0]]), pair, pair)
     assert refused.value.body == 1
-
-
-def fem_block(skfem, low, high, cells):
-    """A block of scikit-fem: mesh, stiffness, inverse masses and the largest ω² (Gershgorin)."""
-    from skfem.models.elasticity import lame_parameters, linear_elasticity
-
-    axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, cells)]
-    mesh = skfem.MeshHex.init_tensor(*axes)
-    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex1()))
-    stiffness = linear_elasticity(*lame_parameters(1.0, 0.3)).assemble(basis).tocsr()
-    mass = skfem.BilinearForm(lambda u, v, w: sum(u[i] * v[i] for i in range(3))).assemble(basis)
-    inverse = 1 / np.asarray(mass.sum(axis=1)).ravel()
-    bound = (np.asarray(abs(stiffness).sum(axis=1)).ravel() * inverse).max()
-    return mesh, basis, stiffness, inverse, bound
-
-
-def plane_faces(mesh, value, outwards):
-    """Faces in the plane x = value, counter-clockwise from outside."""
-    faces = mesh.facets[:, np.isclose(mesh.p[0][mesh.facets], value).all(axis=0)].T
-    y, z = mesh.p[1][faces], mesh.p[2][faces]
-    angle = np.arctan2(z - z.mean(axis=1)[:, None], y - y.mean(axis=1)[:, None])
-    return np.take_along_axis(faces, np.argsort(outwards * angle, axis=1), axis=1)
-
-
-def test_scikit_fem_as_the_host():
-    """Two different blocks of scikit-fem meet: energy never grows and momentum is constant."""
-    skfem = pytest.importorskip("skfem")
-    halves = [
-        fem_block(skfem, (-2, 0, 0), (0, 1, 1), (8, 3, 3)),
-        fem_block(skfem, (0, 0, 0), (2, 1, 1), (8, 4, 4)),
-    ]
-    surfaces, X, V, inverse = [], [], [], []
-    for (mesh, basis, _, m, _), way in zip(halves, (1, -1)):
-        X.append(np.ascontiguousarray(mesh.p.T))
-        surfaces.append(ct.Surface("Q4", X[-1], plane_faces(mesh, 0.0, way)))
-        V.append(np.zeros_like(X[-1]))
-        V[-1][:, 0] = 0.05 * way
-        # The degrees of freedom of a node are consecutive in nodal_dofs.
-        inverse.append(np.ascontiguousarray(m[basis.nodal_dofs.T]))
-    dt = 0.9 * 2 / np.sqrt(max(half[-1] for half in halves))
-    contact = ct.Contact(
-        *surfaces, epsilon=ct.Contact.penalty_default(1.346, 0.25), travel_time=0.2
-    )
-    x, totals, momenta = [X[0].copy(), X[1].copy()], [], []
-    for n in range(int(6 / dt)):
-        forces, energy = [], 0.0
-        for (_, basis, stiffness, _, _), now, reference in zip(halves, x, X):
-            u = np.zeros(basis.N)
-            u[basis.nodal_dofs.T] = now - reference
-            f = -(stiffness @ u)
-            energy -= 0.5 * u @ f
-            forces.append(np.ascontiguousarray(f[basis.nodal_dofs.T]))
-        kick = dt if n else dt / 2
-        contact.step(dt, x, V, inverse, forces, force_time=kick)
-        contact.add_force(forces)
-        after = [v + kick * w * f for v, w, f in zip(V, inverse, forces)]
-        energy += sum(0.5 * (v / w * (a if n else v)).sum() for v, w, a in zip(V, inverse, after))
-        totals.append(energy + contact.energy)
-        momenta.append(sum((a / w).sum(axis=0) for a, w in zip(after, inverse)))
-        V = after
-        x = [now + dt * v for now, v in zip(x, V)]
-    assert np.diff(totals).max() < 1e-12 * totals[0]
-    assert totals[-1] > 0.9 * totals[0]
-    assert np.abs(np.array(momenta) - momenta[0]).max() < 1e-12
-    assert contact.balance.unconverged == 0
-    assert V[0][:, 0].mean() < 0 < V[1][:, 0].mean()
 
 
 def square(nodes, face):
