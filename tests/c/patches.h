@@ -60,16 +60,6 @@ static inline patch new_patch(ct_face_kind kind, int nx, int ny, double x0, doub
   return p;
 }
 
-static inline void free_patch(patch *p) { free_all(p->faces, p->x); }
-
-/* Free two patches, and before them the contact of both or null. */
-static inline void close_pair(ct_contact *contact, patch *a, patch *b)
-{
-  free_contact(contact);
-  free_patch(a);
-  free_patch(b);
-}
-
 static inline ct_contact *open_contact(const patch *a, const patch *b, ct_contact_options options)
 {
   ct_contact *contact = NULL;

@@ -36,8 +36,6 @@ static void held(ct_face_kind kind)
          "%s: a patch pressed to five times the depth and back keeps its force and energy (off by "
          "%.2g, %.2g)",
          KIND[kind], force, energy);
-  free_all(fa, fb);
-  close_pair(contact, &a, &b);
 }
 
 /* Points that are deeper than the depth at the first update are not in contact until they have been
@@ -64,7 +62,6 @@ static void buried(void)
       "points deep inside at the first update are not in contact until they have been outside (%d "
       "wrong)",
       wrong);
-  close_pair(contact, &a, &b);
 }
 
 static void shift(patch *p, double x, double y, double z)
@@ -127,8 +124,6 @@ static void thin_plates(void)
          "thin plates: no jump (at most %.3g of a step's stiffness), and pushed apart to 1.6 "
          "thicknesses, with %.3g of eps t A there",
          jump / (EPSILON * step * 0.64), last / (EPSILON * t * 0.64));
-  free_all(point, fa, fb);
-  close_pair(contact, &a, &b);
 }
 
 static ct_contact_options with_points(ct_contact_rule rule)
@@ -197,8 +192,6 @@ static void patch_test(ct_face_kind kind)
   tap_ok(off < 1e-13 * EPSILON * delta,
          "%s: points at nodes pass the patch test on matching meshes, off by %.2g of eps delta",
          KIND[kind], off / (EPSILON * delta));
-  free_all(fa, fb, want);
-  close_pair(contact, &a, &b);
 }
 
 /* Two warped patches with points at nodes: forces are the gradient of the energy, and both momenta
@@ -236,8 +229,6 @@ static void lobatto_gradient(ct_face_kind kind)
       top > 0.0 && off < 1e-8 * top && momentum < 1e-12 * top,
       "%s: with points at nodes the force is the gradient (off by %.2g), momentum is kept (%.2g)",
       KIND[kind], off / top, momentum / top);
-  free_all(fa, fb);
-  close_pair(contact, &a, &b);
 }
 
 /* Height of the lowest of the highest positions: largest depth of `top` in `base` before any
@@ -256,9 +247,7 @@ static double unseen(const patch *base, const patch *top, ct_contact_rule rule, 
     update(contact, base, &moved);
     if (ct_contact_energy(contact) > 0.0) low = z;
     else high = z;
-    ct_contact_free(contact);
   }
-  free(moved.x);
   return high;
 }
 
@@ -283,7 +272,6 @@ static void corners_and_edges(void)
       corner[r] =
           fmax(corner[r], -lowest - unseen(&base, &cube, r ? CT_POINTS_LOBATTO : CT_POINTS_GAUSS,
                                            -lowest + 0.1, -lowest - 0.45));
-    free_patch(&cube);
   }
   tap_ok(
       corner[0] > 0.05 && corner[0] < 0.5 * (1.0 - 1.0 / sqrt(3.0)) * sqrt(2.0),
@@ -304,14 +292,12 @@ static void corners_and_edges(void)
       edge[r] =
           fmax(edge[r], 2.0 * c - unseen(&lower, &upper, r ? CT_POINTS_LOBATTO : CT_POINTS_GAUSS,
                                          2.0 * c + 0.1, 2.0 * c - 0.5));
-    close_pair(NULL, &lower, &upper);
   }
   tap_ok(edge[1] <= 0.25,
          "crossed edges: with points on edges they penetrate by up to %.3f h, at most 0.25 h; with "
          "Gauss points "
          "by %.3f h",
          edge[1], edge[0]);
-  free_patch(&base);
 }
 
 /* A smooth bowl, one quadratic face, that slides over the borders of 20 faces of a base with the
@@ -347,8 +333,6 @@ static double slide(ct_face_kind kind, double bend, double step)
     size = fmax(size, fabs(last[2]));
     if (i > 0) jump = fmax(jump, sqrt(change));
   }
-  free_all(start, fa, fb);
-  close_pair(contact, &base, &bowl);
   return jump / size;
 }
 
@@ -417,7 +401,6 @@ static void open_border(void)
          off, along);
   tap_ok(jump > 0.49 && jump < 1.01,
          "at an open border energy jumps by a column of points, %.3g of epsilon delta^2 / 4", jump);
-  close_pair(contact, &a, &b);
 }
 
 /* Largest change of the energy in a step of a block that slides off a plate at a depth, both
@@ -440,7 +423,6 @@ static double slide_off(double step, double *left)
     shift(&b, step, 0, 0);
   }
   *left = last;
-  close_pair(contact, &a, &b);
   return jump / top;
 }
 
@@ -488,11 +470,6 @@ static void ratios(void)
            "%.3g %%",
            cells[k][0], cells[k][1], sum / (EPSILON * delta) - 1.0, momentum, 100.0 * error[0],
            100.0 * error[1]);
-    ct_contact_free(contact);
-    for (int s = 0; s < 2; s++) {
-      free(f[s]);
-      free_patch(&p[s]);
-    }
   }
 }
 
@@ -515,6 +492,7 @@ static void local_search(void)
   ct_ring shape = {{0, 0, 0}, {40, 50}, 60, {2, 48, 2}};
   ct_mesh *m = NULL;
   must(ct_mesh_create_ring, CT_HEX8, &shape, &m);
+  later_mesh(m);
   int count = ct_mesh_outer_faces(m, NULL, NULL);
   int32_t *faces = integers(4 * count);
   ct_mesh_outer_faces(m, faces, NULL);
@@ -523,13 +501,11 @@ static void local_search(void)
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
   must(ct_contact_create, &surface, &surface, &options, &contact);
+  later_contact(contact);
   must(ct_contact_update, contact, m->nodes, NULL);
   must(ct_contact_update, contact, m->nodes, NULL);
   tap_ok(count == 384 && listed(contact) < 20.0,
          "a ring of %d faces: %.1f are candidates of a face", count, listed(contact));
-  ct_contact_free(contact);
-  free(faces);
-  ct_mesh_free(m);
 }
 
 /* Steps as large as the tunnelling check allows: every point has a partner before it comes in,
@@ -551,6 +527,7 @@ static void seen_before_it_comes_in(void)
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
   must(ct_contact_create, &surface[0], &surface[1], &options, &contact);
+  later_contact(contact);
   double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->fixed->gaps.approach;
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *now = room(count, sizeof *now), *before = room(count, sizeof *before);
@@ -575,12 +552,6 @@ static void seen_before_it_comes_in(void)
          "steps of %g, as large as allowed: %d points came in, %d of them undetected, %d with a "
          "wrong gap",
          contact->fixed->gaps.approach, inside, unseen, wrong);
-  ct_contact_free(contact);
-  for (int s = 0; s < 2; s++) {
-    free(faces[s]);
-    ct_mesh_free(mesh[s]);
-  }
-  free_all(x, now, before);
 }
 
 /* How far surfaces may come nearer in a step: the width of the narrowest face, which is its area
@@ -604,8 +575,6 @@ static void safe_approach(void)
     double approach = contact->fixed->gaps.approach, expected = want[k];
     if (k == 2) expected = 1.0 / sqrt(2.0); // legs of 1: area ½, longest edge √2
     tap_close(approach, expected, 1e-12, "%s: the largest safe approach", name[k]);
-    close_pair(NULL, &a, &b);
-    ct_contact_free(contact);
   }
   patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 0);
   lift(&b, 0.1);
@@ -620,8 +589,6 @@ static void safe_approach(void)
   tap_ok(ct_tunnelling_check(&contact->gaps, v, 0.999 * limit, 0.0, &e) == CT_OK &&
              ct_tunnelling_check(&contact->gaps, v, 1.001 * limit, 0.0, &e) == CT_ERROR_STEP,
          "a larger approach in a step is refused");
-  close_pair(contact, &a, &b);
-  free(v);
 }
 
 /* Two blocks with the same outline press on each other and slide slightly, so that points of side
@@ -642,7 +609,6 @@ static void asked_twice(void)
       update(contact, &a, &b);
       if (energy > 0.0) off = worst(off, ct_contact_energy(contact) / energy - 1.0), touched++;
     }
-    close_pair(contact, &a, &b);
   }
   tap_ok(touched > 200 && off < 1e-14,
          "a repeated query gives the same energy (%d times, off by %.2g at most)", touched, off);
@@ -650,6 +616,7 @@ static void asked_twice(void)
 
 int main(void)
 {
+  free_at_end();
   local_search();
   seen_before_it_comes_in();
   for (int kind = 0; kind < 4; kind++) {

@@ -42,18 +42,10 @@ static hand new_hand(const patch *a, const patch *b, const ct_contact_options *o
   def.a = &h.a.surface, def.b = &h.b.surface, def.options = *options;
   def.options.cookie = ct_contact_options_default().cookie; // some tests set all other members
   must(ct_contact_create_effect, &def, &problem, &h.effect);
+  later_effect(h.effect);
   h.memory = numbers(h.effect->memory_count);
   h.next = numbers(h.effect->memory_count);
   return h;
-}
-
-static void free_hand(hand *h)
-{
-  ct_effect_free(h->effect);
-  free_patch(&h->a);
-  free_patch(&h->b);
-  double *all[] = {h->reference, h->mass, h->u, h->rest, h->memory, h->next, h->force};
-  for (int i = 0; i < 7; i++) free(all[i]);
 }
 
 /* One step with the second surface at the height z, with scratch space of its own as after a
@@ -82,7 +74,6 @@ static double take(hand *h, double z, double time, double *energy, double *exter
     if (effect->nodes[i] >= h->first_b) sum += own[3 * i + 2];
   }
   effect->calls->free_scratch(scratch);
-  free(own);
   h->memory = h->next;
   h->next = keep;
   return sum;
@@ -97,7 +88,6 @@ static hand two_flat_patches(ct_contact_options options, double start)
   options.enforcement = CT_ENFORCE_PENALTY;
   hand h = new_hand(&a, &b, &options);
   h.start = start;
-  close_pair(NULL, &a, &b);
   return h;
 }
 
@@ -135,7 +125,6 @@ static void start_gap_opens(void)
          "energy by %.2g)",
          force, energy);
   // Far away no face is near, and the start gap is gone.
-  free_hand(&h);
   h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
                                             .tolerance = 1e-10,
                                             .threads = 1,
@@ -149,7 +138,6 @@ static void start_gap_opens(void)
                   take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
   tap_ok(force < 1e-15, "a start gap is gone once the surfaces were far apart (force off by %.2g)",
          force);
-  free_hand(&h);
 }
 
 /* Gaps of one step after another, and the depths that are expected of them. */
@@ -230,7 +218,6 @@ static void start_gaps_are_adjusted(void)
     tap_ok(force < 1e-15 && energy < 1e-16,
            "%s: forces and energy by hand (force off by %.2g, energy by %.2g)", c->what, force,
            energy);
-    free_hand(&h);
   }
 }
 
@@ -255,7 +242,6 @@ static double evaluate(hand *h, double *force)
   for (int i = 0; i < effect->node_count; i++)
     memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
   effect->calls->free_scratch(scratch);
-  free(own);
   return energy;
 }
 
@@ -274,7 +260,6 @@ static hand two_warped_patches(ct_face_kind kind)
   options.enforcement = CT_ENFORCE_PENALTY;
   options.adjust = 0.2;
   hand h = new_hand(&a, &b, &options);
-  close_pair(NULL, &a, &b);
   return h;
 }
 
@@ -321,8 +306,6 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
   tap_ok(lost < 1e-13 * size && turned < 1e-13 * size,
          "%s: with start gaps linear and angular momentum are conserved (%.2g, %.2g)", name,
          lost / size, turned / size);
-  free_hand(&h);
-  free_all(f, other);
 }
 
 /* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands
@@ -356,7 +339,6 @@ static void start_gap_fades(void)
   tap_ok(off < 1e-16 * EPSILON * area,
          "a start gap that fades and opens: forces and work by hand, off by %.2g",
          off / (EPSILON * area));
-  free_hand(&h);
 }
 
 /* A point is in contact at any depth if it came in from outside, and not in contact if it begins
@@ -386,7 +368,6 @@ static void history_in_memory(void)
            "a surface that %s, restarted in every step, has the force of its gap where it is in "
            "contact (off by %.2g)",
            what[k], off);
-    free_hand(&h);
   }
 }
 
@@ -424,10 +405,6 @@ static void same_as_the_host(void)
          "thin plates, restarted in every step: forces and energy have the bits of a contact that "
          "keeps its history (%d differ)",
          different);
-  ct_contact_free(contact);
-  free_hand(&h);
-  close_pair(NULL, &a, &b);
-  free_all(fa, fb, z);
 }
 
 /* Two states of one effect share constant data only; definitions that do not start from their
@@ -481,13 +458,12 @@ static void states_share(void)
   contact.options.restitution = 0.0;
   tap_ok(ct_contact_create_effect(&contact, &problem, &effect, &e) == CT_OK,
          "but not with restitution 0");
-  ct_effect_free(effect);
+  later_effect(effect);
   effect = NULL;
   friction.cookie--;
   ct_status status = ct_friction_create_effect(&friction, &problem, &effect, &e);
   tap_ok(status == CT_OK && effect->kind == CT_EFFECT_FRICTION, "with the cookie it is accepted");
-  ct_effect_free(effect);
-  free_hand(&h);
+  later_effect(effect);
 }
 
 /* A point is off the corner of a quadratic brick while nodes on the edges there move until the
@@ -507,6 +483,7 @@ static void corner_turned_inside_out(void)
     ct_contact_point point[4 + 6 * 9];
     options.epsilon = 1.0;
     must(ct_contact_create, &square_patch, &brick, &options, &contact);
+    later_contact(contact);
     for (int step = 0; step <= STEPS; step++) {
       memcpy(x, m->nodes, sizeof x);
       // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and
@@ -521,15 +498,14 @@ static void corner_turned_inside_out(void)
       for (int i = 0; i < 4; i++) lowest = fmin(lowest, point[i].gap);
       energy = fmax(energy, ct_contact_energy(contact));
     }
-    ct_contact_free(contact);
   }
   tap_ok(lowest > 0.3 && energy == 0.0,
          "a point off an inverted corner stays outside: gap %g, energy %g", lowest, energy);
-  ct_mesh_free(m);
 }
 
 int main(void)
 {
+  free_at_end();
   start_gap_opens();
   start_gaps_are_adjusted();
   start_gaps_have_a_potential(CT_Q4, "Q4");

@@ -21,14 +21,6 @@ static recovered recover(const ct_contact *contact, const patch *a, const patch 
   return r;
 }
 
-static void free_recovered(recovered *r)
-{
-  for (int s = 0; s < 2; s++) {
-    free(r->traction[s]);
-    free(r->area[s]);
-  }
-}
-
 /* Two equal squares pressed into each other: the traction is eps delta at every node, and the areas
  * are those of the square. (eq:recovered-traction) */
 static void uniform_overlap(ct_face_kind kind)
@@ -57,9 +49,6 @@ static void uniform_overlap(ct_face_kind kind)
              fabs(size[1] / 0.75 - 1.0) < 1e-13,
          "%s, matching meshes: eps delta at all %d nodes, off by %.2g; areas %.6g, %.6g",
          KIND[kind], written, off, size[0], size[1]);
-  free(seen);
-  free_recovered(&r);
-  close_pair(contact, &a, &b);
 }
 
 /* Equal patches pressed into each other at a small angle: the pressure is linear, and so are the
@@ -82,8 +71,6 @@ static void linear_overlap(ct_face_kind kind)
   }
   tap_ok(off < 1e-6 && inner >= 6, "%s: a linear pressure at %d nodes within, off by %.2g",
          KIND[kind], inner, off);
-  free_recovered(&r);
-  close_pair(contact, &a, &b);
 }
 
 /* Warped patches that do not match, with straight edges if so wished. */
@@ -157,9 +144,6 @@ static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
   tap_ok(force < 1e-12 && moment < (straight ? 1e-12 : 0.03) && size > 0.0,
          "%s on %s, %s edges: force of the points, off by %.2g, and moment, %.2g", KIND[kb],
          KIND[ka], straight ? "straight" : "curved", force, moment);
-  free(point);
-  free_recovered(&r);
-  close_pair(contact, &a, &b);
 }
 
 /* A closed box stands on a patch, which is larger, in any direction: the box's walls carry nothing,
@@ -201,9 +185,6 @@ static void box_on_patch(int turned)
   tap_ok(off[0] < 1e-12 && off[1] < 1e-12 && area < 1e-12,
          "box on a larger patch%s: uniform to its edges, off by %.2g; the patch, %.2g; areas, %.2g",
          turned ? ", turned" : "", off[1], off[0], area);
-  free_recovered(&r);
-  free_all(x, y);
-  close_pair(contact, &a, &b);
 }
 
 /* A surface bends down at an angle, and only the flat part is in contact: the area of a node on the
@@ -225,8 +206,6 @@ static void bend(double angle)
     off = worst(off, r.traction[0][3 * n + 2] / (0.01 * EPSILON) + (bent ? 0.5 : 1.0));
   }
   tap_ok(off < 1e-12 && on_bend == 5, "bent by %.2g: half on the bend, off by %.2g", angle, off);
-  free_recovered(&r);
-  close_pair(contact, &a, &b);
 }
 
 /* A round surface in a flat one, whose nodes with a force all have the area under their weights in
@@ -256,8 +235,6 @@ static void round_on_flat(ct_face_kind kind)
       }
       rim += with > 0 && with < per;
     }
-    free_recovered(&r);
-    close_pair(contact, &a, &b);
   }
   // The direction of the forces on the flat faces is vertical only to the angle of the round ones.
   tap_ok(off < 0.02 && rim > 8 * 12, "%s: a round surface in a flat one: whole areas, off by %.2g",
@@ -285,8 +262,6 @@ static void between_points(double warp)
   tap_close(force, -0.5 * EPSILON * 0.01 * 0.04, warp == 0.0 ? 1e-13 : 1e-3,
             "a patch between points of a face warped by %g: half its force", warp);
   tap_close(size, 1.0, 1e-14, "the face between whose points it is counts");
-  free_recovered(&r);
-  close_pair(contact, &a, &b);
 }
 
 /* Tractions and areas of a pair, in one list: tractions of a and b, areas of a and b; 0 where
@@ -299,7 +274,6 @@ static double *all_of(const patch *a, const patch *b)
   update(contact, a, b);
   must(ct_contact_traction, contact, 0, out, out + 3 * (na + nb));
   must(ct_contact_traction, contact, 1, out + 3 * na, out + 3 * (na + nb) + na);
-  ct_contact_free(contact);
   return out;
 }
 
@@ -320,7 +294,6 @@ static void bits(ct_face_kind kind)
   g = all_of(&a, &b);
   tap_ok(memcmp(f, g, 4 * (size_t)nodes * sizeof *f) == 0 && largest(f, 3 * nodes) > 0.0,
          "%s: faces in the opposite order, the same bits", KIND[kind]);
-  free(g);
   for (int s = 0; s < 2; s++) {
     patch *p = s == 0 ? &a : &b;
     for (int i = 0; i < p->surface.face_count; i++) {
@@ -334,8 +307,6 @@ static void bits(ct_face_kind kind)
   int64_t faults = mirror_faults(f, g, nodes, 0) +
                    (memcmp(f + 3 * nodes, g + 3 * nodes, (size_t)nodes * sizeof *f) != 0);
   tap_ok(faults == 0, "%s: mirrored, the mirrored bits (%d are not)", KIND[kind], (int)faults);
-  free_all(f, g);
-  close_pair(NULL, &a, &b);
 }
 
 static void refusals(void)
@@ -350,11 +321,11 @@ static void refusals(void)
              ct_contact_traction(contact, 0, traction, NULL, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_traction(NULL, 0, traction, area, &e) == CT_ERROR_ARGUMENT,
          "an unknown surface and null arguments are refused: %s", e.text);
-  close_pair(contact, &a, &b);
 }
 
 int main(void)
 {
+  free_at_end();
   for (int k = 0; k < 4; k++) {
     uniform_overlap((ct_face_kind)k);
     linear_overlap((ct_face_kind)k);

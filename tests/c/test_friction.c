@@ -38,12 +38,6 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
   return t;
 }
 
-static void free_incline(incline *t)
-{
-  close_run(t->state, t->scene, t->slab);
-  ct_mesh_free(t->block);
-}
-
 /* Sum of one effect's force on the block. */
 static void force_on_block(incline *t, int32_t effect, double sum[3])
 {
@@ -52,7 +46,6 @@ static void force_on_block(incline *t, int32_t effect, double sum[3])
   sum[0] = sum[1] = sum[2] = 0.0;
   for (int32_t n = t->slab->node_count; n < t->problem->node_count; n++)
     for (int c = 0; c < 3; c++) sum[c] += f[3 * n + c];
-  free(f);
 }
 
 /* Mean displacement along x or z of the block's lower face, each node weighted by its area. */
@@ -90,7 +83,6 @@ static void sticks(ct_brick_kind kind, const char *name)
       fabs(sole(&t, 0)) < 0.02 * slip && lost >= 0.0 && lost < 3.0 * most,
       "%s, stick: it returns to %.2g of the slip; the dashpot takes %.2g of what friction stores",
       name, sole(&t, 0) / slip, lost / most);
-  free_incline(&t);
 }
 
 /* Above it: a uniform acceleration g (sin a - mu cos a), over many borders of the slab's faces.
@@ -124,7 +116,6 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
          "%s, slip: over %.2g borders of the slab's faces friction is mu times the normal force in "
          "every step (%.2g)",
          name, way, ratio);
-  free_incline(&t);
 }
 
 /* The ledger of a block that is thrown along the slab and comes to rest. (eq:friction-dissipation,
@@ -155,7 +146,6 @@ static void ledger(void)
   tap_ok(falls == 0, "dissipated energy never decreases");
   tap_close(momentum_of(t.problem, t.state, 1).p[0], 0.0, 0.02 * 0.4 * 2.0,
             "the block has come to rest");
-  free_incline(&t);
 }
 
 /* Two free bodies, one turning and sliding on the other: momentum and moment of momentum of the
@@ -202,8 +192,6 @@ static void momentum(ct_brick_kind kind, const char *name)
   }
   tap_ok(met > 3 && linear < 1e-14, "%s: friction forces add up to zero (%.2g)", name, linear);
   tap_ok(angular < 1e-14, "%s: and so do their moments (%.2g)", name, angular);
-  free(f), free(fa), free(fb);
-  close_run(state, scene, a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
 /* Two blocks that are pressed together: the upper one is driven, the lower one is free or stands on
@@ -228,7 +216,6 @@ static pressed new_pressed(double mu, double skew, int axis, ct_enforcement law)
     }
     if (axis < 0) continue;
     ct_mesh *image = mirror_mesh(*mesh[k], axis);
-    ct_mesh_free(*mesh[k]);
     *mesh[k] = image;
   }
   t.scene = new_scene();
@@ -244,12 +231,6 @@ static pressed new_pressed(double mu, double skew, int axis, ct_enforcement law)
   return t;
 }
 
-static void free_pressed(pressed *t)
-{
-  close_run(t->state, t->scene, t->a);
-  ct_mesh_free(t->b);
-}
-
 /* Mirrored scenes have mirrored bits. */
 static void mirrored(ct_enforcement law)
 {
@@ -262,8 +243,6 @@ static void mirrored(ct_enforcement law)
       faults += mirror_faults(t.state->velocity, m.state->velocity, t.problem->node_count, axis);
     }
     tap_ok(faults == 0, "mirrored along %c: mirrored bits (%d off)", "xy"[axis], (int)faults);
-    free_pressed(&t);
-    free_pressed(&m);
   }
 }
 
@@ -275,7 +254,6 @@ static void step_of_friction(void)
   tap_ok(rough.problem->dt == smooth.problem->dt,
          "friction leaves the stable step as it is (%g, %g)", rough.problem->dt,
          smooth.problem->dt);
-  free_pressed(&rough), free_pressed(&smooth);
 }
 
 /* A restart in the middle of a slide, and two threads, give the same bits. */
@@ -297,9 +275,6 @@ static void same_bits(void)
          "a restart continues with the same bits");
   tap_ok(memcmp(t.state->velocity, two.state->velocity, bytes) == 0,
          "two threads give the same bits");
-  ct_state_free(other);
-  free_incline(&t);
-  free_incline(&two);
 }
 
 static void refusals(void)
@@ -325,10 +300,8 @@ static void refusals(void)
   ct_state *state = NULL;
   tap_ok(ct_state_create(&wrong, &state, &error) == CT_ERROR_ARGUMENT,
          "friction before its contact: %s", error.text);
-  free_pressed(&t);
   pressed smooth = new_pressed(0.0, 0.0, -1, CT_ENFORCE_PENALTY);
   tap_ok(smooth.problem->effect_count == 2, "without a coefficient there is no effect of friction");
-  free_pressed(&smooth);
 }
 
 /* Without bounds, the steps divide the error of one eigenvalue by the polynomial of Chebyshev that
@@ -374,6 +347,7 @@ static void start(void)
 
 int main(void)
 {
+  free_at_end();
   chebyshev();
   start();
   sticks(CT_HEX8, "hex8");
