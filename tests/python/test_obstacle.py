@@ -96,20 +96,6 @@ def test_a_block_below_the_angle_of_friction_does_not_creep():
     assert np.ptp(shift[late]) < 1e-4 * shift[-1]
 
 
-@pytest.mark.parametrize("enforcement, lost", [("penalty", 0.0), ("energy_controlled", 1e-3)])
-def test_hertz(enforcement, lost):
-    run = enforced("hertz", enforcement)
-    # The work of the sphere on a quarter of the block: the integral of Hertz's force, 2/5 of force times approach. Few
-    # elements over the radius, a block of six radii.
-    force = 4 / 3 * 1000 / (1 - 0.09) * 2.0 * 0.1**1.5
-    assert run.energy["external"][-1] == pytest.approx(0.4 * force * 0.1 / 4, rel=0.15)
-    assert (
-        -(1e-4 + lost) * run.energy["external"][-1]
-        < run.energy["total"][-1]
-        < 1e-4 * run.energy["external"][-1]
-    )
-
-
 @needs_hdf5
 def test_a_scene_and_a_host_take_the_same_tables():
     """``add_obstacle`` of a scene is its table ``[[obstacle]]``, and a host's takes the same shapes."""
