@@ -106,10 +106,6 @@ numfig_format = {
 }
 math_eqref_format = "({number})"
 
-# -- Equations, their lines and tests ------------------------------------------------------------------------------
-# Chapters (or patterns) in which an equation may still lack its line or test; all others fail the build for one.
-trace_open: list[str] = []
-
 # -- HTML ---------------------------------------------------------------------------------------------------------
 html_theme = "furo"
 html_title = "libcontact"

@@ -9,7 +9,6 @@ without a test, or a test that names an equation which no page defines.
 from __future__ import annotations
 
 from collections import Counter
-from fnmatch import fnmatch
 from pathlib import Path
 
 import tracing
@@ -36,11 +35,9 @@ def read(app, env):
     root = source_root(app.config, env)
     app.traced, lost = tracing.trace(pages, root, app.config.trace_tests)
     for equation in app.traced.values():
-        is_open = any(fnmatch(equation.page, pattern) for pattern in app.config.trace_open)
         for subtype, text in equation.faults:
-            if not is_open or equation.kind not in tracing.KINDS:
-                where = (equation.page, equation.line)
-                warn(subtype, f"the equation {equation.label} {text}", where)
+            where = (equation.page, equation.line)
+            warn(subtype, f"the equation {equation.label} {text}", where)
     for label, where in lost:
         text = f"{where.function}() names the equation {label}, which no page defines"
         warn("test", text, f"{where.path}:{where.first}")
@@ -96,7 +93,7 @@ def tables(app, docname: str) -> list[nodes.Node]:
         else:
             overview[-1][0] = nodes.Text(title)
     overview.append(["all", *(str(total[column]) for column in tracing.COLUMNS)])
-    return [table(["chapter", *tracing.COLUMNS], overview, [40, *[10] * 6]), *parts]
+    return [table(["chapter", *tracing.COLUMNS], overview, [40, *[10] * 5]), *parts]
 
 
 def row(app, docname: str, equation: tracing.Equation, sources: set[str]) -> list:
@@ -149,7 +146,6 @@ def line(cells: list) -> nodes.row:
 def setup(app):
     app.setup_extension("weave")
     app.add_config_value("trace_page", "trace", "env")
-    app.add_config_value("trace_open", [], "env")
     app.add_config_value("trace_tests", tracing.FOLDERS, "env")
     app.add_node(trace_tables)
     app.add_directive("trace", Trace)

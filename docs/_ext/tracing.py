@@ -3,9 +3,9 @@
 A labelled equation is a *definition* or a *step* of a derivation, which its directive says (``:class: definition``,
 ``:class: step``), or it is *computed*. Then a listing on its own page quotes the line that computes it, with
 ``(eq:label)`` in a comment on this line or above it, and a test names it: ``eq:label`` in a comment or docstring of the
-test, or the decorator ``@executes("label")``. Without a line the build warns (``trace.code``), without a test as well
-(``trace.test``), but for the chapters in ``trace_open`` of ``conf.py``. Everywhere a class of another name warns, and a
-test that names an equation which no page defines.
+test, or the decorator ``@executes("label")``. The build warns of an equation without a line and of a class of another
+name (``trace.code``), and of an equation without a test and of a test that names an equation which no page defines
+(``trace.test``).
 
 ``python docs/_ext/tracing.py theory/mass`` prints what a chapter lacks, in a second and without Sphinx; without
 arguments it prints a row per chapter.
@@ -279,13 +279,12 @@ def counts(equations: list[Equation]) -> Counter:
     count = Counter(equation.kind for equation in equations)
     computed = [equation for equation in equations if equation.kind == "computed"]
     count["computed"] = sum(equation.code is not None for equation in computed)
-    count["unclassified"] = len(computed) - count["computed"]
     count["tested"] = sum(bool(equation.code and equation.tests) for equation in computed)
     count["executed"] = sum(bool(equation.executed) for equation in equations)
     return count
 
 
-COLUMNS = (*KINDS, "unclassified", "tested", "executed")
+COLUMNS = (*KINDS, "tested", "executed")
 FOLDERS = ["tests/c", "tests/python", "tests/docs"]
 
 
