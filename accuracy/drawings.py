@@ -281,11 +281,11 @@ def counts(folder: Path = table.BOOK) -> dict[str, float]:
     return {row["method"]: row["over_plain"] for row in rows if row["cells"] == finest}
 
 
-def price_list(rows: Rows, folder: Path = table.BOOK, cells: int = 100) -> list[dict[str, str]]:
+def price_list(rows: Rows, folder: Path = table.BOOK) -> list[dict[str, str]]:
     """One line per method: its errors and its cost for the plate on a wall."""
     out, each = [], counts(folder)
     for method, keys in campaign.METHODS.items():
-        row = rows[campaign.case("reference", cells, keys).name]
+        row = rows[campaign.case("reference", 100, keys).name]
         out.append(
             {
                 "method": method,

@@ -9,9 +9,9 @@ from shared.scenes import bar_on_wall, done
 import libcontact as ct
 
 
-def after_impact(fraction, landings=3, **law):
+def after_impact(fraction, **law):
     """Largest energy after the impact over that before, and the step over that of the elements."""
-    worst, cells = 0.0, 40
+    worst, cells, landings = 0.0, 40, 3
     for place in range(landings):
         at = 0.02 + place / landings * fraction / cells
         scene = bar_on_wall(cells, at, **law).set_time(end=2.3 + at, dt=fraction / cells)

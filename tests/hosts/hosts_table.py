@@ -53,8 +53,9 @@ def rows(host):
         yield [name, glue(host), *numbers, f"{100 * result.share:.0f} %"]
 
 
-def beside_calculix(courant, beta=4.0):
+def beside_calculix(courant):
     """The stress behind the front of CalculiX and of the scene, and the ratio of their mean displacements."""
+    beta = 4.0
     one = calculix.run(beta, courant)
     other = plates.run_scene(plates.Result(plates.PLATEAU / 40), beta)[0]
     stresses = [plates.stress(X[1], u[1]) for X, u in (one, other)]

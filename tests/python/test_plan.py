@@ -68,11 +68,11 @@ def test_a_cost_of_a_fixed_part_and_one_for_each_piece_is_known_from_two_sizes()
     assert planned._at_size(1000.0, [(100.0, 2.0), (50.0, 3.0)]) == 2.0
 
 
-def pressed_block(cells=16, **entries):
+def pressed_block(**entries):
     """A block that falls on a floor, in contact with its whole lower face."""
     scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e5, poisson=0.0, density=1000.0)
-    box = box_of([0, 0, 0], [1, 1, 2], [cells, cells, 2 * cells])
+    box = box_of([0, 0, 0], [1, 1, 2], [16, 16, 32])
     scene.add_body("block", material="soft", box=box, velocity=[0, 0, -0.1])
     plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
     scene.add("obstacle", surface="block.z_min", plane=plane, **entries)

@@ -188,8 +188,8 @@ def test_a_mesh_keeps_its_sets_in_a_pickle():
 # Sets of a mesh file. The readers of the formats have their own tests; here a file is what they return.
 
 
-def mesh_data(cells=(2, 1, 1)):
-    mesh = Mesh.box("hex8", (0, 0, 0), (2, 1, 1), cells)
+def mesh_data():
+    mesh = Mesh.box("hex8", (0, 0, 0), (2, 1, 1), (2, 1, 1))
     return meshes.MeshData(
         np.array(mesh.nodes),
         np.array(mesh.elements),

@@ -237,14 +237,14 @@ def test_bodies_gain_nothing_with_any_integrator(scene, integrator):
         assert zoo.growth(options, animal, zoo.play(given, scene).run) < 1e-9
 
 
-def judged(stage, options=animals.Options(), **more):
+def judged(stage, **more):
     """The row of a scene with one fault."""
 
     def faulty(o):
         return zoo.replace(animals.drop_on_a_face(o), stage=stage, **more)
 
     faulty.__name__ = "faulty"
-    return zoo.judge(faulty, options, whole=False)
+    return zoo.judge(faulty, animals.Options(), whole=False)
 
 
 def test_the_oracles_see_what_is_wrong():
