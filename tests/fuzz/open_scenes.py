@@ -1,10 +1,10 @@
 """
-Random bodies whose contact is between parts of their skins: ``open_scenes.py FAMILY FIRST COUNT``, FAMILY ``scenes``,
-``hosts``, ``stiff`` or ``stiff_hosts``.
+Random bodies whose contact is between parts of their skins: ``open_scenes.py FAMILY FIRST COUNT``, FAMILY ``scenes``
+or ``stiff``.
 
 Over the border of an open surface a point suddenly lies inside. The oracle is the energy of the bodies, kinetic and
 strain, not the total that contains what the contact stores: it must not exceed that of the start by more than 0.2 %.
-``stiff``, ``stiff_hosts``: closed skins, with penalty factors of 1 ... 1e6, of bodies that turn.
+``stiff``: closed skins, with penalty factors of 1 ... 1e6, of bodies that turn.
 """
 
 from __future__ import annotations
@@ -20,12 +20,6 @@ import libcontact as ct
 
 ALLOWED = 0.002
 AXES = "xyz"
-
-
-def turned(chance: np.random.Generator) -> np.ndarray:
-    """A random rotation."""
-    turn, _ = np.linalg.qr(chance.normal(size=(3, 3)))
-    return turn * np.sign(np.linalg.det(turn))
 
 
 def _body(chance: np.random.Generator, name: str, origin, size, velocity, most: int) -> dict:
@@ -146,152 +140,8 @@ def run_scene(made: tuple[dict, float], most: int = 6000) -> dict:
     }
 
 
-FACES = np.array(
-    [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
-)
-CORNERS = np.array(
-    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-)
-
-
-def _element(size: np.ndarray, young: float, poisson: float) -> np.ndarray:
-    """Stiffness of a rectangular hex8, eight Gauss points."""
-    K = np.zeros((24, 24))
-    C = np.zeros((6, 6))
-    C[:3, :3] = poisson
-    C[range(3), range(3)] = 1.0 - poisson
-    C[range(3, 6), range(3, 6)] = 0.5 - poisson
-    C *= young / (1.0 + poisson) / (1.0 - 2.0 * poisson)
-    signs = 2.0 * CORNERS - 1.0
-    for at in signs / np.sqrt(3.0):
-        one = 1.0 + signs * at
-        dN = np.stack([signs[:, 0] * one[:, 1] * one[:, 2], signs[:, 1] * one[:, 0] * one[:, 2],
-                       signs[:, 2] * one[:, 0] * one[:, 1]], 1) / 8.0 * (2.0 / size)  # fmt: skip
-        B = np.zeros((6, 24))
-        for c in range(3):
-            B[c, c::3] = dN[:, c]
-        for row, (c, d) in zip((3, 4, 5), ((0, 1), (1, 2), (2, 0)), strict=True):
-            B[row, c::3], B[row, d::3] = dN[:, d], dN[:, c]
-        K += B.T @ C @ B * np.prod(size) / 8.0
-    return K
-
-
-class Block:
-    """A box of linear hex8 elements of a host, turned and moved."""
-
-    def __init__(self, chance: np.random.Generator, size, centre, velocity, spin=0.0):
-        n = chance.integers(1, 4, 3)
-        h = size / n
-        grid = np.stack(np.meshgrid(*[np.arange(k + 1) for k in n], indexing="ij"), -1)
-        number = np.arange(grid[..., 0].size).reshape(n + 1)
-        cells = np.array(
-            [[number[i + a, j + b, k + c] for a, b, c in CORNERS] for i, j, k in np.ndindex(*n)]
-        )
-        turn = turned(chance)
-        young, density = 10 ** chance.uniform(-0.5, 0.5, 2)
-        poisson = chance.uniform(0.0, 0.4)
-        self.x0 = (grid.reshape(-1, 3) * h - size / 2) @ turn.T + centre
-        T = np.kron(np.eye(8), turn)
-        element = T @ _element(h, young, poisson) @ T.T
-        count = self.x0.size
-        self.K = np.zeros((count, count))
-        self.m = np.zeros(len(self.x0))
-        for cell in cells:
-            dofs = (3 * cell[:, None] + np.arange(3)).ravel()
-            self.K[np.ix_(dofs, dofs)] += element
-            self.m[cell] += density * np.prod(h) / 8.0
-        m3 = np.repeat(self.m, 3)
-        self.step = 2.0 / np.sqrt(np.linalg.eigvalsh(self.K / np.sqrt(np.outer(m3, m3)))[-1])
-        self.modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
-        self.h = h.min()
-        self.travel_time = self.h / np.sqrt(self.modulus / density)
-        self.u = np.zeros_like(self.x0)
-        turning = spin * np.random.default_rng(cells.size).normal(size=3)
-        self.v = velocity + np.cross(turning, self.x0 - self.x0.mean(0))
-        skin = [cell[face] for cell in cells for face in FACES]
-        met: dict[tuple, int] = {}
-        for face in skin:
-            key = tuple(sorted(face))
-            met[key] = met.get(key, 0) + 1
-        self.skin = np.array([face for face in skin if met[tuple(sorted(face))] == 1])
-
-    def part(self, chance: np.random.Generator) -> np.ndarray:
-        """Some faces of the skin: half of the sides, or faces at random."""
-        if chance.random() < 0.5:
-            axis, level = chance.normal(size=3), chance.uniform(-0.3, 0.3)
-            middle = self.x0[self.skin].mean(1) - self.x0.mean(0)
-            chosen = middle @ axis > level * np.linalg.norm(axis) * np.ptp(self.x0)
-        else:
-            chosen = chance.random(len(self.skin)) < 0.6
-        return self.skin[chosen] if chosen.any() else self.skin
-
-
-def run_host(seed: int, factor: float = 40.0, steps: int = 1500, closed: bool = False) -> dict:
-    """A leapfrog of our own about a `ct.Contact` of parts of two closed skins."""
-    chance = np.random.default_rng(seed)
-    speed = 10 ** chance.uniform(-2.5, -0.8)
-    way = chance.normal(size=3)
-    way /= np.linalg.norm(way)
-    sizes = chance.uniform(0.4, 1.4, (2, 3))
-    start = way * 0.5 * np.linalg.norm(sizes.sum(0)) * chance.uniform(0.8, 1.05)
-    aside = np.cross(way, chance.normal(size=3)) * chance.uniform(0.0, 0.6)
-    spin = 0.08 if closed else 0.0
-    a = Block(chance, sizes[0], np.zeros(3), np.zeros(3), spin)
-    b = Block(chance, sizes[1], start + aside, -way * speed, -spin)
-    dt = float(chance.uniform(0.3, 0.95)) * min(a.step, b.step)
-    modulus = min(a.modulus, b.modulus)
-    options = {
-        "epsilon": factor * modulus / min(a.h, b.h),
-        "restitution": float(seed % 2),
-        "travel_time": min(a.travel_time, b.travel_time),
-        "points": str(chance.choice(["gauss", "gauss", "lobatto"])),
-        "initial_penetration": "keep",
-    }
-    faces = [body.skin if closed else body.part(chance) for body in (a, b)]
-    surfaces = [ct.Surface("Q4", body.x0, face) for body, face in zip((a, b), faces, strict=True)]
-    contact = ct.Contact(*surfaces, **options)
-    first, most, jump, last, booked = None, 0.0, 0.0, None, 0.0
-    steps = min(steps, int(1.5 * np.linalg.norm(start + sizes.mean(0)) / speed / dt) + 1)
-    free = [np.repeat(1.0 / body.m, 3).reshape(-1, 3) for body in (a, b)]
-    for step in range(steps):
-        force = [-(body.K @ body.u.ravel()).reshape(-1, 3) for body in (a, b)]
-        kick = dt if step else dt / 2
-        x = tuple(body.x0 + body.u for body in (a, b))
-        try:
-            contact.step(dt, x, (a.v, b.v), tuple(free), tuple(force), force_time=kick)
-        except (ct.Error, ValueError) as error:
-            return {"ended": "refused", "text": str(error)[:200], "growth": most, "told": []}
-        added = tuple(np.zeros_like(f) for f in force)
-        contact.add_force(added)
-        energy, begun = 0.0, 0.0
-        for body, f, g, inverse in zip((a, b), force, added, free, strict=True):
-            # The energy half a step later: that of t_n falls below it by what the forces of t_n
-            # accelerate against themselves, and rises above it where they act against each other.
-            if first is None:
-                begun += 0.5 * float((body.m[:, None] * body.v**2).sum())
-            body.v = body.v + kick * inverse * (f + g)
-            next_u = body.u + dt * body.v
-            energy += 0.5 * float((body.m[:, None] * body.v**2).sum())
-            energy += 0.5 * float(body.u.ravel() @ body.K @ next_u.ravel())
-            body.u = next_u
-        if first is None:
-            first = last = begun
-        most, jump, last = max(most, energy / first - 1), max(jump, (energy - last) / first), energy
-        balance = contact.balance
-        booked = max(booked, (balance.work + balance.energy) / first)
-    return {
-        "ended": "ok", "growth": most, "step": jump, "booked": booked, "end": last / first,
-        "contact": 1.0 - last / first, "told": [],
-    }  # fmt: skip
-
-
 def one(family: str, seed: int) -> dict:
-    if family == "hosts":
-        return run_host(seed)
-    if family == "stiff_hosts":
-        factor = float(10 ** np.random.default_rng(seed).uniform(0.0, 6.0))
-        return run_host(seed, factor=factor, closed=True)
-    return run_scene((open_scene if family == "scenes" else stiff_scene)(seed))
+    return run_scene({"scenes": open_scene, "stiff": stiff_scene}[family](seed))
 
 
 def main() -> None:
