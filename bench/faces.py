@@ -15,20 +15,6 @@ RIGHT = 1e-6  # of the distance or the face size, whichever is larger
 MARGIN = 1e-6  # a closest point this far from the edges, in xi, counts as inside
 
 
-def benchmark():
-    """The distorted face and a point above it: nodes (8, 3), point (3,).
-
-    The paper's benchmark is a segment cut from two rectangular plates that are bent over a cylinder. We
-    construct a similar one: a Q8 square, sheared, laid over a cylinder of radius 1 and slightly twisted.
-    The point lies beneath the arch, near the axis of the cylinder: each flank has a locally closest
-    point, and one of them is closer.
-    """
-    square = corpus.QUADRILATERAL * [1.1, 1.0]
-    s, y = square[:, 0] + 0.35 * square[:, 1], square[:, 1] + 0.1 * square[:, 0] * square[:, 1]
-    nodes = np.column_stack([np.sin(s), y, np.cos(s) + 0.15 * square[:, 0] * square[:, 1]])
-    return nodes, np.array([0.1, 0.1, -0.1])
-
-
 def ordinary(count: int, seed: int = 7):
     """Curved Q8 faces, points above or below them, and their closest points by construction: nodes
     (m, 8, 3), points (m, 3), xi (m, 2), gaps (m,)."""

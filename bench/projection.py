@@ -2,8 +2,7 @@
 minimisers in the same run.
 
 Each library is called from C in the same loop (projection_loops.c) for the same pairs of a face and a
-point, with the same f and gradient. NLopt's functions are those inside its Python wheel. SciPy is called
-from Python, whose cost is part of its times.
+point, with the same f and gradient. NLopt's functions are those inside its Python wheel.
 """
 
 from __future__ import annotations
@@ -12,14 +11,12 @@ import ctypes
 import os
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 import faces
 import numpy as np
 from faces import MARGIN, RIGHT, corpus
 from libcontact._core import lib
-from libcontact.pictures import plot_projection
 from libcontact.projection import METHODS
 
 HERE = Path(__file__).parent
@@ -44,7 +41,6 @@ NLOPT_CALLS = (
     "optimize",
 )
 GSL = {"GSL nmsimplex2": "bench_gsl_nmsimplex2", "GSL bfgs2": "bench_gsl_bfgs2"}
-SCIPY = {"SciPy SLSQP": "SLSQP", "SciPy Nelder-Mead": "Nelder-Mead"}
 CLOSED = ("robust", "certified")  # methods that know the edges of the face
 
 
@@ -155,40 +151,6 @@ def solvers(loops) -> dict:
         if hasattr(loops, function):
             add(name, lambda pairs, f=function: getattr(loops, f)(ctypes.byref(pairs)))
     return out
-
-
-def scipy_run(nodes, points, tolerance, method):
-    """SciPy on Q8 faces, from Python: seconds, xi and calls."""
-    from scipy.optimize import minimize
-
-    powers = np.array(corpus.POWERS["Q8"])
-    i, j = powers.T
-    inverse = np.linalg.inv(
-        np.array([[x**a * y**b for a, b in powers] for x, y in corpus.QUADRILATERAL])
-    )
-    closest, calls = np.empty((len(points), 2)), np.empty(len(points))
-    start = time.perf_counter()
-    for k, (own, point) in enumerate(zip(nodes, points)):
-        c = inverse @ (own - point)
-
-        def f(xi, c=c):
-            d = (xi[0] ** i * xi[1] ** j) @ c
-            return d @ d
-
-        options = (
-            {"ftol": max(tolerance**2, 1e-15)}
-            if method == "SLSQP"
-            else {"xatol": tolerance, "fatol": max(tolerance**2, 1e-15)}
-        )
-        end = minimize(
-            f,
-            (0.0, 0.0),
-            method=method,
-            bounds=[(-1, 1), (-1, 1)],
-            options={"maxiter": 2000, **options},
-        )
-        closest[k], calls[k] = end.x, end.nfev
-    return time.perf_counter() - start, closest, calls
 
 
 # -- What is measured ------------------------------------------------------------------------------
@@ -332,7 +294,6 @@ def measure() -> dict:
                 )
                 for category in result["categories"]
             } | {"all": float(np.mean(right))}
-        result["scipy"] = scipy_rows(nodes[:40], points[:40], xi[:40])
         result["speeds"] = speeds(loops, run)
         del loops
     result["missing"] = [name for name in [*NLOPT, *GSL] if name not in run]
@@ -354,27 +315,6 @@ def truths(cases):
     )
 
 
-def scipy_rows(nodes, points, xi) -> dict:
-    try:
-        import scipy  # noqa: F401
-    except ImportError:
-        return {}
-    rows = {}
-    for name, method in SCIPY.items():
-        rows[name] = []
-        for tolerance in TOLERANCES[::4]:
-            seconds, closest, calls = scipy_run(nodes, points, tolerance, method)
-            rows[name].append(
-                {
-                    "tolerance": tolerance,
-                    "evaluations": float(np.mean(calls)),
-                    "ns": 1e9 * seconds / len(points),
-                    "xi_error": float(np.median(np.max(np.abs(closest - xi), axis=1))),
-                }
-            )
-    return rows
-
-
 # -- Tables and pictures ---------------------------------------------------------------------------
 def report(result: dict) -> str:
     lines = [
@@ -385,11 +325,6 @@ def report(result: dict) -> str:
         row = rows[TOLERANCES.index(1e-10)]
         lines.append(
             f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e} {row['distance_error']:12.1e}"
-        )
-    for name, rows in result["scipy"].items():
-        row = next(r for r in rows if r["tolerance"] == 1e-10)
-        lines.append(
-            f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e}   (called from Python, 40 faces)"
         )
     lines.append(
         "speed on 2048 ordinary Q8 faces from node coordinates, relative to robust at 1e-10 (warm: to robust warm), least and "
@@ -416,19 +351,12 @@ def report(result: dict) -> str:
     return "\n".join(lines)
 
 
-def colours(names):
-    import matplotlib.pyplot as plt
-
-    return {name: plt.get_cmap("tab20")(i % 20) for i, name in enumerate(names)}
-
-
 def draw(result: dict, path: Path) -> None:
-    """Draw work against precision into `path`; beside it the paths of all methods and the map of starts on
-    the benchmark face."""
+    """Draw work against precision."""
     import matplotlib.pyplot as plt
 
     fig, axes = plt.subplots(2, 3, figsize=(15, 9), layout="constrained")
-    colour = colours(result["ordinary"])
+    colour = dict(zip(result["ordinary"], plt.get_cmap("tab20").colors))
     for row, (which, error) in zip(axes, (("ordinary", "xi_error"), ("hard", "wrong"))):
         for name, table in result[which].items():
             style = {
@@ -459,42 +387,3 @@ def draw(result: dict, path: Path) -> None:
     axes[0, 2].legend(fontsize=7, ncols=2)
     fig.savefig(path, dpi=130)
     plt.close(fig)
-    draw_paths(path.with_name("projection_paths.png"))
-    draw_starts(path.with_name("projection_starts.png"))
-
-
-def draw_paths(path: Path) -> None:
-    nodes, point = faces.benchmark()
-    fig, axes = panels()
-    for ax, name in zip(axes.flat, METHODS):
-        evaluations = plot_projection.draw_path(ax, "Q8", nodes, point, name, (-0.6, 0.7))
-        ax.set_title(f"{name}: {evaluations} evaluations", fontsize=10)
-    plot_projection.legend_of_ends(fig)
-    fig.suptitle(
-        "The benchmark face: iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point"
-    )
-    fig.savefig(path, dpi=130)
-
-
-def draw_starts(path: Path) -> None:
-    nodes, point = faces.benchmark()
-    fig, axes = panels()
-    for ax, name in zip(axes.flat, METHODS):
-        share = plot_projection.draw_starts(ax, "Q8", nodes, point, name, cells=121)
-        ax.set_title(f"{name}: correct from {100 * share:.0f} %", fontsize=10)
-    plot_projection.legend_of_ends(fig)
-    fig.suptitle("The benchmark face: end of a search by its start; the star is the closest point")
-    fig.savefig(path, dpi=130)
-
-
-def panels():
-    """A figure with axes for every method."""
-    import matplotlib.pyplot as plt
-
-    rows = -(-len(METHODS) // 4)
-    fig, axes = plt.subplots(
-        rows, 4, figsize=(13, 3.35 * rows + 0.6), layout="constrained", squeeze=False
-    )
-    for ax in axes.flat[len(METHODS) :]:
-        ax.axis("off")
-    return fig, axes

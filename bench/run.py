@@ -1,5 +1,5 @@
-"""``make bench``: run every bench, print its table, write JSON to the folder named on the command line, and the
-pictures of the projections."""
+"""``make bench``: run every bench, print its table, write JSON to the folder named on the command line, and a picture
+of the projections."""
 
 import json
 import os
