@@ -511,34 +511,17 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
 
 def distorted(amount, seed):
     """A block of unit cubes with its inner nodes moved at random by up to ``amount`` in each direction."""
-    n, rng = 5, np.random.default_rng(seed)
-    grid = np.stack(np.meshgrid(*[np.arange(n + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
-    inner = ((grid > 0) & (grid < n)).all(1)
-    grid[inner] += rng.uniform(-amount, amount, (inner.sum(), 3))
-    number = lambda i, j, k: (i * (n + 1) + j) * (n + 1) + k
-    cells = [
-        [number(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        for i in range(n)
-        for j in range(n)
-        for k in range(n)
-    ]
-    return grid, np.array(cells, np.int32)
+    mesh, rng = Mesh.box("hex8", [0, 0, 0], [5, 5, 5], [5, 5, 5]), np.random.default_rng(seed)
+    nodes = mesh.nodes.copy()
+    inner = ((nodes > 0) & (nodes < 5)).all(1)
+    nodes[inner] += rng.uniform(-amount, amount, (inner.sum(), 3))
+    return nodes, mesh.elements
 
 
 def worst_determinants(nodes, cells):
     """Smallest Jacobian determinant at the corners of each element, from the definition of the trilinear map."""
-    signs = np.array(
-        [
-            [-1, -1, -1],
-            [1, -1, -1],
-            [1, 1, -1],
-            [-1, 1, -1],
-            [-1, -1, 1],
-            [1, -1, 1],
-            [1, 1, 1],
-            [-1, 1, 1],
-        ]
-    )
+    square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    signs = np.array([(*side, z) for z in (-1, 1) for side in square])
     out = np.full(len(cells), np.inf)
     for xi in signs:
         factor = 1 + signs * xi
