@@ -54,11 +54,11 @@ def at(kind, nodes, xi):
     return np.array([xi[0] ** i * xi[1] ** j for i, j in POWERS[kind]]) @ np.linalg.solve(A, nodes)
 
 
-def somewhere(rng, kind, margin=0.0):
+def somewhere(rng, kind):
     """Reference coordinates at random."""
     if kind[0] == "Q":
-        return rng.uniform(-1 + margin, 1 - margin, 2)
-    return (margin, margin) + (1 - 3 * margin) * rng.dirichlet([1, 1, 1])[:2]
+        return rng.uniform(-1, 1, 2)
+    return rng.dirichlet([1, 1, 1])[:2]
 
 
 def normal(kind, nodes, xi):

@@ -18,11 +18,11 @@ UPPER = np.array([[-1.0, -1, -0.05], [-1.1, 1, 0.02], [1, 1.2, 0.2], [1.2, -1, 0
 REFERENCE = (UPPER + [0, 0, 0.5], LOWER)
 
 
-def touching(x, epsilon=EPSILON):
+def touching(x):
     """The contact of both faces with the explicit penalty at the coordinates x, and its forces."""
     surfaces = [ct.Surface("Q4", nodes, [[0, 1, 2, 3]]) for nodes in REFERENCE]
     contact = ct.Contact(
-        *surfaces, epsilon=epsilon, enforcement="penalty", initial_penetration="force", depth=1.0
+        *surfaces, epsilon=EPSILON, enforcement="penalty", initial_penetration="force", depth=1.0
     )
     still, free = np.zeros((4, 3)), np.ones((4, 3))
     contact.step(1e-3, x, (still, still), (free, free))

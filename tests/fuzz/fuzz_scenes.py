@@ -171,7 +171,7 @@ def value(chance: random.Random):
     return [chance.uniform(-1, 1) for _ in range(3)]
 
 
-def places(node, path=()):
+def places(node):
     if isinstance(node, dict):
         for key, item in node.items():
             yield node, key

@@ -105,8 +105,9 @@ def stiff_scene(seed: int) -> tuple[dict, float]:
     return _scene(chance, bodies, contact), 2.5 / float(np.linalg.norm(velocity))
 
 
-def run_scene(made: tuple[dict, float], most: int = 6000) -> dict:
+def run_scene(made: tuple[dict, float]) -> dict:
     """Run a scene; what its bodies gained, and what was told."""
+    most = 6000  # steps
     data, end = made
     data["time"]["end"] = end
     told: list[str] = []

@@ -51,10 +51,10 @@ def test_partial_slip_from_the_output():
     assert min(off) < 0.1
 
 
-def rubbing(element, speed, law="linear"):
+def rubbing(element, speed):
     """A block that is pressed on another one, which rubs on a plane; the upper one is moved along x."""
     scene = ct.Scene(units=METRES)
-    scene.add_material("m", young=1e3, poisson=0.3, density=1.0, law=law)
+    scene.add_material("m", young=1e3, poisson=0.3, density=1.0)
     scene.add_body(
         "low", material="m", element=element, box=box_of([0, 0, 0], [2, 1, 0.5], [4, 2, 1])
     )

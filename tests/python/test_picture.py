@@ -27,12 +27,12 @@ def hertz():
     return ct.Scene(data).run()
 
 
-def falling(cells=2, **material):
+def falling(**material):
     """A block that falls on a held plate."""
     scene = ct.Scene(units=METRES, title="Falling block")
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, **material)
     plate = box_of([-1, -1, -0.4], [2, 2, 0.4], [10, 10, 2])
-    block = box_of([-0.3, -0.3, 0.02], [0.6, 0.6, 0.6], [cells] * 3)
+    block = box_of([-0.3, -0.3, 0.02], [0.6, 0.6, 0.6], [2, 2, 2])
     scene.add_body("plate", box=plate, material="rubber")
     scene.add_body("block", box=block, material="rubber", velocity=[0, 0, -4])
     scene.add_contact("block.z_min", "plate.z_max")

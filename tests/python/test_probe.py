@@ -47,10 +47,10 @@ def everywhere(scene):
     return scene.add_probe("end", surface="bar.x_min", every=3)
 
 
-def impulse(history, name="force"):
+def impulse(history):
     """The trapezoidal sum, which is exact for the discrete motion: half of the first and of the last force belongs to
     the time."""
-    f, dt = history[name], np.diff(history["time"])[:, None]
+    f, dt = history["force"], np.diff(history["time"])[:, None]
     return (0.5 * dt * (f[1:] + f[:-1])).sum(axis=0)
 
 

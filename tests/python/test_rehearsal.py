@@ -27,11 +27,11 @@ def rehearsed(scene):
     return (seen[0] if seen else None), problem, seen
 
 
-def block(element="hex8", cells=(8, 8, 8), **entries):
+def block(cells=(8, 8, 8), **entries):
     scene = ct.Scene(units=METRES)
     scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0, law=entries.pop("law", None))
     box = box_of([1, 2, 3], [1, 2, 3], list(cells))
-    scene.add_body("block", material="soft", element=element, box=box, **entries)
+    scene.add_body("block", material="soft", box=box, **entries)
     return scene.set_time(end=1.0, fraction=0.5)
 
 

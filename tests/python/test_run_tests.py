@@ -69,21 +69,3 @@ def test_c_programs_wait_without_spinning(tmp_path):
     program.chmod(0o755)
     done = captured([sys.executable, RUNNER, tmp_path, "--no-pytest", program])
     assert done.returncode == 0, done.stdout
-
-
-def test_coverage_counts_lines_and_branches_of_each_room(monkeypatch):
-    """Two programs run the same source: their counts add up, and branches count only for the library's own object."""
-    monkeypatch.syspath_prepend(str(RUNNER.parents[1] / "tools"))
-    import count_coverage as coverage
-
-    counts = coverage.Counts()
-    for own, times in ((True, (1, 0)), (False, (5, 7))):
-        counts.add({"line_number": 3, "count": times[0], "branches": [{"count": times[0]}]}, own)
-        counts.add({"line_number": 4, "count": times[1], "branches": [{"count": times[1]}]}, own)
-    files = {coverage.SOURCES / "search" / "tree.c": counts}
-    row, total = coverage.rows(files)
-    assert (row["room"], total["room"]) == ("search", "all")
-    assert row["lines"] == "2" and row["of them run, %"] == "100.0"
-    assert row["branches"] == "2" and row["of them taken, %"] == "50.0"
-    (low,) = coverage.low(files)
-    assert "search/tree.c" in low and "50.0 %" in low

@@ -7,10 +7,10 @@ from scenes import METRES, box_of
 import libcontact as ct
 
 
-def glued(poisson=0.3, length=0.5, beta=40.0, order=1):
-    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=poisson, density=1.0)
-    scene.add_body("a", material="soft", box=box_of([0, 0, 0], [length, 1, 1], [4, 8, 8]))
-    scene.add_body("b", material="soft", box=box_of([length, 0, 0], [length, 1, 1], [4, 11, 11]))
+def glued(beta=40.0, order=1):
+    scene = ct.Scene(units=METRES).add_material("soft", young=1.0, poisson=0.3, density=1.0)
+    scene.add_body("a", material="soft", box=box_of([0, 0, 0], [0.5, 1, 1], [4, 8, 8]))
+    scene.add_body("b", material="soft", box=box_of([0.5, 0, 0], [0.5, 1, 1], [4, 11, 11]))
     return scene.add("tie", surfaces=["a.x_max", "b.x_min"][::order], beta=beta)
 
 
