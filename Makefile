@@ -97,7 +97,7 @@ help:
 	@echo "make fuzz             random calls, scenes, optimisations, files and faces, for FUZZ_SECONDS (60); total counts in build/fuzz"
 	@echo "make kill             kill KILLS (100) runs while they write; each file must open and its run continue"
 	@echo "make zoo              everyday scenes with all options, judged by oracles, in build/zoo; continues after an interruption (ZOO=\"--draws 0 SCENE\")"
-	@echo "make coverage         lines and branches of the C library that the C tests run, by room (COVERAGE=--book: the book's table)"
+	@echo "make coverage         lines and branches of the C library that the C tests run, by file, in build/coverage/index.html"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make test-mpi         one run on 1 to 4 processes of MPI; installs mpich, mpi4py and pymetis from the Python index"
 	@echo "make check-mpi        scenes and the laboratory's short list on 1 to 4 processes, each cut in five ways: equal bits"
@@ -463,12 +463,13 @@ _zoo: $(VENV)/.wrapper
 	$(VENV)/bin/python stability/zoo.py $(BUILD)/zoo $(ZOO)
 
 # The C tests with a library that counts lines and branches (gcov), in a build of its own.
-coverage:
+coverage: $(VENV)/.coverage
 	@rm -rf $(BUILD)/coverage/tests && find $(BUILD) -path '*/coverage/*.gcda' -delete
 	+-$(MAKE) --no-print-directory $(JOBS) _check-c BUILD=$(BUILD)/coverage CC="$(CC) --coverage" OPT="-O1 -fno-early-inlining" \
 	  CFLAGS="-DCT_NO_CLONES -DCT_SHORT_LOOPS" SANITIZERS= HAVE_PKG_CONFIG=
 	@rm -f *.gcno # of the compiler's probes
-	$(PYTHON) tools/count_coverage.py $(BUILD)/coverage $(COVERAGE)
+	$(VENV)/bin/gcovr --root . --filter libcontact/src/ --html-details $(BUILD)/coverage/index.html --print-summary $(BUILD)/coverage
+	@echo "written: $(BUILD)/coverage/index.html"
 
 # -- Threads and memory, looked at by other programs ----------------------------------------------------------------------------------
 # Several states of one problem stepped by several threads of a host, under the thread sanitizer. Without OpenMP, whose runtime it does not see.
