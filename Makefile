@@ -223,18 +223,17 @@ _pdf: _docs $(VENV)/.browser
 	$(VENV)/bin/python docs/printed.py $(BOOK)
 	$(CHECK_ANSWERS)
 
-# The library in a page: WebAssembly with vector instructions and without. zig by itself takes -Oz for -Os.
-PAGE_OPT = -Oz -Xclang -Oz -fno-pic $(if $(filter simd,$(1)),-msimd128)
-PAGE_MODULES := $(BUILD)/page/simd.wasm $(BUILD)/page/plain.wasm
-$(BUILD)/page/%/lib/libcontact.a: FORCE $(VENV)/.cross
-	+@$(MAKE) --no-print-directory $@ BUILD=$(BUILD)/page/$* CC="$(ZIG) cc -target wasm32-wasi" AR="$(ZIG) ar" CFLAGS="$(call PAGE_OPT,$*)" OPT= WITHOUT="gsl hdf5 openmp"
-$(BUILD)/page/%.wasm: $(BUILD)/page/%/lib/libcontact.a $(wildcard docs/laboratory/module/*)
+# The library in a page: WebAssembly with vector instructions. zig by itself takes -Oz for -Os.
+PAGE_OPT := -Oz -Xclang -Oz -fno-pic -msimd128
+$(BUILD)/page/core/lib/libcontact.a: FORCE $(VENV)/.cross
+	+@$(MAKE) --no-print-directory $@ BUILD=$(BUILD)/page/core CC="$(ZIG) cc -target wasm32-wasi" AR="$(ZIG) ar" CFLAGS="$(PAGE_OPT)" OPT= WITHOUT="gsl hdf5 openmp"
+$(BUILD)/page/module.wasm: $(BUILD)/page/core/lib/libcontact.a $(wildcard docs/laboratory/module/*)
 	@echo "  module $@"
-	$(Q)$(ZIG) cc -target wasm32-wasi -mexec-model=reactor -std=c99 -ffp-contract=off $(call PAGE_OPT,$*) -s $(WARNINGS) -Wl,--max-memory=536870912 \
+	$(Q)$(ZIG) cc -target wasm32-wasi -mexec-model=reactor -std=c99 -ffp-contract=off $(PAGE_OPT) -s $(WARNINGS) -Wl,--max-memory=536870912 \
 	  -Ilibcontact/include docs/laboratory/module/*.c $< -o $@
-.SECONDARY: $(PAGE_MODULES:.wasm=/lib/libcontact.a) $(VENV)/.cross
-_page: $(PAGE_MODULES) $(VENV)/.wrapper
-	$(VENV)/bin/python tools/build_page.py $(PAGE_MODULES) $(BUILD)/page/html
+.SECONDARY: $(VENV)/.cross
+_page: $(BUILD)/page/module.wasm $(VENV)/.wrapper
+	$(VENV)/bin/python tools/build_page.py $< $(BUILD)/page/html
 	@echo "written: $(BUILD)/page/html/index.html"
 _test-page: _page $(VENV)/.test $(VENV)/.docs $(VENV)/.browser
 	LIBCONTACT_BUILD=$(BUILD) LIBCONTACT_PAGE_ACTIONS=60 $(VENV)/bin/python -m pytest -q tests/python/test_page.py tests/docs/test_laboratory.py

@@ -1,8 +1,7 @@
 """``make page``: the laboratories as a folder of files that a browser opens from a disk.
 
-``build_page.py simd.wasm plain.wasm FOLDER`` packs both modules of the library (``docs/laboratory/module``), writes the
-scripts and one page for each laboratory. A browser without vector instructions needs the second module, which is stored
-as its differences from the first.
+``build_page.py MODULE FOLDER`` packs the module of the library (``docs/laboratory/module``), writes the scripts and one
+page for each laboratory. Browsers that unpack it have vector instructions, too.
 """
 
 from __future__ import annotations
@@ -53,10 +52,7 @@ SHOWN = (
     "waves.js",
     "own.js",
 )
-MOST_PACKED = 450_000  # bytes of both modules
-SHORTEST = 16  # bytes of a part that is copied from the other module
-
-
+MOST_PACKED = 320_000  # bytes of the module
 EXAMPLES = ("plates", "bar_on_a_wall", "bouncing_bar")
 # Titles, and what there is to do.
 PAGES = {
@@ -147,61 +143,21 @@ def examples() -> list[dict[str, str]]:
     ]
 
 
-def leb(number: int) -> bytes:
-    """A number >= 0, seven bits a byte, the lowest first."""
-    out = bytearray()
-    while number > 127:
-        out.append(number & 127 | 128)
-        number >>= 7
-    return bytes([*out, number])
-
-
-def differences(new: bytes, old: bytes) -> bytes:
-    """``new`` as parts of ``old`` and what lies between them: a count of bytes, these bytes, then the place in
-    ``old`` and the length of the part that follows; ``unpackDifferences`` of ``packed.js`` reads it."""
-    places: dict[bytes, int] = {}
-    for i in range(len(old) - SHORTEST):
-        places.setdefault(old[i : i + SHORTEST], i)
-    out, first, i = bytearray(), 0, 0
-    while i < len(new):
-        place = places.get(new[i : i + SHORTEST])
-        if place is None:
-            i += 1
-            continue
-        n = SHORTEST
-        while new[i + n : i + n + 1] == old[place + n : place + n + 1] != b"":
-            n += 1
-        out += leb(i - first) + new[first:i] + leb(place) + leb(n)
-        first = i = i + n
-    return bytes(out + leb(len(new) - first) + new[first:] + leb(0) + leb(0))
-
-
-def packed(name: str, content: bytes) -> str:
-    """A script that hands a packed file to the page."""
-    text = base64.b64encode(content).decode()
-    return f'laboratoryFile("{name}", "{text}");\n'
-
-
-def pack_modules(simd: bytes, plain: bytes) -> dict[str, bytes]:
-    """The content of both modules, packed for gzip; Zopfli needs 4 % less than gzip itself."""
+def pack(module: bytes) -> str:
+    """A script that hands the packed module to the page; Zopfli needs 4 % less than gzip itself."""
     import zopfli.gzip
 
-    out = {
-        "module-simd": zopfli.gzip.compress(simd),
-        "module-plain": zopfli.gzip.compress(differences(plain, simd)),
-    }
-    total = sum(map(len, out.values()))
-    if total > MOST_PACKED:
-        sys.exit(f"the packed modules have {total} bytes; at most {MOST_PACKED} are allowed")
-    return out
+    content = zopfli.gzip.compress(module)
+    print(f"module.js: {len(content)} bytes packed")
+    if len(content) > MOST_PACKED:
+        sys.exit(f"the packed module has {len(content)} bytes; at most {MOST_PACKED} are allowed")
+    return f'laboratoryFile("module", "{base64.b64encode(content).decode()}");\n'
 
 
-def main(simd: str, plain: str, target: str) -> None:
+def main(module: str, target: str) -> None:
     folder = Path(target)
     folder.mkdir(parents=True, exist_ok=True)
-    for name, content in pack_modules(Path(simd).read_bytes(), Path(plain).read_bytes()).items():
-        (folder / f"{name}.js").write_text(packed(name, content))
-        print(f"{name}.js: {len(content)} bytes packed")
+    (folder / "module.js").write_text(pack(Path(module).read_bytes()))
     worker = joined(*COMPUTING, "worker.js")
     script = f"const LABORATORY_WORKER = {json.dumps(worker)};\n"
     script += f"const LABORATORY_PRICES = {json.dumps(prices())};\n"

@@ -12,13 +12,6 @@ class Library {
     return library;
   }
 
-  // Whether this engine has vector instructions: a function that only makes a vector of zeros.
-  static hasSimd() {
-    const head = [0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 3, 2, 1, 0];
-    const splat = [10, 9, 1, 7, 0, 65, 0, 253, 15, 26, 11];
-    return WebAssembly.validate(new Uint8Array([...head, ...splat]));
-  }
-
   // A text of C.
   text(pointer) {
     const memory = new Uint8Array(this.call.memory.buffer);

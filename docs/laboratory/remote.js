@@ -31,7 +31,7 @@ class Remote {
   async run(job, state, show) {
     const stopped = this.stop();
     const id = this.count;
-    Remote.bytes ??= moduleBytes(packedFile, Library.hasSimd());
+    Remote.bytes ??= packedFile("module").then(unpack);
     const [bytes] = await Promise.all([Remote.bytes, stopped]);
     if (id !== this.count) return null;
     const fresh = this.worker === null;

@@ -1,8 +1,8 @@
 // Tasks of the tests, answered by the module of the pages: in Node (hashes.mjs) and in the page of a browser.
 "use strict";
 
-async function answersOf(kind, tasks) {
-  const library = await Library.open(await moduleBytes(packedFile, kind === "simd"));
+async function answersOf(tasks) {
+  const library = await Library.open(await unpack(await packedFile("module")));
   const all = (pointer, count) => library.doubles(pointer, count);
   const answers = {
     end({ scene }) {

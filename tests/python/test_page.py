@@ -20,7 +20,6 @@ BUILD = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve()
 FOLDER = BUILD / "page" / "html"
 NODE = shutil.which("node")
 
-import build_page
 import native
 
 module = pytest.mark.skipif(
@@ -28,25 +27,23 @@ module = pytest.mark.skipif(
 )
 
 
-def ask(kind, *tasks):
-    command = [NODE, ROOT / "tests" / "page" / "hashes.mjs", FOLDER, kind]
+def ask(*tasks):
+    command = [NODE, ROOT / "tests" / "page" / "hashes.mjs", FOLDER]
     told = subprocess.run(command, input=json.dumps(tasks), capture_output=True, text=True)
     assert told.returncode == 0, told.stderr
     return json.loads(told.stdout)
 
 
 @module
-@pytest.mark.parametrize("kind", ["simd", "plain"])
-def test_the_module_has_the_bits_of_this_machine(kind):
+def test_the_module_has_the_bits_of_this_machine():
     tasks, found = native.hashes()
-    assert ask(kind, *tasks) == found
+    assert ask(*tasks) == found
 
 
 @module
-@pytest.mark.parametrize("kind", ["simd", "plain"])
-def test_the_closed_form_is_that_of_this_machine_to_round_off(kind):
+def test_the_closed_form_is_that_of_this_machine_to_round_off():
     task, exact = native.closed_form()
-    (answer,) = ask(kind, task)
+    (answer,) = ask(task)
     assert np.abs(np.reshape(answer, (-1, 5)).T - exact).max() < 1e-12
 
 
@@ -54,7 +51,7 @@ def test_the_closed_form_is_that_of_this_machine_to_round_off(kind):
 def test_a_body_is_stretched_and_turned_as_by_python():
     """Products of three by three numbers and sines may differ in the last bit."""
     task = {"task": "end", "scene": tomllib.loads(native.STRETCHED)}
-    (answer,) = ask("simd", task)
+    (answer,) = ask(task)
     moved = native.displacement(native.STRETCHED)
     assert np.abs(np.reshape(answer, (-1, 3)) - moved).max() < 1e-13 * np.abs(moved).max()
 
@@ -163,7 +160,7 @@ def test_wrong_scenes_have_the_key_the_reason_and_the_line_of_python(tmp_path):
         error = caught.value
         expected.append({"key": error.key, "reason": error.reason, "line": error.line})
         tasks.append({"task": "check", "text": text})
-    found = ask("simd", *tasks)
+    found = ask(*tasks)
     differ = [
         (change, here, there)
         for change, here, there in zip(WRONG, found, expected)
@@ -175,7 +172,7 @@ def test_wrong_scenes_have_the_key_the_reason_and_the_line_of_python(tmp_path):
 @module
 def test_scenes_of_the_tutorials_are_read_as_by_python_or_refused_by_name():
     texts = {path.name: path.read_text() for path in (ROOT / "tutorials/scenes").glob("*.toml")}
-    found = dict(zip(texts, ask("simd", *({"task": "check", "text": t} for t in texts.values()))))
+    found = dict(zip(texts, ask(*({"task": "check", "text": t} for t in texts.values()))))
     taken = {name for name, answer in found.items() if "scene" in answer}
     assert {"plates.toml", "bar_on_a_wall.toml", "bouncing_bar.toml"} <= taken
     for name, answer in found.items():
@@ -190,30 +187,6 @@ def test_the_shown_simplex_rolls_as_that_of_the_library():
     """Its lowest corner after each step, until differences of distances are round-off."""
     for point in ([0.4, 0.3, 1.2], [-0.5, 0.1, -1.0], [0.9, -0.8, 0.4]):
         task = {"task": "simplex", "nodes": native.FACE, "point": point, "start": [-0.2, 0.6]}
-        (answer,) = ask("simd", task)
+        (answer,) = ask(task)
         assert len(answer["found"]) > 40
         assert answer["found"][:40] == answer["rolled"][:40]
-
-
-def test_a_module_is_put_together_from_its_differences():
-    """The inverse of ``differences``, written as ``unpackDifferences`` of packed.js reads it."""
-    random = np.random.default_rng(3)
-    old = random.bytes(3000)
-    new = old[500:900] + random.bytes(40) + old[100:130] + old[2000:] + b"end"
-    stored, out, at = build_page.differences(new, old), b"", 0
-
-    def number():
-        nonlocal at
-        value, shift = 0, 0
-        while True:
-            byte, at = stored[at], at + 1
-            value, shift = value | (byte & 127) << shift, shift + 7
-            if byte < 128:
-                return value
-
-    while at < len(stored):
-        own = number()
-        out, at = out + stored[at : at + own], at + own
-        place = number()
-        out += old[place : place + number()]
-    assert out == new and len(stored) < 150
