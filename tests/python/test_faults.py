@@ -360,13 +360,14 @@ def grown(scene, **how):
     return [warning for warning in told if issubclass(warning.category, ct.EnergyGrowth)]
 
 
-def test_growth_is_told_once_though_it_is_gone_at_the_end():
+def test_growth_is_told_at_once_and_at_the_end_though_it_is_gone():
     told = grown(flying(pump))
-    assert len(told) == 1 and told[0].filename == __file__
-    warning = told[0].message
-    when = math.log(1.01) / 0.02
+    assert len(told) == 2 and told[0].filename == told[1].filename == __file__
+    warning, last = told[0].message, told[1].message
+    assert last.ratio == pytest.approx(math.expm1(0.1), rel=0.05) and "at most" in str(last)
+    when = math.log(1.002) / 0.02
     assert (
-        0.01 < warning.ratio < 0.02
+        0.002 < warning.ratio < 0.01
         and when < warning.time < when + 1.0
         and warning.who == 'effect "pump"'
     )
@@ -395,18 +396,16 @@ def test_growth_names_the_contact_that_makes_it(where):
             "bar.x_min", "twin.x_max", **stiff
         )
     told = grown(scene.set_time(end=0.5, fraction=0.7, look_every=4))
-    assert len(told) == 1
-    assert (
-        told[0].message.who
-        == {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}[
-            where
-        ]
-    )
+    who = {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}
+    assert [each.message.who for each in told] == 2 * [who[where]]
     assert "energy_controlled" in str(told[0].message)
 
 
 def test_growth_of_a_solid_names_the_body(monkeypatch):
-    growth = ffi.new("ct_growth *", {"ratio": 0.02, "time": 3.0, "step": 7, "effect": 0, "body": 1})
+    growth = ffi.new(
+        "ct_growth *",
+        {"ratio": 0.02, "largest": 0.04, "time": 3.0, "step": 7, "effect": 0, "body": 1},
+    )
 
     class Told(Twisted):
         def ct_monitor_growth(self, watch):
@@ -417,6 +416,7 @@ def test_growth_of_a_solid_names_the_body(monkeypatch):
     assert (
         len(told) == 1
         and told[0].message.who == 'body "bar"'
+        and "courant = 0.45 leaves a quarter" in str(told[0].message)
         and "2 % more energy" in str(told[0].message)
         and "t = 3 (step 7)" in str(told[0].message)
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.mesh import view
+from scenes import METRES, box_of
 
 import libcontact as ct
 
@@ -164,3 +165,46 @@ def test_a_body_that_is_turned_inside_out_ends_the_run_with_its_name():
     scene["time"] = {"end": 0.01, "fraction": 0.9}
     with pytest.raises(ct.Error, match='"ring".*inverts the element'):
         ct.Scene(scene).run()
+
+
+# One neo-Hookean element whose far face moves along x: one degree of freedom of mass M, a force and a stiffness.
+MU, LAMBDA, M = 2.0 / 2.6, 2.0 * 0.3 / (1.3 * 0.4), 0.75
+OMEGA = math.sqrt((2 * MU + LAMBDA) / M)
+
+
+def one_element(angle, strain, steps):
+    """It starts with the velocity of this strain, and takes steps of ``angle`` over its frequency."""
+    scene = ct.Scene(title="one element", units=METRES)
+    scene.add_material("m", young=2.0, poisson=0.3, density=2 * M, law="neo_hookean")
+    box = box_of([0, 0, 0], [1, 1, 1], [1, 1, 1])
+    scene.add_body("b", material="m", box=box, velocity=[strain * OMEGA, 0, 0])
+    scene.add_support("b.x_min", fix="x").add_support("b.outer", fix="yz")
+    dt = angle / OMEGA
+    scene.set_time(end=(steps - 0.5) * dt, dt=dt)
+    return scene.set_output(every=1, fields=["displacement"]).run(output=False)
+
+
+def band(angle):
+    """Largest change of its energy, and largest difference of that to the closed form, over 24 / OMEGA."""
+    run = one_element(angle, 0.2, round(24 / angle))
+    s = 1 + np.array([state["b"].displacement[:, 0].sum() / 4 for state in run.states])
+    force, stiffness = MU * (s - 1 / s) + LAMBDA * (s - 1), MU * (1 + s**-2) + LAMBDA
+    v2 = 2 / M * run.energy["kinetic"] + (run.dt * force / (2 * M)) ** 2
+    function = v2 * stiffness + force**2 / M
+    change = run.energy["total"] - run.energy["total"][0]
+    exact = -(run.dt**2) / 12 * (function - function[0])
+    return np.abs(change).max(), np.abs(change - exact).max()
+
+
+def test_the_energy_of_the_leapfrog_at_large_strain():
+    """:eq:`energy-band`: the band is of second order in the step, and what it leaves of fourth."""
+    (one, off), (half, less) = band(0.2), band(0.1)
+    assert one / half == pytest.approx(4, rel=0.05) and off / less == pytest.approx(16, rel=0.1)
+
+
+def test_four_steps_a_period_resonate():
+    """:eq:`step-resonance`: at a strain of 5 % the energy doubles, and a little below it stays within its band."""
+    energy = one_element(1.3, 0.05, 1000).energy["total"]
+    assert np.abs(energy / energy[0] - 1).max() < 0.02
+    with pytest.warns(ct.EnergyGrowth, match="fraction|dt = "), pytest.raises(ct.EnergyBlowup):
+        one_element(math.sqrt(2), 0.05, 1000)

@@ -36,7 +36,7 @@ from .errors import (
 )
 from .hdf5 import ADVICE, files
 from .mesh import view
-from .model import FEEDS, FIELDS, FILTERED, LARGE
+from .model import FEEDS, FIELDS, FILTERED
 from .observers import Observer, own
 from .pieces import Pieces
 from .probes import Histories
@@ -158,7 +158,8 @@ class Loop:
         self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
         # The first chunk is limited by the number of nodes, later ones by the time of earlier ones.
         self.interrupted, self.chunk = False, max(1, FEW_VALUES // problem.pointer.node_count)
-        self.issued: set[str] = set()
+        # Ratio of the last warning of spurious energy; 0: none yet.
+        self.grown = 0.0
         self.seconds = self.output_seconds = 0.0
 
     def __deepcopy__(self, memo: Any) -> Loop:
@@ -497,18 +498,23 @@ class Loop:
         monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
 
-    def _warn_of_growth(self) -> None:
-        """Warn once of spurious energy growth, :eq:`energy-growth`."""
+    def _warn_of_growth(self, at_end: bool = False) -> None:
+        """Warn of spurious energy growth, :eq:`energy-growth`: of the first, and at the end of the largest if that
+        is more than twice as large."""
         growth = lib.ct_monitor_growth(self.monitor)
-        if "growth" in self.issued or not growth.ratio > 0.0:
+        if not growth.largest > (2.0 * self.grown if at_end or not self.grown else math.inf):
             return
-        self.issued.add("growth")
         who, key, advice = self._grower(growth)
+        ratio = growth.largest if self.grown else growth.ratio
         much = "energy where the bodies should have none"
-        if math.isfinite(growth.ratio):
-            much = f"{100.0 * growth.ratio:.3g} % more energy than the bodies should have"
-        text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        issue(EnergyGrowth(text, key, growth.ratio, growth.time, who))
+        if math.isfinite(ratio):
+            much = f"{100.0 * ratio:.3g} % more energy than the bodies should have"
+        when = f"by t = {growth.time:.6g} (step {growth.step})"
+        text = f"there is {much} {when}, most of it from {who}: {advice}"
+        if self.grown:
+            text = f"the energy has grown further: there was {much} at most"
+        self.grown = ratio
+        issue(EnergyGrowth(text, key, ratio, growth.time, who))
 
     def _observe(self, at_end: bool = False) -> None:
         """Call the observers that check this state, all of them ``at_end`` and at the start."""
@@ -517,7 +523,7 @@ class Loop:
             if at_end or observer.is_due(step, step == self.recorded):
                 for warning in observer.warnings(self.state):
                     issue(warning)
-        self._warn_of_growth()
+        self._warn_of_growth(at_end)
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """The cause of spurious energy growth, its key in the scene, and advice."""
@@ -526,7 +532,9 @@ class Loop:
         step = "take a smaller step (time.fraction)"
         if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
-            return who, key, f"{step}; a body that rotates needs the law {LARGE}"
+            name, value = self.time.step
+            advice = f"at large strain steps keep energy to second order only; {name} = {value / 2:.3g} leaves a quarter of it or less"
+            return who, key, advice
         words = {lib.CT_EFFECT_CONTACT: "contact ", lib.CT_EFFECT_OBSTACLE: "obstacle at "}
         if kind not in words:
             advice = f"{step}, and compare its stored energy with the work of its force"

@@ -1011,8 +1011,8 @@ class FrontTime(Table):
 
 class Time(Table):
     r"""End, step and integrator of the run. Only an end is required. At most one of ``courant``,
-    ``fraction`` and ``dt`` sets the step; by default it is 0.9 of the stable one (see
-    :doc:`/theory/accuracy` for the accuracy).
+    ``fraction`` and ``dt`` sets the step; by default it is 0.9 of the stable one, at large strain
+    0.7 (see :doc:`/theory/accuracy` for the accuracy).
 
     Attributes
     ----------
@@ -1026,7 +1026,8 @@ class Time(Table):
         shortest edge.
     fraction
         :math:`\Delta t` divided by the stable step that the library computes, including contact
-        (:eq:`step-bound`).
+        (:eq:`step-bound`). The default is 0.7 where a material has a law for large strain, because
+        short waves of four steps a period would gain energy there (:eq:`step-resonance`).
     dt
         :math:`\Delta t` itself.
     integrator
@@ -1049,8 +1050,8 @@ class Time(Table):
         (:eq:`residual`) is not above this number. A run that does not come to rest issues a
         warning.
     energy_limit
-        The run fails if spurious energy exceeds this fraction (:eq:`energy-appears`); above 1 % it
-        warns once (:eq:`energy-growth`).
+        The run fails if spurious energy exceeds this fraction (:eq:`energy-appears`); above 0.2 % it
+        warns (:eq:`energy-growth`).
     look_every
         Steps between two checks for faults (:doc:`/theory/faults`); the results do not depend on
         it.
@@ -1062,7 +1063,7 @@ class Time(Table):
     end: float | None = key(POSITIVE, unit="time", default=None, says="one of two", free=True)
     end_c1t_over: Any = key(Nested(FrontTime), default=None, says="one of two", free=True)
     courant: float | None = key(POSITIVE, default=None, says="see text")
-    fraction: float | None = key(POSITIVE, default=0.9)
+    fraction: float | None = key(POSITIVE, default=0.9, says="0.9; at large strain 0.7")
     dt: float | None = key(POSITIVE, unit="time", default=None, says="see text")
     integrator: str = key(
         Choice(INTEGRATORS, GONE["integrator"]),

@@ -177,7 +177,7 @@ typedef struct ct_monitor_options {
 } ct_monitor_options;
 
 /** Checks every 1024 steps; limits: spurious energy as large as the energy that the bodies should
- * have, and ω Δt = 2; spurious growth is reported above 1 %. */
+ * have, and ω Δt = 2; spurious growth is reported above 0.2 %. */
 CT_API ct_monitor_options ct_monitor_options_default(void);
 
 /** Checks one state during a run and stores a copy of the last good state, that is the last one
@@ -220,6 +220,8 @@ typedef struct ct_growth {
   /** Ratio of spurious energy to the energy that the bodies should have [-], :eq:`energy-growth`; 0
    * if no check has found more than the limit. */
   double ratio;
+  /** The largest ratio of all checks so far [-]; 0 as above. */
+  double largest;
   /** Time of the check [time]. */
   double time;
   /** Its number of steps. */

@@ -47,7 +47,7 @@ ct_monitor_options ct_monitor_options_default(void)
                               .every = 1024,
                               .energy_limit = 1.0,
                               .omega_limit = 2.0,
-                              .growth_limit = 0.01};
+                              .growth_limit = 0.002};
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
@@ -147,22 +147,22 @@ static double given_by(const ct_monitor *w, int32_t k)
              : (own->work + (own->stored - lent_to(w, k))) - own->external;
 }
 
-/* Store the first growth above the reporting limit (eq:energy-growth). */
+/* Store the first growth above the reporting limit, and the largest so far (eq:energy-growth). */
 static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 {
-  double most = -INFINITY;
-  ct_growth found = {.time = state->time,
-                     .step = state->step,
-                     .ratio = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
-  if (w->growth.ratio > 0.0 ||
-      !(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least)))
-    return;
+  double most = -INFINITY,
+         ratio = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY;
+  if (!(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least))) return;
+  w->growth.largest = fmax(w->growth.largest, ratio);
+  if (w->growth.ratio > 0.0) return;
+  w->growth.ratio = ratio;
+  w->growth.time = state->time;
+  w->growth.step = state->step;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
     double gave = given_by(w, k) - w->gave[k];
-    if (gave > most) most = gave, found.effect = k;
+    if (gave > most) most = gave, w->growth.effect = k;
   }
-  found.body = ct_effect_body_of(w->problem, largest_node(w->problem, state, NULL));
-  w->growth = found;
+  w->growth.body = ct_effect_body_of(w->problem, largest_node(w->problem, state, NULL));
 }
 
 static ct_status check_energy(ct_monitor *w, const ct_state *state, const energies *e,
