@@ -174,7 +174,8 @@ function buildScene(library, scene) {
     library.check(call.add_damping(scene.damping.rate, on.length));
   }
   const how = ["courant", "fraction", "dt"].findIndex((name) => time[name] !== undefined);
-  const value = how < 0 ? 0.9 : time[["courant", "fraction", "dt"][how]];
+  const usual = scene.material.some((each) => (each.law ?? "linear") !== "linear") ? 0.7 : 0.9;
+  const value = how < 0 ? usual : time[["courant", "fraction", "dt"][how]];
   library.check(call.start(endOf(scene), how < 0 ? 1 : how, value, scheme, parameter));
 }
 
