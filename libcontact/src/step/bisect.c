@@ -33,7 +33,7 @@ static int longest(const item *items, int64_t count)
       high[c] = fmax(high[c], items[i].x[c]);
     }
   for (int c = 1; c < 3; c++)
-    if (high[c] - low[c] > high[axis] - low[axis]) axis = c;
+    if (high[c] - low[c] >= high[axis] - low[axis]) axis = c;
   return axis;
 }
 
