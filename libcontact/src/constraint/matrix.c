@@ -259,22 +259,19 @@ static void move_active_nodes(int32_t count, const int32_t *place, const double 
     }
 }
 
-/* Add the sums of the other pieces at the nodes that they share with this one, of the components
- * first ... first + some - 1; `moved` is free until then. */
-CT_INLINE void join_nodes(ct_solver *s, int first, int some)
+void ct_matrix_join(const ct_solver *s, int first, int some, double *sums, double *joined)
 {
-  double *joined = s->moved;
   ct_clear(joined, (size_t)some * (size_t)s->shared_count);
   for (int32_t k = 0; k < s->own_shared_count; k++) {
     const int32_t at = s->own_shared[k];
     for (int c = 0; c < some; c++)
-      joined[some * (int64_t)at + c] = s->sums[s->shared_nodes[at] + first + c];
+      joined[some * (int64_t)at + c] = sums[s->shared_nodes[at] + first + c];
   }
   ct_pieces_sum(s->pieces, joined, some * (int64_t)s->shared_count);
   for (int32_t k = 0; k < s->own_shared_count; k++) {
     const int32_t at = s->own_shared[k];
     for (int c = 0; c < some; c++)
-      s->sums[s->shared_nodes[at] + first + c] = joined[some * (int64_t)at + c];
+      sums[s->shared_nodes[at] + first + c] = joined[some * (int64_t)at + c];
   }
 }
 
@@ -312,8 +309,8 @@ static int add_forces(ct_solver *s, ct_add *add, const double *force, int all)
   if (!ct_grid_init(&grid, 2.0 * s->weight * top, s->most_row_count)) return 0;
   add(grid.coarse, s->groups, s->group_count, s->entry_place, s->G, force, s->sums);
   if (all) ct_pieces_sum(s->pieces, s->sums, WIDE * (int64_t)s->node_count);
-  else if (s->shared_count > 0 && add == ct_add_full) join_nodes(s, 0, 3);
-  else if (s->shared_count > 0) join_nodes(s, 3, 1);
+  else if (s->shared_count > 0 && add == ct_add_full) ct_matrix_join(s, 0, 3, s->sums, s->moved);
+  else if (s->shared_count > 0) ct_matrix_join(s, 3, 1, s->sums, s->moved);
   return 1;
 }
 
@@ -370,23 +367,33 @@ static void list_active_nodes(ct_solver *s)
 /* Count the rows of all pieces at each node, and list the nodes with rows of several pieces. A
  * piece that has a node of a rigid body with rows has all of them, whose forces move all of the
  * body. */
+CT_CLONES
 static void list_shared_nodes(ct_solver *s)
 {
-  s->shared_count = s->own_shared_count = s->most_row_count = 0;
+  const double one = 4294967296.0; // a piece, as a number that no count of rows reaches
+  const int32_t *counts = s->row_counts;
+  double *restrict all = s->moved, most = 0.0;
+#pragma omp simd
+  for (int32_t n = 0; n < s->node_count; n++) all[n] = counts[n] + (counts[n] > 0 ? one : 0.0);
+  ct_pieces_sum(s->pieces, all, s->node_count);
+#ifndef __clang__ // as in ct_largest
+#pragma omp simd reduction(max : most)
+#endif
   for (int32_t n = 0; n < s->node_count; n++) {
-    s->moved[2 * (int64_t)n] = s->row_counts[n];
-    s->moved[2 * (int64_t)n + 1] = s->row_counts[n] > 0;
+    const double rows = all[n] < 2.0 * one ? all[n] - one : 0.0;
+    most = rows > most ? rows : most;
   }
-  ct_pieces_sum(s->pieces, s->moved, 2 * (int64_t)s->node_count);
+  s->shared_count = s->own_shared_count = 0;
   for (int32_t n = 0; n < s->node_count; n++) {
-    const double rows = s->moved[2 * (int64_t)n], pieces = s->moved[2 * (int64_t)n + 1];
-    if (rows > s->most_row_count) s->most_row_count = (int32_t)rows;
-    const int rigid = s->bodies != NULL && s->bodies->of[n] >= 0 && rows > 0.0;
+    const int rigid = s->bodies != NULL && s->bodies->of[n] >= 0 && all[n] > 0.0;
+    if (!(all[n] >= 2.0 * one) && !rigid) continue;
+    const double rows = all[n] - one * (double)((int64_t)all[n] >> 32);
+    most = rows > most ? rows : most;
     if (rigid) s->row_counts[n] = (int32_t)rows;
-    if (pieces <= 1.0 && !rigid) continue;
     if (s->row_counts[n] > 0) s->own_shared[s->own_shared_count++] = s->shared_count;
     s->shared_nodes[s->shared_count++] = WIDE * n;
   }
+  s->most_row_count = (int32_t)most;
 }
 
 int ct_matrix_bound(ct_solver *s, const double *ones, double *out)

@@ -39,6 +39,10 @@ int ct_matrix_push_all(ct_solver *solver, const double *force);
 void ct_matrix_take(const ct_solver *solver, double *total);
 void ct_matrix_follow(const ct_solver *solver, double share, double *total);
 
+/* Add to some components of the sums at nodes those of the other pieces, for the nodes that active
+ * rows of this one and of others share; `joined` is free until then, with as many numbers. */
+void ct_matrix_join(const ct_solver *solver, int first, int some, double *sums, double *joined);
+
 /* `moved` = A times the sums of forces at some places of nodes; the sums are then cleared. */
 void ct_matrix_move(const ct_solver *solver, int32_t count, const int32_t *place, double *sums,
                     double *moved);

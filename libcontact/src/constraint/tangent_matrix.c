@@ -320,12 +320,6 @@ static void push_rows(double coarse, const ct_tangent *t)
   }
 }
 
-/* The sums of all pieces. */
-static void join_sums(ct_solver *s)
-{
-  if (s->pieces != NULL) ct_pieces_sum(s->pieces, s->tangent->sums, WIDE * (int64_t)s->node_count);
-}
-
 int ct_tangent_push(ct_solver *s)
 {
   ct_tangent *t = s->tangent;
@@ -334,7 +328,7 @@ int ct_tangent_push(ct_solver *s)
   // Shape functions of quadratic faces are below 1 in size; the factor 4 is a margin.
   if (!ct_grid_init(&grid, 4.0 * s->weight * t->most_force, t->most_row_count)) return 0;
   push_rows(grid.coarse, t);
-  join_sums(s);
+  ct_tangent_join(s, 0, 3);
   ct_matrix_move(s, t->node_count, t->nodes, t->sums, t->moved);
   s->iterations++;
   t->pushed = 1;
@@ -544,7 +538,7 @@ int ct_tangent_bound(ct_solver *s)
   ct_pieces_largest(s->pieces, &top, 1);
   if (!ct_grid_init(&grid, top, t->most_row_count)) return 0;
   sum_sizes(grid.coarse, t);
-  join_sums(s);
+  ct_tangent_join(s, 3, 1);
   if (s->bodies != NULL) ct_bodies_push_sizes(s->bodies, t->node_count, t->nodes, t->sums);
   for (int32_t k = 0; k < t->node_count; k++) {
     const double *A = &s->mobility[t->nodes[k]];

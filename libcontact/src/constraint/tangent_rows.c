@@ -13,10 +13,14 @@
 
 enum { WIDE = CT_SOLVER_WIDE };
 
-/* The sums of all pieces. */
-static void join_sums(ct_solver *s)
+void ct_tangent_join(ct_solver *s, int first, int some)
 {
-  if (s->pieces != NULL) ct_pieces_sum(s->pieces, s->tangent->sums, WIDE * (int64_t)s->node_count);
+  double *sums = s->tangent->sums;
+  if (s->pieces == NULL) return;
+  if (!s->tangent->active) ct_pieces_sum(s->pieces, sums, WIDE * (int64_t)s->node_count);
+  if (!s->tangent->active || s->shared_count == 0) return;
+  ct_matrix_join(s, first, some, sums, s->sums);
+  ct_clear(s->sums, (size_t)some * (size_t)s->shared_count);
 }
 
 /* Count the rows at each node and list the nodes on which any acts. */
@@ -27,7 +31,7 @@ static void count_nodes(ct_solver *s)
   for (const ct_tangent_row *r = t->rows; r < t->rows + t->count; r += r->alike)
     for (int32_t a = 0; a < r->row->own_count + r->row->other_count; a++)
       t->sums[r->place[a] + 3] += r->alike;
-  join_sums(s);
+  ct_tangent_join(s, 3, 1);
   t->node_count = 0;
   for (int32_t n = 0; n < s->node_count; n++) {
     double *count = &t->sums[WIDE * (int64_t)n + 3];
@@ -49,12 +53,8 @@ static void list_nodes(ct_solver *s)
     return;
   }
   t->most_row_count = s->most_row_count;
-  t->node_count = s->pieces != NULL ? 0 : s->active_node_count;
+  t->node_count = s->active_node_count;
   memcpy(t->nodes, s->active_nodes, (size_t)t->node_count * sizeof *t->nodes);
-  // Of rigid bodies the counts are those of all pieces.
-  for (int32_t n = 0; s->pieces != NULL && n < s->node_count; n++)
-    if (s->bodies == NULL || s->bodies->of[n] < 0 || s->row_counts[n] > 0)
-      t->nodes[t->node_count++] = WIDE * n;
 }
 
 /* Whether the mobility of a node keeps the direction n. */
