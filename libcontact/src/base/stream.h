@@ -48,9 +48,13 @@ double ct_stream_sum(const ct_stream *sum);
 /* Largest size of some numbers; infinite if the sum of their sizes is not finite. */
 double ct_largest(const double *values, int64_t count);
 
-/* Smallest and largest value of each column of an array (count, 3), without NaN; infinite and
- * exchanged if there are no rows. */
-void ct_extent(int64_t count, const double *rows, double low[3], double high[3]);
+/* Smallest and largest value of each column of an array (count, 3), less another one unless that is
+ * null, without NaN; infinite and exchanged if there are no rows. */
+void ct_extent(int64_t count, const double *rows, const double *from, double low[3],
+               double high[3]);
+
+/* Largest distance of these rows from a point; 0 if there are none. */
+double ct_farthest(int64_t count, const double *rows, const double *from, const double origin[3]);
 
 /* Whether all of some numbers are zero, of either sign. */
 int ct_is_zero(const double *values, int64_t count);

@@ -21,20 +21,53 @@ double ct_largest(const double *values, int64_t count)
   return isfinite(all) ? top : INFINITY;
 }
 
-CT_CLONES
-void ct_extent(int64_t count, const double *rows, double low[3], double high[3])
+/* Inlined with a known null pointer `from`, or without. */
+CT_INLINE void extent(int64_t count, const double *rows, const double *from, double low[3],
+                      double high[3])
 {
   double lx = INFINITY, ly = lx, lz = lx, hx = -lx, hy = hx, hz = hx;
 #ifndef __clang__ // as in ct_largest
 #pragma omp simd reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
 #endif
-  for (int64_t n = 0; n < count; n++) {
-    double x = rows[3 * n], y = rows[3 * n + 1], z = rows[3 * n + 2];
+  for (int64_t d = 0; d < 3 * count; d += 3) {
+    double x = rows[d], y = rows[d + 1], z = rows[d + 2];
+    if (from != NULL) x -= from[d], y -= from[d + 1], z -= from[d + 2];
     lx = x < lx ? x : lx, ly = y < ly ? y : ly, lz = z < lz ? z : lz;
     hx = x > hx ? x : hx, hy = y > hy ? y : hy, hz = z > hz ? z : hz;
   }
   low[0] = lx, low[1] = ly, low[2] = lz;
   high[0] = hx, high[1] = hy, high[2] = hz;
+}
+
+CT_CLONES
+void ct_extent(int64_t count, const double *rows, const double *from, double low[3], double high[3])
+{
+  if (from == NULL) extent(count, rows, NULL, low, high);
+  else extent(count, rows, from, low, high);
+}
+
+CT_INLINE double farthest(int64_t count, const double *rows, const double *from,
+                          const double origin[3])
+{
+  const double a = origin[0], b = origin[1], c = origin[2];
+  double top = 0.0;
+#ifndef __clang__ // as in ct_largest
+#pragma omp simd reduction(max : top)
+#endif
+  for (int64_t d = 0; d < 3 * count; d += 3) {
+    double x = rows[d], y = rows[d + 1], z = rows[d + 2];
+    if (from != NULL) x -= from[d], y -= from[d + 1], z -= from[d + 2];
+    x -= a, y -= b, z -= c;
+    const double square = x * x + y * y + z * z;
+    top = square > top ? square : top;
+  }
+  return sqrt(top);
+}
+
+CT_CLONES
+double ct_farthest(int64_t count, const double *rows, const double *from, const double origin[3])
+{
+  return from == NULL ? farthest(count, rows, NULL, origin) : farthest(count, rows, from, origin);
 }
 
 /* Whether all of some numbers are zero: only their signs may be set. */

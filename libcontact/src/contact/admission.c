@@ -44,13 +44,8 @@ void ct_admission_shift(ct_side *sides, int count, int counted)
 
 double ct_side_motion(const ct_side *side)
 {
-  const double *u = side->moved, *end = u + 3 * (int64_t)side->search->node_count;
-  double top = 0.0;
-  for (; u < end; u += 3) {
-    const double square = ct_vector_dot(u, u);
-    top = square > top ? square : top;
-  }
-  return sqrt(top);
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  return ct_farthest(side->search->node_count, side->moved, NULL, zero);
 }
 
 /* Let a point store no more than in the last step. */

@@ -1,6 +1,7 @@
 /* Surfaces whose points meet other surfaces or an obstacle: what both have in common, from gaps and
  * start gaps to rows, forces and energies. */
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../constraint/law.h"
 #include "contact_internal.h"
@@ -141,16 +142,18 @@ static ct_status refuse(const ct_contact *contact, ct_error *error)
                          : status;
 }
 
-/* The coordinates of the nodes of a side, from those of the interaction at the places of these
- * nodes; null: in order. */
-static void take_places(const ct_side *side, const int32_t *place, const double *x)
+/* The coordinates of the nodes of side `s`, from those of the interaction at their places. */
+CT_CLONES
+static void take_places(ct_contact *contact, int s, const double *x)
 {
-  const int32_t count = side->search->node_count;
-  double *to = side->moved;
-  if (place == NULL) memcpy(to, x, 3 * (size_t)count * sizeof *x);
-  for (int32_t n = 0; place != NULL && n < count; n++, to += 3) {
-    const double *from = &x[3 * (int64_t)place[n]];
-    to[0] = from[0], to[1] = from[1], to[2] = from[2];
+  const ct_gaps_fixed *fixed = contact->gaps.fixed;
+  // Nodes with consecutive places are read together.
+  for (int32_t n = 0, row; n < fixed->side[s].search->node_count; n += row) {
+    const double *from = &x[3 * (int64_t)ct_gaps_node(fixed, s, n)];
+    double *restrict to = &contact->gaps.side[s].moved[3 * (int64_t)n];
+    row = ct_gaps_row(fixed, s, n);
+#pragma omp simd
+    for (int64_t d = 0; d < 3 * (int64_t)row; d++) to[d] = from[d];
   }
 }
 
@@ -160,8 +163,7 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_surface_motion *now
   const ct_start_rule *rule = &fixed->start_rule;
   ct_side *sides = contact->gaps.side;
   const int count = fixed->gaps.sides;
-  for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++)
-    take_places(&sides[s], fixed->gaps.place[s], now->x);
+  for (int s = 0; s < ct_gaps_surfaces(&fixed->gaps); s++) take_places(contact, s, now->x);
   ct_status status = fixed->partner->measure(contact, now, error);
   if (status == CT_OK && now->before > 0.0 && !now->first)
     status = fixed->partner->check(contact, now, error);
@@ -203,22 +205,22 @@ static int64_t list_rows(void *state, const ct_surface_motion *now, ct_constrain
 }
 
 /* Sum of the forces of all surfaces on each node. */
+CT_CLONES
 static void add_sides(const ct_contact *contact, double *force)
 {
   const ct_gaps_fixed *fixed = contact->gaps.fixed;
-  const ct_side *first = contact->gaps.side;
-  if (fixed->place[0] == NULL) {
-    for (int64_t d = 0; d < 3 * (int64_t)contact->fixed->is.node_count; d++)
-      force[d] = 0.0 + (first->force[d] + first->force_fine[d]);
-    return;
-  }
   ct_clear(force, 3 * (size_t)contact->fixed->is.node_count);
   for (int s = 0; s < ct_gaps_surfaces(fixed); s++) {
     const ct_side *side = &contact->gaps.side[s];
-    const int32_t *place = fixed->place[s], count = side->search->node_count;
-    for (int32_t n = 0; n < count; n++)
-      for (int64_t c = 0, to = 3 * (int64_t)place[n]; c < 3; c++)
-        force[to + c] += ct_side_force(side, n, (int)c);
+    // Nodes with consecutive places are read together.
+    for (int32_t n = 0, row; n < side->search->node_count; n += row) {
+      const double *coarse = &side->force[3 * (int64_t)n],
+                   *fine = &side->force_fine[3 * (int64_t)n];
+      double *restrict to = &force[3 * (int64_t)ct_gaps_node(fixed, s, n)];
+      row = ct_gaps_row(fixed, s, n);
+#pragma omp simd
+      for (int64_t d = 0; d < 3 * (int64_t)row; d++) to[d] += coarse[d] + fine[d];
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 #include "contact.h"
 
 #include "../base/error.h"
+#include "../base/lanes.h"
+#include "../base/list.h"
 #include "../base/vector.h"
 #include "../constraint/law.h"
 #include "../base/threads.h"
@@ -17,14 +19,21 @@ static const ct_interaction *interaction_of(const ct_effect *effect)
 }
 
 /* Coordinates and velocities of the interaction's nodes. */
+CT_CLONES
 static void gather(const ct_effect *effect, const ct_view *view)
 {
   ct_touch_scratch *s = view->scratch;
-  for (int64_t i = 0; i < effect->node_count; i++)
-    for (int64_t c = 0, dof = 3 * (int64_t)effect->nodes[i]; c < 3; c++, dof++) {
-      s->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
-      s->velocity[3 * i + c] = view->velocity[dof];
+  // Nodes with consecutive numbers are read together.
+  for (int32_t i = 0, row; i < effect->node_count; i += row) {
+    const int64_t from = 3 * (int64_t)effect->nodes[i];
+    double *restrict x = &s->x[3 * (int64_t)i], *restrict v = &s->velocity[3 * (int64_t)i];
+    row = ct_row_length(&effect->nodes[i], effect->node_count - i);
+#pragma omp simd
+    for (int64_t d = 0; d < 3 * (int64_t)row; d++) {
+      x[d] = view->reference[from + d] + view->displacement[from + d];
+      v[d] = view->velocity[from + d];
     }
+  }
 }
 
 static ct_surface_motion motion_of(const ct_view *view)

@@ -1,49 +1,22 @@
 /* Candidate faces of the other surface for each face: lists with a skin. */
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "../base/vector.h"
+#include "../base/stream.h"
 #include "gaps.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Motion of a node since the last build of the candidate lists. */
-static inline void node_motion(const ct_side *side, int64_t n, double d[3])
-{
-  for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
-}
-
-/* Largest motion of a node since then, relative to a given one. */
-static double largest_motion(const ct_side *side, const double shared[3])
-{
-  const double *x = side->search->x, *built = side->x_built,
-               *end = x + 3 * (int64_t)side->search->node_count;
-  double top = 0.0;
-  for (; x < end; x += 3, built += 3) {
-    double d[3];
-    for (int c = 0; c < 3; c++) d[c] = (x[c] - built[c]) - shared[c];
-    const double square = ct_vector_dot(d, d);
-    top = square > top ? square : top;
-  }
-  return sqrt(top);
-}
-
-/* Bound of the motion of two surfaces relative to each other since then. A motion that both share,
- * about the middle of the motions of one of them, brings no faces together (eq:skin). */
+/* Bound of the motion of two surfaces relative to each other since the last build of the lists. A
+ * motion that both share, about the middle of the motions of one of them, brings no faces together
+ * (eq:skin). */
 static double relative_motion(const ct_side *a, const ct_side *b)
 {
-  double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL},
-         shared[3];
-  for (int64_t n = 0; n < a->search->node_count; n++) {
-    double d[3];
-    node_motion(a, n, d);
-    for (int c = 0; c < 3; c++) {
-      low[c] = d[c] < low[c] ? d[c] : low[c];
-      high[c] = d[c] > high[c] ? d[c] : high[c];
-    }
-  }
+  double low[3], high[3], shared[3];
+  ct_extent(a->search->node_count, a->search->x, a->x_built, low, high);
   for (int c = 0; c < 3; c++) shared[c] = 0.5 * (low[c] + high[c]);
-  return largest_motion(a, shared) + largest_motion(b, shared);
+  return ct_farthest(a->search->node_count, a->search->x, a->x_built, shared) +
+         ct_farthest(b->search->node_count, b->search->x, b->x_built, shared);
 }
 
 /* Remove from a list of faces those that share a node with `face`, including itself; returns the

@@ -1,6 +1,7 @@
 #ifndef CT_SRC_GAPS_H
 #define CT_SRC_GAPS_H
 
+#include "../base/list.h"
 #include "side.h"
 
 /* Constant data of the gaps between two surfaces, of one with itself, or of one with an obstacle,
@@ -36,6 +37,13 @@ static inline int ct_gaps_surface(const ct_gaps_fixed *fixed, int s)
 static inline int32_t ct_gaps_node(const ct_gaps_fixed *fixed, int s, int32_t n)
 {
   return fixed->place[s] == NULL ? n : fixed->place[s][n];
+}
+
+/* Length of the row of nodes from node `n` of surface `s` on whose places there are consecutive. */
+static inline int32_t ct_gaps_row(const ct_gaps_fixed *fixed, int s, int32_t n)
+{
+  const int32_t count = fixed->side[s].search->node_count - n;
+  return fixed->place[s] == NULL ? count : ct_row_length(&fixed->place[s][n], count);
 }
 
 /* The same at a time. */

@@ -2,6 +2,7 @@
 #include "side.h"
 
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
 
@@ -215,15 +216,20 @@ double ct_side_rounding(const ct_side *sides, int count)
   return 64.0 * DBL_EPSILON * far;
 }
 
-void ct_side_place(ct_side *side)
+CT_CLONES
+static void place(int64_t count, double *restrict moved, double *restrict x)
 {
-  const int64_t count = 3 * (int64_t)side->search->node_count;
-  double *restrict moved = side->moved, *restrict x = side->search->x;
+#pragma omp simd
   for (int64_t d = 0; d < count; d++) {
     const double now = moved[d];
     moved[d] = now - x[d];
     x[d] = now;
   }
+}
+
+void ct_side_place(ct_side *side)
+{
+  place(3 * (int64_t)side->search->node_count, side->moved, side->search->x);
 }
 
 void ct_side_direct(const ct_side *side, ct_point *point)

@@ -1,5 +1,6 @@
 /* Tunnelling: no surface may pass through another one within a step. */
 #include "../base/error.h"
+#include "../base/stream.h"
 #include "../base/vector.h"
 #include "gaps.h"
 
@@ -109,15 +110,14 @@ void ct_tunnelling_box(const ct_search *search, const int32_t *nodes, const doub
                        ct_bounds *box)
 {
   const int32_t count = search->node_count;
-  ct_bounds all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-  for (int32_t n = 0; n < count; n++) {
-    const double *v = &values[3 * (int64_t)(nodes != NULL ? nodes[n] : n)];
-    for (int c = 0; c < 3; c++) {
-      all.low[c] = v[c] < all.low[c] ? v[c] : all.low[c];
-      all.high[c] = v[c] > all.high[c] ? v[c] : all.high[c];
-    }
+  *box = (ct_bounds){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  // Nodes with consecutive numbers are read together.
+  for (int32_t n = 0, row; n < count; n += row) {
+    ct_bounds some;
+    row = nodes == NULL ? count : ct_row_length(&nodes[n], count - n);
+    ct_extent(row, &values[3 * (int64_t)(nodes == NULL ? 0 : nodes[n])], NULL, some.low, some.high);
+    ct_bounds_join(box, &some);
   }
-  *box = all;
 }
 
 /* Largest and smallest distance of the points of one box from those of the other. */

@@ -619,7 +619,8 @@ double ct_mesh_shortest_edge(const ct_mesh *mesh)
 
 void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3])
 {
-  ct_extent(mesh == NULL ? 0 : mesh->node_count, mesh == NULL ? NULL : mesh->nodes, low, high);
+  ct_extent(mesh == NULL ? 0 : mesh->node_count, mesh == NULL ? NULL : mesh->nodes, NULL, low,
+            high);
 }
 
 int ct_brick_octant(ct_brick_kind kind, int a)

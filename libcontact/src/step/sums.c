@@ -104,7 +104,7 @@ static void body_terms(const ct_problem *problem, const ct_state *state, int32_t
 static double middle_of(int64_t count, const double *u, double middle[3])
 {
   double low[3], high[3], largest = -INFINITY;
-  ct_extent(count, u, low, high);
+  ct_extent(count, u, NULL, low, high);
   for (int c = 0; c < 3; c++) {
     middle[c] = 0.5 * (low[c] + high[c]);
     largest = fmax(largest, fmax(-low[c], high[c]));
