@@ -6,29 +6,45 @@
 
 #include <string.h>
 
+/* Length of the row of consecutive nodes with which the shared nodes of a piece from the i-th on
+ * begin. */
+static int32_t row_of(const ct_workspace *w, ct_moved piece, int32_t i)
+{
+  return ct_row_length(&w->shared[i], piece.shared_last - i);
+}
+
+CT_CLONES
 void ct_ledger_keep(const ct_state *state, ct_moved piece, double *sum, double *work)
 {
   const int32_t *nodes = state->workspace->shared;
-  for (int32_t i = piece.shared_first; i < piece.shared_last; i++, work += 3) {
-    memcpy(&sum[3 * (nodes[i] - piece.first)], &state->velocity[3 * (int64_t)nodes[i]],
-           3 * sizeof *sum);
-    memcpy(work, &state->work[3 * (int64_t)nodes[i]], 3 * sizeof *work);
+  for (int32_t i = piece.shared_first, row; i < piece.shared_last; i += row) {
+    const int64_t count = 3 * (int64_t)(row = row_of(state->workspace, piece, i));
+    const double *v = &state->velocity[3 * (int64_t)nodes[i]],
+                 *from = &state->work[3 * (int64_t)nodes[i]];
+    double *restrict before = &sum[3 * (nodes[i] - piece.first)], *restrict kept = work;
+#pragma omp simd
+    for (int64_t d = 0; d < count; d++) before[d] = v[d], kept[d] = from[d];
+    work += count;
   }
 }
 
+CT_CLONES
 void ct_ledger_correct(ct_state *state, double share, ct_moved piece, const double *work,
                        double *sum)
 {
   const ct_workspace *w = state->workspace;
-  for (int32_t i = piece.shared_first; i < piece.shared_last; i++, work += 3) {
-    const int64_t dof = 3 * (int64_t)w->shared[i];
+  for (int32_t i = piece.shared_first, row; i < piece.shared_last; i += row) {
+    const int64_t dof = 3 * (int64_t)w->shared[i], count = 3 * (int64_t)(row = row_of(w, piece, i));
     const double *v = &state->velocity[dof], *force = &w->shared_first[3 * (int64_t)i];
-    double *both = &sum[dof - 3 * (int64_t)piece.first], *to = &state->work[dof];
-    for (int c = 0; c < 3; c++) {
-      both[c] += v[c];
+    double *restrict both = &sum[dof - 3 * (int64_t)piece.first],
+                     *restrict to = &state->work[dof];
+#pragma omp simd
+    for (int64_t d = 0; d < count; d++) {
+      both[d] += v[d];
       // (eq:work-balance, eq:stage-work)
-      to[c] = work[c] + share * force[c] * both[c];
+      to[d] = work[d] + share * force[d] * both[d];
     }
+    work += count;
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "../base/bits.h"
 #include "../base/error.h"
+#include "../base/lanes.h"
 #include "effect_internal.h"
 #include "workspace.h"
 
@@ -382,16 +383,32 @@ ct_status ct_piece_create(const ct_problem *problem, const ct_piece_def *def, ct
   return status;
 }
 
+/* Copy the rows of `values` of some nodes to a list, or back. Nodes with consecutive numbers are
+ * copied together. */
+CT_CLONES
+static void pass_rows(int64_t count, const int32_t *nodes, int back, double *restrict values,
+                      double *restrict list)
+{
+  for (int64_t i = 0, end; i < count; i = end) {
+    double *restrict row = &values[3 * (int64_t)nodes[i]];
+    for (end = i + 1; end < count && nodes[end] == nodes[end - 1] + 1;) end++;
+    const int64_t numbers = 3 * (end - i);
+#pragma omp simd
+    for (int64_t d = 0; d < numbers; d++)
+      if (back) row[d] = list[d];
+      else list[d] = row[d];
+    list += numbers;
+  }
+}
+
 ct_status ct_piece_share(ct_piece *piece, double *values, ct_error *error)
 {
-  for (int64_t i = 0; i < piece->counts.sent; i++)
-    memcpy(&piece->send[3 * i], &values[3 * (int64_t)piece->sent[i]], 3 * sizeof *values);
+  pass_rows(piece->counts.sent, piece->sent, 0, values, piece->send);
   piece->counts.exchanges++;
   if (piece->def.exchange(piece->def.join.data, piece->send, piece->send_count, piece->receive,
                           piece->receive_count) != 0)
     return no_exchange(error);
-  for (int64_t i = 0; i < piece->counts.received; i++)
-    memcpy(&values[3 * (int64_t)piece->received[i]], &piece->receive[3 * i], 3 * sizeof *values);
+  pass_rows(piece->counts.received, piece->received, 1, values, piece->receive);
   return CT_OK;
 }
 
