@@ -470,8 +470,14 @@ void ct_matrix_choose(ct_solver *s)
 {
   if (s->counted == 2) return;
   if (!s->counted) count_rows(s), s->kept = 0;
-  // In pieces the counts become those of all of them.
   s->counted = s->pieces == NULL ? 2 : s->bodies == NULL;
-  if (s->pieces != NULL) list_shared_nodes(s);
+  if (s->pieces != NULL) {
+    const size_t size = (size_t)s->node_count * sizeof *s->row_counts;
+    double some = s->bodies != NULL || memcmp(s->row_counts, s->told_counts, size) != 0;
+    ct_pieces_largest(s->pieces, &some, 1);
+    if (some == 0.0) return;
+    memcpy(s->told_counts, s->row_counts, size);
+    list_shared_nodes(s); // of rigid bodies the counts become those of all pieces
+  }
   list_active_nodes(s);
 }

@@ -66,6 +66,7 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->nodes = ct_pool_take(pool, nodes, sizeof *s->nodes);
   s->place = ct_pool_take(pool, nodes, sizeof *s->place);
   s->row_counts = ct_pool_take(pool, nodes, sizeof *s->row_counts);
+  s->told_counts = ct_pool_take(pool, nodes, sizeof *s->told_counts);
   s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->dropped = ct_pool_take(pool, (size_t)s->most, sizeof *s->dropped);

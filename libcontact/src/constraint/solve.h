@@ -75,6 +75,7 @@ typedef struct ct_solver {
   double *sums;           /* of forces, likewise; 0 between two calls */
   double *moved;          /* displacement by these forces, likewise */
   int32_t *row_counts;    /* number of rows that act on each node */
+  int32_t *told_counts;   /* the same when pieces have told each other last */
   int counted;            /* 1 if they are those of the groups; 2 if, besides, the active nodes are
                              listed */
   int foreign;            /* whether there is a set with foreign rows */

@@ -94,7 +94,8 @@ static void clear_shared(const ct_workspace *w, const uint64_t *summed)
     end = ct_piece_end(i, w->shared_count);
     int is_row = nodes[end - 1] - nodes[i] == end - 1 - i;
     if (is_row && ct_bits_next(summed, nodes[i], nodes[end - 1] + 1, 0) > nodes[end - 1]) continue;
-    for (int32_t n = i; n < end; n++)
+    if (is_row) ct_clear(&w->total[3 * (int64_t)nodes[i]], 3 * (size_t)(end - i));
+    for (int32_t n = i; !is_row && n < end; n++)
       memset(&w->total[3 * (int64_t)nodes[n]], 0, 3 * sizeof(double));
   }
 }
